@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The scene.toml of a synthetic data set.
+#pragma once
+
+#include "datasets-synthetic/dataset.hpp"
+
+#include <Eigen/Core>
+#include <utility>
+
+namespace palpate::synth {
+
+/// What the scene needs to know of the organ that was made. Lengths in m.
+struct SceneFacts {
+  std::string organ_file;
+  std::string inclusion_file;  ///< empty: none
+  std::string tool_file;       ///< empty: an analytic shape
+  double held_below = 0.0;     ///< the surface is held where z is at most this
+  double spacing = 0.015;
+  bool uniform = false;  ///< as coarse at margins as elsewhere
+  std::optional<std::pair<Eigen::Vector3d, Eigen::Vector3d>> sampled_box;
+};
+
+std::string scene_text(const DatasetOptions& options, const SceneFacts& facts);
+
+}  // namespace palpate::synth

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Closed manifold surfaces of known shape: outward triangles, one named part.
+#pragma once
+
+#include "formats/surface.hpp"
+
+#include <string>
+#include <vector>
+
+namespace palpate::synth {
+
+/// Unit sphere: each edge of an icosahedron cut into `frequency` (>= 1) parts; 20 frequency^2 triangles.
+Surface geodesic_sphere(int frequency, const std::string& name);
+
+/// Frequency at which a surface of about `area` (m^2) gets edges of about `edge` (m).
+int geodesic_frequency(double area, double edge);
+
+/// Ellipsoid with semi-axes along x, y, z (m).
+Surface ellipsoid(const Eigen::Vector3d& centre, const Eigen::Vector3d& semi_axes, double edge,
+                  const std::string& name);
+
+/// Box from -size/2 to size/2 in x and y and from -size.z to 0 in z (its top lies in z = 0); edges about `edge` (m).
+Surface box(const Eigen::Vector3d& size, double edge, const std::string& name);
+
+/// A point of a profile that is turned about the z axis.
+struct ProfilePoint {
+  double radius = 0.0;  ///< m; 0 at the first and the last point only
+  double z = 0.0;       ///< m
+};
+
+/// Surface of revolution. The profile runs from the pole below to the pole above, counter-clockwise about the solid.
+Surface revolved(const std::vector<ProfilePoint>& profile, int segments, const std::string& name);
+
+/// Sphere tip as a tool mesh: centre at the origin.
+Surface sphere_tool(double radius);
+/// Capsule as a tool mesh: the tip cap's centre at the origin, the other at (0, 0, length).
+Surface capsule_tool(double radius, double length);
+/// Pointed instrument: tip sphere about the origin, a cone that widens to a shaft, a flat end at z = length.
+Surface stylus_tool(double tip_radius, double shaft_radius, double length);
+
+}  // namespace palpate::synth

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: MIT
+// The bytes of a .palp response file, version 1; the prose specification is formats/response-file.md.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+/// C++17 and the standard library alone: shared by the writer (formats/response.cpp) and the runtime.
+/// Little-endian, IEEE 754; every section starts at a multiple of kAlignment bytes. Lengths in metres, forces in
+/// newtons.
+namespace palpate::layout {
+
+inline constexpr unsigned char kMagic[8] = {'P', 'A', 'L', 'P', 'A', 'T', 'E', 0};
+inline constexpr std::uint32_t kVersion = 1;
+inline constexpr std::uint64_t kAlignment = 64;
+inline constexpr std::uint32_t kMinCoefs = 4;   ///< a cubic needs four
+inline constexpr std::uint32_t kMaxCoefs = 32;  ///< so that a blended response fits a fixed buffer
+inline constexpr std::uint32_t kMaxSections = 32;
+inline constexpr std::uint32_t kMaxSearchDepth = 48;
+inline constexpr std::uint32_t kMaxSubdivision = 1024;
+inline constexpr std::uint32_t kMaxCount = 0x7fffffff;  ///< of anything
+
+enum class Section : std::uint32_t {
+  meta = 1,               ///< one Meta
+  sites = 2,              ///< Site
+  patches = 3,            ///< Patch: triangles of the haptic mesh
+  surface_vertices = 4,   ///< Point: contact surface
+  surface_triangles = 5,  ///< SurfaceTriangle
+  tools = 6,              ///< ToolRecord
+  tool_vertices = 7,      ///< ToolVertexRecord; absent when every tool has one vertex
+  tool_patches = 8,       ///< Patch over tool vertices; absent with tool_vertices
+  responses = 9,          ///< ResponseHead, then float[normal_coefs]
+  lateral = 10,           ///< float[2 * lateral_coefs]; absent when a straight push has no sideways force
+  friction = 11,          ///< float[2 growth + 2 sideways + 1 friction coefs]; absent when frictionless
+  search = 12,            ///< SearchNode; absent when the contact surface is small
+  provenance = 13         ///< UTF-8 JSON text
+};
+
+inline constexpr std::uint32_t kSectionIds = 14;  ///< ids are below this
+
+/// The section's name as the specification spells it; "?" for an unknown id.
+inline constexpr const char* section_name(std::uint32_t id) {
+  constexpr const char* kNames[kSectionIds] = {
+      "?",      "META",          "SITES",        "PATCHES",   "SURFACE_VERTICES", "SURFACE_TRIANGLES",
+      "TOOLS",  "TOOL_VERTICES", "TOOL_PATCHES", "RESPONSES", "LATERAL",          "FRICTION",
+      "SEARCH", "PROVENANCE"};
+  return id < kSectionIds ? kNames[id] : kNames[0];
+}
+
+enum Feature : std::uint32_t {
+  feature_lateral = 1u << 0,
+  feature_friction = 1u << 1,
+  feature_tool_patches = 1u << 2,
+  feature_search = 1u << 3,
+  feature_all = 15u
+};
+
+enum SiteFlag : std::uint32_t {
+  site_held = 1u << 0,     ///< the vertex lies on a support
+  site_outside = 1u << 1,  ///< outside the region that was sampled
+  site_all = 3u
+};
+
+/// Exactly one of solved and covered is set.
+enum ResponseFlag : std::uint32_t {
+  response_solved = 1u << 0,   ///< fitted to this pair's own samples
+  response_covered = 1u << 1,  ///< refused or never planned: taken from neighbours
+  response_all = 3u
+};
+
+enum class ToolKind : std::uint32_t { point_sphere = 0, profile = 1, mesh = 2 };
+enum class Model : std::uint32_t { separable = 1 };
+
+struct FileHeader {
+  unsigned char magic[8];
+  std::uint32_t version;
+  std::uint32_t section_count;
+  std::uint64_t file_size;  ///< bytes
+  std::uint64_t checksum;   ///< XXH64, seed 0, of the whole file with this field zero
+  std::uint32_t features;   ///< Feature bits
+  std::uint32_t reserved[7];
+};
+
+/// The table of contents follows the header; ids ascend, each at most once.
+struct SectionEntry {
+  std::uint32_t id;
+  std::uint32_t element_size;  ///< bytes
+  std::uint64_t offset;        ///< bytes from the start of the file
+  std::uint64_t size;          ///< bytes, count * element_size
+  std::uint64_t count;         ///< elements, at least 1
+};
+
+struct Meta {
+  double depth_scale;     ///< Z (m)
+  double sideways_scale;  ///< X (m); 0 in a frictionless file
+  std::uint32_t model;
+  std::uint32_t site_count, patch_count, vertex_count, triangle_count;
+  std::uint32_t tool_count, tool_vertex_count, tool_patch_count;
+  std::uint32_t response_count;  ///< site_count * tool_vertex_count
+  std::uint32_t subdivision;     ///< k: each patch is k * k triangles of the contact surface
+  std::uint32_t normal_coefs, lateral_coefs, growth_coefs, sideways_coefs, friction_coefs;
+  std::uint32_t search_nodes;
+  std::uint32_t reserved[12];
+};
+
+struct Site {
+  float position[3];
+  float normal[3];    ///< outward unit
+  float tangent[3];   ///< unit, orthogonal to normal: the x axis of the responses; y = normal cross tangent
+  float depth_limit;  ///< m, how deep this site was sampled
+  std::uint32_t flags;
+  std::uint32_t reserved;
+};
+
+struct Patch {
+  std::uint32_t vertex[3];
+};
+
+struct Point {
+  float xyz[3];
+};
+
+struct SurfaceTriangle {
+  std::uint32_t vertex[3];     ///< counter-clockwise seen from outside
+  std::uint32_t neighbour[3];  ///< triangle across the edge opposite each corner
+  std::uint32_t patch;
+  std::uint16_t grid[3][2];  ///< per corner: k times its weights of the patch's first two sites
+};
+
+struct ToolRecord {
+  char name[32];  ///< zero-terminated UTF-8
+  std::uint32_t kind;
+  std::uint32_t first_vertex, vertex_count;
+  std::uint32_t first_patch, patch_count;  ///< both 0 when the file has no tool patches
+  float radius;                            ///< m, the scene's (for display)
+  float probe_radius;                      ///< m, from the axis to the skin; 0 for a punch and a mesh
+  float axis_length;                       ///< m, the axis runs from (0,0,0) to (0,0,axis_length) in the tool's frame
+};
+
+struct ToolVertexRecord {
+  float point[3];
+  float normal[3];  ///< outward unit
+  float tangent[3];
+  float meridian;  ///< m, arc length from the tip's pole (profile tools)
+  char name[24];
+};
+
+struct ResponseHead {
+  float depth_limit;  ///< m, how deep this pair was sampled
+  std::uint32_t flags;
+};
+
+/// Box over the triangles below a node. count 0: children are nodes `first` and `first + 1`.
+struct SearchNode {
+  float lower[3];
+  std::uint32_t first;
+  float upper[3];
+  std::uint32_t count;  ///< leaf: triangles first .. first + count - 1
+};
+
+static_assert(sizeof(float) == 4 && sizeof(double) == 8);
+static_assert(sizeof(FileHeader) == 64 && offsetof(FileHeader, checksum) == 24 && offsetof(FileHeader, features) == 32);
+static_assert(sizeof(SectionEntry) == 32 && offsetof(SectionEntry, offset) == 8);
+static_assert(sizeof(Meta) == 128 && offsetof(Meta, model) == 16);
+static_assert(sizeof(Site) == 48 && sizeof(Patch) == 12 && sizeof(Point) == 12);
+static_assert(sizeof(SurfaceTriangle) == 40 && sizeof(ToolRecord) == 64 && sizeof(ToolVertexRecord) == 64);
+static_assert(sizeof(ResponseHead) == 8 && sizeof(SearchNode) == 32);
+static_assert(std::is_trivially_copyable_v<Meta> && std::is_trivially_copyable_v<ToolRecord>);
+
+/// Index of the response of (site, tool vertex); tool vertices are numbered over all tools.
+inline constexpr std::uint64_t response_index(const Meta& meta, std::uint32_t site, std::uint32_t tool_vertex) {
+  return std::uint64_t{site} * meta.tool_vertex_count + tool_vertex;
+}
+
+/// Bytes of one element of RESPONSES, LATERAL and FRICTION.
+inline constexpr std::uint32_t response_size(const Meta& m) { return 8 + 4 * m.normal_coefs; }
+inline constexpr std::uint32_t lateral_size(const Meta& m) { return 8 * m.lateral_coefs; }
+inline constexpr std::uint32_t friction_size(const Meta& m) {
+  return 4 * (2 * m.growth_coefs + 2 * m.sideways_coefs + m.friction_coefs);
+}
+
+}  // namespace palpate::layout

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: MIT
+// From a response file's content to its bytes.
+#include "formats/response.hpp"
+
+#include "formats/response_check.hpp"
+#include "palpate/checksum.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+
+namespace palpate {
+namespace {
+
+using layout::Section;
+
+void put(float (&to)[3], const Triple& from) {
+  for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(from[k]);
+}
+
+template <std::size_t Size>
+void put(char (&to)[Size], const std::string& from) {
+  std::memset(to, 0, Size);
+  std::memcpy(to, from.data(), std::min(from.size(), Size - 1));
+}
+
+// Sections in ascending order of id; each is bytes and the size of one of its elements.
+class Sections {
+public:
+  template <class Record>
+  void add(Section id, const std::vector<Record>& records) {
+    add(id, records.data(), sizeof(Record), records.size());
+  }
+  void add(Section id, const void* data, std::size_t element, std::size_t count) {
+    if (count == 0) return;
+    Body& body = bodies_[static_cast<std::uint32_t>(id)];
+    body.element = static_cast<std::uint32_t>(element);
+    body.bytes.resize(element * count);
+    std::memcpy(body.bytes.data(), data, body.bytes.size());
+  }
+
+  [[nodiscard]] std::vector<std::byte> assemble(std::uint32_t features) const {
+    const auto align = [](std::uint64_t at) {
+      return (at + layout::kAlignment - 1) / layout::kAlignment * layout::kAlignment;
+    };
+    std::vector<layout::SectionEntry> table;
+    std::uint64_t end = align(sizeof(layout::FileHeader) + bodies_.size() * sizeof(layout::SectionEntry));
+    for (const auto& [id, body] : bodies_) {
+      table.push_back({id, body.element, end, body.bytes.size(), body.bytes.size() / body.element});
+      end = align(end + body.bytes.size());
+    }
+    layout::FileHeader header{};
+    std::copy(std::begin(layout::kMagic), std::end(layout::kMagic), header.magic);
+    header.version = layout::kVersion;
+    header.section_count = static_cast<std::uint32_t>(table.size());
+    header.file_size = end;
+    header.features = features;
+    std::vector<std::byte> file(end);
+    std::memcpy(file.data(), &header, sizeof header);
+    std::memcpy(file.data() + sizeof header, table.data(), table.size() * sizeof(layout::SectionEntry));
+    for (const auto& entry : table) {
+      std::memcpy(file.data() + entry.offset, bodies_.at(entry.id).bytes.data(), entry.size);
+    }
+    const std::uint64_t sum = checksum::of_file(reinterpret_cast<const unsigned char*>(file.data()), file.size(),
+                                                offsetof(layout::FileHeader, checksum));
+    std::memcpy(file.data() + offsetof(layout::FileHeader, checksum), &sum, sizeof sum);
+    return file;
+  }
+
+private:
+  struct Body {
+    std::uint32_t element = 1;
+    std::vector<std::byte> bytes;
+  };
+  std::map<std::uint32_t, Body> bodies_;
+};
+
+bool has_tool_patches(const ResponseFileContent& c) {
+  return std::any_of(c.tools.begin(), c.tools.end(), [](const ResponseTool& t) { return t.vertices.size() > 1; });
+}
+
+std::vector<layout::Patch> patch_records(const std::vector<std::array<std::uint32_t, 3>>& patches,
+                                         std::uint32_t first) {
+  std::vector<layout::Patch> records;
+  for (const auto& p : patches) records.push_back({{first + p[0], first + p[1], first + p[2]}});
+  return records;
+}
+
+void add_body(Sections& sections, const ResponseFileContent& c) {
+  std::vector<layout::Site> sites;
+  for (const ResponseSite& s : c.sites) {
+    layout::Site record{};
+    put(record.position, s.position);
+    put(record.normal, s.normal);
+    put(record.tangent, s.tangent);
+    record.depth_limit = static_cast<float>(s.depth_limit);
+    record.flags = s.flags;
+    sites.push_back(record);
+  }
+  std::vector<layout::Point> points(c.surface_vertices.size());
+  for (std::size_t i = 0; i < points.size(); ++i) put(points[i].xyz, c.surface_vertices[i]);
+  const auto across = detail::neighbours(c);
+  std::vector<layout::SurfaceTriangle> triangles;
+  for (std::size_t i = 0; i < c.surface_triangles.size(); ++i) {
+    const ResponseTriangle& t = c.surface_triangles[i];
+    layout::SurfaceTriangle record{};
+    for (int k = 0; k < 3; ++k) {
+      record.vertex[k] = t.vertices[k];
+      record.neighbour[k] = across[i][k];
+      record.grid[k][0] = t.grid[k][0];
+      record.grid[k][1] = t.grid[k][1];
+    }
+    record.patch = t.patch;
+    triangles.push_back(record);
+  }
+  sections.add(Section::sites, sites);
+  sections.add(Section::patches, patch_records(c.patches, 0));
+  sections.add(Section::surface_vertices, points);
+  sections.add(Section::surface_triangles, triangles);
+  sections.add(Section::search, c.search);
+}
+
+void add_tools(Sections& sections, const ResponseFileContent& c, layout::Meta& meta) {
+  std::vector<layout::ToolRecord> tools;
+  std::vector<layout::ToolVertexRecord> vertices;
+  std::vector<layout::Patch> patches;
+  const bool patched = has_tool_patches(c);
+  for (const ResponseTool& t : c.tools) {
+    layout::ToolRecord record{};
+    put(record.name, t.name);
+    record.kind = static_cast<std::uint32_t>(t.kind);
+    record.first_vertex = meta.tool_vertex_count;
+    record.vertex_count = static_cast<std::uint32_t>(t.vertices.size());
+    record.radius = static_cast<float>(t.radius);
+    record.probe_radius = static_cast<float>(t.probe_radius);
+    record.axis_length = static_cast<float>(t.axis_length);
+    meta.tool_vertex_count += record.vertex_count;
+    if (patched) {
+      record.first_patch = static_cast<std::uint32_t>(patches.size());
+      const std::vector<std::array<std::uint32_t, 3>> single{{0, 0, 0}};
+      const auto own = patch_records(t.patches.empty() ? single : t.patches, record.first_vertex);
+      record.patch_count = static_cast<std::uint32_t>(own.size());
+      patches.insert(patches.end(), own.begin(), own.end());
+      for (const ResponseToolVertex& v : t.vertices) {
+        layout::ToolVertexRecord vertex{};
+        put(vertex.point, v.point);
+        put(vertex.normal, v.normal);
+        put(vertex.tangent, v.tangent);
+        vertex.meridian = static_cast<float>(v.meridian);
+        put(vertex.name, v.name);
+        vertices.push_back(vertex);
+      }
+    }
+    tools.push_back(record);
+  }
+  meta.tool_count = static_cast<std::uint32_t>(tools.size());
+  meta.tool_patch_count = static_cast<std::uint32_t>(patches.size());
+  sections.add(Section::tools, tools);
+  sections.add(Section::tool_vertices, vertices);
+  sections.add(Section::tool_patches, patches);
+}
+
+void add_responses(Sections& sections, const ResponseFileContent& c, const layout::Meta& meta) {
+  std::vector<std::byte> heads;
+  std::vector<float> lateral, friction;
+  const auto append = [](std::vector<float>& to, const std::vector<float>& from) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
+  for (const Response& r : c.responses) {
+    const layout::ResponseHead head{static_cast<float>(r.depth_limit), r.flags};
+    const auto* begin = reinterpret_cast<const std::byte*>(&head);
+    heads.insert(heads.end(), begin, begin + sizeof head);
+    const auto* curve = reinterpret_cast<const std::byte*>(r.normal.data());
+    heads.insert(heads.end(), curve, curve + r.normal.size() * sizeof(float));
+    append(lateral, r.lateral_x);
+    append(lateral, r.lateral_y);
+    for (const auto* family : {&r.growth_x, &r.growth_y, &r.sideways_x, &r.sideways_y, &r.friction}) {
+      append(friction, *family);
+    }
+  }
+  sections.add(Section::responses, heads.data(), layout::response_size(meta), c.responses.size());
+  if (c.lateral_coefs > 0) {
+    sections.add(Section::lateral, lateral.data(), layout::lateral_size(meta), c.responses.size());
+  }
+  if (c.growth_coefs > 0) {
+    sections.add(Section::friction, friction.data(), layout::friction_size(meta), c.responses.size());
+  }
+}
+
+}  // namespace
+
+std::uint32_t ResponseFileContent::tool_vertex_count() const {
+  std::size_t count = 0;
+  for (const ResponseTool& tool : tools) count += tool.vertices.size();
+  return static_cast<std::uint32_t>(count);
+}
+
+std::vector<std::byte> encode(const ResponseFileContent& c) {
+  detail::check_content(c);
+  layout::Meta meta{};
+  meta.depth_scale = c.depth_scale;
+  meta.sideways_scale = c.sideways_scale;
+  meta.model = static_cast<std::uint32_t>(layout::Model::separable);
+  meta.site_count = static_cast<std::uint32_t>(c.sites.size());
+  meta.patch_count = static_cast<std::uint32_t>(c.patches.size());
+  meta.vertex_count = static_cast<std::uint32_t>(c.surface_vertices.size());
+  meta.triangle_count = static_cast<std::uint32_t>(c.surface_triangles.size());
+  meta.response_count = static_cast<std::uint32_t>(c.responses.size());
+  meta.subdivision = c.subdivision;
+  meta.normal_coefs = c.normal_coefs;
+  meta.lateral_coefs = c.lateral_coefs;
+  meta.growth_coefs = c.growth_coefs;
+  meta.sideways_coefs = c.sideways_coefs;
+  meta.friction_coefs = c.friction_coefs;
+  meta.search_nodes = static_cast<std::uint32_t>(c.search.size());
+
+  Sections sections;
+  add_body(sections, c);
+  add_tools(sections, c, meta);
+  add_responses(sections, c, meta);
+  sections.add(Section::meta, &meta, sizeof meta, 1);
+  sections.add(Section::provenance, c.provenance.data(), 1, c.provenance.size());
+  const std::uint32_t features =
+      (c.lateral_coefs > 0 ? layout::feature_lateral : 0u) | (c.growth_coefs > 0 ? layout::feature_friction : 0u) |
+      (has_tool_patches(c) ? layout::feature_tool_patches : 0u) | (c.search.empty() ? 0u : layout::feature_search);
+  return sections.assemble(features);
+}
+
+}  // namespace palpate

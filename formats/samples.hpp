@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+// What the bake records: planned pairs, solved samples, outcomes. Stored by the journal (journal.hpp).
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+/// Local frame of a contact: origin on the undeformed body, n outward unit normal, x and y unit tangents,
+/// right-handed (x cross y = n).
+struct ContactFrame {
+  Eigen::Vector3d origin{0, 0, 0};
+  Eigen::Vector3d x{1, 0, 0}, y{0, 1, 0}, n{0, 0, 1};
+
+  /// Components (x, y, n) of a world vector.
+  [[nodiscard]] Eigen::Vector3d to_local(const Eigen::Vector3d& v) const { return {x.dot(v), y.dot(v), n.dot(v)}; }
+  [[nodiscard]] Eigen::Vector3d to_world(const Eigen::Vector3d& v) const { return v.x() * x + v.y() * y + v.z() * n; }
+};
+
+/// One pair (body vertex c, tool vertex p) to be solved.
+struct PairPlan {
+  std::uint32_t site = 0;         ///< vertex of the haptic mesh
+  std::uint32_t tool = 0;         ///< index of the tool in the scene
+  std::uint32_t tool_vertex = 0;  ///< vertex of that tool's patches
+  ContactFrame frame;             ///< at c; the tool's normal at p is -n, its tangent at p lies along x
+  double depth = 0.0;             ///< m; deepest push at this site
+};
+
+enum class SampleKind : std::uint8_t { normal = 0, tangential = 1 };
+
+/// One equilibrium that passed its gates.
+struct Sample {
+  SampleKind kind = SampleKind::normal;
+  std::uint16_t index = 0;            ///< position in the pair's deflection path
+  /// p - c in the contact frame: (x, y) sideways (m) and, third, the depth along the INWARD normal (m, >= 0).
+  Eigen::Vector3d deflection{0, 0, 0};
+  Eigen::Vector3d force{0, 0, 0};     ///< N on the tool, components (x, y, n); a push answers with n > 0
+  double friction_limit = 0.0;        ///< mu(depth): gross-slip tangential force over force.z, normal samples only
+  double contact_area = 0.0;          ///< m^2, undeformed area of the surface in contact
+  double penetration = 0.0;           ///< m, largest overlap of tool and tissue that the penalty left
+  double min_jacobian = 1.0;          ///< smallest det F over the quadrature points
+  double error_estimate = 0.0;        ///< relative, from contact resolution and residual
+  std::uint32_t contact_points = 0;   ///< integration points in contact
+  std::uint32_t iterations = 0;       ///< minimiser iterations
+};
+
+/// How a pair ended.
+struct PairOutcome {
+  bool accepted = false;
+  std::string cause;        ///< of a refusal: one line that names the gate and its figure
+  double first_touch = 0.0; ///< m; shift along -n at which the tool first touches the body's surface
+  std::uint32_t nodes = 0;  ///< of the solved mesh
+  std::uint32_t normal_solves = 0, tangential_solves = 0;
+  std::uint32_t factorisations = 0;
+};
+
+/// Everything a pair produced.
+struct PairResult {
+  PairOutcome outcome;
+  std::vector<Sample> samples;
+};
+
+}  // namespace palpate

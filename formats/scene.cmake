@@ -1,0 +1,10 @@
+# SPDX-License-Identifier: MIT
+# palpate_scene: reads scene.toml by toml++.
+find_path(TOMLPLUSPLUS_INCLUDE_DIR toml++/toml.h REQUIRED)
+find_library(TOMLPLUSPLUS_LIBRARY tomlplusplus REQUIRED)
+mark_as_advanced(TOMLPLUSPLUS_INCLUDE_DIR TOMLPLUSPLUS_LIBRARY)
+
+add_library(palpate_scene STATIC scene.cpp scene_keys.cpp scene_reference.cpp scene_source.cpp scene_value.cpp)
+target_include_directories(palpate_scene SYSTEM PRIVATE ${TOMLPLUSPLUS_INCLUDE_DIR})
+target_compile_definitions(palpate_scene PRIVATE TOML_HEADER_ONLY=0 TOML_SHARED_LIB=1)
+target_link_libraries(palpate_scene PUBLIC palpate_formats PRIVATE palpate_file palpate_settings ${TOMLPLUSPLUS_LIBRARY})

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: MIT
+// Reads a scene file: TOML, then every section by its table of keys, then what is wrong only together.
+#include "formats/scene.hpp"
+
+#include "formats/file.hpp"
+#include "formats/scene_keys.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace palpate {
+
+namespace {
+
+using namespace scene_io;
+
+toml::table parse(const std::filesystem::path& file) {
+  // Scenes are a few kilobytes; the bound keeps a wrong file (an organ, a device) from filling the memory.
+  const std::string text = read_file(file, "scene", std::size_t{1} << 20);
+  try {
+    return toml::parse(text, file.string());
+  } catch (const toml::parse_error& error) {
+    throw Error(ExitCode::bad_input, file.string() + ":" + std::to_string(error.source().begin.line) +
+                                         ": not TOML: " + std::string(error.description()));
+  }
+}
+
+/// The section as a table; null when it is not there.
+const toml::table* section(const toml::table& root, const char* name, const Place& place) {
+  const toml::node* node = root.get(name);
+  return node == nullptr ? nullptr : &to_table(place.below(name), *node);
+}
+
+/// A section that may stand several times ([[name]]) or once ([name]).
+std::vector<const toml::table*> sections(const toml::table& root, const char* name, const Place& place) {
+  const toml::node* node = root.get(name);
+  if (node == nullptr) return {};
+  if (const auto* table = node->as_table()) return {table};
+  const auto* array = node->as_array();
+  const std::string allowed = "tables: [[" + std::string(name) + "]]";
+  if (array == nullptr || array->empty()) fail_value(place.below(name), *node, allowed);
+  std::vector<const toml::table*> tables;
+  for (const toml::node& element : *array) {
+    if (!element.is_table()) fail_value(place.below(name), element, allowed);
+    tables.push_back(element.as_table());
+  }
+  return tables;
+}
+
+template <class T>
+void read_section(T& target, const toml::table& root, const char* name, const Keys<T>& keys, const Place& place) {
+  if (const toml::table* table = section(root, name, place)) read_table(target, *table, keys, place.below(name));
+}
+
+/// `name`, `name2`, ... for those without a name; two with one name are an error.
+template <class T>
+void name_all(std::vector<T>& items, const std::vector<const toml::table*>& tables, const char* name,
+              const Place& place) {
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (!tables[i]->contains("name")) items[i].name = i == 0 ? name : name + std::to_string(i + 1);
+    for (std::size_t j = 0; j < i; ++j) {
+      if (items[j].name == items[i].name) {
+        fail(place.below(name).below("name"), tables[i], "got " + show(items[i].name) + " twice; names must differ");
+      }
+    }
+  }
+}
+
+void read_regions(Scene& scene, const toml::table& root, const Place& place) {
+  const auto tables = sections(root, "region", place);
+  for (const toml::table* table : tables) {
+    read_table(scene.regions.emplace_back(), *table, region_keys(), place.below("region"));
+    if (!table->contains("surface")) {
+      fail(place.below("region.surface"), table, "missing; a region needs a closed surface inside the body");
+    }
+  }
+  name_all(scene.regions, tables, "region", place);
+}
+
+void read_supports(Scene& scene, const toml::table& root, const Place& place) {
+  for (const toml::table* table : sections(root, "support", place)) {
+    const Place here = place.below("support");
+    if (table->size() > 1) {
+      // An unknown key is the likelier mistake and has the better message.
+      SupportScene unused;
+      read_table(unused, *table, support_keys(), here);
+    }
+    if (table->size() != 1) {
+      fail(here, table,
+           "got " + std::to_string(table->size()) + " keys; allowed exactly one of mesh, box, half_space, distance");
+    }
+    read_table(scene.supports.emplace_back(), *table, support_keys(), here);
+  }
+}
+
+/// Keys of a tool that its shape has no use for are errors: they would look as if they did something.
+void check_tool(const ToolScene& tool, const toml::table& table, const Place& place) {
+  static const std::array<std::vector<std::string>, 4> used{{{"radius"},
+                                                             {"radius", "edge_radius", "length"},
+                                                             {"radius", "length"},
+                                                             {"surface", "meshes", "units", "spacing"}}};
+  static const std::array<const char*, 4> names{"sphere", "punch", "capsule", "mesh"};
+  const auto shape = static_cast<std::size_t>(tool.shape);
+  for (const auto& [key, value] : table) {
+    if (key == "name" || key == "shape" || key == "contacts") continue;
+    if (std::find(used[shape].begin(), used[shape].end(), key.str()) == used[shape].end()) {
+      fail(place.below(key.str()), &value,
+           std::string("a tool of shape ") + show(std::string(names[shape])) +
+               " has no such key; it has: " + show(used[shape]));
+    }
+  }
+  if (tool.shape == ToolScene::Shape::mesh && !table.contains("surface")) {
+    fail(place.below("surface"), &table, "missing; a tool of shape \"mesh\" needs a closed surface");
+  }
+  if (tool.shape != ToolScene::Shape::punch) return;
+  if (tool.edge_radius >= tool.radius) {
+    fail(place.below("edge_radius"), table.get("edge_radius"),
+         "got " + show(tool.edge_radius) + "; allowed x < radius = " + show(tool.radius) + " m");
+  }
+  const double rim = tool.edge_radius > 0 ? tool.edge_radius : tool.radius / 10;
+  if (tool.length < rim) {
+    fail(place.below("length"), table.contains("length") ? table.get("length") : &table,
+         "got " + show(tool.length) + "; allowed x >= edge_radius = " + show(rim) + " m");
+  }
+}
+
+void read_tools(Scene& scene, const toml::table& root, const Place& place) {
+  const auto tables = sections(root, "tool", place);
+  for (const toml::table* table : tables) {
+    read_table(scene.tools.emplace_back(), *table, tool_keys(), place.below("tool"));
+    check_tool(scene.tools.back(), *table, place.below("tool"));
+  }
+  name_all(scene.tools, tables, "tool", place);
+  if (scene.tools.empty()) scene.tools.emplace_back();
+}
+
+void check_sampling(const SamplingScene& sampling, const toml::table& root, const Place& place) {
+  if (sampling.margin_spacing <= sampling.spacing) return;
+  fail(place.below("sampling.margin_spacing"), root["sampling"]["margin_spacing"].node(),
+       "got " + show(sampling.margin_spacing) + "; allowed x <= spacing = " + show(sampling.spacing) + " m");
+}
+
+/// A key of a section that was written outside of it gets a message of its own.
+void check_outside(const toml::table& root, const Place& place) {
+  const auto look = [&](const char* name, const auto& keys) {
+    for (const auto& key : keys) {
+      const toml::node* node = root.get(key.name);
+      if (node == nullptr || key.name == "name") continue;
+      const auto& sections_known = section_names();
+      if (std::find(sections_known.begin(), sections_known.end(), key.name) != sections_known.end()) continue;
+      fail(place.below(key.name), node, "unknown key here; it belongs into the section [" + std::string(name) + "]");
+    }
+  };
+  look("body", body_keys());
+  look("material", material_keys());
+  look("contact", contact_keys());
+  look("sampling", sampling_keys());
+  look("tool", tool_keys());
+  look("response", response_keys());
+  look("solver", solver_keys());
+}
+
+}  // namespace
+
+Scene read_scene(const std::filesystem::path& file) {
+  const toml::table root = parse(file);
+  const Place place{file, ""};
+  Scene scene;
+  scene.file = file;
+  check_outside(root, place);
+  read_table(scene, root, scene_keys(), place, section_names());
+  if (scene.name.empty()) scene.name = file.stem().string();
+
+  read_section(scene.body, root, "body", body_keys(), place);
+  read_section(scene.material, root, "material", material_keys(), place);
+  read_regions(scene, root, place);
+  read_supports(scene, root, place);
+  read_tools(scene, root, place);
+  read_section(scene, root, "contact", contact_keys(), place);
+  read_section(scene.sampling, root, "sampling", sampling_keys(), place);
+  read_section(scene.response, root, "response", response_keys(), place);
+  read_section(scene.solver, root, "solver", solver_keys(), place);
+
+  if (scene.body.surfaces.empty()) {
+    fail(place.below("body.surface"), root.get("body"),
+         "missing; a scene needs a surface file, for example:  [body] surface = \"liver.ply\"");
+  }
+  check_sampling(scene.sampling, root, place);
+  return scene;
+}
+
+}  // namespace palpate

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+// What a scene file says, with every default in one place. Read by read_scene (scene.cpp, toml++).
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+/// How a surface that is not a clean closed manifold is made into one.
+enum class RepairMode { automatic, none, repair, wrap };
+
+/// One surface file and the named meshes to take from it.
+struct SurfaceSource {
+  std::filesystem::path file;       ///< absolute, or relative to the working directory after reading
+  std::vector<std::string> meshes;  ///< names of meshes or nodes to take; empty takes all
+  double unit = 1.0;                ///< metres per file unit (scene: units = "m" | "cm" | "mm" | "in")
+};
+
+struct BodyScene {
+  std::vector<SurfaceSource> surfaces;  ///< joined into one body
+  RepairMode repair = RepairMode::automatic;
+  double wrap_alpha = 0.0;   ///< m; 0 chooses 1/50 of the bounding-box diagonal
+  double wrap_offset = 0.0;  ///< m; 0 chooses wrap_alpha / 30
+};
+
+/// Isotropic neo-Hookean material (small-strain constants).
+struct MaterialScene {
+  double young = 5e3;     ///< Pa, > 0
+  double poisson = 0.49;  ///< [0, 0.4999]
+};
+
+/// An inclusion: a closed inner surface with its own material.
+struct RegionScene {
+  std::string name;
+  SurfaceSource surface;
+  MaterialScene material;
+};
+
+struct SupportScene {
+  enum class Kind { mesh, box, half_space, distance };
+  Kind kind = Kind::half_space;
+  std::string mesh;                                    ///< mesh: the part name that is held
+  Eigen::Vector3d box_min{0, 0, 0}, box_max{0, 0, 0};  ///< box (m)
+  Eigen::Vector3d point{0, 0, 0}, normal{0, 0, 1};     ///< half_space: held where (x - point) . normal <= 0 (m)
+  SurfaceSource other;                                 ///< distance: held within `within` of this surface
+  double within = 0.0;                                 ///< m
+};
+
+struct ToolScene {
+  enum class Shape { sphere, punch, capsule, mesh };
+  std::string name = "tool";
+  Shape shape = Shape::sphere;
+  double radius = 0.005;     ///< m; sphere, punch (outer radius), capsule
+  double edge_radius = 0.0;  ///< m; punch: rounding of its rim; 0 chooses radius / 10
+  double length = 0.03;      ///< m; capsule: distance between the two cap centres; punch: height
+  SurfaceSource surface;     ///< mesh: a closed surface, its frame is the tool frame
+  bool whole = true;         ///< contacts = "all" (every patch of the tool) or "tip" (one tool vertex)
+  double spacing = 0.0;      ///< m; mesh: edge length of the tool patches; 0 chooses a third of its size
+};
+
+struct SamplingScene {
+  double spacing = 0.015;         ///< m; edge length of the body patches, > 0
+  double margin_spacing = 0.0;    ///< m; edge length at sharp margins; 0 chooses spacing / 2; = spacing: uniform
+  double depth = 0.005;           ///< m; deepest push, > 0
+  double depth_fraction = 0.6;    ///< of the local thickness, (0, 0.8]
+  int normal_points = 12;         ///< points of a normal curve, [4, 64]
+  int tangential_depths = 2;      ///< [2, 8]
+  int tangential_directions = 4;  ///< [4, 16], even
+  int tangential_points = 3;      ///< points of one tangential push, [2, 16]
+  double max_refused = 0.03;      ///< share of refused pairs beyond which the fit fails, [0, 0.5]
+  /// Region of the body's surface whose sites are baked: everything, or only inside this box (m).
+  std::optional<std::pair<Eigen::Vector3d, Eigen::Vector3d>> within_box;
+};
+
+struct ResponseScene {
+  enum class Search { automatic, none, bvh };
+  std::string model = "separable";
+  Search search = Search::automatic;
+  double tolerance = 0.05;  ///< asked relative force error, (0, 1); verify exits 5 beyond it only when asked
+};
+
+struct SolverScene {
+  double mesh_size = 0.35;  ///< element edge at the contact over the contact radius at full depth, [0.05, 1]
+  double growth = 0.7;      ///< growth of the edge length per distance from the contact, (0, 1]
+  double max_size = 0.0;    ///< m; longest edge far away; 0 chooses 1/8 of the bounding-box diagonal
+  double time_limit = 120;  ///< s for one pair's mesh; beyond it the pair is refused
+};
+
+/// A whole scene. Every member has its documented default; read_scene checks ranges.
+struct Scene {
+  std::filesystem::path file;
+  std::string name;  ///< default: the file's stem
+  BodyScene body;
+  MaterialScene material;
+  std::vector<RegionScene> regions;
+  std::vector<SupportScene> supports;  ///< none given: the lowest tenth of the body along z is held
+  std::vector<ToolScene> tools;        ///< none given: one sphere tip of radius 5 mm
+  double friction = 0.0;               ///< Coulomb coefficient, [0, 2]; 0: a frictionless scene
+  SamplingScene sampling;
+  ResponseScene response;
+  SolverScene solver;
+};
+
+/// Reads and checks a scene. Throws Error(bad_input) "file:line: key: what, allowed range" on unknown
+/// keys, wrong types and out-of-range values; Error(io) when the file cannot be read.
+Scene read_scene(const std::filesystem::path& file);
+
+/// What a canonical text covers: everything that changes a result, or only what changes a solve (and so
+/// leaves out the refusal limit and the response model, which a new fit takes up without new solves).
+enum class CanonicalScope { everything, solves };
+
+/// Canonical text of everything in the scene that changes a result (for content hashes; no paths, no names:
+/// the contents of surface files are to be hashed beside it).
+std::string canonical_text(const Scene& scene, CanonicalScope scope = CanonicalScope::everything);
+
+/// Reference of every key with its help, default and allowed range: TOML that reads back as the defaults.
+std::string scene_reference();
+
+}  // namespace palpate

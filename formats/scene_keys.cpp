@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: MIT
+// All keys of a scene with ranges and help. Reading, messages, the reference and the canonical text come from here.
+#include "formats/scene_keys.hpp"
+
+#include "formats/scene_key_kinds.hpp"
+
+namespace palpate::scene_io {
+
+namespace {
+
+constexpr Range kLength{0, 10, true, "m"};
+constexpr Range kLengthOrAuto{0, 10, false, "m"};
+
+Key<SupportScene> support_kind(const char* name, SupportScene::Kind kind, const char* help, const char* allowed,
+                               const char* example,
+                               std::function<void(SupportScene&, const toml::node&, const Place&)> read,
+                               std::function<std::string(const SupportScene&)> show_value) {
+  return {name,
+          Affects::solves,
+          help,
+          allowed,
+          [=](SupportScene& target, const toml::node& value, const toml::table&, const Place& place) {
+            target.kind = kind;
+            read(target, value, place);
+          },
+          [=](const SupportScene& target) { return target.kind == kind ? show_value(target) : ""; },
+          example};
+}
+
+void read_half_space(SupportScene& target, const toml::node& value, const Place& place) {
+  const auto vector = [](const char* name, Eigen::Vector3d SupportScene::*member) {
+    return Key<SupportScene>{name,
+                             Affects::solves,
+                             "",
+                             "",
+                             [=](SupportScene& support, const toml::node& node, const toml::table&, const Place& at) {
+                               support.*member = to_vector(at, node, kCoordinate);
+                             },
+                             {},
+                             ""};
+  };
+  const toml::table& table = to_table(place, value);
+  read_table(target, table, {vector("point", &SupportScene::point), vector("normal", &SupportScene::normal)}, place);
+  if (!table.contains("point") || !table.contains("normal")) {
+    fail(place, &value, "a half-space needs both 'point' and 'normal'");
+  }
+  const double length = target.normal.norm();
+  if (!(length > 1e-9)) fail_value(place.below("normal"), *table.get("normal"), "a vector of length > 1e-9");
+  target.normal /= length;
+}
+
+void read_distance(SupportScene& target, const toml::node& value, const Place& place) {
+  const toml::table& table = to_table(place, value);
+  Keys<SupportScene> keys = surface_keys(&SupportScene::other, "");
+  keys.push_back(number("within", &SupportScene::within, kLength, ""));
+  read_table(target, table, keys, place);
+  if (!table.contains("surface") || !table.contains("within")) {
+    fail(place, &value, "a distance support needs both 'surface' and 'within'");
+  }
+}
+
+std::string show_distance(const SupportScene& support) {
+  std::string text = "{surface = " + show(support.other.file.string());
+  if (!support.other.meshes.empty()) text += ", meshes = " + show(support.other.meshes);
+  return text + ", units = " + show_unit(support.other.unit) + ", within = " + show(support.within) + "}";
+}
+
+}  // namespace
+
+const std::vector<std::string>& section_names() {
+  static const std::vector<std::string> names{"body",    "material", "region",   "support", "tool",
+                                              "contact", "sampling", "response", "solver"};
+  return names;
+}
+
+const Keys<Scene>& scene_keys() {
+  static const Keys<Scene> keys{
+      {"name", Affects::nothing, "Name of the scene and of the files made from it; left out: the scene file's name.",
+       "a text without '/'",
+       [](Scene& scene, const toml::node& value, const toml::table&, const Place& place) {
+         scene.name = to_text(place, value);
+         if (scene.name.find('/') != std::string::npos || scene.name.front() == '.') {
+           fail_value(place, value, "a name without '/' that does not begin with '.'");
+         }
+       },
+       [](const Scene& scene) { return scene.name.empty() ? "" : show(scene.name); }, "\"liver\""}};
+  return keys;
+}
+
+const Keys<BodyScene>& body_keys() {
+  static const Keys<BodyScene> keys = join<BodyScene>(
+      join<BodyScene>(
+          {{"surface", Affects::nothing,
+            "Required. Surface file (.glb .gltf .obj .stl .ply .off), or an array of files or of tables "
+            "{file, meshes, units}, joined into one body.",
+            "file names, relative to the scene file",
+            [](BodyScene& body, const toml::node& value, const toml::table& parent, const Place& place) {
+              body.surfaces = to_sources(place, value, parent);
+            },
+            [](const BodyScene& body) { return body.surfaces.empty() ? "" : show(body.surfaces[0].file.string()); },
+            "\"FILE\""}},
+          source_keys<BodyScene>(
+              [](const BodyScene& body) { return body.surfaces.size() == 1 ? &body.surfaces[0] : nullptr; })),
+      {choice("repair", &BodyScene::repair, {"auto", "none", "repair", "wrap"},
+              "What is done to a surface that is not closed, manifold and free of self-intersections; "
+              "auto: the least that works."),
+       number("wrap_alpha", &BodyScene::wrap_alpha, kLengthOrAuto,
+              "Smallest opening that a wrap enters; 0: 1/50 of the bounding box's diagonal."),
+       number("wrap_offset", &BodyScene::wrap_offset, kLengthOrAuto,
+              "Distance of a wrap to the surface; 0: wrap_alpha / 30.")});
+  return keys;
+}
+
+const Keys<MaterialScene>& material_keys() {
+  static const Keys<MaterialScene> keys{
+      number("young", &MaterialScene::young, {0, 1e12, true, "Pa"}, "Young's modulus at small strain."),
+      number("poisson", &MaterialScene::poisson, {0, 0.4999, false, ""}, "Poisson's ratio at small strain.")};
+  return keys;
+}
+
+const Keys<RegionScene>& region_keys() {
+  static const Keys<RegionScene> keys = [] {
+    Keys<RegionScene> all{text("name", &RegionScene::name, "Name; left out: region, region2, ...", "\"tumour\"")};
+    all = join(all, surface_keys(&RegionScene::surface, "Required. Closed surface strictly inside the body."));
+    for (const Key<MaterialScene>& key : material_keys()) {
+      all.push_back({key.name, key.affects, key.help, key.allowed,
+                     [=](RegionScene& region, const toml::node& value, const toml::table& parent, const Place& place) {
+                       key.read(region.material, value, parent, place);
+                     },
+                     [=](const RegionScene& region) { return key.show(region.material); }, ""});
+    }
+    return all;
+  }();
+  return keys;
+}
+
+const Keys<SupportScene>& support_keys() {
+  using Kind = SupportScene::Kind;
+  static const Keys<SupportScene> keys{
+      support_kind(
+          "mesh", Kind::mesh, "Held: the part of the body's surface that came from this mesh.", "a text", "\"NAME\"",
+          [](SupportScene& s, const toml::node& value, const Place& place) { s.mesh = to_text(place, value); },
+          [](const SupportScene& s) { return show(s.mesh); }),
+      support_kind(
+          "box", Kind::box, "Held: the surface inside this box.", "{min = [x, y, z], max = [x, y, z]}, min < max, m",
+          "{min = [-1, -1, -1], max = [1, 1, 0]}",
+          [](SupportScene& s, const toml::node& value, const Place& place) {
+            std::tie(s.box_min, s.box_max) = to_box(place, value);
+          },
+          [](const SupportScene& s) { return show_box(s.box_min, s.box_max); }),
+      support_kind(
+          "half_space", Kind::half_space, "Held: the surface where (x - point) . normal <= 0.",
+          "{point = [x, y, z], normal = [x, y, z]}, m", "{point = [0, 0, 0], normal = [0, 0, 1]}", read_half_space,
+          [](const SupportScene& s) { return "{point = " + show(s.point) + ", normal = " + show(s.normal) + "}"; }),
+      support_kind("distance", Kind::distance, "Held: the surface within this distance of another surface.",
+                   "{surface, meshes, units, within}, 0 < within <= 10 m", "{surface = \"FILE\", within = 0.002}",
+                   read_distance, show_distance)};
+  return keys;
+}
+
+const Keys<ToolScene>& tool_keys() {
+  static const Keys<ToolScene> keys = join<ToolScene>(
+      join<ToolScene>({text("name", &ToolScene::name, "Name; left out: tool, tool2, ...", "\"probe\""),
+                       choice("shape", &ToolScene::shape, {"sphere", "punch", "capsule", "mesh"},
+                              "sphere tip, flat-ended punch, capsule (tip and stem), or a closed mesh."),
+                       number("radius", &ToolScene::radius, {0, 1, true, "m"}, "sphere, punch, capsule: radius."),
+                       number("edge_radius", &ToolScene::edge_radius, {0, 1, false, "m"},
+                              "punch: rounding of its rim, below the radius; 0: a tenth of the radius."),
+                       number("length", &ToolScene::length, kLength,
+                              "punch: height; capsule: distance between the centres of its caps.")},
+                      surface_keys(&ToolScene::surface, "mesh: required, a closed surface in the tool's frame.")),
+      {{"contacts", Affects::solves, "Which of the tool touches: all of it, or its tip only (one tool vertex).",
+        show_choices({"all", "tip"}),
+        [](ToolScene& tool, const toml::node& value, const toml::table&, const Place& place) {
+          tool.whole = to_choice(place, value, {"all", "tip"}) == 0;
+        },
+        [](const ToolScene& tool) { return show(std::string(tool.whole ? "all" : "tip")); }, ""},
+       number("spacing", &ToolScene::spacing, kLengthOrAuto,
+              "mesh: edge length of the tool's patches; 0: a third of its size.")});
+  return keys;
+}
+
+const Keys<Scene>& contact_keys() {
+  static const Keys<Scene> keys{number("friction", &Scene::friction, {0, 2, false, ""},
+                                       "Coulomb coefficient; 0: no friction, and nothing sideways is solved.")};
+  return keys;
+}
+
+const Keys<SamplingScene>& sampling_keys() {
+  using S = SamplingScene;
+  static const Keys<S> keys{
+      number("spacing", &S::spacing, {0, 1, true, "m"}, "Edge length of the body's patches."),
+      number("margin_spacing", &S::margin_spacing, {0, 1, false, "m"},
+             "Edge length at sharp margins, at most spacing; 0: spacing / 2."),
+      number("depth", &S::depth, {0, 1, true, "m"}, "Deepest push."),
+      number("depth_fraction", &S::depth_fraction, {0, 0.8, true, ""},
+             "Deepest push as a share of the local thickness, where that is less than depth."),
+      integer("normal_points", &S::normal_points, {4, 64, false, ""}, "Solved points of a straight push."),
+      integer("tangential_depths", &S::tangential_depths, {2, 8, false, ""}, "Depths at which it is pushed sideways."),
+      integer("tangential_directions", &S::tangential_directions, {4, 16, false, ""}, "Directions sideways.", 2),
+      integer("tangential_points", &S::tangential_points, {2, 16, false, ""}, "Solved points of one sideways push."),
+      affecting(Affects::file, number("max_refused", &S::max_refused, {0, 0.5, false, ""},
+                                      "Share of refused pairs beyond which the fit fails.")),
+      {"within_box", Affects::solves, "Only the surface inside this box is sampled; left out: all of it.",
+       "{min = [x, y, z], max = [x, y, z]}, min < max, m",
+       [](S& sampling, const toml::node& value, const toml::table&, const Place& place) {
+         sampling.within_box = to_box(place, value);
+       },
+       [](const S& s) { return s.within_box ? show_box(s.within_box->first, s.within_box->second) : std::string(); },
+       "{min = [-1, -1, 0], max = [1, 1, 1]}"}};
+  return keys;
+}
+
+const Keys<ResponseScene>& response_keys() {
+  using R = ResponseScene;
+  static const Keys<R> keys{
+      {"model", Affects::file, "Response model.", show_choices({"separable"}),
+       [](R& response, const toml::node& value, const toml::table&, const Place& place) {
+         const std::vector<std::string> models{"separable"};
+         response.model = models[to_choice(place, value, models)];
+       },
+       [](const R& response) { return show(response.model); }, ""},
+      affecting(Affects::file, choice("search", &R::search, {"auto", "none", "bvh"},
+                                      "Contact search stored in the file; auto: where the body is large.")),
+      affecting(Affects::file, number("tolerance", &R::tolerance, {0, 0.99, true, ""}, "Asked relative force error."))};
+  return keys;
+}
+
+const Keys<SolverScene>& solver_keys() {
+  using S = SolverScene;
+  static const Keys<S> keys{
+      number("mesh_size", &S::mesh_size, {0.05, 1, false, ""},
+             "Element edge at the contact, in contact radii at full depth."),
+      number("growth", &S::growth, {0, 1, true, ""}, "Growth of the edge length per distance from the contact."),
+      number("max_size", &S::max_size, kLengthOrAuto, "Longest element edge; 0: 1/8 of the bounding box's diagonal."),
+      number("time_limit", &S::time_limit, {0, 86400, true, "s"}, "Time for one pair's mesh; beyond it: refused.")};
+  return keys;
+}
+
+}  // namespace palpate::scene_io

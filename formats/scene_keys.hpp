@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+// The one table of all scene keys: how each is read, its range, its default and its help text.
+#pragma once
+
+#include "formats/scene.hpp"
+#include "formats/scene_value.hpp"
+
+#include <functional>
+
+namespace palpate::scene_io {
+
+/// What a key changes; canonical_text keeps some and leaves out others.
+enum class Affects {
+  nothing,  ///< a name or a path
+  solves,   ///< what is solved
+  file,     ///< only what is made of the solves
+};
+
+/// One key of a table that fills a T.
+template <class T>
+struct Key {
+  std::string name;
+  Affects affects = Affects::solves;
+  std::string help;     ///< one sentence
+  std::string allowed;  ///< the range, as messages print it
+  /// Checks `value` and stores it. `parent` is the table the key stands in, for keys that belong together.
+  std::function<void(T& target, const toml::node& value, const toml::table& parent, const Place& place)> read;
+  /// TOML text of the value in `target`; empty: not set.
+  std::function<std::string(const T& target)> show;
+  std::string example;  ///< for the reference, where there is no default
+};
+
+template <class T>
+using Keys = std::vector<Key<T>>;
+
+// One table of keys a section, in the order they are read and documented.
+const Keys<Scene>& scene_keys();  ///< keys outside any section
+const Keys<BodyScene>& body_keys();
+const Keys<MaterialScene>& material_keys();
+const Keys<RegionScene>& region_keys();
+const Keys<SupportScene>& support_keys();
+const Keys<ToolScene>& tool_keys();
+const Keys<Scene>& contact_keys();
+const Keys<SamplingScene>& sampling_keys();
+const Keys<ResponseScene>& response_keys();
+const Keys<SolverScene>& solver_keys();
+
+/// Names of the sections, as they stand in a scene.
+const std::vector<std::string>& section_names();
+
+/// Reads `table` into `target` by `keys`, in their order. Throws Error(bad_input) on a key that is not in them
+/// and not in `more_names` (sub-tables that the caller reads).
+template <class T>
+void read_table(T& target, const toml::table& table, const Keys<T>& keys, const Place& place,
+                const std::vector<std::string>& more_names = {}) {
+  std::vector<std::string> names = more_names;
+  for (const Key<T>& key : keys) names.push_back(key.name);
+  for (const auto& [name, value] : table) {
+    if (std::find(names.begin(), names.end(), name.str()) != names.end()) continue;
+    const std::string near = nearest(name.str(), names);
+    std::string all;
+    for (const std::string& known : names) all += (all.empty() ? "" : ", ") + known;
+    fail(place.below(name.str()), &value,
+         "unknown key; " + (near.empty() ? "" : "did you mean '" + near + "'? ") + "Allowed here: " + all);
+  }
+  for (const Key<T>& key : keys) {
+    if (const toml::node* value = table.get(key.name)) key.read(target, *value, table, place.below(key.name));
+  }
+}
+
+}  // namespace palpate::scene_io

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+// Texts made from the table of keys: the reference for users and the canonical text for content hashes.
+#include "formats/scene.hpp"
+#include "formats/scene_keys.hpp"
+
+namespace palpate {
+
+namespace {
+
+using namespace scene_io;
+
+/// Appends one section of the reference; lines of a section that is not there by default are commented out.
+template <class T>
+void append_reference(std::string& text, const std::string& header, const std::string& help, const Keys<T>& keys,
+                      const T& defaults, bool present) {
+  if (!header.empty()) text += "\n# " + help + "\n" + (present ? "" : "# ") + header + "\n";
+  for (const Key<T>& key : keys) {
+    std::string value = key.show(defaults);
+    const bool set = present && !value.empty();
+    if (value.empty()) value = key.example;
+    text += "#   " + key.help + " Allowed: " + key.allowed + ".\n";
+    text += (set ? "" : "# ") + key.name + " = " + value + "\n";
+  }
+}
+
+template <class T>
+void append_canonical(std::string& text, const std::string& section, const Keys<T>& keys, const T& values,
+                      bool only_solves) {
+  for (const Key<T>& key : keys) {
+    if (key.affects == Affects::nothing || (only_solves && key.affects != Affects::solves)) continue;
+    const std::string value = key.show(values);
+    if (!value.empty()) text += section + "." + key.name + " = " + value + "\n";
+  }
+}
+
+}  // namespace
+
+std::string scene_reference() {
+  Scene scene;
+  scene.body.surfaces.emplace_back().file = "FILE";
+  std::string text =
+      "# Every key of a Palpate scene, with its default. Lengths in m, moduli in Pa.\n"
+      "# Lines that begin with '# ' are left out by default. Only [body] surface is required.\n\n";
+  append_reference(text, "", "", scene_keys(), scene, true);
+  append_reference(text, "[body]", "The organ.", body_keys(), scene.body, true);
+  append_reference(text, "[material]", "The organ's material: isotropic neo-Hookean.", material_keys(), scene.material,
+                   true);
+  append_reference(text, "[[region]]", "An inclusion with its own material; any number of them.", region_keys(), {},
+                   false);
+  append_reference(text, "[[support]]",
+                   "Where the organ is held, exactly one key each; any number of them. None: the lowest tenth along z.",
+                   support_keys(), {}, false);
+  append_reference(text, "[[tool]]",
+                   "An instrument; any number of them. Keys that do not belong to its shape are errors.", tool_keys(),
+                   {}, false);
+  append_reference(text, "[contact]", "Contact of instrument and organ.", contact_keys(), scene, true);
+  append_reference(text, "[sampling]", "Where and how deep it is solved.", sampling_keys(), scene.sampling, true);
+  append_reference(text, "[response]", "What is made of the solves.", response_keys(), scene.response, true);
+  append_reference(text, "[solver]", "Meshes and limits of the solves.", solver_keys(), scene.solver, true);
+  return text;
+}
+
+std::string canonical_text(const Scene& scene, CanonicalScope scope) {
+  const bool only_solves = scope == CanonicalScope::solves;
+  std::string text;
+  // Per file, since the keys of [body] speak of one file only.
+  for (const SurfaceSource& source : scene.body.surfaces) {
+    text += "body.surface.unit = " + show(source.unit) + "\n";
+    text += "body.surface.meshes = " + show(source.meshes) + "\n";
+  }
+  append_canonical(text, "body", body_keys(), scene.body, only_solves);
+  append_canonical(text, "material", material_keys(), scene.material, only_solves);
+  for (const RegionScene& region : scene.regions) {
+    text += "[region]\n";
+    append_canonical(text, "region", region_keys(), region, only_solves);
+  }
+  for (const SupportScene& support : scene.supports) {
+    text += "[support]\n";
+    SupportScene without_path = support;
+    without_path.other.file.clear();
+    append_canonical(text, "support", support_keys(), without_path, only_solves);
+  }
+  for (const ToolScene& tool : scene.tools) {
+    text += "[tool]\n";
+    append_canonical(text, "tool", tool_keys(), tool, only_solves);
+  }
+  append_canonical(text, "contact", contact_keys(), scene, only_solves);
+  append_canonical(text, "sampling", sampling_keys(), scene.sampling, only_solves);
+  append_canonical(text, "response", response_keys(), scene.response, only_solves);
+  append_canonical(text, "solver", solver_keys(), scene.solver, only_solves);
+  return text;
+}
+
+}  // namespace palpate

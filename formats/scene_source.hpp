@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// Surface files and boxes in a scene: values of several keys that belong together.
+#pragma once
+
+#include "formats/scene.hpp"
+#include "formats/scene_value.hpp"
+
+#include <utility>
+
+namespace palpate::scene_io {
+
+/// Names of length units, for `units`.
+const std::vector<std::string>& unit_names();
+/// TOML text of the unit of that many metres.
+std::string show_unit(double unit);
+
+/// The place of the table that `place` is a key of.
+Place above(const Place& place);
+
+/// `file` (relative to the scene file) with the `meshes` and `units` that stand in `table`.
+SurfaceSource source_beside(const std::string& file, const toml::table& table, const Place& place);
+
+/// A file name, or an array of file names or of tables {file, meshes, units}.
+std::vector<SurfaceSource> to_sources(const Place& place, const toml::node& node, const toml::table& parent);
+
+/// {min = [x, y, z], max = [x, y, z]} with min below max (m).
+std::pair<Eigen::Vector3d, Eigen::Vector3d> to_box(const Place& place, const toml::node& node);
+std::string show_box(const Eigen::Vector3d& min, const Eigen::Vector3d& max);
+
+/// Allowed range of a coordinate.
+inline constexpr Range kCoordinate{-100, 100, false, "m"};
+
+}  // namespace palpate::scene_io

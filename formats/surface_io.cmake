@@ -1,0 +1,13 @@
+# SPDX-License-Identifier: MIT
+# Surface files: glTF by tinygltf, OBJ, STL, PLY and OFF by OpenMesh.
+find_package(OpenMesh CONFIG REQUIRED)
+find_package(TinyGLTF CONFIG REQUIRED)
+find_package(nlohmann_json CONFIG REQUIRED)
+add_library(palpate_surface_io STATIC
+  surface_io.cpp surface_screen.cpp surface_screen_ply.cpp surface_openmesh.cpp surface_gltf.cpp
+  surface_gltf_screen.cpp)
+target_link_libraries(palpate_surface_io
+  PUBLIC palpate_formats
+  PRIVATE palpate_settings palpate_file OpenMeshCore TinyGLTF::TinyGLTF nlohmann_json::nlohmann_json)
+# OpenMesh's property vectors copy default vectors that its constructors leave open; the sanitizers' flow sees it.
+set_source_files_properties(surface_openmesh.cpp PROPERTIES COMPILE_OPTIONS -Wno-maybe-uninitialized)

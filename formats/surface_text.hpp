@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+// Splits text into lines and words, and numbers with the position in the error; shared by the screens.
+#pragma once
+
+#include "formats/error.hpp"
+#include "formats/surface_screen.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace palpate::detail {
+
+/// Walks over the words of a text, or over its lines, and knows the line it is on.
+class TextScan {
+public:
+  TextScan(std::string_view text, std::filesystem::path file) : text_(text), file_(std::move(file)) {}
+
+  [[noreturn]] void fail(const std::string& cause) const {
+    throw Error(ExitCode::bad_input, file_.string() + ":" + std::to_string(line_) + ": " + cause);
+  }
+
+  /// Moves to the next line; false at the end.
+  bool next_line() {
+    if (next_ >= text_.size()) return false;
+    const auto end = std::min(text_.find('\n', next_), text_.size());
+    current_ = text_.substr(next_, end - next_);
+    next_ = end + 1;
+    ++line_;
+    return true;
+  }
+
+  /// Next word of the current line; empty at its end.
+  std::string_view word() {
+    constexpr std::string_view space = " \t\r\v\f";
+    const auto begin = current_.find_first_not_of(space);
+    if (begin == std::string_view::npos) {
+      current_ = {};
+      return {};
+    }
+    const auto end = std::min(current_.find_first_of(space, begin), current_.size());
+    const auto found = current_.substr(begin, end - begin);
+    current_.remove_prefix(end);
+    return found;
+  }
+
+  /// What is left of the current line, without the space around it.
+  std::string_view rest() {
+    constexpr std::string_view space = " \t\r\v\f";
+    const auto begin = current_.find_first_not_of(space);
+    if (begin == std::string_view::npos) return {};
+    const auto end = current_.find_last_not_of(space);
+    return current_.substr(begin, end - begin + 1);
+  }
+
+  /// Cuts a trailing comment off the current line.
+  void drop_comment() { current_ = current_.substr(0, std::min(current_.find('#'), current_.size())); }
+
+  double coordinate(std::string_view token, const std::string& what) const {
+    if (token.empty()) fail(what + ": a coordinate is missing");
+    std::string_view digits = token.front() == '+' ? token.substr(1) : token;
+    double value = 0;
+    const auto [end, code] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (end != digits.data() + digits.size() || code == std::errc::invalid_argument) {
+      fail(what + ": '" + std::string(token) + "' is not a number");
+    }
+    // Too small for a double is zero for every purpose; too large is refused with the infinities.
+    if (code == std::errc::result_out_of_range) value = digits.find('-', 1) == std::string_view::npos ? INFINITY : 0.0;
+    if (!std::isfinite(value) || std::abs(value) > largest_coordinate) {
+      fail(what + ": coordinate " + std::string(token) + " is not finite or beyond 1e15");
+    }
+    return value;
+  }
+
+  std::int64_t integer(std::string_view token, const std::string& what) const {
+    std::int64_t value = 0;
+    const auto [end, code] = std::from_chars(token.data(), token.data() + token.size(), value);
+    if (token.empty() || end != token.data() + token.size() || code != std::errc()) {
+      fail(what + ": '" + std::string(token) + "' is not a whole number");
+    }
+    return value;
+  }
+
+  [[nodiscard]] std::size_t line() const noexcept { return line_; }
+
+private:
+  std::string_view text_, current_;
+  std::size_t next_ = 0, line_ = 0;
+  std::filesystem::path file_;
+};
+
+/// How many different numbers there are among a polygon's corners.
+inline std::size_t distinct(std::vector<std::int64_t>& corners) {
+  std::sort(corners.begin(), corners.end());
+  return static_cast<std::size_t>(std::unique(corners.begin(), corners.end()) - corners.begin());
+}
+
+}  // namespace palpate::detail

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Joins the stages: scene, body, haptic mesh, plan, bake, fit, response file.
+#include "precompute/bake/pipeline.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "formats/error.hpp"
+#include "formats/file.hpp"
+#include "precompute/fit/assemble.hpp"
+
+namespace palpate::pipeline {
+namespace {
+
+constexpr std::size_t kLargestManifest = std::size_t{1} << 31U;
+constexpr double kSaveInterval = 5.0;  // s between updates of bake.json
+
+/// NAME as part of a file name.
+std::string file_name(const Scene& scene) {
+  std::string name = scene.name;
+  std::replace(name.begin(), name.end(), '/', '_');
+  return name;
+}
+
+void save_seconds(const Pipeline& pipeline, double seconds) {
+  const nlohmann::ordered_json json{{"manifest", to_hex(pipeline.manifest)}, {"seconds", seconds}};
+  write_file(pipeline.paths.bake, json.dump(1) + "\n");
+}
+
+}  // namespace
+
+Pipeline prepare(const std::filesystem::path& scene_file, const Options& options) {
+  Pipeline p;
+  p.scene = read_scene(scene_file);
+  const std::filesystem::path beside = scene_file.parent_path();
+  p.paths.work = options.work.empty() ? beside / (file_name(p.scene) + ".work") : options.work;
+  p.paths.response = options.response.empty() ? beside / (file_name(p.scene) + ".palp") : options.response;
+  p.paths.manifest = p.paths.work / "manifest.json";
+  p.paths.journal = p.paths.work / "samples.journal";
+  p.paths.bake = p.paths.work / "bake.json";
+  for (const ToolScene& tool : p.scene.tools) p.tools.push_back(make_tool(tool));
+  p.body = prepare_body(p.scene);
+  p.mesh = make_haptic_mesh(p.scene, p.body);
+  return p;
+}
+
+void plan(Pipeline& p) {
+  p.plan = make_plan(p.scene, p.body, p.mesh, p.tools);
+  const std::string text = manifest_text(p.plan);
+  p.manifest = manifest_hash(text);
+  make_folder(p.paths.work);
+  if (std::filesystem::exists(p.paths.manifest)) {
+    const std::string old = read_file(p.paths.manifest, "manifest", kLargestManifest);
+    if (old == text) return;
+    if (std::filesystem::exists(p.paths.journal)) {
+      throw Error(ExitCode::bad_input, p.paths.work.string() +
+                                           ": holds samples of another plan (scene, surfaces or tools have changed "
+                                           "since); remove this folder or choose another one by --work");
+    }
+  }
+  write_file(p.paths.manifest, text);
+}
+
+PairSolver contact_solver(const Pipeline& p) {
+  const PairOptions options = pair_options(p.scene);
+  return [&p, options](const PairPlan& pair, const SampleSink& sink) {
+    const Tool& tool = p.tools[pair.tool];
+    return solve_pair(p.body, tool, tool.vertices[pair.tool_vertex], pair.frame, bake_path(p.scene, pair.depth),
+                      options, sink);
+  };
+}
+
+BakeReport bake(const Pipeline& p, const BakeOptions& options, const PairSolver& solver) {
+  Journal journal(p.paths.journal, p.manifest);
+  const double before = bake_seconds(p);
+  double saved = 0;
+  BakeOptions saving = options;
+  saving.progress = [&](const BakeProgress& progress) {
+    // A kill then loses at most the last seconds of the account, and no sample.
+    if (progress.seconds - saved >= kSaveInterval) {
+      saved = progress.seconds;
+      save_seconds(p, before + saved);
+    }
+    if (options.progress) options.progress(progress);
+  };
+  const BakeReport report = bake_pairs(p.plan.pairs, solver ? solver : contact_solver(p), journal, saving);
+  if (report.resumed < report.total) save_seconds(p, before + report.seconds);
+  return report;
+}
+
+double bake_seconds(const Pipeline& p) {
+  if (!std::filesystem::exists(p.paths.bake)) return 0.0;
+  const auto json = nlohmann::json::parse(read_file(p.paths.bake, "bake account", 65536), nullptr, false);
+  if (!json.is_object() || json.value("manifest", "") != to_hex(p.manifest)) return 0.0;
+  return json.value("seconds", 0.0);
+}
+
+FitReport fit(const Pipeline& p) {
+  if (!std::filesystem::exists(p.paths.journal)) {
+    throw Error(ExitCode::io, p.paths.journal.string() + ": there is no journal; run palpate bake first");
+  }
+  FitSettings settings;
+  settings.depth_scale = p.scene.sampling.depth;
+  settings.friction = p.scene.friction > 0;
+  settings.max_refused = p.scene.sampling.max_refused;
+  std::vector<std::uint32_t> tool_vertices;
+  for (const Tool& tool : p.tools) tool_vertices.push_back(static_cast<std::uint32_t>(tool.vertices.size()));
+  const FittedResponses fitted =
+      fit_responses(p.plan, p.mesh.triangles, tool_vertices, read_journal(p.paths.journal, p.manifest), settings);
+  const ResponseFileContent content = assemble_response(p.scene, p.tools, p.mesh, p.plan, p.manifest, fitted);
+  write_response_file(p.paths.response, encode(content));
+  return fitted.report;
+}
+
+}  // namespace palpate::pipeline

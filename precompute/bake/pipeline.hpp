@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The stages from a scene file to a response file, as functions that commands share; every arrow is a file.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "formats/scene.hpp"
+#include "precompute/bake/bake.hpp"
+#include "precompute/bake/plan.hpp"
+#include "precompute/body.hpp"
+#include "precompute/fit/fit.hpp"
+#include "precompute/mesh/haptic_mesh.hpp"
+#include "precompute/tool/tool.hpp"
+
+namespace palpate::pipeline {
+
+struct Paths {
+  std::filesystem::path work;      ///< folder, NAME.work beside the scene unless given
+  std::filesystem::path manifest;  ///< work/manifest.json
+  std::filesystem::path journal;   ///< work/samples.journal
+  std::filesystem::path bake;      ///< work/bake.json: time spent, by all runs
+  std::filesystem::path response;  ///< NAME.palp beside the scene unless given
+};
+
+struct Options {
+  std::filesystem::path work;      ///< empty: NAME.work beside the scene
+  std::filesystem::path response;  ///< empty: NAME.palp beside the scene
+};
+
+/// A scene and everything that follows from it before the first solve; immutable afterwards.
+struct Pipeline {
+  Paths paths;
+  Scene scene;
+  Body body;
+  std::vector<Tool> tools;
+  HapticMesh mesh;
+  Plan plan;         ///< filled by plan()
+  Hash128 manifest;  ///< filled by plan()
+};
+
+/// Reads the scene; prepares body, tools and haptic mesh. Throws as read_scene, prepare_body and make_tool do.
+Pipeline prepare(const std::filesystem::path& scene_file, const Options& options = {});
+
+/// Makes the plan and writes the manifest (creating the work folder). Where a manifest of other inputs is there and
+/// samples have been solved for it, throws Error(bad_input) instead of orphaning them.
+void plan(Pipeline& pipeline);
+
+/// The solver the bake uses: bake_path, pair_options, solve_pair. `pipeline` must outlive it.
+PairSolver contact_solver(const Pipeline& pipeline);
+
+/// Solves what is open, with `solver` or the contact solver. Needs plan(). The time spent is added to bake.json.
+BakeReport bake(const Pipeline& pipeline, const BakeOptions& options, const PairSolver& solver = {});
+
+/// Seconds that all bakes of this manifest took together; 0 when there was none.
+double bake_seconds(const Pipeline& pipeline);
+
+/// Fits the journal and writes the response file. Needs plan().
+FitReport fit(const Pipeline& pipeline);
+
+}  // namespace palpate::pipeline

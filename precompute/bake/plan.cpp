@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Builds the plan: sites, untouchable pairs, hashes of the inputs.
+#include "precompute/bake/plan.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+#include "formats/error.hpp"
+#include "formats/scene.hpp"
+#include "precompute/bake/reach.hpp"
+#include "precompute/body.hpp"
+#include "precompute/mesh/haptic_mesh.hpp"
+#include "precompute/tool/tool.hpp"
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector3d;
+
+void add(Hasher& hasher, const Vector3d& v) { hasher.number(v.x()).number(v.y()).number(v.z()); }
+
+void add(Hasher& hasher, const Surface& surface) {
+  hasher.number(static_cast<std::int64_t>(surface.vertices.size()));
+  for (const Vector3d& v : surface.vertices) add(hasher, v);
+  hasher.number(static_cast<std::int64_t>(surface.triangles.size()));
+  for (const auto& t : surface.triangles) hasher.bytes(t.data(), sizeof t);
+  hasher.bytes(surface.parts.data(), surface.parts.size() * sizeof surface.parts[0]);
+  for (const std::string& name : surface.part_names) hasher.text(name);
+}
+
+Hash128 hash_body(const Body& body) {
+  Hasher hasher;
+  add(hasher, body.query->surface());
+  add(hasher, body.base);
+  for (const Inclusion& inclusion : body.inclusions) add(hasher, inclusion.query->surface());
+  for (const auto& support : body.support_surfaces) {
+    if (support) add(hasher, support->surface());
+  }
+  return hasher.digest();
+}
+
+Hash128 hash_tool(const Tool& tool) {
+  Hasher hasher;
+  for (const ToolVertex& v : tool.vertices) {
+    hasher.text(v.name).number(v.curvature_radius).number(v.flat_radius).number(v.meridian);
+    add(hasher, v.point);
+    add(hasher, v.normal);
+    add(hasher, v.tangent);
+  }
+  for (const auto& p : tool.patches) hasher.bytes(p.data(), sizeof p);
+  // Analytic shapes are in the scene's text; a mesh's shape is its file.
+  if (tool.scene.shape == ToolScene::Shape::mesh) hasher.text(to_hex(hash_file(tool.scene.surface.file)));
+  return hasher.digest();
+}
+
+Hash128 hash_mesh(const HapticMesh& mesh) {
+  Hasher hasher;
+  for (std::size_t k = 0; k < mesh.points.size(); ++k) {
+    add(hasher, mesh.points[k]);
+    add(hasher, mesh.normals[k]);
+    add(hasher, mesh.tangents[k]);
+    hasher.number(mesh.depth[k]);
+  }
+  for (const auto& t : mesh.triangles) hasher.bytes(t.data(), sizeof t);
+  for (const Vector3d& v : mesh.fine_points) add(hasher, v);
+  return hasher.digest();
+}
+
+std::vector<PlanSite> make_sites(const HapticMesh& mesh) {
+  std::vector<PlanSite> sites(mesh.points.size());
+  for (std::size_t k = 0; k < sites.size(); ++k) {
+    ContactFrame& frame = sites[k].frame;
+    frame.origin = mesh.points[k];
+    frame.n = mesh.normals[k];
+    frame.x = mesh.tangents[k];
+    frame.y = frame.n.cross(frame.x);
+    sites[k].depth = mesh.depth[k];
+    sites[k].held = mesh.held[k] != 0;
+    sites[k].selected = mesh.selected[k] != 0;
+  }
+  for (const auto& t : mesh.triangles) {
+    const Vector3d &a = mesh.points[t[0]], &b = mesh.points[t[1]], &c = mesh.points[t[2]];
+    const double third = (b - a).cross(c - a).norm() / 6;
+    for (const std::int32_t v : t) sites[v].area += third;
+  }
+  return sites;
+}
+
+}  // namespace
+
+Plan make_plan(const Scene& scene, const Body& body, const HapticMesh& mesh, const std::vector<Tool>& tools) {
+  Plan plan;
+  plan.sites = make_sites(mesh);
+  plan.inputs.scene = hash128(canonical_text(scene));
+  plan.inputs.body = hash_body(body);
+  plan.inputs.haptic_mesh = hash_mesh(mesh);
+  for (const Tool& tool : tools) plan.inputs.tools.push_back(hash_tool(tool));
+
+  double area = 0, on_support = 0, in_folds = 0;
+  for (std::uint32_t site = 0; site < plan.sites.size(); ++site) {
+    const PlanSite& at = plan.sites[site];
+    for (std::uint32_t tool = 0; tool < tools.size(); ++tool) {
+      for (std::uint32_t vertex = 0; vertex < tools[tool].vertices.size(); ++vertex) {
+        const bool support =
+            at.held || reaches_support(body, at.frame, contact_radius(tools[tool].vertices[vertex], at.depth));
+        area += at.area;
+        const bool unreachable =
+            !support && at.selected && !can_touch_first(body, tools[tool], tools[tool].vertices[vertex], at.frame);
+        if (support) on_support += at.area;
+        if (unreachable) in_folds += at.area;
+        if (support || unreachable || !at.selected) {
+          plan.skipped.push_back({site, tool, vertex,
+                                  support       ? SkipReason::support
+                                  : unreachable ? SkipReason::unreachable
+                                                : SkipReason::outside});
+        } else {
+          plan.pairs.push_back({site, tool, vertex, at.frame, at.depth});
+        }
+      }
+    }
+  }
+  plan.support_share = area > 0 ? on_support / area : 0.0;
+  plan.unreachable_share = area > 0 ? in_folds / area : 0.0;
+  for (std::uint32_t tool = 0; tool < tools.size(); ++tool) {
+    for (std::uint32_t vertex = 0; vertex < tools[tool].vertices.size(); ++vertex) {
+      bool planned = false;
+      for (const PairPlan& pair : plan.pairs) planned = planned || (pair.tool == tool && pair.tool_vertex == vertex);
+      if (!planned) {
+        throw Error(ExitCode::bad_input,
+                    scene.file.string() + ": tool '" + tools[tool].name + "' vertex " + std::to_string(vertex) +
+                        " can touch no site: supports (and sampling.within_box) leave none of the " +
+                        std::to_string(plan.sites.size()) + " sites free");
+      }
+    }
+  }
+  return plan;
+}
+
+}  // namespace palpate

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A prepared body: clean closed surface in metres, inclusions, materials, and where it is held.
+#pragma once
+
+#include "formats/scene.hpp"
+#include "formats/surface.hpp"
+#include "precompute/geometry/query.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+/// One inclusion: a closed surface strictly inside the body.
+struct Inclusion {
+  std::string name;
+  std::shared_ptr<const SurfaceQuery> query;
+  Surface base;            ///< coarse remeshed copy that the volume meshes start from
+  MaterialScene material;
+};
+
+/// What surface preparation did and found, for the user to see before a bake.
+struct SurfaceReport {
+  std::string action;                 ///< "used as it is" | "repaired" | "wrapped"
+  std::vector<std::string> findings;  ///< what validation found wrong with the input, one line each
+  std::size_t vertices = 0, triangles = 0;
+  double largest_move = 0.0, mean_move = 0.0;   ///< m, from the result to the input surface
+  double volume = 0.0, area = 0.0;              ///< m^3, m^2
+  double thickness_min = 0.0, thickness_median = 0.0, thickness_p05 = 0.0;  ///< m
+  bool thin_bag = false;              ///< looks like a thin closed shell rather than a solid
+};
+
+/// Immutable after preparation; shared by all threads.
+struct Body {
+  std::shared_ptr<const SurfaceQuery> query;  ///< the clean surface (query->surface()), parts kept per triangle
+  Surface base;                               ///< coarse remeshed copy, edge about base_size
+  double base_size = 0.0;                     ///< m
+  MaterialScene material;
+  std::vector<Inclusion> inclusions;
+  std::vector<SupportScene> supports;
+  std::vector<std::shared_ptr<const SurfaceQuery>> support_surfaces;  ///< per support; null unless kind is distance
+  SurfaceReport report;
+  double diagonal = 0.0;                      ///< m, of the bounding box
+
+  /// True when a point on the body's surface is held by a support.
+  [[nodiscard]] bool held(const Eigen::Vector3d& surface_point) const;
+};
+
+/// Loads, validates, repairs and joins the scene's surfaces. Throws Error(bad_input) that names file and fault.
+Body prepare_body(const Scene& scene);
+
+}  // namespace palpate

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Elastic energy of a quadratic tetrahedral mesh: ten-node tetrahedra with one mean dilatation each (P2/P0).
+#pragma once
+
+#include "precompute/fem/block_matrix.hpp"
+#include "precompute/fem/material.hpp"
+#include "precompute/mesh/tet_mesh.hpp"
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+namespace palpate {
+
+/// Which second derivative: exact, or without the indefinite geometric part of the volume term (then it is
+/// positive definite whatever the state).
+enum class HessianKind { exact, convex };
+
+class ElasticEnergy {
+public:
+  /// `materials[region]`. The mesh's nodes are the stress-free state.
+  ElasticEnergy(const TetMesh& mesh, const std::vector<NeoHookean>& materials);
+
+  /// Energy (J) at the node positions x (3 N, m).
+  [[nodiscard]] double value(const Eigen::VectorXd& x) const;
+  /// Energy (J); adds its derivative (N) to `gradient` (3 N).
+  double gradient(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) const;
+  /// Adds the second derivative (N/m).
+  void hessian(const Eigen::VectorXd& x, HessianKind kind, BlockMatrix& matrix) const;
+  /// Smallest det F over all quadrature points.
+  [[nodiscard]] double min_jacobian(const Eigen::VectorXd& x) const;
+
+private:
+  static constexpr int kPoints = 4;  // degree 2: exact for the deviatoric part
+  using Shape = Eigen::Matrix<double, 10, 3>;
+
+  struct Element {
+    std::array<std::int32_t, 10> nodes;
+    std::array<Shape, kPoints> gradients;  // of the ten shape functions, 1/m
+    double volume = 0.0;                   // m^3
+    NeoHookean material;
+  };
+
+  using Nodes = Eigen::Matrix<double, 3, 10>;
+  [[nodiscard]] static Nodes gather(const Element& e, const Eigen::VectorXd& x);
+
+  std::vector<Element> elements_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The content of a response file from its parts.
+#include "precompute/fit/assemble.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "formats/scene.hpp"
+#include "precompute/mesh/haptic_mesh.hpp"
+#include "precompute/tool/tool.hpp"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+ResponseTool response_tool(const Tool& tool) {
+  ResponseTool result;
+  result.name = tool.name;
+  result.kind = static_cast<layout::ToolKind>(tool.kind);
+  result.radius = tool.scene.radius;
+  const bool capsule = tool.scene.shape == ToolScene::Shape::capsule;
+  if (capsule || tool.scene.shape == ToolScene::Shape::sphere) result.probe_radius = tool.scene.radius;
+  if (capsule) result.axis_length = tool.scene.length;
+  for (const ToolVertex& v : tool.vertices) {
+    result.vertices.push_back({v.name, to_triple(v.point), to_triple(v.normal), to_triple(v.tangent), v.meridian});
+  }
+  for (const auto& p : tool.patches) {
+    result.patches.push_back(
+        {static_cast<std::uint32_t>(p[0]), static_cast<std::uint32_t>(p[1]), static_cast<std::uint32_t>(p[2])});
+  }
+  return result;
+}
+
+void add_body(ResponseFileContent& content, const HapticMesh& mesh, const Plan& plan) {
+  // A site counts as held when no tool vertex may touch it for a support.
+  std::vector<std::size_t> planned(plan.sites.size(), 0), at_support(plan.sites.size(), 0);
+  for (const PairPlan& pair : plan.pairs) ++planned[pair.site];
+  for (const SkippedPair& pair : plan.skipped) at_support[pair.site] += pair.reason == SkipReason::support ? 1 : 0;
+  for (std::size_t k = 0; k < plan.sites.size(); ++k) {
+    const PlanSite& site = plan.sites[k];
+    ResponseSite out;
+    out.position = to_triple(site.frame.origin);
+    out.normal = to_triple(site.frame.n);
+    out.tangent = to_triple(site.frame.x);
+    out.depth_limit = site.depth;
+    if (site.held || (planned[k] == 0 && at_support[k] > 0)) out.flags |= layout::site_held;
+    if (!site.selected) out.flags |= layout::site_outside;
+    content.sites.push_back(out);
+  }
+  const auto corners = [](const std::array<std::int32_t, 3>& t) {
+    return std::array<std::uint32_t, 3>{static_cast<std::uint32_t>(t[0]), static_cast<std::uint32_t>(t[1]),
+                                        static_cast<std::uint32_t>(t[2])};
+  };
+  for (const auto& t : mesh.triangles) content.patches.push_back(corners(t));
+  content.subdivision = static_cast<std::uint32_t>(mesh.subdivision);
+  for (const auto& p : mesh.fine_points) content.surface_vertices.push_back(to_triple(p));
+  for (const FineTriangle& t : mesh.fine_triangles) {
+    content.surface_triangles.push_back({corners(t.vertices), static_cast<std::uint32_t>(t.patch), t.grid});
+  }
+}
+
+Json figures(const ErrorFigures& f) {
+  return {
+      {"samples", f.samples}, {"median", f.median}, {"p95", f.p95}, {"worst", f.worst}, {"worst_pair", f.worst_pair}};
+}
+
+std::string provenance(const Scene& scene, const Plan& plan, const Hash128& manifest, const FittedResponses& fitted) {
+  const FitReport& report = fitted.report;
+  Json json;
+  json["scene"] = scene.name;
+  json["units"] = "m, N, Pa";
+  json["model"] = "separable 1";
+  json["inputs"] = {{"scene", to_hex(plan.inputs.scene)},
+                    {"body", to_hex(plan.inputs.body)},
+                    {"haptic_mesh", to_hex(plan.inputs.haptic_mesh)},
+                    {"tools", Json::array()},
+                    {"manifest", to_hex(manifest)}};
+  for (const Hash128& tool : plan.inputs.tools) json["inputs"]["tools"].push_back(to_hex(tool));
+  json["material"] = {{"young", scene.material.young}, {"poisson", scene.material.poisson}};
+  json["regions"] = Json::array();
+  for (const RegionScene& region : scene.regions) {
+    json["regions"].push_back(
+        {{"name", region.name}, {"young", region.material.young}, {"poisson", region.material.poisson}});
+  }
+  json["friction"] = scene.friction;
+  json["sampling"] = {{"spacing", scene.sampling.spacing},
+                      {"depth", scene.sampling.depth},
+                      {"depth_fraction", scene.sampling.depth_fraction},
+                      {"normal_points", scene.sampling.normal_points},
+                      {"tangential_depths", scene.sampling.tangential_depths},
+                      {"tangential_directions", scene.sampling.tangential_directions},
+                      {"tangential_points", scene.sampling.tangential_points}};
+  json["solver"] = {{"mesh_size", scene.solver.mesh_size}, {"growth", scene.solver.growth}};
+  json["pairs"] = {{"planned", report.planned},
+                   {"accepted", report.accepted},
+                   {"refused", report.refused},
+                   {"covered", report.covered},
+                   {"support", report.support},
+                   {"outside", report.outside},
+                   {"support_area_share", plan.support_share}};
+  json["fit"] = {{"error", "|fit - solved| / max(|solved|, 2 % of the pair's peak)"},
+                 {"normal", figures(report.normal)}};
+  if (report.friction) json["fit"]["tangential"] = figures(report.tangential);
+  // Names may hold bytes that are not UTF-8: they are replaced, not refused.
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace
+
+ResponseFileContent assemble_response(const Scene& scene, const std::vector<Tool>& tools, const HapticMesh& mesh,
+                                      const Plan& plan, const Hash128& manifest, const FittedResponses& fitted) {
+  ResponseFileContent content;
+  content.depth_scale = fitted.scales.depth;
+  content.sideways_scale = fitted.scales.sideways;
+  const auto count = [](bool there, int coefs) { return there ? static_cast<std::uint32_t>(coefs) : 0U; };
+  content.normal_coefs = count(true, fitted.scales.normal_coefs);
+  content.lateral_coefs = count(fitted.report.lateral, fitted.scales.lateral_coefs);
+  content.growth_coefs = count(fitted.scales.friction(), fitted.scales.growth_coefs);
+  content.sideways_coefs = count(fitted.scales.friction(), fitted.scales.sideways_coefs);
+  content.friction_coefs = count(fitted.scales.friction(), fitted.scales.friction_coefs);
+  add_body(content, mesh, plan);
+  for (const Tool& tool : tools) content.tools.push_back(response_tool(tool));
+  content.responses = fitted.responses;
+  content.provenance = provenance(scene, plan, manifest, fitted);
+  const bool search = scene.response.search == ResponseScene::Search::bvh ||
+                      (scene.response.search == ResponseScene::Search::automatic &&
+                       content.surface_triangles.size() > kSearchThreshold);
+  if (search) add_search(content);
+  return content;
+}
+
+}  // namespace palpate

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Puts geometry, tools, fitted responses and provenance together into the content of a response file.
+#pragma once
+
+#include <vector>
+
+#include "formats/hash.hpp"
+#include "formats/response.hpp"
+#include "precompute/fit/fit.hpp"
+
+namespace palpate {
+
+/// `manifest`: the hash that the journal carries, recorded in the provenance. The same inputs give the same content:
+/// it holds no time and no path.
+ResponseFileContent assemble_response(const Scene& scene, const std::vector<Tool>& tools, const HapticMesh& mesh,
+                                      const Plan& plan, const Hash128& manifest, const FittedResponses& fitted);
+
+}  // namespace palpate

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Fits every accepted pair, covers the others, gathers the errors.
+#include "precompute/fit/fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <optional>
+
+#include "formats/error.hpp"
+#include "precompute/bake/bake.hpp"
+#include "precompute/fit/cover.hpp"
+
+namespace palpate {
+namespace {
+
+using fit::ModelScales;
+using fit::PairCurves;
+using fit::SiteCurves;
+using SiteRow = std::vector<std::optional<SiteCurves>>;  // per site, of one tool vertex
+
+const JournalPair* solved_pair(const JournalContent& journal, std::uint32_t pair) {
+  const auto at = journal.pairs.find(pair);
+  return at == journal.pairs.end() || !at->second.outcome ? nullptr : &at->second;
+}
+
+void check_finished(const Plan& plan, const JournalContent& journal) {
+  std::size_t open = 0;
+  for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) open += solved_pair(journal, pair) == nullptr ? 1 : 0;
+  if (open > 0) {
+    throw Error(ExitCode::bad_input, "the bake is not finished: " + std::to_string(open) + " of " +
+                                         std::to_string(plan.pairs.size()) + " pairs have no outcome yet");
+  }
+}
+
+/// Throws with the causes, most frequent first, when more pairs are refused than allowed.
+void check_refused(const Plan& plan, const JournalContent& journal, double max_refused) {
+  std::map<std::string, std::pair<std::size_t, std::string>> causes;  // text without figures: count, first pair
+  std::size_t refused = 0;
+  for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
+    const PairOutcome& outcome = *solved_pair(journal, pair)->outcome;
+    if (outcome.accepted) continue;
+    ++refused;
+    std::string kind = outcome.cause.substr(0, outcome.cause.find_first_of("0123456789"));
+    auto& [count, example] = causes[kind];
+    if (++count == 1) example = describe(pair, plan.pairs[pair]) + ": " + outcome.cause;
+  }
+  const double share = static_cast<double>(refused) / static_cast<double>(std::max<std::size_t>(plan.pairs.size(), 1));
+  if (share <= max_refused) return;
+  std::vector<std::pair<std::size_t, std::string>> sorted;
+  for (const auto& [kind, entry] : causes) sorted.push_back(entry);
+  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  char percent[64];
+  std::snprintf(percent, sizeof percent, "%.1f %%, allowed %.1f %%", 100 * share, 100 * max_refused);
+  std::string text = std::to_string(refused) + " of " + std::to_string(plan.pairs.size()) + " pairs were refused (" +
+                     percent + "; scene: sampling.max_refused):";
+  for (std::size_t k = 0; k < std::min<std::size_t>(sorted.size(), 8); ++k) {
+    text += "\n  " + std::to_string(sorted[k].first) + " like " + sorted[k].second;
+  }
+  throw Error(ExitCode::numerical, text);
+}
+
+ModelScales make_scales(const Plan& plan, const JournalContent& journal, const FitSettings& settings) {
+  ModelScales scales;
+  scales.depth = settings.depth_scale;
+  if (!settings.friction) return scales;
+  for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
+    const JournalPair& solved = *solved_pair(journal, pair);
+    if (!solved.outcome->accepted) continue;
+    for (const Sample& s : solved.samples) {
+      if (s.kind == SampleKind::tangential) scales.sideways = std::max(scales.sideways, s.deflection.head<2>().norm());
+    }
+  }
+  if (!(scales.sideways > 0)) {
+    throw Error(ExitCode::numerical, "the scene has friction, but no accepted pair has a sideways push");
+  }
+  return scales;
+}
+
+std::vector<float> to_floats(const Eigen::VectorXd& coefs) {
+  std::vector<float> result(static_cast<std::size_t>(coefs.size()));
+  for (std::size_t k = 0; k < result.size(); ++k) result[k] = static_cast<float>(coefs[static_cast<Eigen::Index>(k)]);
+  return result;
+}
+
+Response to_response(const SiteCurves& site, bool solved, bool lateral) {
+  Response r;
+  r.depth_limit = site.depth;
+  r.flags = solved ? layout::response_solved : layout::response_covered;
+  r.normal = to_floats(site.curves.normal);
+  if (lateral) {
+    r.lateral_x = to_floats(site.curves.lateral_x);
+    r.lateral_y = to_floats(site.curves.lateral_y);
+  }
+  r.growth_x = to_floats(site.curves.growth_x);
+  r.growth_y = to_floats(site.curves.growth_y);
+  r.sideways_x = to_floats(site.curves.sideways_x);
+  r.sideways_y = to_floats(site.curves.sideways_y);
+  r.friction = to_floats(site.curves.friction);
+  return r;
+}
+
+bool has_lateral_force(const std::vector<Sample>& samples, double threshold) {
+  double peak = 0, lateral = 0;
+  for (const Sample& s : samples) {
+    if (s.kind != SampleKind::normal) continue;
+    peak = std::max(peak, s.force.z());
+    lateral = std::max({lateral, std::abs(s.force.x()), std::abs(s.force.y())});
+  }
+  return lateral >= threshold * peak;
+}
+
+PairFigures pair_figures(std::uint32_t pair, const fit::FitErrors& errors) {
+  std::vector<std::pair<double, std::uint32_t>> all;
+  for (const double e : errors.normal) all.emplace_back(e, pair);
+  for (const double e : errors.tangential) all.emplace_back(e, pair);
+  const ErrorFigures figures = error_figures(all);
+  return {pair, figures.median, figures.p95, figures.worst};
+}
+
+}  // namespace
+
+ErrorFigures error_figures(const std::vector<std::pair<double, std::uint32_t>>& errors) {
+  ErrorFigures figures;
+  figures.samples = errors.size();
+  if (errors.empty()) return figures;
+  std::vector<std::pair<double, std::uint32_t>> sorted = errors;
+  std::sort(sorted.begin(), sorted.end());
+  const std::size_t n = sorted.size();
+  figures.median = n % 2 == 1 ? sorted[n / 2].first : 0.5 * (sorted[n / 2 - 1].first + sorted[n / 2].first);
+  figures.p95 = sorted[(95 * n + 99) / 100 - 1].first;
+  figures.worst = sorted.back().first;
+  figures.worst_pair = sorted.back().second;
+  return figures;
+}
+
+FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std::int32_t, 3>>& triangles,
+                              const std::vector<std::uint32_t>& tool_vertices, const JournalContent& journal,
+                              const FitSettings& settings) {
+  check_finished(plan, journal);
+  check_refused(plan, journal, settings.max_refused);
+
+  FittedResponses result;
+  result.scales = make_scales(plan, journal, settings);
+  FitReport& report = result.report;
+  report.planned = plan.pairs.size();
+  report.friction = settings.friction;
+  std::vector<std::uint32_t> first(tool_vertices.size() + 1, 0);
+  std::partial_sum(tool_vertices.begin(), tool_vertices.end(), first.begin() + 1);
+
+  std::vector<SiteRow> rows(first.back(), SiteRow(plan.sites.size()));
+  std::vector<std::pair<double, std::uint32_t>> normal, tangential;
+  for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
+    const JournalPair& solved = *solved_pair(journal, pair);
+    if (!solved.outcome->accepted) continue;
+    ++report.accepted;
+    const PairPlan& planned = plan.pairs[pair];
+    PairCurves curves = fit::fit_pair(solved.samples, result.scales, describe(pair, planned));
+    const fit::FitErrors errors = fit::fit_errors(curves, result.scales, solved.samples);
+    for (const double e : errors.normal) normal.emplace_back(e, pair);
+    for (const double e : errors.tangential) tangential.emplace_back(e, pair);
+    report.pairs.push_back(pair_figures(pair, errors));
+    report.lateral = report.lateral || has_lateral_force(solved.samples, settings.lateral_threshold);
+    rows[first[planned.tool] + planned.tool_vertex][planned.site] = SiteCurves{std::move(curves), planned.depth};
+  }
+  report.refused = report.planned - report.accepted;
+  report.normal = error_figures(normal);
+  report.tangential = error_figures(tangential);
+  for (const SkippedPair& pair : plan.skipped) {
+    ++(pair.reason == SkipReason::support       ? report.support
+       : pair.reason == SkipReason::unreachable ? report.unreachable
+                                                : report.outside);
+  }
+
+  std::vector<ContactFrame> frames;
+  std::vector<double> depths;
+  for (const PlanSite& site : plan.sites) {
+    frames.push_back(site.frame);
+    depths.push_back(site.depth);
+  }
+  const fit::SiteGraph graph = fit::site_graph(plan.sites.size(), triangles);
+  result.responses.resize(plan.sites.size() * rows.size());
+  for (std::size_t vertex = 0; vertex < rows.size(); ++vertex) {
+    SiteRow& row = rows[vertex];
+    std::vector<bool> solved;
+    for (const auto& site : row) solved.push_back(site.has_value());
+    fit::cover_sites(graph, frames, depths, result.scales, row, "tool vertex " + std::to_string(vertex));
+    for (std::size_t site = 0; site < row.size(); ++site) {
+      result.responses[site * rows.size() + vertex] = to_response(*row[site], solved[site], report.lateral);
+      report.covered += solved[site] ? 0 : 1;
+    }
+  }
+  return result;
+}
+
+}  // namespace palpate

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// From a plan and its journal to the responses of a file: fit every accepted pair, cover the rest.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "formats/journal.hpp"
+#include "formats/response.hpp"
+#include "precompute/bake/plan.hpp"
+#include "precompute/fit/pair_fit.hpp"
+
+namespace palpate {
+
+struct FitSettings {
+  double depth_scale = 0.0;         ///< m, Z: the scene's depth
+  bool friction = false;            ///< the scene has friction
+  double max_refused = 0.03;        ///< share of the planned pairs, [0, 0.5]
+  double lateral_threshold = 0.01;  ///< straight pushes below this share of their pair's peak are left out
+};
+
+/// Median, 95th percentile and worst of relative errors (share of max(|force|, 2 % of the pair's peak)).
+struct ErrorFigures {
+  std::size_t samples = 0;
+  double median = 0.0, p95 = 0.0, worst = 0.0;
+  std::uint32_t worst_pair = 0;
+};
+
+struct PairFigures {
+  std::uint32_t pair = 0;
+  double median = 0.0, p95 = 0.0, worst = 0.0;  ///< over all samples of the pair
+};
+
+struct FitReport {
+  std::size_t planned = 0, accepted = 0, refused = 0;
+  std::size_t covered = 0;                 ///< responses taken from neighbours: refused and skipped ones
+  std::size_t support = 0, outside = 0, unreachable = 0;  ///< of those covered, why they were skipped
+  bool lateral = false, friction = false;  ///< sections that the file has
+  ErrorFigures normal, tangential;
+  std::vector<PairFigures> pairs;  ///< by pair
+};
+
+struct FittedResponses {
+  fit::ModelScales scales;
+  std::vector<Response> responses;  ///< site * tool vertices + tool vertex over all tools
+  FitReport report;
+};
+
+/// Median, 95th percentile (nearest rank) and worst of `errors`; all zero when there are none.
+ErrorFigures error_figures(const std::vector<std::pair<double, std::uint32_t>>& errors);
+
+/// Fits and covers. `triangles`: patches of the haptic mesh; `tool_vertices`: their number per tool.
+/// Throws Error(bad_input) when a planned pair has no outcome (the bake is not finished), Error(numerical) when too
+/// many were refused (with the causes) and when a fit fails (with the pair).
+FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std::int32_t, 3>>& triangles,
+                              const std::vector<std::uint32_t>& tool_vertices, const JournalContent& journal,
+                              const FitSettings& settings);
+
+}  // namespace palpate

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The rounds of adaptation, the check that the result does not cross itself, and what is done when it does.
+#include "precompute/mesh/adapt_surface.hpp"
+
+#include "precompute/geometry/intersections.hpp"
+#include "precompute/mesh/surface_adapter.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace palpate {
+
+using Eigen::Vector3d;
+
+namespace {
+
+struct Task {
+  const SurfaceQuery& original;
+  const SizeField& size;
+  const std::vector<Vector3d>& anchors;
+  const AdaptOptions& options;
+};
+
+void insert_anchors(SurfaceAdapter& adapter, const Task& task, AdaptedSurface& result) {
+  result.anchors.clear();
+  for (const Vector3d& a : task.anchors) result.anchors.push_back(adapter.insert_anchor(a));
+}
+
+// True when `result` got a surface that does not cross itself.
+bool adapt_from(const Surface& start, const Task& task, AdaptedSurface& result) {
+  SurfaceAdapter adapter(start, task.original, task.size, task.options.chord);
+  insert_anchors(adapter, task, result);
+  const auto round = [&] {
+    adapter.split_long();
+    adapter.collapse_short();
+    adapter.flip();
+    adapter.relax();
+  };
+  adapter.collapse_short();
+  for (int k = 0; k < task.options.rounds; ++k) {
+    // Not in the last round, whose splits would go without flips and relaxation after them.
+    if (k >= 1 && k + 1 < task.options.rounds) adapter.shorten_where_coarse();
+    round();
+  }
+  adapter.flip();
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    result.surface = adapter.surface(result.anchors);
+    const std::vector<std::int32_t> crossing = crossing_triangles(result.surface);
+    if (crossing.empty()) return true;
+    adapter.shorten(crossing, 0.5);
+    round();
+    adapter.flip();
+  }
+  return false;
+}
+
+}  // namespace
+
+AdaptedSurface adapt_surface(const Surface& base, const SurfaceQuery& original, const SizeField& size,
+                             const std::vector<Vector3d>& anchors, const AdaptOptions& options) {
+  const double largest = options.largest > 0 ? options.largest : std::numeric_limits<double>::infinity();
+  const SizeField capped = [&](const Vector3d& p) { return std::min(size(p), largest); };
+  const Task task{original, capped, anchors, options};
+  AdaptedSurface result;
+  // A coarse base is quick; where it cuts off a sharp fold, points project to the wrong side of it. Coming down
+  // from the original costs several times as much and never has to guess.
+  if (adapt_from(base, task, result) || adapt_from(original.surface(), task, result)) return result;
+
+  SurfaceAdapter refined(base, original, capped, options.chord);
+  refined.keep_planes();
+  insert_anchors(refined, task, result);
+  refined.split_long();
+  result.surface = refined.surface(result.anchors);
+  result.refined_base = true;
+  return result;
+}
+
+}  // namespace palpate

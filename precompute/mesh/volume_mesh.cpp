@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The ladder of meshing attempts: adapted surfaces and TetGen first, other sizes, then CGAL Mesh_3.
+#include "precompute/mesh/volume_mesh.hpp"
+
+#include "formats/error.hpp"
+#include "precompute/geometry/intersections.hpp"
+#include "precompute/mesh/adapt_surface.hpp"
+#include "precompute/mesh/mesh3.hpp"
+#include "precompute/mesh/quadratic.hpp"
+#include "precompute/mesh/tet_checks.hpp"
+#include "precompute/mesh/tetgen_client.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector3d;
+using Backend = VolumeMeshOptions::Backend;
+
+// One rung: how the surfaces are adapted and what TetGen is asked for.
+struct Rung {
+  double scale;         // of every size
+  double cap;           // longest edge over the body's diagonal
+  bool bound_dihedral;  // TetGen's second -q bound
+};
+
+constexpr Rung kRungs[] = {
+    {1.0, 1.0, true}, {1.0, 1.0, false}, {0.93, 1.0, true}, {0.9, 0.06, true}, {0.8, 0.04, true}};
+
+// An inclusion's stiffness goes with its volume, so it is followed closer than the body.
+constexpr double kInclusionChord = 0.05;
+
+struct AdaptedBody {
+  Surface outer;
+  std::vector<Surface> inner;
+};
+
+AdaptedBody adapt_body(const Body& body, const SizeField& size, const std::vector<Vector3d>& anchors, double largest) {
+  AdaptedBody adapted;
+  double cap = largest;
+  for (int attempt = 0; attempt < 4; ++attempt, cap /= 2) {
+    AdaptOptions options;
+    options.largest = cap;
+    adapted.outer = adapt_surface(body.base, *body.query, size, anchors, options).surface;
+    adapted.inner.clear();
+    options.chord = kInclusionChord;
+    bool apart = true;
+    for (const Inclusion& inclusion : body.inclusions) {
+      adapted.inner.push_back(adapt_surface(inclusion.base, *inclusion.query, size, {}, options).surface);
+      apart = apart && !surfaces_intersect(adapted.inner.back(), adapted.outer);
+      for (std::size_t k = 0; k + 1 < adapted.inner.size(); ++k) {
+        apart = apart && !surfaces_intersect(adapted.inner.back(), adapted.inner[k]);
+      }
+    }
+    if (apart) return adapted;
+  }
+  throw Error(ExitCode::numerical, "surfaces of body and inclusions cross at every size tried");
+}
+
+MesherAnswer mesh_by_tetgen(const AdaptedBody& adapted, const SizeField& size, const VolumeMeshOptions& options,
+                            bool bound_dihedral) {
+  TetgenInput input;
+  SurfaceTriangles outer;
+  std::vector<SurfaceTriangles> inner;
+  const auto add = [&](const Surface& s) {
+    const auto first = static_cast<std::int32_t>(input.vertices.size());
+    SurfaceTriangles triangles;
+    input.vertices.insert(input.vertices.end(), s.vertices.begin(), s.vertices.end());
+    for (const auto& t : s.triangles) triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    input.facets.insert(input.facets.end(), triangles.begin(), triangles.end());
+    return triangles;
+  };
+  outer = add(adapted.outer);
+  for (const Surface& s : adapted.inner) inner.push_back(add(s));
+  for (const Vector3d& v : input.vertices) input.sizes.push_back(size(v));
+
+  char switches[64];
+  if (bound_dihedral) {
+    std::snprintf(switches, sizeof switches, "pq%.3g/%.3gmYAQ", options.radius_edge, options.min_dihedral);
+  } else {
+    std::snprintf(switches, sizeof switches, "pq%.3gmYAQ", std::max(options.radius_edge, 1.4));
+  }
+  input.switches = switches;
+  MesherAnswer answer = run_tetgen(input, options.time_limit);
+  if (answer.cause.empty()) answer.cause = orient_tets(answer.tets);
+  if (answer.cause.empty()) answer.cause = find_regions(answer.tets, outer, inner);
+  return answer;
+}
+
+// Judges tetrahedra; fills `result` when they are good enough, else gives the cause.
+std::string judge(const Body& body, const std::vector<Vector3d>& anchors, const VolumeMeshOptions& options,
+                  const LinearTets& tets, VolumeMeshResult& result) {
+  const TetShapes shapes = tet_shapes(tets);
+  if (shapes.min_dihedral < options.accept_dihedral) {
+    char text[96];
+    std::snprintf(text, sizeof text, "smallest dihedral angle %.2f degrees, allowed %.2f", shapes.min_dihedral,
+                  options.accept_dihedral);
+    return text;
+  }
+  const std::vector<double> volumes = region_volumes(tets, body.inclusions.size());
+  for (std::size_t k = 0; k < volumes.size(); ++k) {
+    if (!(volumes[k] > 0)) return "region " + std::to_string(k) + " has no tetrahedra";
+  }
+  TetMesh mesh = make_quadratic(tets);
+  for (const Vector3d& anchor : anchors) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::int32_t v = 0; v < mesh.corner_count; ++v) nearest = std::min(nearest, (mesh.nodes[v] - anchor).norm());
+    if (nearest > 1e-6) {
+      char text[96];
+      std::snprintf(text, sizeof text, "nearest node to an anchor is %.3g m away, allowed 1e-06", nearest);
+      return text;
+    }
+  }
+  MeshQuality quality;
+  quality.min_dihedral = shapes.min_dihedral;
+  quality.max_radius_edge = shapes.max_radius_edge;
+  for (const double v : volumes) quality.volume += v;
+  double six = 0;
+  const Surface& surface = body.query->surface();
+  for (const auto& t : surface.triangles) {
+    six += surface.vertices[t[0]].dot(surface.vertices[t[1]].cross(surface.vertices[t[2]]));
+  }
+  quality.volume_error = quality.volume / (six / 6) - 1;
+  std::vector<char> on_boundary(mesh.nodes.size(), 0);
+  for (const auto& f : mesh.faces) {
+    for (const std::int32_t v : f) on_boundary[v] = 1;
+  }
+  for (std::size_t v = 0; v < mesh.nodes.size(); ++v) {
+    if (on_boundary[v]) {
+      quality.surface_distance = std::max(quality.surface_distance, body.query->closest(mesh.nodes[v]).distance);
+    }
+  }
+  result.usable = true;
+  result.cause.clear();
+  result.mesh = std::move(mesh);
+  result.quality = quality;
+  return {};
+}
+
+void add_cause(std::string& causes, const std::string& cause) {
+  if (causes.find(cause) != std::string::npos) return;
+  causes += (causes.empty() ? "" : "; ") + cause;
+}
+
+void try_tetgen(const Body& body, const SizeField& size, const std::vector<Vector3d>& anchors,
+                const VolumeMeshOptions& options, VolumeMeshResult& result) {
+  AdaptedBody adapted;
+  const Rung* last = nullptr;
+  for (const Rung& rung : kRungs) {
+    const SizeField scaled = [&](const Vector3d& p) { return rung.scale * size(p); };
+    if (last == nullptr || last->scale != rung.scale || last->cap != rung.cap) {
+      adapted = adapt_body(body, scaled, anchors, rung.cap * body.diagonal);
+    }
+    last = &rung;
+    MesherAnswer answer = mesh_by_tetgen(adapted, scaled, options, rung.bound_dihedral);
+    if (answer.cause.empty()) answer.cause = judge(body, anchors, options, answer.tets, result);
+    if (result.usable) {
+      result.backend = "tetgen";
+      return;
+    }
+    add_cause(result.cause, answer.cause);
+  }
+}
+
+}  // namespace
+
+VolumeMeshResult mesh_volume(const Body& body, const SizeField& size, const std::vector<Vector3d>& anchors,
+                             const VolumeMeshOptions& options) {
+  VolumeMeshResult result;
+  try {
+    if (options.backend != Backend::mesh3) try_tetgen(body, size, anchors, options, result);
+  } catch (const std::exception& error) {
+    add_cause(result.cause, error.what());
+  }
+  if (result.usable || options.backend == Backend::tetgen) return result;
+  try {
+    MesherAnswer answer = mesh_by_mesh3(body, size, anchors, options.time_limit);
+    if (answer.cause.empty()) answer.cause = orient_tets(answer.tets);
+    if (answer.cause.empty()) answer.cause = judge(body, anchors, options, answer.tets, result);
+    if (result.usable) {
+      result.backend = "mesh3";
+    } else {
+      add_cause(result.cause, "Mesh_3: " + answer.cause);
+    }
+  } catch (const std::exception& error) {
+    add_cause(result.cause, std::string("Mesh_3: ") + error.what());
+  }
+  return result;
+}
+
+}  // namespace palpate

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// From a body and a size field to a quadratic tetrahedral mesh, by TetGen in a child process or CGAL Mesh_3.
+#pragma once
+
+#include "precompute/body.hpp"
+#include "precompute/mesh/size_field.hpp"
+#include "precompute/mesh/tet_mesh.hpp"
+
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+struct VolumeMeshOptions {
+  enum class Backend { tetgen, mesh3, tetgen_then_mesh3 };
+  Backend backend = Backend::tetgen_then_mesh3;
+  double radius_edge = 1.2;      ///< TetGen -q bound on circumradius over shortest edge
+  double min_dihedral = 15.0;    ///< TetGen -q second bound (degrees)
+  double accept_dihedral = 3.0;  ///< a mesh whose smallest dihedral angle is below this is refused (degrees)
+  double time_limit = 60.0;      ///< s for one meshing attempt in its child process
+};
+
+struct MeshQuality {
+  double min_dihedral = 0.0;  ///< degrees
+  double max_radius_edge = 0.0;
+  double volume = 0.0;            ///< m^3
+  double volume_error = 0.0;      ///< relative to the body's surface volume
+  double surface_distance = 0.0;  ///< m, largest distance of a boundary node to the body's surface
+};
+
+struct VolumeMeshResult {
+  bool usable = false;
+  std::string cause;    ///< why not
+  std::string backend;  ///< which mesher made it
+  TetMesh mesh;
+  MeshQuality quality;
+};
+
+/// Meshes `body` so that edges follow `size` and every point of `anchors` (on the body's surface) is a
+/// corner node. Deterministic; safe to call from several threads. Never throws for a mesher's failure.
+VolumeMeshResult mesh_volume(const Body& body, const SizeField& size, const std::vector<Eigen::Vector3d>& anchors,
+                             const VolumeMeshOptions& options = {});
+
+}  // namespace palpate

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Integration of the contact energy over quadratic faces.
+#include "precompute/solve/contact.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace palpate {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+using Weights = std::array<std::array<double, 6>, ContactEnergy::kPoints>;
+
+// Centroids of the 16 equal sub-triangles: positive equal weights see a partial contact evenly.
+Weights make_weights() {
+  Weights all{};
+  int q = 0;
+  const auto add = [&](double a, double b) {
+    const double c = 1 - a - b;
+    all[q++] = {a * (2 * a - 1), b * (2 * b - 1), c * (2 * c - 1), 4 * a * b, 4 * b * c, 4 * c * a};
+  };
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; i + j < 4; ++j) {
+      add((i + 1.0 / 3) / 4, (j + 1.0 / 3) / 4);
+      if (i + j < 3) add((i + 2.0 / 3) / 4, (j + 2.0 / 3) / 4);
+    }
+  }
+  return all;
+}
+
+const Weights kShape = make_weights();
+
+}  // namespace
+
+ContactEnergy::ContactEnergy(const TetMesh& mesh, const std::vector<char>& fixed, const ToolShape& shape,
+                             const Eigen::Isometry3d& pose)
+    : shape_(shape), pose_(pose) {
+  for (const auto& nodes : mesh.faces) {
+    if (std::all_of(nodes.begin(), nodes.end(), [&](std::int32_t n) { return fixed[n] != 0; })) continue;
+    const Vector3d a = mesh.nodes[nodes[0]], b = mesh.nodes[nodes[1]], c = mesh.nodes[nodes[2]];
+    faces_.push_back({nodes, 0.5 * (b - a).cross(c - a).norm() / kPoints});
+  }
+  anchors_.held.assign(faces_.size() * kPoints, 0);
+  anchors_.position.assign(faces_.size() * kPoints, Vector3d::Zero());
+}
+
+// Calls visit(face, point index, shape values, position in the tool frame) for the points of faces that may
+// touch the tool or hold an anchor.
+template <class Visit>
+void ContactEnergy::for_each_near(const VectorXd& x, Visit&& visit) const {
+  const Matrix3d to_tool = pose_.linear().transpose();
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    const Face& face = faces_[f];
+    Eigen::Matrix<double, 3, 6> p;
+    for (int n = 0; n < 6; ++n) p.col(n) = to_tool * (x.segment<3>(3 * face.nodes[n]) - pose_.translation());
+    const Vector3d centre = p.leftCols<3>().rowwise().mean();
+    const double reach = 1.3 * (p.colwise() - centre).colwise().norm().maxCoeff();
+    const char* held = anchors_.held.data() + f * kPoints;
+    const bool anchored = std::any_of(held, held + kPoints, [](char h) { return h != 0; });
+    if (!anchored && shape_.distance(centre).value > reach) continue;
+    for (int q = 0; q < kPoints; ++q) {
+      Vector3d at = Vector3d::Zero();
+      for (int n = 0; n < 6; ++n) at += kShape[q][n] * p.col(n);
+      visit(face, f * kPoints + q, kShape[q], at);
+    }
+  }
+}
+
+double ContactEnergy::value(const VectorXd& x) const {
+  double sum = 0;
+  for_each_near(x, [&](const Face& face, std::size_t k, const auto&, const Vector3d& at) {
+    const DistanceSample s = shape_.distance(at);
+    if (s.value < 0) sum += 0.5 * penalty_ * face.weight * s.value * s.value;
+    if (anchors_.held[k]) {
+      Vector3d slip = at - anchors_.position[k];
+      const Vector3d normal = shape_.distance(anchors_.position[k]).gradient;
+      slip -= slip.dot(normal) * normal;
+      sum += 0.5 * anchor_stiffness_ * face.weight * slip.squaredNorm();
+    }
+  });
+  return sum;
+}
+
+double ContactEnergy::gradient(const VectorXd& x, VectorXd& gradient) const {
+  double sum = 0;
+  for_each_near(x, [&](const Face& face, std::size_t k, const auto& shape, const Vector3d& at) {
+    const DistanceSample s = shape_.distance(at);
+    if (s.value >= 0 && !anchors_.held[k]) return;
+    Vector3d pull = Vector3d::Zero();
+    if (s.value < 0) {
+      sum += 0.5 * penalty_ * face.weight * s.value * s.value;
+      pull += penalty_ * face.weight * s.value * s.gradient;
+    }
+    if (anchors_.held[k]) {
+      Vector3d slip = at - anchors_.position[k];
+      const Vector3d normal = shape_.distance(anchors_.position[k]).gradient;
+      slip -= slip.dot(normal) * normal;
+      sum += 0.5 * anchor_stiffness_ * face.weight * slip.squaredNorm();
+      pull += anchor_stiffness_ * face.weight * slip;
+    }
+    const Vector3d world = pose_.linear() * pull;
+    for (int n = 0; n < 6; ++n) gradient.segment<3>(3 * face.nodes[n]) += shape[n] * world;
+  });
+  return sum;
+}
+
+void ContactEnergy::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& matrix) const {
+  for_each_near(x, [&](const Face& face, std::size_t k, const auto& shape, const Vector3d& at) {
+    const DistanceSample s = shape_.distance(at);
+    if (s.value >= 0 && !anchors_.held[k]) return;
+    Matrix3d h = Matrix3d::Zero();
+    if (s.value < 0) {
+      h += penalty_ * face.weight * s.gradient * s.gradient.transpose();
+      if (kind == HessianKind::exact) h += penalty_ * face.weight * s.value * s.hessian;
+    }
+    if (anchors_.held[k]) {
+      const Vector3d normal = shape_.distance(anchors_.position[k]).gradient;
+      h += anchor_stiffness_ * face.weight * (Matrix3d::Identity() - normal * normal.transpose());
+    }
+    const Matrix3d world = pose_.linear() * h * pose_.linear().transpose();
+    for (int a = 0; a < 6; ++a) {
+      for (int b = 0; b <= a; ++b) matrix.add(face.nodes[a], face.nodes[b], shape[a] * shape[b] * world);
+    }
+  });
+}
+
+ContactReport ContactEnergy::report(const VectorXd& x) const {
+  ContactReport r;
+  VectorXd nodal = VectorXd::Zero(x.size());
+  gradient(x, nodal);
+  r.load = nodal.norm();
+  for_each_near(x, [&](const Face& face, std::size_t k, const auto&, const Vector3d& at) {
+    const DistanceSample s = shape_.distance(at);
+    if (s.value < 0) {
+      r.normal_energy += 0.5 * penalty_ * face.weight * s.value * s.value;
+      r.force += penalty_ * face.weight * s.value * (pose_.linear() * s.gradient);
+      r.penetration = std::max(r.penetration, -s.value);
+      r.area += face.weight;
+      ++r.points;
+    }
+    if (anchors_.held[k]) {
+      Vector3d slip = at - anchors_.position[k];
+      const Vector3d normal = shape_.distance(anchors_.position[k]).gradient;
+      slip -= slip.dot(normal) * normal;
+      r.tangential_energy += 0.5 * anchor_stiffness_ * face.weight * slip.squaredNorm();
+      r.force += anchor_stiffness_ * face.weight * (pose_.linear() * slip);
+    }
+  });
+  return r;
+}
+
+double ContactEnergy::slip_ratio(const VectorXd& x, const Vector3d& direction, const Vector3d& normal) const {
+  double along = 0, across = 0;
+  for_each_near(x, [&](const Face& face, std::size_t, const auto&, const Vector3d& at) {
+    const DistanceSample s = shape_.distance(at);
+    if (s.value >= 0) return;
+    const double pressure = -penalty_ * face.weight * s.value;
+    const Vector3d g = pose_.linear() * s.gradient;
+    const double lean = g.dot(direction);
+    along += pressure * std::sqrt(std::max(0.0, 1 - lean * lean));
+    across -= pressure * g.dot(normal);
+  });
+  return across > 0 ? along / across : 1.0;
+}
+
+void ContactEnergy::stick(const VectorXd& x) {
+  for_each_near(x, [&](const Face&, std::size_t k, const auto&, const Vector3d& at) {
+    if (anchors_.held[k] || shape_.distance(at).value >= 0) return;
+    anchors_.held[k] = 1;
+    anchors_.position[k] = at;
+  });
+}
+
+bool ContactEnergy::release(const VectorXd& x) {
+  bool any = false;
+  for_each_near(x, [&](const Face&, std::size_t k, const auto&, const Vector3d& at) {
+    if (!anchors_.held[k] || shape_.distance(at).value <= 0) return;
+    anchors_.held[k] = 0;
+    any = true;
+  });
+  return any;
+}
+
+double ContactEnergy::gap(const VectorXd& x) const {
+  double smallest = std::numeric_limits<double>::max();
+  const Matrix3d to_tool = pose_.linear().transpose();
+  for (const Face& face : faces_) {
+    Eigen::Matrix<double, 3, 6> p;
+    for (int n = 0; n < 6; ++n) p.col(n) = to_tool * (x.segment<3>(3 * face.nodes[n]) - pose_.translation());
+    const Vector3d centre = p.leftCols<3>().rowwise().mean();
+    const double reach = 1.3 * (p.colwise() - centre).colwise().norm().maxCoeff();
+    if (shape_.distance(centre).value - reach > smallest) continue;
+    for (int n = 0; n < 6; ++n) smallest = std::min(smallest, shape_.distance(p.col(n)).value);
+    for (int q = 0; q < kPoints; ++q) {
+      Vector3d at = Vector3d::Zero();
+      for (int n = 0; n < 6; ++n) at += kShape[q][n] * p.col(n);
+      smallest = std::min(smallest, shape_.distance(at).value);
+    }
+  }
+  return smallest;
+}
+
+}  // namespace palpate

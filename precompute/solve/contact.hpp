@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Penalty energy of a rigid tool, given as a signed distance function, against the faces of a mesh:
+// normal contact at 16 points a face, and sticking anchors at the points that have touched.
+#pragma once
+
+#include "precompute/fem/block_matrix.hpp"
+#include "precompute/fem/elastic.hpp"
+#include "precompute/tool/tool.hpp"
+
+#include <Eigen/Geometry>
+#include <vector>
+
+namespace palpate {
+
+/// What the contact does at a state of the body.
+struct ContactReport {
+  Eigen::Vector3d force{0, 0, 0};  ///< N on the tool, body frame
+  double normal_energy = 0.0;      ///< J stored in the normal penalty
+  double tangential_energy = 0.0;  ///< J stored in the anchors
+  double penetration = 0.0;        ///< m, largest overlap at an integration point
+  double area = 0.0;               ///< m^2, undeformed
+  double load = 0.0;               ///< N, norm of the nodal contact forces
+  std::uint32_t points = 0;        ///< integration points in contact
+};
+
+class ContactEnergy {
+public:
+  /// Faces with all nodes fixed take no part. `pose` carries the tool frame into the body's.
+  ContactEnergy(const TetMesh& mesh, const std::vector<char>& fixed, const ToolShape& shape,
+                const Eigen::Isometry3d& pose);
+
+  void set_translation(const Eigen::Vector3d& translation) { pose_.translation() = translation; }
+  [[nodiscard]] const Eigen::Vector3d translation() const { return pose_.translation(); }
+  /// Pressure per overlap (Pa/m) of the normal penalty.
+  void set_penalty(double stiffness) { penalty_ = stiffness; }
+  /// The same for the anchors.
+  void set_anchor_stiffness(double stiffness) { anchor_stiffness_ = stiffness; }
+
+  double value(const Eigen::VectorXd& x) const;
+  double gradient(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) const;
+  void hessian(const Eigen::VectorXd& x, HessianKind kind, BlockMatrix& matrix) const;
+  [[nodiscard]] ContactReport report(const Eigen::VectorXd& x) const;
+
+  /// Tangential force at gross slip towards unit `direction` over the normal force along `normal`, for a
+  /// Coulomb coefficient of 1: the sum of pressures times the slope of the tool's surface, seen along it.
+  [[nodiscard]] double slip_ratio(const Eigen::VectorXd& x, const Eigen::Vector3d& direction,
+                                  const Eigen::Vector3d& normal) const;
+
+  /// Anchors every point in contact that has no anchor; it is unstressed where it stands.
+  void stick(const Eigen::VectorXd& x);
+  /// Lets go of anchored points that have left the contact. True when any did.
+  bool release(const Eigen::VectorXd& x);
+
+  /// Smallest signed distance of the surface's integration points and corners to the tool (m).
+  [[nodiscard]] double gap(const Eigen::VectorXd& x) const;
+
+  struct Anchors {
+    std::vector<char> held;
+    std::vector<Eigen::Vector3d> position;  // in the tool frame
+  };
+  [[nodiscard]] const Anchors& anchors() const { return anchors_; }
+  void set_anchors(const Anchors& anchors) { anchors_ = anchors; }
+
+  static constexpr int kPoints = 16;
+
+private:
+  struct Face {
+    std::array<std::int32_t, 6> nodes;
+    double weight;  // m^2 of a point
+  };
+  template <class Visit>
+  void for_each_near(const Eigen::VectorXd& x, Visit&& visit) const;
+
+  std::vector<Face> faces_;
+  const ToolShape& shape_;
+  Eigen::Isometry3d pose_;
+  double penalty_ = 0.0, anchor_stiffness_ = 0.0;
+  Anchors anchors_;
+};
+
+}  // namespace palpate

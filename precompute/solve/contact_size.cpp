@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Footprint of a tool at its deepest pose, sampled on the body's surface, and the size field round it.
+#include "precompute/solve/contact_size.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector3d;
+
+struct Source {
+  Vector3d point;
+  double size;
+};
+
+// Points of the body's surface that the deepest tool would cover, on a grid in the tangent plane.
+std::vector<Vector3d> footprint(const Body& body, const Tool& tool, const Eigen::Isometry3d& deepest,
+                                const ContactFrame& frame, double radius) {
+  const Eigen::AlignedBox3d box = tool.shape->bounds();
+  double lo[2] = {0, 0}, hi[2] = {0, 0};
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vector3d local =
+        frame.to_local(deepest * box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)) - frame.origin);
+    for (int k = 0; k < 2; ++k) {
+      lo[k] = std::min(lo[k], local[k]);
+      hi[k] = std::max(hi[k], local[k]);
+    }
+  }
+  std::vector<Vector3d> points;
+  // The tool's box may be far wider than what it covers: a coarse pass bounds the footprint for the fine one.
+  for (const bool fine : {false, true}) {
+    const double step = std::max(radius / 4, std::max(hi[0] - lo[0], hi[1] - lo[1]) / 40);
+    double next_lo[2] = {0, 0}, next_hi[2] = {0, 0};
+    for (int i = static_cast<int>(std::floor(lo[0] / step)); (i - 1) * step <= hi[0]; ++i) {
+      for (int j = static_cast<int>(std::floor(lo[1] / step)); (j - 1) * step <= hi[1]; ++j) {
+        const Vector3d over = frame.origin + i * step * frame.x + j * step * frame.y;
+        const Vector3d on = body.query->closest(over).point;
+        const double inside = tool.shape->distance(deepest.inverse() * on).value;
+        if (inside >= (fine ? 0.0 : step)) continue;
+        if (fine) points.push_back(on);
+        const double at[2] = {i * step, j * step};
+        for (int k = 0; k < 2; ++k) {
+          next_lo[k] = std::min(next_lo[k], at[k] - step);
+          next_hi[k] = std::max(next_hi[k], at[k] + step);
+        }
+      }
+    }
+    std::copy_n(next_lo, 2, lo);
+    std::copy_n(next_hi, 2, hi);
+  }
+  points.push_back(frame.origin);
+  return points;
+}
+
+}  // namespace
+
+SizeField contact_size(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
+                       double depth, double fineness, const PairOptions& options) {
+  const double radius = contact_radius(vertex, depth);
+  const double size = options.mesh_size * fineness * radius;
+  const double largest = (options.max_size > 0 ? options.max_size : body.diagonal / 8) * std::sqrt(fineness);
+  const Eigen::Isometry3d touching = touching_pose(vertex, frame);
+  Eigen::Isometry3d deepest = touching;
+  deepest.translation() -= depth * frame.n;
+
+  std::vector<Source> sources;
+  // A curved tool's overlap is wider than the contact it makes (by sqrt 2 in Hertz' limit): shrink it.
+  const double shrink = vertex.flat_radius > 0 ? 1.0 : 0.75;
+  for (const Vector3d& p : footprint(body, tool, deepest, frame, radius)) {
+    sources.push_back({frame.origin + shrink * (p - frame.origin), size});
+  }
+  for (const ToolEdgePoint& e : tool.edges) sources.push_back({touching * e.point, e.size * fineness});
+
+  const double growth = options.growth;
+  return [sources = std::move(sources), growth, largest, size](const Vector3d& x) {
+    double h = largest;
+    for (const Source& s : sources) h = std::min(h, s.size + growth * (x - s.point).norm());
+    return std::max(h, 1e-3 * size);
+  };
+}
+
+}  // namespace palpate

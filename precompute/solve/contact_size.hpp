@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The size field of a pair: fine over the patch of the body that the tool will cover, growing away from it.
+#pragma once
+
+#include "precompute/body.hpp"
+#include "precompute/mesh/size_field.hpp"
+#include "precompute/solve/pair.hpp"
+#include "precompute/tool/tool.hpp"
+
+namespace palpate {
+
+/// Edge length for a push of `vertex` at `frame` down to `depth` (m) with options.mesh_size * `fineness` of
+/// the contact radius over the footprint.
+SizeField contact_size(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
+                       double depth, double fineness, const PairOptions& options);
+
+}  // namespace palpate

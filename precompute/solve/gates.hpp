@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The checks that every solved point passes before it is believed; a failed one names itself and its figure.
+#pragma once
+
+#include "precompute/solve/contact.hpp"
+
+#include <optional>
+#include <string>
+
+namespace palpate {
+
+struct GateLimits {
+  double penetration = 0.03;           ///< of the contact radius
+  double min_jacobian = 0.0;           ///< an element turned inside out at a quadrature point is refused
+  double force_drop = 0.9;             ///< smallest ratio of the normal force to the one before
+  double energy_balance = 0.06;        ///< of the tool's work, and a hundredth of the energy scale of the whole push
+  std::uint32_t resolved_points = 12;  ///< integration points in contact at the deepest push
+};
+
+/// One point of a normal curve as the gates see it.
+struct GateState {
+  double depth = 0.0;           ///< m
+  double contact_radius = 0.0;  ///< m
+  double force = 0.0;           ///< N along the outward normal
+  double previous_force = 0.0;  ///< N
+  double work = 0.0;            ///< J done by the tool so far
+  double stored = 0.0;          ///< J elastic and contact energy above the start
+  double energy_scale = 0.0;    ///< J of the whole push: shallow points are judged by it too
+  double min_jacobian = 1.0;
+  ContactReport contact;
+};
+
+/// Empty when the state may be believed; else the name of the gate, the figure and its limit.
+std::optional<std::string> failed_gate(const GateState& state, const GateLimits& limits);
+
+}  // namespace palpate

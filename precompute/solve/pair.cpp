@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One pair from mesh to samples: the ladder of mesh refinements, the normal curve, the sideways pushes.
+#include "precompute/solve/pair.hpp"
+
+#include "formats/error.hpp"
+#include "precompute/solve/contact_size.hpp"
+#include "precompute/solve/gates.hpp"
+#include "precompute/solve/push.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kPi = std::numbers::pi;
+
+struct CurvePoint {
+  double depth = 0.0;  // m moved by the tool
+  ContactReport contact;
+  double force = 0.0;  // N along n
+  PushState state;
+};
+
+// Depth less the penalty's own compliance: d - dE/dF at fixed stiffness, from the local power law
+// E k ~ F^m of neighbouring points (4/3 for a sphere, 2 for a constant contact area).
+double corrected_depth(const std::vector<CurvePoint>& curve, std::size_t k) {
+  const CurvePoint& here = curve[k];
+  double m = 4.0 / 3;
+  const std::size_t a = k > 0 ? k - 1 : k, b = k > 0 ? k : std::min(k + 1, curve.size() - 1);
+  if (a != b && curve[b].force > 1.05 * curve[a].force && curve[a].force > 0) {
+    const double ea = curve[a].contact.normal_energy * curve[a].state.penalty;
+    const double eb = curve[b].contact.normal_energy * curve[b].state.penalty;
+    if (ea > 0 && eb > 0) m = std::clamp(std::log(eb / ea) / std::log(curve[b].force / curve[a].force), 1.0, 2.0);
+  }
+  return here.depth - m * here.contact.normal_energy / here.force;
+}
+
+class PairSolve {
+public:
+  PairSolve(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
+            const PairPath& path, const PairOptions& options)
+      : body_(body), tool_(tool), vertex_(vertex), frame_(frame), path_(path), options_(options) {}
+
+  // One attempt with a mesh `fineness` times as fine; the outcome says whether to try again.
+  PairResult attempt(double fineness) {
+    PairResult result;
+    result_ = &result;
+    const double deepest = path_.normal_depths.back();
+    const SizeField size = contact_size(body_, tool_, vertex_, frame_, deepest, fineness, options_);
+    const VolumeMeshResult mesh = mesh_volume(body_, size, {frame_.origin}, options_.mesh);
+    if (!mesh.usable) return refuse("mesh: " + mesh.cause);
+    result.outcome.nodes = static_cast<std::uint32_t>(mesh.mesh.nodes.size());
+    try {
+      Push push(body_, mesh.mesh, *tool_.shape, touching_pose(vertex_, frame_),
+                {body_.material.young, options_.penalty, options_.tolerance});
+      if (!push.held_anywhere()) return refuse("support: no node of the mesh is held");
+      run(push, deepest);
+      result.outcome.factorisations = push.factorisations();
+    } catch (const Error& e) {
+      return refuse(e.what());
+    }
+    return result;
+  }
+
+private:
+  PairResult& refuse(const std::string& cause) {
+    result_->outcome.accepted = false;
+    result_->outcome.cause = cause;
+    result_->samples.clear();
+    return *result_;
+  }
+
+  void run(Push& push, double deepest) {
+    if (!first_touch(push)) return;
+    const bool stick_while_pushing = path_.friction > 0 && !path_.form_frictionless;
+    const double full_radius = contact_radius(vertex_, deepest);
+    push.set_anchor_stiffness(options_.penalty * body_.material.young / full_radius);
+    if (!normal_curve(push, stick_while_pushing)) return;
+    if (path_.tangential_directions > 0 && !tangential_pushes(push)) return;
+    result_->outcome.accepted = true;
+  }
+
+  // The tool starts where it first touches the meshed surface on its way along -n.
+  bool first_touch(Push& push) {
+    start_ = push.state().translation;
+    const double limit = 2 * std::max(vertex_.curvature_radius, path_.normal_depths.back());
+    double lift = 0.0, gap = push.rest_gap(start_);
+    const double resolution = 1e-9 + 1e-6 * path_.normal_depths.back();
+    while (gap < 0 && lift < limit) {
+      lift += std::max(-gap, resolution);
+      gap = push.rest_gap(start_ + lift * frame_.n);
+    }
+    if (gap < 0) {
+      refuse("first touch: the tool overlaps the body even when lifted by " + std::to_string(1e3 * lift) + " mm");
+      return false;
+    }
+    for (int k = 0; k < 200 && gap > resolution; ++k) {
+      lift -= gap;
+      gap = push.rest_gap(start_ + lift * frame_.n);
+    }
+    start_ += lift * frame_.n;
+    result_->outcome.first_touch = -lift;
+    return true;
+  }
+
+  double work_scale(double depth) const {
+    return body_.material.young * contact_radius(vertex_, depth) * depth * depth;
+  }
+
+  bool normal_curve(Push& push, bool sticking) {
+    const GateLimits limits;
+    double work = 0.0;
+    for (const double depth : path_.normal_depths) {
+      const double radius = contact_radius(vertex_, depth);
+      const StepResult step = push.move_to(start_ - depth * frame_.n, radius, work_scale(depth), sticking);
+      ++result_->outcome.normal_solves;
+      if (!step.converged) {
+        refuse("normal push at depth " + std::to_string(1e3 * depth) + " mm: " + step.cause);
+        return false;
+      }
+      CurvePoint point{depth, push.report(), 0.0, push.state()};
+      point.force = point.contact.force.dot(frame_.n);
+      const double last_force = curve_.empty() ? 0.0 : curve_.back().force;
+      const double last_depth = curve_.empty() ? 0.0 : curve_.back().depth;
+      // Too few points to be a resolved contact: not believed, and not an error while it is shallow.
+      if (point.contact.points < limits.resolved_points) {
+        if (depth < path_.normal_depths.back()) continue;
+        refuse("contact resolution: " + std::to_string(point.contact.points) + " points in contact at full depth, " +
+               std::to_string(limits.resolved_points) + " wanted");
+        return false;
+      }
+      work += curve_.empty() ? point.force * depth / (vertex_.flat_radius > 0 ? 2.0 : 2.5)
+                             : power_law_work(last_depth, last_force, depth, point.force);
+      GateState gate{depth,
+                     radius,
+                     point.force,
+                     last_force,
+                     work,
+                     push.elastic_energy() + point.contact.normal_energy + point.contact.tangential_energy,
+                     work_scale(path_.normal_depths.back()),
+                     push.min_jacobian(),
+                     point.contact};
+      if (const auto failed = failed_gate(gate, limits)) {
+        refuse(*failed);
+        return false;
+      }
+      curve_.push_back(std::move(point));
+      Sample sample = base_sample(push, step.iterations);
+      sample.friction_limit = path_.friction > 0 ? path_.friction * slip_ratio(push) : 0.0;
+      sample.min_jacobian = gate.min_jacobian;
+      sample.index = static_cast<std::uint16_t>(curve_.size() - 1);
+      result_->samples.push_back(sample);
+    }
+    for (std::size_t k = 0; k < curve_.size(); ++k) {
+      result_->samples[k].deflection = {0, 0, corrected_depth(curve_, k)};
+    }
+    return true;
+  }
+
+  // Integral of the force over the depth, a power law between two points (from zero: Hertz' 3/2, or linear).
+  static double power_law_work(double z0, double f0, double z1, double f1) {
+    if (!(f1 > 0)) return 0.0;
+    const double m = std::log(f1 / f0) / std::log(z1 / z0);
+    return std::abs(m + 1) > 1e-6 ? (f1 * z1 - f0 * z0) / (m + 1) : f1 * z1 * std::log(z1 / z0);
+  }
+
+  double slip_ratio(const Push& push) const {
+    double mean = 0;
+    for (int k = 0; k < 8; ++k) {
+      const double angle = kPi * k / 4;
+      mean +=
+          push.contact().slip_ratio(push.state().x, std::cos(angle) * frame_.x + std::sin(angle) * frame_.y, frame_.n) /
+          8;
+    }
+    return mean;
+  }
+
+  Sample base_sample(const Push& push, std::uint32_t iterations) const {
+    const ContactReport r = push.report();
+    Sample s;
+    s.force = frame_.to_local(r.force);
+    s.contact_area = r.area;
+    s.penetration = r.penetration;
+    s.min_jacobian = 1.0;
+    s.contact_points = r.points;
+    s.error_estimate = 1e-3 + 2.0 / std::max<double>(r.points, 1);
+    s.iterations = iterations;
+    return s;
+  }
+
+  bool tangential_pushes(Push& push) {
+    std::uint16_t index = 0;
+    for (const double wanted : path_.tangential_depths) {
+      // A shallow point may have been too small a contact to believe: then the next deeper one is pushed sideways.
+      const auto at = std::find_if(curve_.begin(), curve_.end(),
+                                   [&](const CurvePoint& p) { return p.depth >= wanted * (1 - 1e-9); });
+      const Sample base = result_->samples[at - curve_.begin()];
+      for (int d = 0; d < path_.tangential_directions; ++d) {
+        const double angle = 2 * kPi * d / path_.tangential_directions;
+        const Vector3d local(std::cos(angle), std::sin(angle), 0);
+        push.restore(at->state);
+        if (path_.form_frictionless) push.stick();
+        for (int k = 1; k <= path_.tangential_points; ++k) {
+          const double reach = path_.tangential_reach * at->depth * k / path_.tangential_points;
+          if (!sideways(push, *at, base, local, reach, index++)) return false;
+        }
+      }
+    }
+    return true;
+  }
+
+  bool sideways(Push& push, const CurvePoint& at, const Sample& base, const Vector3d& local, double reach,
+                std::uint16_t index) {
+    const Vector3d target = at.state.translation + reach * frame_.to_world(local);
+    const StepResult step = push.move_to(target, contact_radius(vertex_, at.depth), work_scale(at.depth), true);
+    ++result_->outcome.tangential_solves;
+    const auto where = " in the push of " + std::to_string(1e3 * reach) + " mm sideways at depth " +
+                       std::to_string(1e3 * at.depth) + " mm";
+    if (!step.converged) {
+      refuse(step.cause + where);
+      return false;
+    }
+    Sample s = base_sample(push, step.iterations);
+    s.kind = SampleKind::tangential;
+    s.index = index;
+    s.min_jacobian = push.min_jacobian();
+    const double pull = (s.force - base.force).dot(local);
+    if (!s.force.allFinite() || !(pull < 0) || !(s.force.z() > 0) || !(s.min_jacobian > GateLimits{}.min_jacobian)) {
+      refuse("sideways gate: answer " + std::to_string(pull) + " N, normal force " + std::to_string(s.force.z()) +
+             " N, minimum Jacobian " + std::to_string(s.min_jacobian) + where);
+      return false;
+    }
+    // The anchors' own compliance, at a constant contact area: 2 E / Q.
+    const double give = 2 * push.report().tangential_energy / -pull;
+    s.deflection = (reach - std::min(give, 0.1 * reach)) * local + Vector3d(0, 0, base.deflection.z());
+    result_->samples.push_back(s);
+    return true;
+  }
+
+  const Body& body_;
+  const Tool& tool_;
+  const ToolVertex& vertex_;
+  const ContactFrame& frame_;
+  const PairPath& path_;
+  const PairOptions& options_;
+  PairResult* result_ = nullptr;
+  Vector3d start_{0, 0, 0};
+  std::vector<CurvePoint> curve_;
+};
+
+}  // namespace
+
+PairPath bake_path(const Scene& scene, double depth) {
+  PairPath path;
+  const int n = scene.sampling.normal_points;
+  for (int k = 1; k <= n; ++k) path.normal_depths.push_back(depth * k * k / (static_cast<double>(n) * n));
+  path.friction = scene.friction;
+  if (scene.friction > 0) {
+    const int m = scene.sampling.tangential_depths;
+    for (int k = 1; k <= m; ++k) path.tangential_depths.push_back(path.normal_depths[n * k / m - 1]);
+    path.tangential_directions = scene.sampling.tangential_directions;
+    path.tangential_points = scene.sampling.tangential_points;
+    // Gross slip of a Hertz contact begins at mu (2 - nu) / (3 (1 - nu)) of the depth (Mindlin 1949); beyond
+    // the whole depth a sticking contact without cohesion peels.
+    const double nu = scene.material.poisson;
+    path.tangential_reach = std::clamp(1.2 * scene.friction * (2 - nu) / (3 * (1 - nu)), 0.1, 1.0);
+  }
+  return path;
+}
+
+PairOptions pair_options(const Scene& scene) {
+  PairOptions options;
+  options.mesh_size = scene.solver.mesh_size;
+  options.growth = scene.solver.growth;
+  options.max_size = scene.solver.max_size;
+  options.mesh.time_limit = scene.solver.time_limit;
+  return options;
+}
+
+PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
+                      const PairPath& path, const PairOptions& options, const SampleSink& sink) {
+  PairResult result;
+  std::string causes;
+  for (const double fineness : {1.0, 0.8, 0.6}) {
+    PairSolve solve(body, tool, vertex, frame, path, options);
+    result = solve.attempt(fineness);
+    if (result.outcome.accepted) break;
+    if (!causes.empty()) causes += "; finer: ";
+    causes += result.outcome.cause;
+  }
+  if (!result.outcome.accepted) result.outcome.cause = causes;
+  // Samples leave only with a pair that passed: a journal never holds points of an abandoned attempt.
+  for (const Sample& s : result.samples) {
+    if (sink && !sink(s)) break;
+  }
+  return result;
+}
+
+}  // namespace palpate

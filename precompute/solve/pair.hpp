@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Solves one pair: mesh, normal curve, sideways pushes, gates. The only entry point to contact solves:
+// bake, verify and the closed-form tests all come through here.
+#pragma once
+
+#include "formats/samples.hpp"
+#include "precompute/body.hpp"
+#include "precompute/mesh/volume_mesh.hpp"
+#include "precompute/tool/tool.hpp"
+
+#include <functional>
+#include <vector>
+
+namespace palpate {
+
+/// What to solve at a pair. Depths in m along -n from first touch, increasing.
+struct PairPath {
+  std::vector<double> normal_depths;
+  std::vector<double>
+      tangential_depths;           ///< at most the last normal depth; each takes the first accepted one from there on
+  int tangential_directions = 0;   ///< evenly spaced from +x; 0: no sideways pushes
+  int tangential_points = 3;       ///< per push
+  double tangential_reach = 0.4;   ///< largest sideways deflection over the depth of the push
+  double friction = 0.0;           ///< Coulomb coefficient; > 0: the push is solved sticking
+  bool form_frictionless = false;  ///< push frictionless, then stick (Mindlin's conditions)
+};
+
+/// The path the bake uses for a pair of this scene: depths evenly spaced in sqrt(depth).
+PairPath bake_path(const Scene& scene, double depth);
+
+struct PairOptions {
+  double mesh_size = 0.35;  ///< see SolverScene
+  double growth = 0.7;
+  double max_size = 0.0;    ///< m; 0 chooses 1/8 of the body's diagonal
+  double penalty = 300.0;   ///< contact penalty in units of E / a (a the current contact radius)
+  double tolerance = 5e-4;  ///< a step has converged when its energy error is below its square times E a d^2
+  VolumeMeshOptions mesh;
+};
+
+PairOptions pair_options(const Scene& scene);
+
+/// Called with every accepted sample, in path order; return false to stop (Ctrl-C).
+using SampleSink = std::function<bool(const Sample&)>;
+
+/// Solves `plan` along `path`. Never throws for a numerical failure: the outcome names its cause.
+/// Deterministic: the same inputs give the same bits.
+PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
+                      const PairPath& path, const PairOptions& options, const SampleSink& sink = {});
+
+}  // namespace palpate

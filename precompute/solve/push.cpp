@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Stepping with extrapolation, halving on failure, and the sticking rule.
+#include "precompute/solve/push.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+std::vector<char> fixed_nodes(const Body& body, const TetMesh& mesh) {
+  std::vector<char> boundary(mesh.nodes.size(), 0), fixed(mesh.nodes.size(), 0);
+  for (const auto& face : mesh.faces) {
+    for (const std::int32_t n : face) boundary[n] = 1;
+  }
+  for (std::size_t n = 0; n < fixed.size(); ++n) fixed[n] = boundary[n] && body.held(mesh.nodes[n]);
+  return fixed;
+}
+
+std::vector<NeoHookean> materials(const Body& body) {
+  std::vector<NeoHookean> all{NeoHookean::from_young(body.material.young, body.material.poisson)};
+  for (const Inclusion& i : body.inclusions) {
+    all.push_back(NeoHookean::from_young(i.material.young, i.material.poisson));
+  }
+  return all;
+}
+
+VectorXd stacked(const TetMesh& mesh) {
+  VectorXd x(3 * static_cast<Eigen::Index>(mesh.nodes.size()));
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n) x.segment<3>(3 * n) = mesh.nodes[n];
+  return x;
+}
+
+}  // namespace
+
+Push::Push(const Body& body, const TetMesh& mesh, const ToolShape& shape, const Eigen::Isometry3d& pose,
+           const PushScale& scale)
+    : scale_(scale),
+      rest_(stacked(mesh)),
+      fixed_(fixed_nodes(body, mesh)),
+      elastic_(mesh, materials(body)),
+      contact_(mesh, fixed_, shape, pose),
+      minimiser_(mesh, fixed_) {
+  state_.x = rest_;
+  state_.anchors = contact_.anchors();
+  state_.translation = pose.translation();
+  rest_energy_ = elastic_.value(rest_);
+  held_anywhere_ = std::any_of(fixed_.begin(), fixed_.end(), [](char f) { return f != 0; });
+}
+
+double Push::value(const VectorXd& x) const { return elastic_.value(x) - rest_energy_ + contact_.value(x); }
+
+double Push::gradient(const VectorXd& x, VectorXd& gradient) const {
+  gradient.setZero();
+  return elastic_.gradient(x, gradient) - rest_energy_ + contact_.gradient(x, gradient);
+}
+
+void Push::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& matrix) const {
+  elastic_.hessian(x, kind, matrix);
+  contact_.hessian(x, kind, matrix);
+}
+
+double Push::load(const VectorXd& x) const {
+  VectorXd nodal = VectorXd::Zero(x.size());
+  contact_.gradient(x, nodal);
+  return std::max(nodal.norm(), load_floor_);
+}
+
+double Push::rest_gap(const Vector3d& translation) {
+  contact_.set_translation(translation);
+  const double gap = contact_.gap(rest_);
+  contact_.set_translation(state_.translation);
+  return gap;
+}
+
+void Push::restore(const PushState& state) {
+  state_ = state;
+  contact_.set_translation(state.translation);
+  contact_.set_anchors(state.anchors);
+  contact_.set_penalty(state.penalty);
+  can_extrapolate_ = false;
+}
+
+void Push::stick() {
+  contact_.stick(state_.x);
+  state_.anchors = contact_.anchors();
+}
+
+StepResult Push::step(const Vector3d& target, double contact_radius, double work_scale, bool sticking) {
+  StepResult result;
+  const PushState before = state_;
+  contact_.set_translation(target);
+  state_.penalty = scale_.penalty * scale_.young / contact_radius;
+  contact_.set_penalty(state_.penalty);
+  VectorXd x = state_.x;
+  if (can_extrapolate_) {
+    const Vector3d last = state_.translation - previous_translation_, next = target - state_.translation;
+    const double ratio = last.squaredNorm() > 0 ? next.dot(last) / last.squaredNorm() : 0.0;
+    const VectorXd guess = x + std::clamp(ratio, 0.0, 2.0) * (x - previous_x_);
+    if (value(guess) < value(x)) x = guess;
+  }
+  MinimiserOptions options;
+  // A tool between integration points meets no load: residuals are then compared with a small one.
+  load_floor_ = 0.1 * work_scale / contact_radius;
+  options.energy_tolerance = scale_.tolerance * scale_.tolerance * work_scale;
+  for (int round = 0; round < 5; ++round) {
+    const MinimiserResult m = minimiser_.minimise(*this, x, options);
+    result.iterations += m.iterations;
+    factorisations_ += m.factorisations;
+    result.converged = m.converged;
+    result.cause = m.cause;
+    // A point that left takes its anchor's energy with it: find the equilibrium without it.
+    if (!m.converged || !sticking || !contact_.release(x)) break;
+  }
+  if (!result.converged) {
+    restore(before);
+    minimiser_.drop_factor();
+    return result;
+  }
+  if (sticking) contact_.stick(x);
+  previous_x_ = before.x;
+  previous_translation_ = before.translation;
+  can_extrapolate_ = true;
+  state_.x = std::move(x);
+  state_.anchors = contact_.anchors();
+  state_.translation = target;
+  return result;
+}
+
+StepResult Push::move_to(const Vector3d& target, double contact_radius, double work_scale, bool sticking) {
+  const Vector3d start = state_.translation;
+  StepResult total;
+  double done = 0.0, part = 1.0;
+  while (done < 1.0) {
+    const double next = std::min(1.0, done + part);
+    const StepResult s = step(start + next * (target - start), contact_radius, work_scale, sticking);
+    total.iterations += s.iterations;
+    total.cause = s.cause;
+    if (s.converged) {
+      done = next;
+      continue;
+    }
+    part *= 0.5;
+    if (part < 1.0 / 8) return total;
+  }
+  total.converged = true;
+  return total;
+}
+
+}  // namespace palpate

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One tool against one mesh: moves the tool in steps and finds the equilibrium after each.
+#pragma once
+
+#include "precompute/body.hpp"
+#include "precompute/fem/elastic.hpp"
+#include "precompute/fem/minimiser.hpp"
+#include "precompute/solve/contact.hpp"
+
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+/// Numbers that fix the scale of a push.
+struct PushScale {
+  double young = 0.0;       ///< Pa, of the body
+  double penalty = 300.0;   ///< E / a
+  double tolerance = 1e-3;  ///< relative energy tolerance is its square
+};
+
+/// Equilibrium state and everything that a later push needs to go on from it.
+struct PushState {
+  Eigen::VectorXd x;  ///< node positions (3 N, m)
+  ContactEnergy::Anchors anchors;
+  Eigen::Vector3d translation{0, 0, 0};  ///< of the tool (m)
+  double penalty = 0.0;                  ///< Pa/m
+};
+
+struct StepResult {
+  bool converged = false;
+  std::string cause;
+  std::uint32_t iterations = 0;
+};
+
+class Push final : public EnergyProblem {
+public:
+  /// Nodes of the boundary that `body` holds are fixed. The tool stands at `pose`.
+  Push(const Body& body, const TetMesh& mesh, const ToolShape& shape, const Eigen::Isometry3d& pose,
+       const PushScale& scale);
+
+  /// Moves the tool's translation to `target` and finds equilibrium, in up to 2^3 parts where one step fails.
+  /// `contact_radius` (m) sets the penalty, `work_scale` (J) the tolerance. With `sticking`, points anchor as
+  /// they touch and let go as they leave.
+  StepResult move_to(const Eigen::Vector3d& target, double contact_radius, double work_scale, bool sticking);
+
+  [[nodiscard]] const PushState& state() const { return state_; }
+  /// Goes back to a state of this mesh; the next step extrapolates from nothing.
+  void restore(const PushState& state);
+  void set_anchor_stiffness(double stiffness) { contact_.set_anchor_stiffness(stiffness); }
+  /// Anchors everything that touches now.
+  void stick();
+
+  [[nodiscard]] ContactReport report() const { return contact_.report(state_.x); }
+  [[nodiscard]] const ContactEnergy& contact() const { return contact_; }
+  [[nodiscard]] double elastic_energy() const { return elastic_.value(state_.x) - rest_energy_; }
+  [[nodiscard]] double min_jacobian() const { return elastic_.min_jacobian(state_.x); }
+  [[nodiscard]] std::uint32_t factorisations() const { return factorisations_; }
+  [[nodiscard]] bool held_anywhere() const { return held_anywhere_; }
+  /// Smallest signed distance of the undeformed surface to the tool at a translation (m).
+  [[nodiscard]] double rest_gap(const Eigen::Vector3d& translation);
+
+  // EnergyProblem
+  [[nodiscard]] double value(const Eigen::VectorXd& x) const override;
+  double gradient(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) const override;
+  void hessian(const Eigen::VectorXd& x, HessianKind kind, BlockMatrix& matrix) const override;
+  [[nodiscard]] double load(const Eigen::VectorXd& x) const override;
+
+private:
+  StepResult step(const Eigen::Vector3d& target, double contact_radius, double work_scale, bool sticking);
+
+  PushScale scale_;
+  Eigen::VectorXd rest_;
+  std::vector<char> fixed_;
+  ElasticEnergy elastic_;
+  ContactEnergy contact_;
+  Minimiser minimiser_;
+  PushState state_;
+  Eigen::VectorXd previous_x_;  // state before the last step, for extrapolation
+  Eigen::Vector3d previous_translation_{0, 0, 0};
+  bool can_extrapolate_ = false;
+  bool held_anywhere_ = false;
+  double rest_energy_ = 0.0;
+  double load_floor_ = 0.0;  // N
+  std::uint32_t factorisations_ = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// From a tool's description to its shape and its contact vertices.
+#include "precompute/tool/tool.hpp"
+
+#include "formats/error.hpp"
+#include "formats/surface_io.hpp"
+#include "precompute/geometry/query.hpp"
+#include "precompute/mesh/remesh.hpp"
+#include "precompute/tool/shapes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector3d;
+constexpr double kPi = std::numbers::pi;
+
+// A capsule's contact vertex at an arc length along its profile: the tip's quarter circle, then the stem.
+ToolVertex capsule_vertex(const ToolScene& scene, double meridian) {
+  const double shoulder = scene.radius * kPi / 2;
+  ToolVertex v;
+  v.curvature_radius = scene.radius;
+  v.meridian = meridian;
+  const double angle = std::min(meridian, shoulder) / scene.radius;
+  v.normal = {std::sin(angle), 0, -std::cos(angle)};
+  v.tangent = {std::cos(angle), 0, std::sin(angle)};
+  v.point = scene.radius * v.normal + Vector3d(0, 0, std::max(0.0, meridian - shoulder));
+  return v;
+}
+
+void add_capsule(Tool& tool) {
+  // The response changes fastest just before the stem lies flat: the angles crowd towards 90 degrees.
+  constexpr double kAngles[] = {0, 35, 58, 70, 78, 84, 87.5, 90};
+  const double r = tool.scene.radius;
+  for (const double degrees : kAngles) {
+    tool.vertices.push_back(capsule_vertex(tool.scene, r * degrees * kPi / 180));
+    tool.vertices.back().name = degrees == 0    ? "tip"
+                                : degrees == 90 ? "shoulder"
+                                                : std::string("tip-").append(std::to_string(std::lround(degrees)));
+  }
+  for (const double share : {0.5, 1.0}) {
+    tool.vertices.push_back(capsule_vertex(tool.scene, r * kPi / 2 + share * tool.scene.length));
+    tool.vertices.back().name = share == 1.0 ? "stem-end" : "stem-middle";
+  }
+  if (!tool.scene.whole) tool.vertices.resize(1);
+  for (std::int32_t k = 0; k + 1 < static_cast<std::int32_t>(tool.vertices.size()); ++k) {
+    tool.patches.push_back({k, k + 1, k + 1});
+  }
+}
+
+void add_punch(Tool& tool) {
+  ToolVertex v;
+  v.name = "face";
+  v.flat_radius = tool.scene.radius;
+  v.curvature_radius = tool.scene.radius;
+  tool.vertices.push_back(v);
+  const double rim = tool.scene.radius - tool.scene.edge_radius;
+  for (int k = 0; k < 64; ++k) {
+    const double angle = 2 * kPi * k / 64;
+    tool.edges.push_back({{rim * std::cos(angle), rim * std::sin(angle), 0}, 0.08 * tool.scene.radius});
+  }
+}
+
+void add_mesh(Tool& tool) {
+  const Surface surface = read_surface(tool.scene.surface);
+  std::map<std::pair<int, int>, int> directed;
+  for (const auto& t : surface.triangles) {
+    for (int k = 0; k < 3; ++k) ++directed[{t[k], t[(k + 1) % 3]}];
+  }
+  for (const auto& [edge, count] : directed) {
+    const auto twin = directed.find({edge.second, edge.first});
+    if (count != 1 || twin == directed.end() || twin->second != 1) {
+      throw Error(ExitCode::bad_input, tool.scene.surface.file.string() + ": tool '" + tool.name +
+                                           "': the mesh is not closed and manifold at the edge between vertices " +
+                                           std::to_string(edge.first) + " and " + std::to_string(edge.second));
+    }
+  }
+  tool.shape = make_mesh_shape(surface);
+  const double spacing = tool.scene.spacing > 0 ? tool.scene.spacing : tool.shape->bounds().sizes().maxCoeff() / 3;
+  const Surface coarse = remesh_uniform(surface, spacing);
+  const SurfaceQuery query(surface);
+  for (const Vector3d& point : coarse.vertices) {
+    ToolVertex v;
+    v.name = std::string("v").append(std::to_string(tool.vertices.size()));
+    v.point = point;
+    v.normal = query.normal(point, spacing / 3);
+    v.tangent = (Vector3d::UnitZ() - v.normal.z() * v.normal);
+    if (v.tangent.norm() < 1e-6) v.tangent = Vector3d::UnitX() - v.normal.x() * v.normal;
+    v.tangent.normalize();
+    v.curvature_radius = spacing;
+    tool.vertices.push_back(v);
+  }
+  tool.patches = coarse.triangles;
+}
+
+}  // namespace
+
+Tool make_tool(const ToolScene& scene) {
+  Tool tool;
+  tool.name = scene.name;
+  tool.scene = scene;
+  switch (scene.shape) {
+    case ToolScene::Shape::sphere: {
+      tool.shape = make_sphere(scene.radius);
+      ToolVertex v;
+      v.name = "tip";
+      v.point = {0, 0, -scene.radius};
+      v.curvature_radius = scene.radius;
+      tool.vertices.push_back(v);
+      break;
+    }
+    case ToolScene::Shape::punch:
+      if (tool.scene.edge_radius <= 0) tool.scene.edge_radius = scene.radius / 10;
+      tool.shape = make_punch(scene.radius, tool.scene.edge_radius, scene.length);
+      tool.kind = ToolKind::profile;
+      add_punch(tool);
+      break;
+    case ToolScene::Shape::capsule:
+      tool.shape = make_capsule(scene.radius, scene.length);
+      tool.kind = ToolKind::profile;
+      add_capsule(tool);
+      break;
+    case ToolScene::Shape::mesh:
+      tool.kind = ToolKind::mesh;
+      add_mesh(tool);
+      break;
+  }
+  if (tool.patches.empty()) tool.patches.push_back({0, 0, 0});
+  return tool;
+}
+
+double contact_radius(const ToolVertex& vertex, double depth) {
+  if (vertex.flat_radius > 0) return vertex.flat_radius;
+  return std::min(vertex.curvature_radius, std::sqrt(vertex.curvature_radius * depth));
+}
+
+ToolVertex interpolate(const Tool& tool, std::int32_t patch, const Vector3d& weights) {
+  const auto& corners = tool.patches[patch];
+  const ToolVertex &a = tool.vertices[corners[0]], &b = tool.vertices[corners[1]], &c = tool.vertices[corners[2]];
+  if (tool.scene.shape == ToolScene::Shape::capsule) {
+    return capsule_vertex(tool.scene, weights[0] * a.meridian + weights[1] * b.meridian + weights[2] * c.meridian);
+  }
+  ToolVertex v = a;
+  v.point = weights[0] * a.point + weights[1] * b.point + weights[2] * c.point;
+  v.normal = (weights[0] * a.normal + weights[1] * b.normal + weights[2] * c.normal).normalized();
+  v.tangent = (a.tangent - a.tangent.dot(v.normal) * v.normal).normalized();
+  return v;
+}
+
+Eigen::Isometry3d touching_pose(const ToolVertex& vertex, const ContactFrame& frame) {
+  Eigen::Matrix3d in_tool, in_body;
+  in_tool << vertex.tangent, vertex.normal.cross(vertex.tangent), vertex.normal;
+  in_body << frame.x, (-frame.n).cross(frame.x), -frame.n;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = in_body * in_tool.transpose();
+  pose.translation() = frame.origin - pose.linear() * vertex.point;
+  return pose;
+}
+
+}  // namespace palpate

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Rigid tools: a signed distance function in the tool's frame, and the points by which they may touch first.
+#pragma once
+
+#include "formats/samples.hpp"
+#include "formats/scene.hpp"
+
+#include <Eigen/Geometry>
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+struct DistanceSample {
+  double value = 0.0;                                 ///< m, negative inside the tool
+  Eigen::Vector3d gradient{0, 0, 1};                  ///< unit, outward
+  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();  ///< 1/m
+};
+
+/// Signed distance to the tool in its own frame (m). Thread-safe.
+class ToolShape {
+public:
+  virtual ~ToolShape() = default;
+  [[nodiscard]] virtual DistanceSample distance(const Eigen::Vector3d& point) const = 0;
+  /// Axis-aligned bounds in the tool's frame.
+  [[nodiscard]] virtual Eigen::AlignedBox3d bounds() const = 0;
+};
+
+/// A vertex of the tool's patches, in the tool's frame.
+struct ToolVertex {
+  std::string name;
+  Eigen::Vector3d point{0, 0, 0};
+  Eigen::Vector3d normal{0, 0, -1};  ///< outward unit normal
+  Eigen::Vector3d tangent{1, 0, 0};  ///< unit, orthogonal to normal; laid along the contact frame's x
+  double curvature_radius = 0.0;     ///< m, the smaller principal radius of the tool's surface here; 0: unknown
+  double flat_radius = 0.0;          ///< m, radius of a flat face; 0 where the tool is curved
+  double meridian = 0.0;             ///< m, arc length from the tip's pole (profile tools)
+};
+
+/// A point of a sharp edge (tool frame): meshes that it touches want elements of about `size` there.
+struct ToolEdgePoint {
+  Eigen::Vector3d point{0, 0, 0};
+  double size = 0.0;  ///< m
+};
+
+/// How the runtime finds the tool's contact point; see formats/response-file.md.
+enum class ToolKind : std::uint32_t { point_sphere = 0, profile = 1, mesh = 2 };
+
+/// A tool as scene, shape and contact vertices. Tool frame: the tip points along -z, the handle along +z.
+/// sphere: centre at the origin. punch: end face in the plane z = 0. capsule: tip cap's centre at the
+/// origin, the axis along +z to (0, 0, length).
+struct Tool {
+  std::string name;
+  ToolKind kind = ToolKind::point_sphere;
+  ToolScene scene;
+  std::shared_ptr<const ToolShape> shape;
+  std::vector<ToolVertex> vertices;
+  /// Patches: one vertex (sphere: {v, v, v}), a segment of a meridian (profile: {a, b, b}) or a triangle.
+  std::vector<std::array<std::int32_t, 3>> patches;
+  std::vector<ToolEdgePoint> edges;
+};
+
+/// Radius of the contact that `vertex` makes at `depth` (m): sqrt(R depth) up to R (Hertz), or the flat face's.
+double contact_radius(const ToolVertex& vertex, double depth);
+
+/// Builds a tool. Throws Error(bad_input) for a mesh that is not closed.
+Tool make_tool(const ToolScene& scene);
+
+/// A point inside a tool patch, interpolated (weights sum to 1); on the true surface for analytic shapes.
+ToolVertex interpolate(const Tool& tool, std::int32_t patch, const Eigen::Vector3d& weights);
+
+/// Pose (tool frame to body frame) at which `vertex` touches frame.origin with opposite normals and the
+/// tangent along frame.x.
+Eigen::Isometry3d touching_pose(const ToolVertex& vertex, const ContactFrame& frame);
+
+}  // namespace palpate

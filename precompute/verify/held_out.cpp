@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Drawing, solving and comparing held-out contacts.
+#include "precompute/verify/held_out.hpp"
+
+#include "formats/error.hpp"
+#include "precompute/solve/pair.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <mutex>
+#include <numbers>
+#include <random>
+#include <thread>
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector3d;
+
+Vector3d to_eigen(const runtime::Vec3& v) { return {v.x, v.y, v.z}; }
+runtime::Vec3 to_runtime(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+// Uniform in [0, 1): the standard distributions differ between libraries, this does not.
+double uniform(std::mt19937_64& engine) { return static_cast<double>(engine() >> 11) * 0x1.0p-53; }
+
+Vector3d random_weights(std::mt19937_64& engine) {
+  const double a = std::sqrt(uniform(engine)), b = uniform(engine);
+  return {1 - a, a * (1 - b), a * b};
+}
+
+// Picks an index with probability proportional to its share of the last running sum.
+std::size_t pick(const std::vector<double>& running, double u) {
+  const auto at = std::upper_bound(running.begin(), running.end(), u * running.back());
+  return std::min<std::size_t>(static_cast<std::size_t>(at - running.begin()), running.size() - 1);
+}
+
+std::vector<double> running_areas(const Surface& surface) {
+  std::vector<double> sums;
+  double sum = 0;
+  for (const auto& t : surface.triangles) {
+    const Vector3d &a = surface.vertices[t[0]], &b = surface.vertices[t[1]], &c = surface.vertices[t[2]];
+    sums.push_back(sum += 0.5 * (b - a).cross(c - a).norm());
+  }
+  return sums;
+}
+
+// Length of a profile's segment, area of a triangle; 1 for the only patch of a tip.
+std::vector<double> running_tool_sizes(const Tool& tool) {
+  std::vector<double> sums;
+  double sum = 0;
+  for (const auto& p : tool.patches) {
+    const ToolVertex &a = tool.vertices[p[0]], &b = tool.vertices[p[1]], &c = tool.vertices[p[2]];
+    double size = 1.0;
+    if (tool.kind == ToolKind::profile && p[0] != p[1]) size = std::abs(b.meridian - a.meridian);
+    if (tool.kind == ToolKind::mesh) size = 0.5 * (b.point - a.point).cross(c.point - a.point).norm();
+    sums.push_back(sum += size);
+  }
+  return sums;
+}
+
+// The frame that the runtime uses at a point of the contact surface: n(c), and the sites' tangents carried to it.
+ContactFrame frame_at(const runtime::View& view, const runtime::BodyPoint& at, const Vector3d& origin) {
+  ContactFrame frame;
+  frame.origin = origin;
+  frame.n = to_eigen(runtime::normal(view, at));
+  double weights[3];
+  runtime::patch_weights(view, at, weights);
+  const layout::Patch& patch = view.patches[view.triangles[at.triangle].patch];
+  Vector3d tangent = Vector3d::Zero();
+  for (int k = 0; k < 3; ++k) {
+    const layout::Site& site = view.sites[patch.vertex[k]];
+    const Vector3d n = to_eigen(runtime::to_vec(site.normal)), t = to_eigen(runtime::to_vec(site.tangent));
+    const double cosine = n.dot(frame.n);
+    tangent += weights[k] * (cosine > -0.999 ? t - (t.dot(frame.n) / (1 + cosine)) * (n + frame.n) : t);
+  }
+  tangent -= tangent.dot(frame.n) * frame.n;
+  frame.x = tangent.norm() > 1e-9 ? tangent.normalized() : Vector3d(frame.n.unitOrthogonal());
+  frame.y = frame.n.cross(frame.x);
+  return frame;
+}
+
+PairPath held_out_path(const Scene& scene, double depth) {
+  PairPath path = bake_path(scene, depth);
+  // Off the grid of the bake everywhere but at the deepest point.
+  const int n = scene.sampling.normal_points;
+  for (int k = 1; k < n; ++k) path.normal_depths[k - 1] = depth * std::pow((k - 0.4) / (n - 0.4), 2);
+  path.normal_depths[n - 1] = depth;
+  if (path.friction > 0) {
+    path.tangential_depths = {path.normal_depths[2 * n / 3]};
+    path.tangential_directions = 2;
+    path.tangential_points = 2;
+  }
+  return path;
+}
+
+void solve(const Scene& scene, const Body& body, const Tool& tool, HeldOut& contact, double turn) {
+  const ToolVertex vertex = interpolate(tool, static_cast<std::int32_t>(contact.tool_patch), contact.tool_weights);
+  const PairPath path = held_out_path(scene, contact.depth);
+  // Sideways directions start from the frame's x: turn it to leave the bake's rays. A tool that is not
+  // symmetric about the normal has to keep the spin at which it was baked.
+  ContactFrame frame = contact.frame;
+  if (tool.kind == ToolKind::point_sphere) {
+    frame.x = std::cos(turn) * contact.frame.x + std::sin(turn) * contact.frame.y;
+    frame.y = frame.n.cross(frame.x);
+  }
+  const PairResult result = solve_pair(body, tool, vertex, frame, path, pair_options(scene));
+  contact.accepted = result.outcome.accepted;
+  contact.cause = result.outcome.cause;
+  if (!contact.accepted) return;
+  for (const Sample& s : result.samples) {
+    ForcePair f;
+    f.kind = s.kind;
+    f.deflection = frame.to_world({s.deflection.x(), s.deflection.y(), -s.deflection.z()});
+    f.solved = frame.to_world(s.force);
+    contact.forces.push_back(f);
+  }
+}
+
+}  // namespace
+
+HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const Body& body,
+                          const std::vector<Tool>& tools, const HeldOutOptions& options) {
+  if (options.count < 1 || options.count > 100000) {
+    throw Error(ExitCode::usage, "held-out contacts: got " + std::to_string(options.count) + "; allowed 1 to 100000");
+  }
+  HeldOutSet set;
+  std::mt19937_64 engine(options.seed);
+  const Surface& surface = body.query->surface();
+  const std::vector<double> areas = running_areas(surface);
+  std::vector<double> turns;
+  std::size_t drawn = 0;
+  const std::size_t most = 1000 + 100 * static_cast<std::size_t>(options.count);
+  for (; set.contacts.size() < options.count && drawn < most; ++drawn) {
+    HeldOut contact;
+    contact.tool = static_cast<std::uint32_t>(set.contacts.size() % tools.size());
+    const Tool& tool = tools[contact.tool];
+    const auto& t = surface.triangles[pick(areas, uniform(engine))];
+    const Vector3d w = random_weights(engine);
+    const Vector3d point =
+        w[0] * surface.vertices[t[0]] + w[1] * surface.vertices[t[1]] + w[2] * surface.vertices[t[2]];
+    contact.tool_patch = static_cast<std::uint32_t>(pick(running_tool_sizes(tool), uniform(engine)));
+    const double along = uniform(engine);
+    if (tool.kind == ToolKind::profile) contact.tool_weights = {1 - along, along, 0};
+    if (tool.kind == ToolKind::mesh) contact.tool_weights = random_weights(engine);
+    const double turn = 2 * std::numbers::pi * uniform(engine);
+    const runtime::Location at = runtime::locate(view, to_runtime(point));
+    contact.frame = frame_at(view, at.at, body.query->closest(to_eigen(at.point)).point);
+    contact.thickness = body.query->thickness(contact.frame.origin, contact.frame.n);
+    contact.depth = std::min(scene.sampling.depth, scene.sampling.depth_fraction * contact.thickness);
+    const auto& box = scene.sampling.within_box;
+    const bool outside = box && ((point - box->first).minCoeff() < 0 || (box->second - point).minCoeff() < 0);
+    const ToolVertex vertex = interpolate(tool, static_cast<std::int32_t>(contact.tool_patch), contact.tool_weights);
+    if (outside || (options.touchable && !options.touchable(contact.frame, tool, vertex, contact.depth))) continue;
+    set.contacts.push_back(contact);
+    turns.push_back(turn);
+  }
+  if (set.contacts.empty())
+    throw Error(ExitCode::bad_input, "no part of the body can be touched: the supports cover it");
+  set.untouchable_share = 1 - static_cast<double>(set.contacts.size()) / static_cast<double>(drawn);
+
+  std::atomic<std::size_t> next{0}, done{0};
+  std::exception_ptr failure;
+  std::mutex guard;
+  const auto work = [&] {
+    for (std::size_t k = next++; k < set.contacts.size(); k = next++) {
+      if (options.stop && options.stop()) {
+        set.stopped = true;
+        return;
+      }
+      try {
+        solve(scene, body, tools[set.contacts[k].tool], set.contacts[k], turns[k]);
+      } catch (...) {
+        const std::lock_guard lock(guard);
+        failure = std::current_exception();
+        return;
+      }
+      const std::size_t count = ++done;
+      const std::lock_guard lock(guard);
+      if (options.progress) options.progress(count, set.contacts.size());
+    }
+  };
+  std::vector<std::thread> threads;
+  for (unsigned k = 1; k < options.threads; ++k) threads.emplace_back(work);
+  work();
+  for (std::thread& t : threads) t.join();
+  if (failure) std::rethrow_exception(failure);
+  compare_with_file(view, set.contacts);
+  return set;
+}
+
+void compare_with_file(const runtime::View& view, std::vector<HeldOut>& contacts) {
+  for (HeldOut& contact : contacts) {
+    if (contact.tool >= view.meta->tool_count) {
+      throw Error(ExitCode::bad_input, "a recorded contact names tool " + std::to_string(contact.tool) +
+                                           "; the file has " + std::to_string(view.meta->tool_count));
+    }
+    const layout::ToolRecord& tool = view.tools[contact.tool];
+    runtime::ToolPoint tool_point;
+    if (tool.patch_count > 0) {
+      if (contact.tool_patch >= tool.patch_count) {
+        throw Error(ExitCode::bad_input, "a recorded contact names tool patch " + std::to_string(contact.tool_patch) +
+                                             "; the file's tool has " + std::to_string(tool.patch_count));
+      }
+      tool_point.patch = tool.first_patch + contact.tool_patch;
+      for (int k = 0; k < 3; ++k) tool_point.weights[k] = contact.tool_weights[k];
+    }
+    const runtime::Location at = runtime::locate(view, to_runtime(contact.frame.origin));
+    const runtime::Field field(view, contact.tool, at.at, tool_point);
+    contact.covered = field.covered();
+    double peak = 0;
+    for (const ForcePair& f : contact.forces) peak = std::max(peak, f.solved.norm());
+    for (ForcePair& f : contact.forces) {
+      f.baked = to_eigen(field.force(to_runtime(f.deflection)).force);
+      f.error = (f.baked - f.solved).norm() / std::max(f.solved.norm(), 0.02 * peak);
+    }
+  }
+}
+
+}  // namespace palpate

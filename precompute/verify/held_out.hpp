@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Held-out solves: contacts that no fit has seen, drawn evenly over the body's area, solved by the bake's own
+// entry point and compared with what the runtime answers.
+#pragma once
+
+#include "formats/samples.hpp"
+#include "formats/scene.hpp"
+#include "palpate/runtime.hpp"
+#include "precompute/body.hpp"
+#include "precompute/tool/tool.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+/// One solved force with what the file answers to the same deflection. World (body) frame.
+struct ForcePair {
+  SampleKind kind = SampleKind::normal;
+  Eigen::Vector3d deflection{0, 0, 0};  ///< m, p - c
+  Eigen::Vector3d solved{0, 0, 0};      ///< N on the tool
+  Eigen::Vector3d baked{0, 0, 0};       ///< N
+  double error = 0.0;                   ///< |baked - solved| / max(|solved|, 2 % of the contact's peak force)
+};
+
+/// One held-out contact.
+struct HeldOut {
+  std::uint32_t tool = 0;        ///< index of the tool in the file
+  std::uint32_t tool_patch = 0;  ///< of that tool
+  Eigen::Vector3d tool_weights{1, 0, 0};
+  ContactFrame frame;      ///< at c on the body's surface; n is the runtime's n(c)
+  double depth = 0.0;      ///< m, deepest push
+  double thickness = 0.0;  ///< m, of the body below c
+  double covered = 0.0;    ///< share of the blend that was taken from neighbours
+  bool accepted = false;
+  std::string cause;  ///< of a refused solve
+  std::vector<ForcePair> forces;
+};
+
+struct HeldOutOptions {
+  std::uint32_t count = 40;  ///< contacts, [1, 100000]
+  std::uint64_t seed = 1;
+  unsigned threads = 1;  ///< [1, 1024]
+  std::function<bool(const ContactFrame&, const Tool&, const ToolVertex&, double depth)>
+      touchable;               ///< empty: everywhere
+  std::function<bool()> stop;  ///< polled between solves
+  std::function<void(std::size_t done, std::size_t total)> progress;
+};
+
+struct HeldOutSet {
+  std::vector<HeldOut> contacts;
+  double untouchable_share = 0.0;  ///< of the drawn points: on or too near a support, or outside the sampled box
+  bool stopped = false;
+};
+
+/// Draws the contacts (uniform over the body's area; uniform over the length or area of the tool's patches)
+/// and solves them at depths off the bake's grid, sideways pushes in a turned frame where there is friction.
+HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const Body& body,
+                          const std::vector<Tool>& tools, const HeldOutOptions& options);
+
+/// Fills `baked` and `error` of every force from the file, locating c as the runtime does.
+void compare_with_file(const runtime::View& view, std::vector<HeldOut>& contacts);
+
+}  // namespace palpate

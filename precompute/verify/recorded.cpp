@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// JSON of held-out contacts, both ways.
+#include "precompute/verify/recorded.hpp"
+
+#include "formats/error.hpp"
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Eigen::Vector3d;
+
+Json list(const Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
+
+Vector3d vector(const Json& j, const char* key) {
+  const Json& a = j.at(key);
+  if (!a.is_array() || a.size() != 3) throw std::runtime_error(std::string(key) + " is not a list of three numbers");
+  Vector3d v;
+  for (int k = 0; k < 3; ++k) v[k] = a[static_cast<std::size_t>(k)].get<double>();
+  if (!v.allFinite()) throw std::runtime_error(std::string(key) + " is not finite");
+  return v;
+}
+
+HeldOut contact_from(const Json& j) {
+  HeldOut c;
+  c.tool = j.at("tool").get<std::uint32_t>();
+  c.tool_patch = j.at("tool_patch").get<std::uint32_t>();
+  c.tool_weights = vector(j, "tool_weights");
+  c.frame.origin = vector(j, "c");
+  c.frame.n = vector(j, "n");
+  c.frame.x = vector(j, "x");
+  c.frame.y = c.frame.n.cross(c.frame.x);
+  c.depth = j.at("depth_m").get<double>();
+  c.thickness = j.value("thickness_m", 0.0);
+  c.accepted = j.at("accepted").get<bool>();
+  c.cause = j.value("cause", "");
+  for (const Json& f : j.at("forces")) {
+    ForcePair force;
+    const auto kind = f.at("kind").get<std::string>();
+    if (kind != "normal" && kind != "sideways")
+      throw std::runtime_error("kind is '" + kind + "'; allowed normal, sideways");
+    force.kind = kind == "normal" ? SampleKind::normal : SampleKind::tangential;
+    force.deflection = vector(f, "deflection_m");
+    force.solved = vector(f, "solved_N");
+    c.forces.push_back(force);
+  }
+  return c;
+}
+
+}  // namespace
+
+nlohmann::ordered_json to_json(const std::vector<HeldOut>& contacts) {
+  Json all = Json::array();
+  for (const HeldOut& c : contacts) {
+    Json forces = Json::array();
+    for (const ForcePair& f : c.forces) {
+      forces.push_back({{"kind", f.kind == SampleKind::normal ? "normal" : "sideways"},
+                        {"deflection_m", list(f.deflection)},
+                        {"solved_N", list(f.solved)},
+                        {"baked_N", list(f.baked)},
+                        {"error", f.error}});
+    }
+    all.push_back({{"tool", c.tool},
+                   {"tool_patch", c.tool_patch},
+                   {"tool_weights", list(c.tool_weights)},
+                   {"c", list(c.frame.origin)},
+                   {"n", list(c.frame.n)},
+                   {"x", list(c.frame.x)},
+                   {"depth_m", c.depth},
+                   {"thickness_m", c.thickness},
+                   {"covered", c.covered},
+                   {"accepted", c.accepted},
+                   {"cause", c.cause},
+                   {"forces", forces}});
+  }
+  return all;
+}
+
+nlohmann::ordered_json to_json(const ErrorStatistics& s, const std::vector<HeldOut>& contacts) {
+  Json worst = {{"error", s.worst}, {"contact", s.worst_contact}, {"depth_m", s.worst_depth}};
+  if (s.worst_contact < contacts.size()) worst["c"] = list(contacts[s.worst_contact].frame.origin);
+  return {{"count", s.count},
+          {"median", s.median},
+          {"p95", s.p95},
+          {"worst", worst},
+          {"within", {{"1%", s.within_1}, {"2%", s.within_2}, {"5%", s.within_5}, {"10%", s.within_10}}}};
+}
+
+std::vector<HeldOut> read_recorded(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  if (!in) throw Error(ExitCode::io, file.string() + ": " + std::strerror(errno));
+  std::vector<HeldOut> contacts;
+  try {
+    const Json report = Json::parse(in);
+    for (const Json& j : report.at("held_out")) contacts.push_back(contact_from(j));
+  } catch (const std::exception& e) {
+    throw Error(ExitCode::bad_input,
+                file.string() + ": held-out contact " + std::to_string(contacts.size()) + ": " + e.what());
+  }
+  if (contacts.empty()) throw Error(ExitCode::bad_input, file.string() + ": the list 'held_out' is empty");
+  return contacts;
+}
+
+}  // namespace palpate

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Quantiles and shares.
+#include "precompute/verify/statistics.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+ErrorStatistics of_kind(const std::vector<HeldOut>& contacts, SampleKind kind) {
+  ErrorStatistics s;
+  std::vector<double> errors;
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    for (const ForcePair& f : contacts[c].forces) {
+      if (f.kind != kind) continue;
+      errors.push_back(f.error);
+      // A force that is no number is the worst there can be, never a gap in the statistics.
+      if (!(f.error <= s.worst)) {
+        s.worst = std::isfinite(f.error) ? f.error : HUGE_VAL;
+        s.worst_contact = c;
+        s.worst_depth = -f.deflection.dot(contacts[c].frame.n);
+      }
+    }
+  }
+  s.count = errors.size();
+  const auto share = [&](double limit) {
+    return s.count == 0 ? 0.0
+                        : static_cast<double>(
+                              std::count_if(errors.begin(), errors.end(), [&](double e) { return e <= limit; })) /
+                              static_cast<double>(s.count);
+  };
+  s.within_1 = share(0.01);
+  s.within_2 = share(0.02);
+  s.within_5 = share(0.05);
+  s.within_10 = share(0.10);
+  for (double& e : errors) {
+    if (!std::isfinite(e)) e = HUGE_VAL;
+  }
+  s.median = quantile(errors, 0.5);
+  s.p95 = quantile(errors, 0.95);
+  return s;
+}
+
+}  // namespace
+
+double quantile(std::vector<double> values, double q) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  const double at = q * static_cast<double>(values.size() - 1);
+  const auto low = static_cast<std::size_t>(at);
+  const std::size_t high = std::min(low + 1, values.size() - 1);
+  if (values[low] == values[high]) return values[low];
+  return values[low] + (at - static_cast<double>(low)) * (values[high] - values[low]);
+}
+
+VerifyStatistics summarise(const std::vector<HeldOut>& contacts) {
+  VerifyStatistics s;
+  s.contacts = contacts.size();
+  s.accepted = static_cast<std::size_t>(
+      std::count_if(contacts.begin(), contacts.end(), [](const HeldOut& c) { return c.accepted; }));
+  s.refused = s.contacts - s.accepted;
+  s.normal = of_kind(contacts, SampleKind::normal);
+  s.sideways = of_kind(contacts, SampleKind::tangential);
+  return s;
+}
+
+}  // namespace palpate

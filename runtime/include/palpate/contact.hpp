@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: MIT
+// One tool against the body: free, sticking, sliding, released; one force a tick.
+#pragma once
+
+#include "palpate/field.hpp"
+#include "palpate/project.hpp"
+#include "palpate/tool.hpp"
+
+#include <cmath>
+
+namespace palpate::runtime {
+
+enum class State : std::uint8_t {
+  free,      ///< no contact, no force
+  stick,     ///< c and p rest where they met
+  slide,     ///< c moves over the body at the friction limit (always, in a frictionless file)
+  released,  ///< the contact ended in this tick; no force
+  fault      ///< the pose was not finite, not a rotation, or beyond 1e6 m; no force, contact forgotten
+};
+
+/// What a tick gives back; vectors in the body's frame.
+struct Tick {
+  State state = State::free;
+  Vec3 force;                   ///< N on the tool
+  Vec3 torque;                  ///< N m on the tool, about the origin of its frame
+  double depth = 0;             ///< m, along -n(c); 0 without contact
+  double friction_limit = 0;    ///< N; infinite in a frictionless file
+  double covered = 0;           ///< share of the force that comes from responses taken from neighbours, [0, 1]
+  bool beyond = false;          ///< deeper than the pair was sampled: the force is an extrapolation
+  Vec3 body_point, tool_point;  ///< c and p (m); only in contact
+  BodyPoint at;                 ///< c again
+  ToolPoint on_tool;            ///< p again
+};
+
+struct ContactSettings {
+  /// Depth (m) that a contact may have when it is first seen; what is deeper is subtracted for as long as it
+  /// lasts, so that lag or a start inside the body cannot release energy. Negative: 2 % of the depth scale.
+  double late_depth = -1;
+};
+
+/// Follows one tool. Every tick takes bounded time, allocates nothing and throws nothing. Not for several
+/// threads at once; any number of contacts may share a view, which must outlive them.
+class Contact {
+public:
+  /// `tool`: an index below view.meta->tool_count.
+  Contact(const View& view, std::uint32_t tool, const ContactSettings& settings = {})
+      : view_(&view), tool_(tool), reach_(skeleton_radius(view, tool)), probe_(view.tools[tool].probe_radius) {
+    late_ = settings.late_depth >= 0 ? settings.late_depth : 0.02 * view.meta->depth_scale;
+    const layout::ToolRecord& record = view.tools[tool];
+    profile_ = record.kind == static_cast<std::uint32_t>(layout::ToolKind::profile) && record.axis_length > 0;
+  }
+
+  /// Forgets the contact. The next tick must be outside the body, else the contact starts at zero force.
+  void reset() {
+    touching_ = was_free_ = false;
+    safe_ = -1;
+  }
+
+  /// Force at `pose`. Ticks are meant to follow a motion: what happens between two is not seen.
+  Tick tick(const Pose& pose) {
+    if (!pose.valid()) {
+      reset();
+      Tick fault;
+      fault.state = State::fault;
+      return fault;
+    }
+    return touching_ ? hold(pose) : seek(pose);
+  }
+
+  [[nodiscard]] const Field& field() const { return field_; }
+
+private:
+  /// The deflection, split at c.
+  struct Deflection {
+    double depth;   ///< m, less the depth at first sight
+    Vec3 sideways;  ///< m, across n(c)
+  };
+
+  Tick seek(const Pose& pose) {
+    if (safe_ > 0 && motion_since(pose) < safe_) return {};
+    const ToolTouch touch = find_touch(*view_, tool_, pose);
+    last_ = pose;
+    safe_ = touch.safe;
+    if (touch.clearance >= 0) {
+      was_free_ = true;
+      return {};
+    }
+    anchor_ = touch.anchor;
+    tool_point_ = touch.tool_point;
+    offset_depth_ = 0;
+    offset_sideways_ = {};
+    const Vec3 q = pose.apply(anchor_);
+    place(first_point(touch, q), pose);
+    const Deflection d = deflection(q);
+    if (!(d.depth > 0)) {
+      was_free_ = true;
+      return {};
+    }
+    offset_depth_ = was_free_ ? std::fmax(0, d.depth - late_) : d.depth;
+    offset_sideways_ = d.sideways;
+    touching_ = true;
+    // At zero depth there is no force yet, but the contact has begun: from here on the tool may push.
+    const DepthTerms terms = field_.at_depth(d.depth - offset_depth_);
+    return terms.depth > 0 ? hold(pose) : output(State::stick, pose, q, terms, {});
+  }
+
+  /// Most that any skeleton point can have moved since the last search.
+  [[nodiscard]] double motion_since(const Pose& pose) const {
+    double turned = 0;
+    for (int k = 0; reach_ > 0 && k < 9; ++k) {
+      const double d = pose.rotation[k] - last_.rotation[k];
+      turned += d * d;
+    }
+    return length(pose.translation - last_.translation) + std::sqrt(turned) * reach_;
+  }
+
+  /// Where the smooth normals meet the tool: there the first deflection is purely along n(c). The nearest
+  /// point where they do not meet it close by.
+  [[nodiscard]] Projection first_point(const ToolTouch& touch, const Vec3& q) const {
+    Projection found = project(*view_, touch.body.at, q);
+    const double reach = std::fabs(touch.body.signed_distance);
+    const bool near = std::fabs(found.height) <= 1.5 * reach + 0.1 * probe_;
+    if (found.converged && near) return found;
+    found.at = touch.body.at;
+    found.point = touch.body.point;
+    found.normal = normal(*view_, found.at);
+    return found;
+  }
+
+  /// Rests the contact at a point of the surface and blends its responses.
+  void place(const Projection& to, const Pose& pose) {
+    at_ = to.at;
+    c_ = to.point;
+    turn(to.normal, pose);
+  }
+
+  /// Blends the responses for the present point of the body and the tool's present orientation.
+  void turn(const Vec3& n, const Pose& pose) {
+    if (profile_) {
+      meridian_ = profile_meridian(view_->tools[tool_], anchor_.z, pose.along_axis(n));
+      tool_point_ = profile_point(*view_, view_->tools[tool_], meridian_);
+    }
+    field_.build(*view_, tool_, at_, tool_point_, n);
+  }
+
+  [[nodiscard]] Deflection deflection(const Vec3& q) const {
+    const Vec3& n = field_.normal();
+    const Vec3 gap = q - c_;
+    return {probe_ - dot(gap, n) - offset_depth_, tangential(gap - offset_sideways_, n)};
+  }
+
+  Tick hold(const Pose& pose) {
+    if (profile_) roll(pose);
+    const Vec3 q = pose.apply(anchor_);
+    const Deflection d = deflection(q);
+    if (!(d.depth > 0)) return release(d);
+    const DepthTerms terms = field_.at_depth(d.depth);
+    if (view_->friction == nullptr) return follow(pose, q, d, {}, terms);
+    const Vec3 tangential_force = terms.straight + field_.sideways(terms, d.sideways);
+    const double size = length(tangential_force);
+    if (size > terms.limit * (1 + 1e-9)) {
+      return follow(pose, q, d, slip(terms, d.sideways, (1 / size) * tangential_force), terms);
+    }
+    return output(State::stick, pose, q, terms, tangential_force);
+  }
+
+  /// The sideways deflection at which the friction limit holds: c gives way against the force until then.
+  /// The force along that line never grows on the way, so the root is bracketed.
+  [[nodiscard]] Vec3 slip(const DepthTerms& terms, const Vec3& from, const Vec3& direction) const {
+    const auto excess = [&](double way) {
+      return dot(terms.straight + field_.sideways(terms, from + way * direction), direction) - terms.limit;
+    };
+    const double scale = view_->meta->sideways_scale, most = length(from) + 2 * scale;
+    double low = 0, at_low = excess(0);
+    // The slope at the start tells how far; a little more brackets the root, else the step doubles.
+    const double probe = 1e-3 * scale, drop = at_low - excess(probe);
+    double high = drop > 0 ? 1.0001 * probe * at_low / drop : most;
+    high = high > 1e-6 * probe ? (high < most ? high : most) : 1e-6 * probe;
+    double at_high = excess(high);
+    while (at_high > 0 && high < most) {
+      low = high;
+      at_low = at_high;
+      high *= 2;
+      at_high = excess(high);
+    }
+    // The straight push alone is beyond the limit: c creeps on, tick by tick.
+    if (at_high > 0) return from + (length(from) + 0.02 * scale) * direction;
+    for (int i = 0; i < 24 && at_high < -1e-5 * terms.limit; ++i) {
+      const double middle = i % 4 == 3 ? 0.5 * (low + high) : low + (high - low) * at_low / (at_low - at_high);
+      const double value = excess(middle);
+      if (value > 0) {
+        low = middle;
+        at_low = value;
+      } else {
+        high = middle;
+        at_high = value;
+      }
+      if (high - low < 1e-9 * most) break;
+    }
+    return from + high * direction;
+  }
+
+  /// Moves c over the surface until the sideways deflection is `wanted`.
+  Tick follow(const Pose& pose, const Vec3& q, const Deflection& before, const Vec3& wanted,
+              const DepthTerms& terms_before) {
+    const double size = probe_ + view_->meta->depth_scale;  // m, of a contact
+    DepthTerms terms = terms_before;
+    Deflection d = before;
+    // c rests while the tool moves along n(c): 0.1 nm on a contact of 10 mm.
+    if (length(d.sideways - wanted) > 1e-8 * size) {
+      const Vec3 target = q - offset_sideways_ - wanted;
+      const Projection found = project(*view_, at_, target);
+      if (found.residual > 0.1 * size && hand_over(pose, q, terms.normal_force)) {
+        d = deflection(q);
+      } else {
+        place(found, pose);
+        d = deflection(q);
+      }
+      if (!(d.depth > 0)) return release(d);
+      terms = field_.at_depth(d.depth);
+    }
+    Vec3 tangential_force = terms.straight + field_.sideways(terms, d.sideways);
+    const double sideways_force = length(tangential_force);
+    if (sideways_force > terms.limit) tangential_force = (terms.limit / sideways_force) * tangential_force;
+    return output(State::slide, pose, q, terms, tangential_force);
+  }
+
+  /// c cannot follow along the surface (the tool straddles a fissure or left over an edge): takes the point
+  /// nearest to the tool instead, at a depth that answers with no more than the present force.
+  bool hand_over(const Pose& pose, const Vec3& q, double force) {
+    const BodyPoint old = at_;
+    const Location nearest = locate(*view_, q);
+    const Projection found = project(*view_, nearest.at, q);
+    if (!found.converged) return false;
+    place(found, pose);
+    offset_sideways_ = {};
+    const double depth = deflection(q).depth + offset_depth_;
+    double low = 0, high = std::fmax(0, depth - offset_depth_);
+    if (field_.at_depth(high).normal_force > force) {
+      for (int i = 0; i < 40; ++i) {
+        const double middle = 0.5 * (low + high);
+        (field_.at_depth(middle).normal_force > force ? high : low) = middle;
+      }
+      offset_depth_ = depth - low;
+    }
+    return old.triangle != found.at.triangle;
+  }
+
+  /// A capsule lays itself down: p runs along the axis to where it is deepest, c with it, at a bounded rate
+  /// and without changing the sideways deflection.
+  void roll(const Pose& pose) {
+    const layout::ToolRecord& record = view_->tools[tool_];
+    const double cosine = pose.along_axis(field_.normal());
+    const double step = std::fmax(-0.1, std::fmin(0.1, -cosine)) * probe_;
+    const double along = std::fmax(0, std::fmin(record.axis_length, anchor_.z + step));
+    if (std::fabs(along - anchor_.z) > 1e-9 * probe_) {
+      const Deflection d = deflection(pose.apply(anchor_));
+      anchor_.z = along;
+      place(project(*view_, at_, pose.apply(anchor_) - offset_sideways_ - d.sideways), pose);
+    } else if (std::fabs(profile_meridian(record, anchor_.z, cosine) - meridian_) > 1e-6 * probe_) {
+      turn(field_.normal(), pose);
+    }
+  }
+
+  Tick release(const Deflection& d) {
+    touching_ = false;
+    was_free_ = !(d.depth + offset_depth_ > 0);
+    safe_ = -1;
+    Tick tick;
+    tick.state = State::released;
+    return tick;
+  }
+
+  [[nodiscard]] Tick output(State state, const Pose& pose, const Vec3& q, const DepthTerms& terms,
+                            const Vec3& tangential_force) const {
+    const Vec3& n = field_.normal();
+    Tick tick;
+    tick.state = state;
+    tick.force = terms.normal_force * n + tangential_force;
+    tick.tool_point = q - probe_ * n;
+    tick.torque = cross(tick.tool_point - pose.translation, tick.force);
+    tick.depth = terms.depth;
+    tick.friction_limit = terms.limit;
+    tick.covered = field_.covered();
+    tick.beyond = terms.beyond;
+    tick.body_point = c_;
+    tick.at = at_;
+    tick.on_tool = tool_point_;
+    return tick;
+  }
+
+  const View* view_;
+  std::uint32_t tool_;
+  double reach_, probe_;  ///< m
+  double late_ = 0;
+  bool profile_ = false;
+
+  bool touching_ = false;
+  bool was_free_ = false;  ///< the last tick saw no overlap
+  double safe_ = -1;       ///< m, free until the tool has moved this far from last_
+  Pose last_;
+
+  BodyPoint at_;
+  Vec3 c_;
+  Vec3 anchor_;  ///< m, tool frame
+  ToolPoint tool_point_;
+  double meridian_ = 0;
+  double offset_depth_ = 0;  ///< m, subtracted: depth at first sight
+  Vec3 offset_sideways_;     ///< m, the same across n(c)
+  Field field_;
+};
+
+}  // namespace palpate::runtime

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+// Nearest point of the contact surface with its signed distance: by the search tree, or one by one without it.
+#pragma once
+
+#include "palpate/surface.hpp"
+
+#include <cmath>
+
+namespace palpate::runtime {
+
+struct Location {
+  BodyPoint at;
+  Vec3 point;                  ///< m
+  double signed_distance = 0;  ///< m, negative inside the body
+};
+
+namespace detail {
+
+struct Nearest {
+  double squared = 0;
+  double bary[3] = {1, 0, 0};
+};
+
+inline void nearest_on_edge(const Vec3& p, const Vec3& a, const Vec3& b, int i, int j, Nearest& best) {
+  const Vec3 ab = b - a;
+  const double size = dot(ab, ab);
+  double s = size > 0 ? dot(p - a, ab) / size : 0;
+  s = s > 0 ? (s < 1 ? s : 1) : 0;
+  const Vec3 gap = a + s * ab - p;
+  const double squared = dot(gap, gap);
+  if (squared >= best.squared) return;
+  best.squared = squared;
+  best.bary[0] = best.bary[1] = best.bary[2] = 0;
+  best.bary[i] = 1 - s;
+  best.bary[j] = s;
+}
+
+/// Nearest point of a triangle; a triangle of no area is its edges.
+inline Nearest nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 ab = b - a, ac = c - a, ap = p - a;
+  const Vec3 n = cross(ab, ac);
+  const double area = dot(n, n), longest = dot(ab, ab) + dot(ac, ac);
+  if (area > 1e-20 * longest * longest) {
+    const double wb = dot(cross(ap, ac), n) / area, wc = dot(cross(ab, ap), n) / area;
+    if (wb >= 0 && wc >= 0 && wb + wc <= 1) {
+      const double height = dot(ap, n);
+      const double wa = 1 - wb - wc;  // may round below zero
+      return {height * height / area, {wa > 0 ? wa : 0, wb, wc}};
+    }
+  }
+  Nearest best{HUGE_VAL, {1, 0, 0}};
+  nearest_on_edge(p, a, b, 0, 1, best);
+  nearest_on_edge(p, b, c, 1, 2, best);
+  nearest_on_edge(p, c, a, 2, 0, best);
+  return best;
+}
+
+inline void consider(const View& view, const Vec3& p, std::uint32_t triangle, Nearest& best, std::uint32_t& at) {
+  const auto& v = view.triangles[triangle].vertex;
+  const Nearest found = nearest_on_triangle(p, vertex(view, v[0]), vertex(view, v[1]), vertex(view, v[2]));
+  if (found.squared >= best.squared) return;
+  best = found;
+  at = triangle;
+}
+
+inline double box_distance(const layout::SearchNode& box, const Vec3& p) {
+  const double q[3] = {p.x, p.y, p.z};
+  double squared = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double below = box.lower[k] - q[k], above = q[k] - box.upper[k];
+    const double gap = below > above ? below : above;
+    if (gap > 0) squared += gap * gap;
+  }
+  return squared;
+}
+
+inline void search_tree(const View& view, const Vec3& p, Nearest& best, std::uint32_t& at) {
+  struct Entry {
+    std::uint32_t node;
+    double distance;
+  } stack[layout::kMaxSearchDepth + 2];
+  int top = 0;
+  stack[top++] = {0, 0};
+  while (top > 0) {
+    const Entry entry = stack[--top];
+    if (entry.distance >= best.squared) continue;
+    const layout::SearchNode& n = view.search[entry.node];
+    if (n.count > 0) {
+      for (std::uint32_t t = n.first; t < n.first + n.count; ++t) consider(view, p, t, best, at);
+      continue;
+    }
+    const Entry left{n.first, box_distance(view.search[n.first], p)};
+    const Entry right{n.first + 1, box_distance(view.search[n.first + 1], p)};
+    const bool left_first = left.distance <= right.distance;
+    stack[top++] = left_first ? right : left;
+    stack[top++] = left_first ? left : right;
+  }
+}
+
+/// Sum of the face normals round corner `k`, weighted by their angles: its sign tells inside from outside.
+inline Vec3 vertex_pseudonormal(const View& view, std::uint32_t triangle, int k) {
+  constexpr int kMostFaces = 512;  // of one fan; a longer one is cut short rather than walked for ever
+  Vec3 sum;
+  std::uint32_t t = triangle;
+  const std::uint32_t centre = view.triangles[triangle].vertex[k];
+  for (int step = 0; step < kMostFaces; ++step) {
+    const layout::SurfaceTriangle& face = view.triangles[t];
+    const int j = face.vertex[0] == centre ? 0 : face.vertex[1] == centre ? 1 : 2;
+    const Vec3 o = vertex(view, centre);
+    const Vec3 a = vertex(view, face.vertex[(j + 1) % 3]) - o, b = vertex(view, face.vertex[(j + 2) % 3]) - o;
+    const Vec3 n = cross(a, b);
+    const double size = length(n);
+    if (size > 0) sum = sum + (std::atan2(size, dot(a, b)) / size) * n;
+    t = face.neighbour[(j + 1) % 3];
+    if (t == triangle) break;
+  }
+  return sum;
+}
+
+/// A vector whose side decides the sign of the distance at a point of the surface.
+inline Vec3 pseudonormal(const View& view, const BodyPoint& at) {
+  int zeros = 0, zero = 0, full = 0;
+  for (int k = 0; k < 3; ++k) {
+    if (at.bary[k] <= 0) {
+      ++zeros;
+      zero = k;
+    } else {
+      full = k;
+    }
+  }
+  if (zeros >= 2) return vertex_pseudonormal(view, at.triangle, full);
+  const Vec3 own = unit(face_normal(view, at.triangle), {});
+  if (zeros == 0) return own;
+  return own + unit(face_normal(view, view.triangles[at.triangle].neighbour[zero]), {});
+}
+
+}  // namespace detail
+
+/// Nearest point of the contact surface. Any finite point; the first triangle in file order wins a tie
+/// without a search section.
+inline Location locate(const View& view, const Vec3& p) {
+  detail::Nearest best{HUGE_VAL, {1, 0, 0}};
+  Location found;
+  if (view.search != nullptr) {
+    detail::search_tree(view, p, best, found.at.triangle);
+  } else {
+    for (std::uint32_t t = 0; t < view.meta->triangle_count; ++t) detail::consider(view, p, t, best, found.at.triangle);
+  }
+  for (int k = 0; k < 3; ++k) found.at.bary[k] = best.bary[k];
+  found.point = position(view, found.at);
+  const double distance = std::sqrt(best.squared);
+  const bool inside = dot(p - found.point, detail::pseudonormal(view, found.at)) < 0;
+  found.signed_distance = inside ? -distance : distance;
+  return found;
+}
+
+}  // namespace palpate::runtime

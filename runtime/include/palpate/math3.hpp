@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+// Three-vectors and rigid poses of the runtime.
+#pragma once
+
+#include <cmath>
+
+namespace palpate::runtime {
+
+struct Vec3 {
+  double x = 0, y = 0, z = 0;
+};
+
+inline Vec3 operator+(const Vec3& a, const Vec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+inline Vec3 operator-(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline Vec3 operator-(const Vec3& a) { return {-a.x, -a.y, -a.z}; }
+inline Vec3 operator*(double s, const Vec3& a) { return {s * a.x, s * a.y, s * a.z}; }
+inline double dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline double length(const Vec3& a) { return std::sqrt(dot(a, a)); }
+inline Vec3 to_vec(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
+
+/// `v` without its part along the unit vector n.
+inline Vec3 tangential(const Vec3& v, const Vec3& n) { return v - dot(v, n) * n; }
+
+/// Unit vector along v; `otherwise` where v is too short to have a direction.
+inline Vec3 unit(const Vec3& v, const Vec3& otherwise) {
+  const double size = length(v);
+  return size > 1e-12 ? (1.0 / size) * v : otherwise;
+}
+
+/// Some unit vector orthogonal to the unit vector n.
+inline Vec3 any_orthogonal(const Vec3& n) {
+  const Vec3 axis = std::fabs(n.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  return unit(tangential(axis, n), {0, 0, 1});
+}
+
+/// The tool's frame in the body's: a tool point a lies at rotation * a + translation (m).
+struct Pose {
+  double rotation[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< row-major, orthonormal
+  Vec3 translation;
+
+  /// From a quaternion of any length but zero.
+  static Pose from_quaternion(double w, double x, double y, double z, const Vec3& translation) {
+    const double s = 2.0 / (w * w + x * x + y * y + z * z);
+    return {{1 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w),  //
+             s * (x * y + z * w), 1 - s * (x * x + z * z), s * (y * z - x * w),  //
+             s * (x * z - y * w), s * (y * z + x * w), 1 - s * (x * x + y * y)},
+            translation};
+  }
+
+  [[nodiscard]] Vec3 rotate(const Vec3& a) const {
+    const double* r = rotation;
+    return {r[0] * a.x + r[1] * a.y + r[2] * a.z, r[3] * a.x + r[4] * a.y + r[5] * a.z,
+            r[6] * a.x + r[7] * a.y + r[8] * a.z};
+  }
+  [[nodiscard]] Vec3 apply(const Vec3& a) const { return rotate(a) + translation; }
+
+  /// Component along the tool's z axis of a direction given in the body's frame.
+  [[nodiscard]] double along_axis(const Vec3& direction) const {
+    return dot({rotation[2], rotation[5], rotation[8]}, direction);
+  }
+
+  /// Finite, within 1e6 m, and orthonormal to 1e-3.
+  [[nodiscard]] bool valid() const {
+    const double* r = rotation;
+    const Vec3 a{r[0], r[1], r[2]}, b{r[3], r[4], r[5]}, c{r[6], r[7], r[8]};
+    constexpr double kFar = 1e6, kLoose = 1e-3;
+    // Written so that a NaN fails every comparison.
+    return std::fabs(translation.x) < kFar && std::fabs(translation.y) < kFar && std::fabs(translation.z) < kFar &&
+           std::fabs(dot(a, a) - 1) < kLoose && std::fabs(dot(b, b) - 1) < kLoose &&
+           std::fabs(dot(c, c) - 1) < kLoose && std::fabs(dot(a, b)) < kLoose && std::fabs(dot(b, c)) < kLoose &&
+           std::fabs(dot(cross(a, b), c) - 1) < 4 * kLoose;
+  }
+};
+
+}  // namespace palpate::runtime

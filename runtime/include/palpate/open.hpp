@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+// Opening a response file: header, table of contents and scales; the records are checked in validate_records.hpp.
+#pragma once
+
+#include "palpate/checksum.hpp"
+#include "palpate/validate_records.hpp"
+#include "palpate/view.hpp"
+
+namespace palpate::runtime {
+namespace detail {
+
+using layout::Section;
+
+inline bool check_header(const View& v, Fault& fault) {
+  if (reinterpret_cast<std::uintptr_t>(v.bytes) % 8 != 0) return fault.say("the buffer is not aligned to 8 bytes");
+  if (v.size < sizeof(layout::FileHeader)) {
+    return fault.say("truncated: %zu bytes, the header alone has %zu", v.size, sizeof(layout::FileHeader));
+  }
+  const layout::FileHeader& h = v.header();
+  for (int k = 0; k < 8; ++k) {
+    if (h.magic[k] != layout::kMagic[k])
+      return fault.say("not a Palpate response file: the first bytes are not PALPATE");
+  }
+  if (h.version != layout::kVersion) return fault.say("version %u, this reader knows %u", h.version, layout::kVersion);
+  if (h.file_size != v.size) {
+    return fault.say("%s: the header says %llu bytes, there are %zu",
+                     h.file_size > v.size ? "truncated" : "trailing bytes",
+                     static_cast<unsigned long long>(h.file_size), v.size);
+  }
+  const std::uint64_t table =
+      sizeof(layout::FileHeader) + std::uint64_t{h.section_count} * sizeof(layout::SectionEntry);
+  if (h.section_count > layout::kMaxSections || table > v.size)
+    return fault.say("impossible section count %u", h.section_count);
+  if (checksum::of_file(v.bytes, v.size, offsetof(layout::FileHeader, checksum)) != h.checksum) {
+    return fault.say("damaged: the checksum does not match");
+  }
+  if ((h.features & ~layout::feature_all) != 0) return fault.say("unknown feature bits %#x", h.features);
+  for (const std::uint32_t r : h.reserved) {
+    if (r != 0) return fault.say("reserved header bytes are not zero");
+  }
+  return true;
+}
+
+inline bool check_table(const View& v, const layout::SectionEntry* (&entry)[layout::kSectionIds], Fault& fault) {
+  std::uint64_t end = sizeof(layout::FileHeader) + v.header().section_count * sizeof(layout::SectionEntry);
+  std::uint32_t last = 0;
+  for (std::uint32_t i = 0; i < v.header().section_count; ++i) {
+    const layout::SectionEntry& e = v.sections()[i];
+    if (e.id <= last || e.id >= layout::kSectionIds)
+      return fault.say("table of contents: entry %u has section id %u", i, e.id);
+    const char* name = layout::section_name(e.id);
+    if (e.offset % layout::kAlignment != 0) return fault.say("section %s is not aligned to 64 bytes", name);
+    if (e.offset < end || e.offset > v.size || e.size > v.size - e.offset) {
+      return fault.say("section %s lies outside the file or over another", name);
+    }
+    if (e.element_size == 0 || e.count == 0 || e.count > layout::kMaxCount || e.size != e.count * e.element_size) {
+      return fault.say("section %s: size is not count times element size", name);
+    }
+    end = e.offset + e.size;
+    last = e.id;
+    entry[e.id] = &e;
+  }
+  return true;
+}
+
+inline bool check_meta(const layout::Meta& m, Fault& fault) {
+  if (!(m.depth_scale >= 1e-9 && m.depth_scale < 1e3))
+    return fault.say("META: depth scale must be at least 1e-9 and below 1000 m");
+  if (m.model != static_cast<std::uint32_t>(layout::Model::separable))
+    return fault.say("META: unknown model %u", m.model);
+  const bool friction = m.friction_coefs > 0;
+  if (!(friction ? m.sideways_scale >= 1e-9 && m.sideways_scale < 1e3 : m.sideways_scale == 0)) {
+    return fault.say("META: sideways scale must be at least 1e-9 and below 1000 m with friction, 0 without");
+  }
+  const struct {
+    std::uint32_t count;
+    bool wanted;
+    const char* name;
+  } families[] = {{m.normal_coefs, true, "normal"},
+                  {m.lateral_coefs, m.lateral_coefs > 0, "lateral"},
+                  {m.growth_coefs, friction, "growth"},
+                  {m.sideways_coefs, friction, "sideways"},
+                  {m.friction_coefs, friction, "friction"}};
+  for (const auto& f : families) {
+    if (f.wanted ? f.count < layout::kMinCoefs || f.count > layout::kMaxCoefs : f.count != 0) {
+      return fault.say("META: %u %s coefficients, allowed 4 to 32 or, where left out, 0", f.count, f.name);
+    }
+  }
+  if (m.subdivision < 1 || m.subdivision > layout::kMaxSubdivision)
+    return fault.say("META: subdivision %u, allowed 1 to 1024", m.subdivision);
+  if (m.response_count != std::uint64_t{m.site_count} * m.tool_vertex_count) {
+    return fault.say("META: response count is not sites times tool vertices");
+  }
+  for (const std::uint32_t r : m.reserved) {
+    if (r != 0) return fault.say("META: reserved bytes are not zero");
+  }
+  return true;
+}
+
+/// Every section that the scales and counts ask for, of the size they ask for; no other.
+inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[layout::kSectionIds], Fault& fault) {
+  const layout::Meta& m = *v.meta;
+  const bool patched = (v.features & layout::feature_tool_patches) != 0;
+  const struct {
+    Section id;
+    std::uint64_t element, count;
+  } expected[] = {{Section::meta, sizeof(layout::Meta), 1},
+                  {Section::sites, sizeof(layout::Site), m.site_count},
+                  {Section::patches, sizeof(layout::Patch), m.patch_count},
+                  {Section::surface_vertices, sizeof(layout::Point), m.vertex_count},
+                  {Section::surface_triangles, sizeof(layout::SurfaceTriangle), m.triangle_count},
+                  {Section::tools, sizeof(layout::ToolRecord), m.tool_count},
+                  {Section::tool_vertices, sizeof(layout::ToolVertexRecord), patched ? m.tool_vertex_count : 0},
+                  {Section::tool_patches, sizeof(layout::Patch), m.tool_patch_count},
+                  {Section::responses, layout::response_size(m), m.response_count},
+                  {Section::lateral, layout::lateral_size(m), m.lateral_coefs > 0 ? m.response_count : 0},
+                  {Section::friction, layout::friction_size(m), m.friction_coefs > 0 ? m.response_count : 0},
+                  {Section::search, sizeof(layout::SearchNode), m.search_nodes}};
+  const unsigned char* at[layout::kSectionIds] = {};
+  for (const auto& want : expected) {
+    const auto id = static_cast<std::uint32_t>(want.id);
+    const layout::SectionEntry* e = entry[id];
+    if (want.count == 0 && e != nullptr)
+      return fault.say("section %s must be absent in this file", layout::section_name(id));
+    if (want.count == 0) continue;
+    if (e == nullptr) return fault.say("section %s is missing", layout::section_name(id));
+    if (e->element_size != want.element || e->count != want.count) {
+      return fault.say("section %s: %llu elements of %u bytes, expected %llu of %llu", layout::section_name(id),
+                       static_cast<unsigned long long>(e->count), e->element_size,
+                       static_cast<unsigned long long>(want.count), static_cast<unsigned long long>(want.element));
+    }
+    at[id] = v.bytes + e->offset;
+  }
+  const auto* text = entry[static_cast<std::uint32_t>(Section::provenance)];
+  if (text == nullptr || text->element_size != 1) return fault.say("section PROVENANCE is missing");
+  const std::uint32_t features =
+      (m.lateral_coefs > 0 ? layout::feature_lateral : 0u) | (m.friction_coefs > 0 ? layout::feature_friction : 0u) |
+      (m.tool_patch_count > 0 ? layout::feature_tool_patches : 0u) | (m.search_nodes > 0 ? layout::feature_search : 0u);
+  if (features != v.features) return fault.say("feature bits %#x do not fit the sections present", v.features);
+  if (at[2] == nullptr || at[3] == nullptr || at[4] == nullptr || at[5] == nullptr || at[6] == nullptr ||
+      at[9] == nullptr) {
+    return fault.say("META: sites, patches, surface, tools and responses must not be empty");
+  }
+  v.sites = reinterpret_cast<const layout::Site*>(at[2]);
+  v.patches = reinterpret_cast<const layout::Patch*>(at[3]);
+  v.vertices = reinterpret_cast<const layout::Point*>(at[4]);
+  v.triangles = reinterpret_cast<const layout::SurfaceTriangle*>(at[5]);
+  v.tools = reinterpret_cast<const layout::ToolRecord*>(at[6]);
+  v.tool_vertices = reinterpret_cast<const layout::ToolVertexRecord*>(at[7]);
+  v.tool_patches = reinterpret_cast<const layout::Patch*>(at[8]);
+  v.responses = at[9];
+  v.lateral = reinterpret_cast<const float*>(at[10]);
+  v.friction = reinterpret_cast<const float*>(at[11]);
+  v.search = reinterpret_cast<const layout::SearchNode*>(at[12]);
+  v.provenance = reinterpret_cast<const char*>(v.bytes + text->offset);
+  v.provenance_size = static_cast<std::size_t>(text->size);
+  return true;
+}
+
+inline bool open_checked(View& v, Fault& fault) {
+  const layout::SectionEntry* entry[layout::kSectionIds] = {};
+  if (!check_header(v, fault)) return false;
+  v.features = v.header().features;
+  if (!check_table(v, entry, fault)) return false;
+  const layout::SectionEntry* meta = entry[static_cast<std::uint32_t>(Section::meta)];
+  if (meta == nullptr || meta->size != sizeof(layout::Meta)) return fault.say("section META is missing");
+  v.meta = reinterpret_cast<const layout::Meta*>(v.bytes + meta->offset);
+  return check_meta(*v.meta, fault) && bind_sections(v, entry, fault) && check_records(v, fault);
+}
+
+}  // namespace detail
+
+inline OpenResult View::open(const void* data, std::size_t size) {
+  OpenResult result;
+  View v;
+  v.bytes = static_cast<const unsigned char*>(data);
+  v.size = data == nullptr ? 0 : size;
+  detail::Fault fault{result.error, sizeof result.error};
+  result.ok = detail::open_checked(v, fault);
+  if (result.ok) result.view = v;
+  return result;
+}
+
+}  // namespace palpate::runtime

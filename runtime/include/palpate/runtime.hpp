@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: MIT
+// Palpate's runtime in one include: open a response file, follow a tool, get newtons.
+#pragma once
+
+/// C++17 and the standard library; no allocation, exception, lock or system call. Open a file's bytes once
+/// with View::open; then, per tool, a Contact and one tick for every pose. Field and locate are the level
+/// below, for a program that finds its contacts itself. Lengths in metres, forces in newtons, body frame.
+#include "palpate/contact.hpp"
+#include "palpate/open.hpp"

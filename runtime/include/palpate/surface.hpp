@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// Points of the contact surface: position, weights of the patch's sites, interpolated normal.
+#pragma once
+
+#include "palpate/math3.hpp"
+#include "palpate/view.hpp"
+
+#include <cstdint>
+
+namespace palpate::runtime {
+
+/// A point of the contact surface: a triangle and its barycentric weights (>= 0, summing to 1).
+struct BodyPoint {
+  std::uint32_t triangle = 0;
+  double bary[3] = {1, 0, 0};
+};
+
+/// A point of a tool: an index into the file's tool patches and weights of that patch's vertices. A tool
+/// with one vertex has patch 0 and weights {1, 0, 0}.
+struct ToolPoint {
+  std::uint32_t patch = 0;
+  double weights[3] = {1, 0, 0};
+};
+
+inline Vec3 vertex(const View& view, std::uint32_t index) { return to_vec(view.vertices[index].xyz); }
+
+inline Vec3 position(const View& view, const BodyPoint& at) {
+  const auto& v = view.triangles[at.triangle].vertex;
+  return at.bary[0] * vertex(view, v[0]) + at.bary[1] * vertex(view, v[1]) + at.bary[2] * vertex(view, v[2]);
+}
+
+/// Weights of the three sites of the point's patch.
+inline void patch_weights(const View& view, const BodyPoint& at, double (&weights)[3]) {
+  const layout::SurfaceTriangle& t = view.triangles[at.triangle];
+  const double scale = 1.0 / view.meta->subdivision;
+  weights[0] = weights[1] = 0;
+  for (int k = 0; k < 3; ++k) {
+    weights[0] += at.bary[k] * (scale * t.grid[k][0]);
+    weights[1] += at.bary[k] * (scale * t.grid[k][1]);
+  }
+  const double rest = 1 - weights[0] - weights[1];
+  weights[2] = rest > 0 ? rest : 0;
+}
+
+/// Normal of the triangle as it lies, length twice its area.
+inline Vec3 face_normal(const View& view, std::uint32_t triangle) {
+  const auto& v = view.triangles[triangle].vertex;
+  const Vec3 a = vertex(view, v[0]);
+  return cross(vertex(view, v[1]) - a, vertex(view, v[2]) - a);
+}
+
+/// Sum of the sites' normals at corner `k` of a triangle (not normalised: linear inside the patch).
+inline Vec3 corner_normal(const View& view, const layout::SurfaceTriangle& t, int k) {
+  const layout::Patch& p = view.patches[t.patch];
+  const double scale = 1.0 / view.meta->subdivision;
+  const double a = scale * t.grid[k][0], b = scale * t.grid[k][1];
+  return a * to_vec(view.sites[p.vertex[0]].normal) + b * to_vec(view.sites[p.vertex[1]].normal) +
+         (1 - a - b) * to_vec(view.sites[p.vertex[2]].normal);
+}
+
+/// n(c): the unit normal that all responses at the point share.
+inline Vec3 normal(const View& view, const BodyPoint& at) {
+  const layout::SurfaceTriangle& t = view.triangles[at.triangle];
+  const Vec3 sum = at.bary[0] * corner_normal(view, t, 0) + at.bary[1] * corner_normal(view, t, 1) +
+                   at.bary[2] * corner_normal(view, t, 2);
+  // Opposed normals of a knife edge may cancel: there the triangle's own normal stands in.
+  if (dot(sum, sum) > 1e-12) return unit(sum, sum);
+  return unit(face_normal(view, at.triangle), to_vec(view.sites[view.patches[t.patch].vertex[0]].normal));
+}
+
+/// Leaves a triangle across the edge opposite `corner`: the same point seen from the neighbour.
+inline BodyPoint cross_edge(const View& view, const BodyPoint& at, int corner) {
+  const layout::SurfaceTriangle& t = view.triangles[at.triangle];
+  BodyPoint to;
+  to.triangle = t.neighbour[corner];
+  const layout::SurfaceTriangle& n = view.triangles[to.triangle];
+  for (int j = 0; j < 3; ++j) {
+    to.bary[j] = 0;
+    for (int k = 0; k < 3; ++k) {
+      if (k != corner && n.vertex[j] == t.vertex[k]) to.bary[j] = at.bary[k];
+    }
+  }
+  return to;
+}
+
+}  // namespace palpate::runtime

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+// Which point of a tool touches first: spheres and capsules by their axis, mesh tools by probe points.
+#pragma once
+
+#include "palpate/locate.hpp"
+
+#include <cmath>
+
+namespace palpate::runtime {
+
+/// A point of a tool's skeleton (its axis, or a probe point of a mesh tool) and the body point nearest to it.
+struct ToolTouch {
+  Vec3 anchor;           ///< m, tool frame
+  ToolPoint tool_point;  ///< for mesh tools; a profile's follows from its orientation
+  Location body;
+  double clearance = 0;  ///< m, from the skin to the body; negative when they overlap
+  double safe = 0;       ///< m, a distance below the true clearance of the whole tool, >= 0
+};
+
+/// Distance of the farthest skeleton point from the tool frame's origin (m).
+inline double skeleton_radius(const View& view, std::uint32_t tool) {
+  const layout::ToolRecord& record = view.tools[tool];
+  double reach = record.axis_length;
+  if (record.kind != static_cast<std::uint32_t>(layout::ToolKind::mesh) || view.tool_vertices == nullptr) return reach;
+  for (std::uint32_t i = 0; i < record.vertex_count; ++i) {
+    reach = std::fmax(reach, length(to_vec(view.tool_vertices[record.first_vertex + i].point)));
+  }
+  return reach;
+}
+
+namespace detail {
+
+/// Nearest point of the axis: a few samples, then alternating projections from the best of them.
+inline ToolTouch touch_axis(const View& view, const layout::ToolRecord& tool, const Pose& pose) {
+  constexpr int kSamples = 9, kRefinements = 12;
+  const double axis = tool.axis_length;
+  ToolTouch best;
+  double along = 0;
+  const int samples = axis > 0 ? kSamples : 1;
+  for (int i = 0; i < samples; ++i) {
+    const double at = samples > 1 ? axis * i / (samples - 1) : 0;
+    const Location found = locate(view, pose.apply({0, 0, at}));
+    if (i > 0 && found.signed_distance >= best.body.signed_distance) continue;
+    best.body = found;
+    along = at;
+  }
+  // Between samples the distance falls by at most half their spacing.
+  best.safe =
+      std::fmax(0, best.body.signed_distance - tool.probe_radius - (samples > 1 ? 0.5 * axis / (samples - 1) : 0));
+  for (int i = 0; samples > 1 && i < kRefinements && best.body.signed_distance > 0; ++i) {
+    const double wanted = pose.along_axis(best.body.point - pose.translation);
+    const double at = wanted > 0 ? (wanted < axis ? wanted : axis) : 0;
+    if (std::fabs(at - along) < 1e-9 * axis) break;
+    const Location found = locate(view, pose.apply({0, 0, at}));
+    if (found.signed_distance >= best.body.signed_distance) break;
+    best.body = found;
+    along = at;
+  }
+  best.anchor = {0, 0, along};
+  best.clearance = best.body.signed_distance - tool.probe_radius;
+  return best;
+}
+
+/// Deepest probe point: a grid over every patch. Points that cannot beat the best are passed over, for the
+/// distance changes no faster than the probe moves.
+inline ToolTouch touch_probes(const View& view, const layout::ToolRecord& tool, const Pose& pose) {
+  constexpr int kSteps = 4;
+  ToolTouch best;
+  best.body.signed_distance = HUGE_VAL;
+  Vec3 last;
+  double last_distance = -HUGE_VAL;
+  for (std::uint32_t p = tool.first_patch; p < tool.first_patch + tool.patch_count; ++p) {
+    const auto& corner = view.tool_patches[p].vertex;
+    Vec3 v[3];
+    for (int k = 0; k < 3; ++k) v[k] = to_vec(view.tool_vertices[corner[k]].point);
+    for (int a = 0; a <= kSteps; ++a) {
+      for (int b = 0; a + b <= kSteps; ++b) {
+        const double w[3] = {a / double{kSteps}, b / double{kSteps}, (kSteps - a - b) / double{kSteps}};
+        const Vec3 anchor = w[0] * v[0] + w[1] * v[1] + w[2] * v[2];
+        if (last_distance - length(anchor - last) >= best.body.signed_distance) continue;
+        const Location found = locate(view, pose.apply(anchor));
+        last = anchor;
+        last_distance = found.signed_distance;
+        if (found.signed_distance >= best.body.signed_distance) continue;
+        best.body = found;
+        best.anchor = anchor;
+        best.tool_point = {p, {w[0], w[1], w[2]}};
+      }
+    }
+  }
+  best.clearance = best.body.signed_distance - tool.probe_radius;
+  best.safe = std::fmax(0, best.clearance);
+  return best;
+}
+
+}  // namespace detail
+
+/// The tool point that is nearest to the body, or deepest in it.
+inline ToolTouch find_touch(const View& view, std::uint32_t tool, const Pose& pose) {
+  const layout::ToolRecord& record = view.tools[tool];
+  const bool probes = record.kind == static_cast<std::uint32_t>(layout::ToolKind::mesh) && view.tool_patches != nullptr;
+  return probes ? detail::touch_probes(view, record, pose) : detail::touch_axis(view, record, pose);
+}
+
+/// Where on its profile a tool touches: arc length from the tip's pole (m), for an axis point `along` (m) and
+/// the cosine between the body's normal and the tool's z axis.
+inline double profile_meridian(const layout::ToolRecord& tool, double along, double cosine) {
+  constexpr double kQuarter = 1.5707963267948966;
+  if (along > 0) return tool.probe_radius * kQuarter + along;
+  const double angle = std::acos(cosine > 1 ? 1 : cosine > 0 ? cosine : 0);
+  return tool.probe_radius * (angle < kQuarter ? angle : kQuarter);
+}
+
+/// The segment of a profile that holds a meridian; beyond the ends, the end.
+inline ToolPoint profile_point(const View& view, const layout::ToolRecord& tool, double meridian) {
+  ToolPoint at;
+  at.patch = tool.first_patch;
+  if (view.tool_patches == nullptr) return at;
+  for (std::uint32_t p = tool.first_patch; p < tool.first_patch + tool.patch_count; ++p) {
+    const auto& corner = view.tool_patches[p].vertex;
+    const double low = view.tool_vertices[corner[0]].meridian, high = view.tool_vertices[corner[1]].meridian;
+    at.patch = p;
+    double share = high > low ? (meridian - low) / (high - low) : 0;
+    share = share > 0 ? (share < 1 ? share : 1) : 0;
+    at.weights[0] = 1 - share;
+    at.weights[1] = share;
+    if (meridian <= high) break;
+  }
+  return at;
+}
+
+}  // namespace palpate::runtime

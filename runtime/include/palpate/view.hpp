@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+// A response file read in place: opened and validated once, so that evaluation needs no checks.
+#pragma once
+
+#include "palpate/response_layout.hpp"
+
+#include <cstddef>
+#include <cstdint>
+
+namespace palpate::runtime {
+
+struct OpenResult;
+
+/// Pointers into the bytes of a response file. Copyable; the bytes must outlive it and stay as they are.
+struct View {
+  const unsigned char* bytes = nullptr;
+  std::size_t size = 0;
+  std::uint32_t features = 0;  ///< layout::Feature bits
+  const layout::Meta* meta = nullptr;
+  const layout::Site* sites = nullptr;
+  const layout::Patch* patches = nullptr;
+  const layout::Point* vertices = nullptr;
+  const layout::SurfaceTriangle* triangles = nullptr;
+  const layout::ToolRecord* tools = nullptr;
+  const layout::ToolVertexRecord* tool_vertices = nullptr;  ///< null when every tool has one vertex
+  const layout::Patch* tool_patches = nullptr;              ///< null with tool_vertices
+  const unsigned char* responses = nullptr;
+  const float* lateral = nullptr;   ///< null without sideways straight push
+  const float* friction = nullptr;  ///< null in a frictionless file
+  const layout::SearchNode* search = nullptr;
+  const char* provenance = nullptr;  ///< JSON text, not zero-terminated
+  std::size_t provenance_size = 0;
+
+  /// Checks `size` bytes at `data` (aligned to 8) against the specification; defined in open.hpp.
+  static OpenResult open(const void* data, std::size_t size);
+
+  [[nodiscard]] const layout::FileHeader& header() const { return *reinterpret_cast<const layout::FileHeader*>(bytes); }
+  [[nodiscard]] const layout::SectionEntry* sections() const {
+    return reinterpret_cast<const layout::SectionEntry*>(bytes + sizeof(layout::FileHeader));
+  }
+  /// Bytes of a section, 0 when it is absent.
+  [[nodiscard]] std::uint64_t section_bytes(layout::Section id) const {
+    for (std::uint32_t i = 0; i < header().section_count; ++i) {
+      if (sections()[i].id == static_cast<std::uint32_t>(id)) return sections()[i].size;
+    }
+    return 0;
+  }
+  [[nodiscard]] const layout::ResponseHead& response_head(std::uint64_t index) const {
+    return *reinterpret_cast<const layout::ResponseHead*>(responses + index * layout::response_size(*meta));
+  }
+  /// Coefficients of Fn; those of Fx then Fy; those of gx, gy, phix, phiy, mu.
+  [[nodiscard]] const float* normal_coefs(std::uint64_t index) const {
+    return reinterpret_cast<const float*>(responses + index * layout::response_size(*meta) +
+                                          sizeof(layout::ResponseHead));
+  }
+  [[nodiscard]] const float* lateral_coefs(std::uint64_t index) const {
+    return lateral + index * 2 * meta->lateral_coefs;
+  }
+  [[nodiscard]] const float* friction_coefs(std::uint64_t index) const {
+    return friction + index * (layout::friction_size(*meta) / sizeof(float));
+  }
+  /// Index of the tool of that name, or tool_count.
+  [[nodiscard]] std::uint32_t find_tool(const char* name) const {
+    for (std::uint32_t i = 0; i < meta->tool_count; ++i) {
+      const char *a = tools[i].name, *b = name;
+      while (*a != 0 && *a == *b) ++a, ++b;
+      if (*a == *b) return i;
+    }
+    return meta->tool_count;
+  }
+};
+
+/// What opening ended with: a view, or the fault.
+struct OpenResult {
+  View view;
+  bool ok = false;
+  char error[200] = {};  ///< names the fault and where it is; empty when ok
+  explicit operator bool() const { return ok; }
+};
+
+}  // namespace palpate::runtime

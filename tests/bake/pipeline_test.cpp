@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// From a scene file to a response file with real contact solves: sections, threads, kill -9, changed scenes.
+#include "precompute/bake/pipeline.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <fstream>
+#include <random>
+
+#include "formats/error.hpp"
+#include "tests/bake/kill_driver.hpp"
+
+namespace palpate::test {
+namespace {
+
+using pipeline::Pipeline;
+
+/// A slab of 60 x 60 x 20 mm whose middle is probed at a few sites, coarse enough to bake in about two seconds.
+class SlabPipeline : public testing::Test {
+protected:
+  void SetUp() override {
+    folder_ =
+        std::filesystem::path(testing::TempDir()) / ("palpate_pipeline_" + std::to_string(::getpid()) + "_" +
+                                                     testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+    std::ofstream(folder_ / "slab.off") << "OFF\n8 12 0\n"
+                                           "-.03 -.03 0\n.03 -.03 0\n-.03 .03 0\n.03 .03 0\n"
+                                           "-.03 -.03 .02\n.03 -.03 .02\n-.03 .03 .02\n.03 .03 .02\n"
+                                           "3 0 2 1\n3 1 2 3\n3 4 5 6\n3 5 7 6\n3 0 1 4\n3 1 5 4\n"
+                                           "3 2 6 3\n3 3 6 7\n3 0 4 2\n3 2 4 6\n3 1 3 5\n3 3 7 5\n";
+    write_scene(5000);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  void write_scene(double young) const {
+    std::ofstream(folder_ / "slab.toml") << "[body]\nsurface = \"slab.off\"\n[material]\nyoung = " << young << "\n"
+                                         << R"([[support]]
+half_space = {point = [0, 0, 0.0001], normal = [0, 0, 1]}
+[[tool]]
+shape = "sphere"
+radius = 0.005
+contacts = "tip"
+[sampling]
+spacing = 0.012
+depth = 0.002
+normal_points = 4
+within_box = {min = [-0.013, -0.013, 0.019], max = [0.013, 0.013, 0.021]}
+[solver]
+mesh_size = 0.7
+)";
+  }
+
+  [[nodiscard]] Pipeline open(const std::string& work) const {
+    Pipeline p = pipeline::prepare(folder_ / "slab.toml", {folder_ / work, folder_ / (work + ".palp")});
+    pipeline::plan(p);
+    return p;
+  }
+  void bake(const std::string& work, unsigned threads) const {
+    BakeOptions options;
+    options.threads = threads;
+    const Pipeline p = open(work);
+    pipeline::bake(p, options);
+  }
+  [[nodiscard]] std::vector<std::byte> file(const std::string& work) const {
+    const Pipeline p = open(work);
+    pipeline::fit(p);
+    return read_bytes(p.paths.response);
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(SlabPipeline, FrictionlessSlabLeavesOutWhatItDoesNotNeed) {
+  const Pipeline p = open("work");
+  EXPECT_GE(p.plan.pairs.size(), 3U);
+  BakeOptions options;
+  options.threads = 2;
+  const BakeReport bake = pipeline::bake(p, options);
+  EXPECT_EQ(bake.refused.size(), 0U) << (bake.refused.empty() ? "" : bake.refused[0].cause);
+  EXPECT_GE(bake.normal_solves, 4 * p.plan.pairs.size());
+  EXPECT_EQ(bake.tangential_solves, 0U);
+  EXPECT_GT(pipeline::bake_seconds(p), 0.0);
+  for (const auto& [pair, data] : read_journal(p.paths.journal, p.manifest).pairs) {
+    EXPECT_EQ(data.outcome->tangential_solves, 0U);
+    for (const Sample& s : data.samples) EXPECT_EQ(s.kind, SampleKind::normal);
+  }
+  const FitReport fit = pipeline::fit(p);
+  EXPECT_LT(fit.normal.p95, 0.02);
+  const std::vector<std::byte> bytes = read_bytes(p.paths.response);
+  ASSERT_GE(bytes.size(), sizeof(layout::FileHeader));
+  layout::FileHeader header;
+  std::memcpy(&header, bytes.data(), sizeof header);
+  EXPECT_EQ(header.features & (layout::feature_friction | layout::feature_tool_patches | layout::feature_search), 0U);
+}
+
+TEST_F(SlabPipeline, KillsAndThreadsEndInTheSameFile) {
+  ASSERT_EQ(run_child([this] { bake("one", 1); }), ChildEnd::done);
+  ASSERT_EQ(run_child([this] { bake("two", 2); }), ChildEnd::done);
+  std::mt19937 random(9);
+  int kills = 0;
+  for (int attempt = 0; attempt < 10; ++attempt) {
+    const std::chrono::microseconds delay(100000 + static_cast<long>(random() % 900000));
+    const ChildEnd end = run_and_kill([this] { bake("killed", 2); }, delay);
+    ASSERT_NE(end, ChildEnd::failed);
+    kills += end == ChildEnd::killed ? 1 : 0;
+  }
+  EXPECT_GE(kills, 3);
+  ASSERT_EQ(run_child([this] { bake("killed", 2); }), ChildEnd::done);
+  const std::vector<std::byte> whole = file("one");
+  EXPECT_EQ(file("two"), whole);
+  EXPECT_EQ(file("killed"), whole);
+}
+
+TEST_F(SlabPipeline, ASolvedPlanIsNotOverwritten) {
+  {
+    const Pipeline p = open("work");
+    EXPECT_TRUE(std::filesystem::exists(p.paths.manifest));
+    const std::string text = manifest_text(p.plan);
+    EXPECT_EQ(parse_manifest(text, "manifest").pairs.size(), p.plan.pairs.size());
+  }
+  write_scene(6000);
+  EXPECT_NO_THROW(open("work")) << "nothing was solved for the old plan yet";
+  {
+    const Pipeline p = open("work");
+    Journal(p.paths.journal, p.manifest).append(0, Sample{});
+  }
+  write_scene(7000);
+  try {
+    static_cast<void>(open("work"));
+    FAIL() << "the samples of the old plan would be orphaned";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::bad_input);
+    EXPECT_NE(std::string(error.what()).find("another plan"), std::string::npos);
+  }
+}
+
+TEST_F(SlabPipeline, AFitWithoutABakeSaysSo) {
+  try {
+    pipeline::fit(open("work"));
+    FAIL() << "there is no journal";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::io);
+    EXPECT_NE(std::string(error.what()).find("palpate bake"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace palpate::test

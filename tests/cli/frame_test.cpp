@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What every command shares: help, version, usage errors, output, the choice of BLAS kernels.
+#include "tests/cli/palpate_program.hpp"
+#include "tools/blas.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace palpate::test {
+namespace {
+
+class Frame : public PalpateProgram {};
+
+TEST_F(Frame, HelpAndVersion) {
+  const RunResult help = run({"--help"});
+  EXPECT_EQ(help.exit_code, 0);
+  EXPECT_NE(help.out.find("Exit codes: 0 done, 1 wrong usage, 2 bad input"), std::string::npos);
+  EXPECT_EQ(help.error, "");
+  const RunResult version = run({"--version"});
+  EXPECT_EQ(version.exit_code, 0);
+  EXPECT_EQ(version.out.rfind("palpate 0.", 0), 0U) << version.out;
+}
+
+TEST_F(Frame, EveryCommandHasHelp) {
+  const std::set<std::string> commands = listed_commands();
+  const std::set<std::string> expected{"build",  "scene",   "mesh", "plan",  "bake", "fit",
+                                       "verify", "inspect", "play", "bench", "synth"};
+  EXPECT_EQ(commands, expected);
+  for (const std::string& command : commands) {
+    const RunResult help = run({command, "--help"});
+    EXPECT_EQ(help.exit_code, 0) << command;
+    EXPECT_NE(help.out.find("Usage: palpate " + command), std::string::npos) << help.out;
+  }
+}
+
+TEST_F(Frame, WrongUsageEndsWithOne) {
+  expect_failure(run({}), 1, {"subcommand is required"});
+  expect_failure(run({"bakee"}), 1, {"unknown command 'bakee'", "synth"});
+  expect_failure(run({"--frobnicate"}), 1, {"unknown option '--frobnicate'"});
+  expect_failure(run({"scene"}), 1, {"scene is required"});
+  expect_failure(run({"scene", "a", "b"}), 1, {"b"});
+  expect_failure(run({"scene", "--reference", "a"}), 1, {"excludes"});
+  expect_failure(run({"--threads", "0", "scene", "a"}), 1, {"--threads", "1"});
+  expect_failure(run({"synth", "cow", "--out", "x"}), 1, {"cow", "liver"});
+  expect_failure(run({"synth", "slab"}), 1, {"--out is required"});
+  expect_failure(run({"synth", "slab", "--out", "x", "--poisson", "0.5"}), 1, {"--poisson", "0.4999"});
+  expect_failure(run({"synth", "slab", "--out", "x", "--seed", "-1"}), 1, {"--seed"});
+  expect_failure(run({"synth", "slab", "--out", "x", "--depth", "nan"}), 1, {"--depth"});
+  expect_failure(run({"synth", "slab", "--out", "x", "--inclusion-radius", "0.01"}), 1, {"--inclusion"});
+  expect_failure(run({"synth", "slab", "--out", "x", "--inclusion", "--inclusion-radius", "0.9"}), 1, {"inclusion"});
+  EXPECT_FALSE(std::filesystem::exists(folder() / "x"));
+}
+
+TEST_F(Frame, GlobalOptionsStandAnywhere) {
+  const RunResult before = run({"--json", "synth", "slab", "--out", "a"});
+  const RunResult after = run({"synth", "slab", "--out", "a", "--json"});
+  ASSERT_EQ(before.exit_code, 0) << before.error;
+  EXPECT_EQ(before.out, after.out);
+  const auto document = nlohmann::json::parse(before.out);
+  EXPECT_EQ(document.at("scene"), "a/scene.toml");
+  EXPECT_EQ(run({"synth", "slab", "--out", "a", "--quiet"}).error, "");
+  EXPECT_NE(run({"synth", "slab", "--out", "a"}).error, "");
+}
+
+TEST_F(Frame, TheReferenceIsAScene) {
+  const RunResult reference = run({"scene", "--reference"});
+  ASSERT_EQ(reference.exit_code, 0);
+  write("FILE", "");
+  write("all.toml", reference.out);
+  const RunResult checked = run({"scene", "all.toml", "--json"});
+  EXPECT_EQ(checked.exit_code, 0) << checked.error;
+  EXPECT_EQ(nlohmann::json::parse(checked.out).at("name"), "all");
+}
+
+TEST_F(Frame, KernelsThatTheUserNamesAreKept) {
+  const RunResult ours = run({"--version"});
+  if (ours.out.find("OpenBLAS kernels: ") == std::string::npos) GTEST_SKIP() << "this build does not load OpenBLAS";
+  const RunResult theirs = run({"--version"}, {.environment = {"OPENBLAS_CORETYPE=Nehalem"}});
+  EXPECT_NE(theirs.out.find("OpenBLAS kernels: Nehalem"), std::string::npos) << theirs.out;
+}
+
+TEST(BlasKernels, AreChangedOnlyWhereTheyAreTooOld) {
+  using cli::better_core_type;
+  EXPECT_STREQ(better_core_type("Prescott", true, true), "SkylakeX");
+  EXPECT_STREQ(better_core_type("Prescott", true, false), "Haswell");
+  EXPECT_STREQ(better_core_type("Core2", true, false), "Haswell");
+  EXPECT_STREQ(better_core_type("Sandybridge", true, true), "SkylakeX");
+  EXPECT_EQ(better_core_type("Prescott", false, false), nullptr);
+  EXPECT_EQ(better_core_type("Haswell", true, true), nullptr);
+  EXPECT_EQ(better_core_type("Zen", true, true), nullptr);
+  EXPECT_EQ(better_core_type("SkylakeX", true, true), nullptr);
+}
+
+}  // namespace
+}  // namespace palpate::test

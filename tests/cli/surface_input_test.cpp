@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Bad surface files behind a good scene: refused while the organ is prepared, with file and cause.
+#include "tests/cli/palpate_program.hpp"
+
+#include <ostream>
+
+namespace palpate::test {
+namespace {
+
+/// A closed box of 40 mm as OFF.
+const std::string kBox =
+    "OFF\n8 12 0\n0 0 0\n0.04 0 0\n0.04 0.04 0\n0 0.04 0\n0 0 0.04\n0.04 0 0.04\n0.04 0.04 0.04\n0 0.04 0.04\n"
+    "3 0 2 1\n3 0 3 2\n3 4 5 6\n3 4 6 7\n3 0 1 5\n3 0 5 4\n3 1 2 6\n3 1 6 5\n3 2 3 7\n3 2 7 6\n3 3 0 4\n3 3 4 7\n";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
+struct Case {
+  std::string name;
+  std::string file;  ///< name of the surface file
+  std::string content;
+  std::string scene;  ///< follows [body] surface
+  int code;
+  std::vector<std::string> cause;
+};
+
+/// For the test's name and output; otherwise the bytes of the case are printed.
+[[maybe_unused]] void PrintTo(const Case& test_case, std::ostream* out) { *out << test_case.name; }
+
+const std::vector<Case> kCases{
+    {"empty", "a.off", "", "", 2, {"a.off", "empty"}},
+    {"truncated off", "a.off", kBox.substr(0, kBox.size() / 2), "", 2, {"a.off"}},
+    {"truncated ply",
+     "a.ply",
+     "ply\nformat binary_little_endian 1.0\nelement vertex 100\nproperty float x\n",
+     "",
+     2,
+     {"a.ply"}},
+    {"garbage stl", "a.stl", std::string(200, '\xee'), "", 2, {"a.stl"}},
+    {"garbage glb", "a.glb", std::string("glTF\x02\x00\x00\x00\xff\xff\xff\x7f garbage", 20), "", 2, {"a.glb"}},
+    {"garbage obj", "a.obj", std::string("\x00\x01\x02\x03\x04", 5), "", 2, {"a.obj"}},
+    {"unknown format", "a.vtk", "x", "", 2, {"a.vtk", ".glb"}},
+    {"not a number", "a.off", replaced(kBox, "0.04 0.04 0.04", "nan 0.04 0.04"), "", 2, {"a.off"}},
+    {"index out of range", "a.off", replaced(kBox, "3 0 2 1", "3 0 2 99"), "", 2, {"a.off", "99"}},
+    {"no faces", "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "", 2, {"a.obj", "no triangles"}},
+    {"open and not to be repaired",
+     "a.off",
+     replaced(replaced(kBox, "8 12 0", "8 11 0"), "3 3 4 7\n", ""),
+     "repair = \"none\"\n",
+     2,
+     {"repair"}},
+    {"missing mesh", "a.off", kBox, "meshes = [\"capsule\"]\n", 2, {"capsule", "there are"}},
+    {"missing support mesh", "a.off", kBox, "[[support]]\nmesh = \"ligament\"\n", 2, {"ligament"}},
+    {"missing region file", "a.off", kBox, "[[region]]\nsurface = \"none.ply\"\n", 4, {"none.ply", "No such file"}},
+};
+
+class BadSurface : public PalpateProgram, public testing::WithParamInterface<Case> {};
+
+TEST_P(BadSurface, IsRefused) {
+  if (listed_commands().count("mesh") == 0) GTEST_SKIP() << "this build has no surface preparation";
+  write(GetParam().file, GetParam().content);
+  write("scene.toml", "[body]\nsurface = \"" + GetParam().file + "\"\n" + GetParam().scene);
+  expect_failure(run({"mesh", "scene.toml", "--out", "out"}), GetParam().code, GetParam().cause);
+  EXPECT_FALSE(std::filesystem::exists(folder() / "out"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, BadSurface, testing::ValuesIn(kCases),
+                         [](const auto& test_case) { return test_name(test_case.param.name); });
+
+class GoodSurface : public PalpateProgram {};
+
+TEST_F(GoodSurface, IsReported) {
+  if (listed_commands().count("mesh") == 0) GTEST_SKIP() << "this build has no surface preparation";
+  write("a.off", kBox);
+  write("scene.toml", "body = {surface = \"a.off\"}\n");
+  const RunResult result = run({"mesh", "scene.toml", "--out", "out", "--json"});
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_NE(result.out.find("\"action\": \"used as it is\""), std::string::npos) << result.out;
+  EXPECT_TRUE(std::filesystem::exists(folder() / "out" / "body.ply"));
+}
+
+}  // namespace
+}  // namespace palpate::test

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Derivatives of the elastic energy against finite differences, through inverted, flat and collapsed states.
+#include "precompute/fem/elastic.hpp"
+
+#include "tests/support/block_mesh.hpp"
+#include "tests/support/finite_difference.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace palpate {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+class ElasticProblem final : public EnergyProblem {
+public:
+  explicit ElasticProblem(const ElasticEnergy& e) : e_(e) {}
+  double value(const VectorXd& x) const override { return e_.value(x); }
+  double gradient(const VectorXd& x, VectorXd& g) const override {
+    g.setZero();
+    return e_.gradient(x, g);
+  }
+  void hessian(const VectorXd& x, HessianKind kind, BlockMatrix& m) const override { e_.hessian(x, kind, m); }
+  double load(const VectorXd&) const override { return 1.0; }
+
+private:
+  const ElasticEnergy& e_;
+};
+
+VectorXd mapped(const VectorXd& x, const Matrix3d& f) {
+  VectorXd y = x;
+  for (Eigen::Index n = 0; n < x.size() / 3; ++n) y.segment<3>(3 * n) = f * x.segment<3>(3 * n);
+  return y;
+}
+
+class Elastic : public ::testing::Test {
+protected:
+  TetMesh mesh = test::block_mesh({0, 0.5, 1.1}, {0, 0.9}, {0, 1.0});
+  VectorXd rest = test::stacked(mesh);
+};
+
+TEST_F(Elastic, DerivativesMatchDifferencesAlsoWhereElementsDegenerate) {
+  std::mt19937 engine(7);
+  std::uniform_real_distribution<double> noise(-0.08, 0.08);
+  for (const double poisson : {0.0, 0.3, 0.49, 0.4999}) {
+    const ElasticEnergy energy(mesh, {NeoHookean::from_young(5e3, poisson)});
+    const ElasticProblem problem(energy);
+    for (const Vector3d& stretch : {Vector3d(1, 1, 1), Vector3d(1.4, 0.8, 0.9), Vector3d(1, 1, 0), Vector3d(1, 0.9, -1),
+                                    Vector3d(0, 0, 1), Vector3d(0.01, 3, 1), Vector3d(0, 0, 0)}) {
+      VectorXd x = mapped(rest, stretch.asDiagonal());
+      for (auto& v : x) v += noise(engine);
+      EXPECT_LT(test::gradient_error(problem, x, 1e-5), 1e-6) << "nu " << poisson << " stretch " << stretch.transpose();
+      EXPECT_LT(test::hessian_error(problem, mesh, x, 1e-5), 1e-6) << "nu " << poisson;
+    }
+  }
+}
+
+TEST_F(Elastic, RigidMotionCostsNothingAndTheEnergyIsIndifferentToRotation) {
+  const ElasticEnergy energy(mesh, {NeoHookean::from_young(5e3, 0.49)});
+  const Matrix3d turn = Eigen::AngleAxisd(1.1, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  EXPECT_NEAR(energy.value(mapped(rest, turn)), energy.value(rest), 1e-9 * 5e3);
+  VectorXd g = VectorXd::Zero(rest.size());
+  energy.gradient(mapped(rest, turn), g);
+  EXPECT_LT(g.cwiseAbs().maxCoeff(), 1e-9 * 5e3);
+  Matrix3d stretch;
+  stretch << 1.2, 0.1, 0, 0, 0.9, 0.2, 0.1, 0, 1.05;
+  EXPECT_NEAR(energy.value(mapped(rest, turn * stretch)), energy.value(mapped(rest, stretch)), 1e-9 * 5e3);
+}
+
+TEST_F(Elastic, SmallStrainIsHookesLaw) {
+  const double young = 5e3, poisson = 0.3, strain = 1e-5;
+  const ElasticEnergy energy(mesh, {NeoHookean::from_young(young, poisson)});
+  const Matrix3d f = Matrix3d::Identity() + strain * Vector3d(1, -poisson, -poisson).asDiagonal().toDenseMatrix();
+  const double volume = 1.1 * 0.9;
+  EXPECT_NEAR((energy.value(mapped(rest, f)) - energy.value(rest)) / (0.5 * young * strain * strain * volume), 1.0,
+              1e-3);
+}
+
+// A linear field on a distorted mesh must leave every inner node in balance, whatever the strain.
+TEST_F(Elastic, PatchTestOnADistortedMesh) {
+  TetMesh block = test::block_mesh({0, 0.4, 1}, {0, 0.6, 1}, {0, 0.5, 1});
+  std::mt19937 engine(3);
+  std::uniform_real_distribution<double> noise(-0.06, 0.06);
+  std::vector<char> boundary(block.nodes.size(), 0);
+  for (const auto& face : block.faces) {
+    for (const auto n : face) boundary[n] = 1;
+  }
+  for (std::int32_t n = 0; n < block.corner_count; ++n) {
+    if (!boundary[n]) block.nodes[n] += Vector3d(noise(engine), noise(engine), noise(engine));
+  }
+  constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
+  for (const auto& t : block.tets) {
+    for (int k = 0; k < 6; ++k)
+      block.nodes[t[4 + k]] = (block.nodes[t[kEdges[k][0]]] + block.nodes[t[kEdges[k][1]]]) / 2;
+  }
+  Matrix3d f;
+  f << 1.3, 0.2, -0.1, 0.05, 0.8, 0.1, 0.2, -0.15, 0.95;
+  for (const double poisson : {0.3, 0.49, 0.4999}) {
+    const ElasticEnergy energy(block, {NeoHookean::from_young(1.0, poisson)});
+    VectorXd g = VectorXd::Zero(3 * static_cast<Eigen::Index>(block.nodes.size()));
+    energy.gradient(mapped(test::stacked(block), f), g);
+    const double scale = g.cwiseAbs().maxCoeff();
+    int inner = 0;
+    for (std::size_t n = 0; n < block.nodes.size(); ++n) {
+      if (boundary[n]) continue;
+      ++inner;
+      EXPECT_LT(g.segment<3>(3 * static_cast<Eigen::Index>(n)).norm(), 1e-12 * scale);
+    }
+    EXPECT_GT(inner, 10);
+  }
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Fits of whole plans: covering, its frames, refusals, figures, sections left out.
+#include "precompute/fit/fit.hpp"
+
+#include <gtest/gtest.h>
+
+#include "formats/error.hpp"
+#include "tests/fit/grid_plan.hpp"
+
+namespace palpate::test {
+namespace {
+
+constexpr double Z = 0.005;
+
+AnalyticPair hertz_with_friction(double stiffness) {
+  AnalyticPair pair = power_law(stiffness, 1.5);
+  pair.push = [stiffness](double z) -> Eigen::Vector3d {
+    return Eigen::Vector3d(0.06, 0.02, 1.0) * stiffness * std::pow(z, 1.5);
+  };
+  pair.growth = [](double z) { return std::sqrt(z / Z); };
+  pair.sideways_x = [](double x) { return -70 * x; };
+  pair.sideways_y = [](double y) { return -70 * y; };
+  pair.friction = 0.5;
+  return pair;
+}
+
+FitSettings settings(bool friction) {
+  FitSettings s;
+  s.depth_scale = Z;
+  s.friction = friction;
+  return s;
+}
+
+FittedResponses fit_grid(const GridPlan& grid, const FitSettings& s) {
+  return fit_responses(grid.plan, grid.triangles, {1}, grid.journal, s);
+}
+
+double normal_force(const FittedResponses& fitted, std::size_t site, double s) {
+  return spline::value(fitted.responses[site].normal.data(), fitted.scales.normal_coefs, s);
+}
+
+TEST(Fit, RefusedPairsAreCoveredAndMarked) {
+  // Stiffness grows linearly over the grid: inverse-distance weights of a regular neighbourhood find it again.
+  GridPlan grid =
+      grid_plan(7, Z, 0.4, [](int k) { return hertz_with_friction(400.0 + 10.0 * (k % 7) + 5.0 * (k / 7)); });
+  const FittedResponses whole = fit_grid(grid, settings(true));
+  EXPECT_EQ(whole.report.covered, 0U);
+  refuse(grid, 24, "penetration 0.4");
+  const FittedResponses fitted = fit_grid(grid, settings(true));
+  EXPECT_EQ(fitted.report.refused, 1U);
+  EXPECT_EQ(fitted.report.covered, 1U);
+  EXPECT_EQ(fitted.responses[24].flags, layout::response_covered);
+  EXPECT_EQ(fitted.responses[23].flags, layout::response_solved);
+  EXPECT_DOUBLE_EQ(fitted.responses[24].depth_limit, Z);
+  for (const double s : {0.2, 0.5, 1.0}) EXPECT_NEAR(normal_force(fitted, 24, s) / normal_force(whole, 24, s), 1, 0.01);
+  // Frames of neighbours are turned by 0.4 rad and more: the lateral force and the sideways answer must turn along.
+  const Response &a = whole.responses[24], &b = fitted.responses[24];
+  const double size = std::hypot(a.lateral_x.back(), a.lateral_y.back());
+  EXPECT_NEAR(a.lateral_x.back(), b.lateral_x.back(), 0.02 * size);
+  EXPECT_NEAR(a.lateral_y.back(), b.lateral_y.back(), 0.02 * size);
+  for (std::size_t k = 0; k < a.sideways_x.size(); ++k) {
+    EXPECT_NEAR(a.sideways_x[k], b.sideways_x[k], 0.02 * std::abs(a.sideways_x[0]));
+    EXPECT_NEAR(a.sideways_y[k], b.sideways_y[k], 0.02 * std::abs(a.sideways_y[0]));
+  }
+  for (const float mu : b.friction) EXPECT_NEAR(mu, 0.5, 1e-3);
+}
+
+TEST(Fit, CoveringSpreadsOverWholeHoles) {
+  GridPlan grid = grid_plan(7, Z, 0.0, [](int) { return power_law(500, 1.5); });
+  for (const std::uint32_t site : {16, 17, 18, 23, 24, 25, 30, 31, 32}) refuse(grid, site, "jacobian 0.01");
+  FitSettings s = settings(false);
+  s.max_refused = 0.5;
+  const FittedResponses fitted = fit_grid(grid, s);
+  EXPECT_EQ(fitted.report.covered, 9U);
+  EXPECT_NEAR(normal_force(fitted, 24, 1.0) / normal_force(fitted, 0, 1.0), 1.0, 1e-4);
+}
+
+TEST(Fit, UnconnectedSitesTakeTheNearest) {
+  GridPlan grid = grid_plan(4, Z, 0.0, [](int k) { return power_law(400 + 10 * k, 1.5); });
+  std::erase_if(grid.triangles, [](const auto& t) { return t[0] == 15 || t[1] == 15 || t[2] == 15; });
+  refuse(grid, 15, "mesh");
+  FitSettings s = settings(false);
+  s.max_refused = 0.5;
+  const FittedResponses fitted = fit_grid(grid, s);
+  EXPECT_NEAR(normal_force(fitted, 15, 1.0), normal_force(fitted, 11, 1.0), 1e-4 * normal_force(fitted, 11, 1.0));
+}
+
+TEST(Fit, SkippedPairsAreCoveredAndCounted) {
+  GridPlan grid = grid_plan(5, Z, 0.0, [](int) { return power_law(500, 1.5); });
+  skip(grid, 3, SkipReason::support);
+  skip(grid, 20, SkipReason::outside);
+  const FittedResponses fitted = fit_grid(grid, settings(false));
+  EXPECT_EQ(fitted.report.planned, 23U);
+  EXPECT_EQ(fitted.report.support, 1U);
+  EXPECT_EQ(fitted.report.outside, 1U);
+  EXPECT_EQ(fitted.report.covered, 2U);
+  EXPECT_EQ(fitted.responses[3].flags, layout::response_covered);
+  EXPECT_EQ(fitted.responses[20].flags, layout::response_covered);
+}
+
+TEST(Fit, TooManyRefusedIsAnErrorWithTheCauses) {
+  GridPlan grid = grid_plan(5, Z, 0.0, [](int) { return power_law(500, 1.5); });
+  refuse(grid, 4, "penetration 0.41 of the contact radius");
+  refuse(grid, 5, "penetration 0.37 of the contact radius");
+  refuse(grid, 6, "mesh: both meshers refused");
+  try {
+    fit_grid(grid, settings(false));
+    FAIL() << "12 % refused must not pass with 3 % allowed";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::numerical);
+    const std::string text = error.what();
+    EXPECT_NE(text.find("3 of 25 pairs"), std::string::npos) << text;
+    EXPECT_NE(text.find("2 like pair 4 (site 4"), std::string::npos) << text;
+    EXPECT_NE(text.find("both meshers"), std::string::npos) << text;
+  }
+}
+
+TEST(Fit, EveryPairRefusedIsAnErrorEvenWhereAllowed) {
+  GridPlan grid = grid_plan(2, Z, 0.0, [](int) { return power_law(500, 1.5); });
+  for (std::uint32_t k = 0; k < 4; ++k) refuse(grid, k, "mesh");
+  FitSettings s = settings(false);
+  s.max_refused = 1.0;
+  EXPECT_THROW(fit_grid(grid, s), Error);
+}
+
+TEST(Fit, AnUnfinishedBakeIsSaid) {
+  GridPlan grid = grid_plan(3, Z, 0.0, [](int) { return power_law(500, 1.5); });
+  grid.journal.pairs[2].outcome.reset();
+  grid.journal.pairs.erase(5);
+  try {
+    fit_grid(grid, settings(false));
+    FAIL() << "two pairs are open";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::bad_input);
+    EXPECT_NE(std::string(error.what()).find("2 of 9 pairs"), std::string::npos);
+  }
+}
+
+TEST(Fit, SectionsThatAreNotNeededAreLeftOut) {
+  GridPlan straight = grid_plan(3, Z, 0.0, [](int) { return power_law(500, 1.5); });
+  FittedResponses fitted = fit_grid(straight, settings(false));
+  EXPECT_FALSE(fitted.report.lateral);
+  EXPECT_TRUE(fitted.responses[0].lateral_x.empty());
+  EXPECT_TRUE(fitted.responses[0].sideways_x.empty());
+  EXPECT_TRUE(fitted.responses[0].friction.empty());
+  EXPECT_EQ(fitted.scales.sideways, 0.0);
+  // One skewed pair is enough to keep the lateral curves.
+  GridPlan skewed = grid_plan(3, Z, 0.0, [](int k) { return k == 4 ? hertz_with_friction(500) : power_law(500, 1.5); });
+  fitted = fit_grid(skewed, settings(false));
+  EXPECT_TRUE(fitted.report.lateral);
+  EXPECT_EQ(fitted.responses[0].lateral_x.size(), 6U);
+}
+
+TEST(Fit, FiguresAreThoseOfTheSamples) {
+  std::vector<std::pair<double, std::uint32_t>> errors;
+  for (std::uint32_t k = 100; k >= 1; --k) errors.emplace_back(0.01 * k, k);
+  const ErrorFigures figures = error_figures(errors);
+  EXPECT_DOUBLE_EQ(figures.median, 0.505);
+  EXPECT_DOUBLE_EQ(figures.p95, 0.95);
+  EXPECT_DOUBLE_EQ(figures.worst, 1.0);
+  EXPECT_EQ(figures.worst_pair, 100U);
+  EXPECT_EQ(error_figures({}).samples, 0U);
+
+  const GridPlan grid = grid_plan(3, Z, 0.0, [](int k) { return hertz_with_friction(400 + 20 * k); });
+  const FitReport report = fit_grid(grid, settings(true)).report;
+  EXPECT_EQ(report.normal.samples, 9U * 12U);
+  EXPECT_EQ(report.tangential.samples, 9U * 24U);
+  EXPECT_EQ(report.pairs.size(), 9U);
+  EXPECT_LT(report.normal.worst, 0.005);
+  EXPECT_LT(report.tangential.worst, 0.01);
+}
+
+}  // namespace
+}  // namespace palpate::test

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is written is what is read, sections that a scene does not use are absent, wrong content is refused.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+#include "formats/error.hpp"
+#include "palpate/runtime.hpp"
+#include "tests/support/response_samples.hpp"
+
+namespace palpate {
+namespace {
+
+using layout::Section;
+using runtime::View;
+using Options = test::ResponseSampleOptions;
+
+void expect_close(const float (&a)[3], const Triple& b) {
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(a[k], static_cast<float>(b[k]));
+}
+
+TEST(ResponseFile, ReadsBackWhatWasWritten) {
+  Options options;
+  options.tools = Options::Tools::all;
+  options.subdivision = 3;
+  options.search = true;
+  const ResponseFileContent content = test::ball_content(options);
+  const std::vector<std::byte> bytes = encode(content);
+  const runtime::OpenResult opened = View::open(bytes.data(), bytes.size());
+  ASSERT_TRUE(opened) << opened.error;
+  const View& v = opened.view;
+
+  EXPECT_EQ(v.features, layout::feature_all);
+  EXPECT_EQ(v.meta->depth_scale, content.depth_scale);
+  ASSERT_EQ(v.meta->site_count, content.sites.size());
+  for (std::size_t i = 0; i < content.sites.size(); ++i) {
+    expect_close(v.sites[i].position, content.sites[i].position);
+    expect_close(v.sites[i].tangent, content.sites[i].tangent);
+  }
+  ASSERT_EQ(v.meta->triangle_count, content.surface_triangles.size());
+  for (std::size_t i = 0; i < content.surface_triangles.size(); ++i) {
+    EXPECT_EQ(v.triangles[i].patch, content.surface_triangles[i].patch);
+    for (int k = 0; k < 3; ++k) EXPECT_EQ(v.triangles[i].vertex[k], content.surface_triangles[i].vertices[k]);
+  }
+  ASSERT_EQ(v.meta->tool_count, 3U);
+  EXPECT_EQ(v.find_tool("rod"), 1U);
+  EXPECT_EQ(v.find_tool("ro"), 3U);
+  EXPECT_STREQ(v.tool_vertices[4].name, "stem");
+  ASSERT_EQ(v.meta->response_count, content.responses.size());
+  for (std::size_t i = 0; i < content.responses.size(); ++i) {
+    const Response& r = content.responses[i];
+    EXPECT_EQ(v.response_head(i).flags, r.flags);
+    EXPECT_EQ(0, std::memcmp(v.normal_coefs(i), r.normal.data(), 4 * r.normal.size()));
+    EXPECT_EQ(0, std::memcmp(v.lateral_coefs(i) + 6, r.lateral_y.data(), 4 * r.lateral_y.size()));
+    EXPECT_EQ(0, std::memcmp(v.friction_coefs(i) + 2 * 5 + 7, r.sideways_y.data(), 4 * r.sideways_y.size()));
+    EXPECT_EQ(0, std::memcmp(v.friction_coefs(i) + 2 * 5 + 2 * 7, r.friction.data(), 4 * r.friction.size()));
+  }
+  EXPECT_EQ(std::string(v.provenance, v.provenance_size), content.provenance);
+}
+
+TEST(ResponseFile, SameContentSameBytes) { EXPECT_EQ(encode(test::box_content()), encode(test::box_content())); }
+
+TEST(ResponseFile, FrictionlessOneTipFlatFileHasNoSectionItDoesNotUse) {
+  Options options;
+  options.friction = options.lateral = false;
+  const std::vector<std::byte> bytes = encode(test::box_content(options));
+  const runtime::OpenResult opened = View::open(bytes.data(), bytes.size());
+  ASSERT_TRUE(opened) << opened.error;
+  EXPECT_EQ(opened.view.features, 0U);
+  for (const Section absent :
+       {Section::tool_vertices, Section::tool_patches, Section::lateral, Section::friction, Section::search}) {
+    EXPECT_EQ(opened.view.section_bytes(absent), 0U);
+  }
+  EXPECT_EQ(opened.view.header().section_count, 8U);
+  EXPECT_EQ(opened.view.friction, nullptr);
+}
+
+TEST(ResponseFile, SectionsAreAlignedAndTheFileEndsAligned) {
+  const std::vector<std::byte> bytes = encode(test::box_content());
+  const View v = View::open(bytes.data(), bytes.size()).view;
+  for (std::uint32_t i = 0; i < v.header().section_count; ++i) EXPECT_EQ(v.sections()[i].offset % 64, 0U);
+  EXPECT_EQ(bytes.size() % 64, 0U);
+}
+
+// Every way of being wrong is refused, with a message that says which.
+TEST(ResponseFile, WrongContentIsRefusedByName) {
+  struct Case {
+    const char* says;
+    std::function<void(ResponseFileContent&)> spoil;
+  };
+  const Case cases[] = {
+      {"depth scale", [](auto& c) { c.depth_scale = 0; }},
+      {"sideways scale", [](auto& c) { c.sideways_scale = 0; }},
+      {"allowed 4 to 32", [](auto& c) { c.normal_coefs = 3; }},
+      {"all 0 or none", [](auto& c) { c.friction_coefs = 0; }},
+      {"haptic mesh", [](auto& c) { c.patches.clear(); }},
+      {"site 2: position", [](auto& c) { c.sites[2].position[1] = NAN; }},
+      {"site 3: normal",
+       [](auto& c) {
+         c.sites[3].normal = {0, 0, 2};
+       }},
+      {"site 4: tangent", [](auto& c) { c.sites[4].tangent = c.sites[4].normal; }},
+      {"site 5: depth limit", [](auto& c) { c.sites[5].depth_limit = 1; }},
+      {"patch 1", [](auto& c) { c.patches[1][0] = 9999; }},
+      {"contact surface triangle 0: no such patch", [](auto& c) { c.surface_triangles[0].patch = 9999; }},
+      {"grid",
+       [](auto& c) {
+         c.surface_triangles[0].grid[0] = {1, 1};
+       }},
+      {"not closed", [](auto& c) { c.surface_triangles.pop_back(); }},
+      {"oriented", [](auto& c) { std::swap(c.surface_triangles[0].vertices[0], c.surface_triangles[0].vertices[1]); }},
+      {"tools: there is none", [](auto& c) { c.tools.clear(); }},
+      {"name must have", [](auto& c) { c.tools[0].name = std::string(40, 'x'); }},
+      {"tool 0: has no vertex", [](auto& c) { c.tools[0].vertices.clear(); }},
+      {"sites times tool vertices", [](auto& c) { c.responses.pop_back(); }},
+      {"response 1: must be either", [](auto& c) { c.responses[1].flags = 3; }},
+      {"response 1: normal force must not decrease", [](auto& c) { c.responses[1].normal[9] = 0; }},
+      {"response 2, normal force: must start at zero", [](auto& c) { c.responses[2].normal[1] = 0.1F; }},
+      {"response 2, lateral x: has 5", [](auto& c) { c.responses[2].lateral_x.pop_back(); }},
+      {"response 3, sideways x: must not increase", [](auto& c) { c.responses[3].sideways_x[6] = 9; }},
+      {"response 3, sideways y: must vanish",
+       [](auto& c) { c.responses[3].sideways_y[0] += 0.1F, c.responses[3].sideways_y[3] += 0.1F; }},
+      {"response 4: growth must not", [](auto& c) { c.responses[4].growth_x[3] = -1; }},
+      {"response 4: friction limit", [](auto& c) { c.responses[4].friction[0] = -1; }},
+      {"is not finite", [](auto& c) { c.responses[4].friction[0] = INFINITY; }},
+      {"provenance", [](auto& c) { c.provenance = "no"; }},
+  };
+  const ResponseFileContent good = test::box_content();
+  for (const Case& bad : cases) {
+    ResponseFileContent content = good;
+    bad.spoil(content);
+    try {
+      encode(content);
+      ADD_FAILURE() << "accepted: " << bad.says;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::bad_input);
+      EXPECT_NE(std::string(error.what()).find(bad.says), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(ResponseFile, AProfileWhoseSegmentsDoNotAscendIsRefused) {
+  Options options;
+  options.tools = Options::Tools::capsule;
+  ResponseFileContent content = test::box_content(options);
+  std::swap(content.tools[0].patches[0], content.tools[0].patches[1]);
+  EXPECT_THROW(encode(content), Error);
+}
+
+TEST(ResponseFile, SubdividedPatchesShareTheirEdges) {
+  Options options;
+  options.cells = 2;
+  ResponseFileContent content = test::box_content(options);
+  const std::vector<GridVertex> grid = subdivide_surface(content, 4);
+  const std::size_t patches = content.patches.size(), edges = patches * 3 / 2;
+  EXPECT_EQ(content.surface_triangles.size(), 16 * patches);
+  EXPECT_EQ(grid.size(), content.sites.size() + 3 * edges + 3 * patches);
+  for (const GridVertex& v : grid) EXPECT_NEAR(v.weights[0] + v.weights[1] + v.weights[2], 1, 1e-12);
+  EXPECT_NO_THROW(encode(content));
+  EXPECT_THROW(subdivide_surface(content, 0), Error);
+}
+
+class Folder : public ::testing::Test {
+protected:
+  void SetUp() override {
+    path_ = std::filesystem::temp_directory_path() / ("palpate-response-" + std::to_string(::getpid()));
+    std::filesystem::create_directories(path_);
+  }
+  void TearDown() override { std::filesystem::remove_all(path_); }
+  std::filesystem::path path_;
+};
+
+TEST_F(Folder, WritesWholeFilesAndLeavesNothingBeside) {
+  const std::vector<std::byte> bytes = encode(test::box_content());
+  write_response_file(path_ / "a.palp", bytes);
+  write_response_file(path_ / "a.palp", bytes);
+  EXPECT_EQ(read_bytes(path_ / "a.palp"), bytes);
+  const auto count = std::distance(std::filesystem::directory_iterator(path_), std::filesystem::directory_iterator());
+  EXPECT_EQ(count, 1);
+}
+
+void expect_io(const std::function<void()>& act, const std::string& says) {
+  try {
+    act();
+    ADD_FAILURE() << "no error, expected: " << says;
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::io);
+    EXPECT_NE(std::string(error.what()).find(says), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(Folder, SystemRefusalsAreIoErrorsThatNameTheFile) {
+  const std::vector<std::byte> bytes(100);
+  expect_io([&] { write_response_file(path_ / "none" / "a.palp", bytes); }, "a.palp");
+  expect_io([&] { (void)read_bytes(path_ / "missing.palp"); }, "missing.palp");
+  expect_io([&] { (void)read_bytes(path_); }, "not a regular file");
+  std::filesystem::create_directory(path_ / "taken.palp");
+  expect_io([&] { write_response_file(path_ / "taken.palp", bytes); }, "taken.palp: cannot write");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(path_), std::filesystem::directory_iterator()), 1);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Damaged files: every truncation and every flipped bit is refused; what passes a mended checksum is harmless.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <random>
+#include <string>
+
+#include "palpate/runtime.hpp"
+#include "tests/support/response_samples.hpp"
+
+namespace palpate {
+namespace {
+
+using runtime::OpenResult;
+using runtime::View;
+using Options = test::ResponseSampleOptions;
+
+// A small file that has every section.
+std::vector<std::byte> small_file() {
+  Options options;
+  options.cells = 1;
+  options.tools = Options::Tools::capsule;
+  options.search = true;
+  return encode(test::box_content(options));
+}
+
+void mend(std::vector<std::byte>& bytes) {
+  constexpr std::size_t kField = offsetof(layout::FileHeader, checksum);
+  const std::uint64_t sum =
+      checksum::of_file(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(), kField);
+  std::memcpy(bytes.data() + kField, &sum, sizeof sum);
+}
+
+TEST(Checksum, MeetsThePublishedVectors) {
+  const auto of = [](const std::string& text) {
+    checksum::Xxh64 hash;
+    hash.update(text.data(), text.size());
+    return hash.digest();
+  };
+  EXPECT_EQ(of(""), 0xEF46DB3751D8E999u);
+  EXPECT_EQ(of("a"), 0xD24EC4F1A98C6E5Bu);
+  EXPECT_EQ(of("abc"), 0x44BC2CF5AD770999u);
+}
+
+TEST(Checksum, IsTheSameHoweverTheBytesArrive) {
+  std::string text;
+  for (int i = 0; i < 200; ++i) text += static_cast<char>(i * 37);
+  for (std::size_t size = 0; size < text.size(); ++size) {
+    checksum::Xxh64 whole, pieces;
+    whole.update(text.data(), size);
+    for (std::size_t at = 0; at < size; at += 7) pieces.update(text.data() + at, std::min<std::size_t>(7, size - at));
+    ASSERT_EQ(whole.digest(), pieces.digest()) << size;
+  }
+}
+
+TEST(Damage, EveryTruncationIsRefused) {
+  const std::vector<std::byte> good = small_file();
+  ASSERT_TRUE(View::open(good.data(), good.size()));
+  for (std::size_t size = 0; size < good.size(); ++size) {
+    const OpenResult result = View::open(good.data(), size);
+    ASSERT_FALSE(result) << size;
+    ASSERT_NE(std::string(result.error).find("truncated"), std::string::npos) << result.error;
+  }
+}
+
+TEST(Damage, EveryTruncationWithAMendedHeaderIsRefused) {
+  const std::vector<std::byte> good = small_file();
+  // Whole bytes after the last section are padding: shorter than that is refused.
+  const View view = View::open(good.data(), good.size()).view;
+  const layout::SectionEntry& last = view.sections()[view.header().section_count - 1];
+  for (std::uint64_t size = sizeof(layout::FileHeader); size < last.offset + last.size; ++size) {
+    std::vector<std::byte> cut(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(size));
+    std::memcpy(cut.data() + offsetof(layout::FileHeader, file_size), &size, sizeof size);
+    mend(cut);
+    ASSERT_FALSE(View::open(cut.data(), cut.size())) << size;
+  }
+}
+
+TEST(Damage, TrailingBytesAreRefused) {
+  std::vector<std::byte> bytes = small_file();
+  bytes.resize(bytes.size() + 8);
+  const OpenResult result = View::open(bytes.data(), bytes.size());
+  ASSERT_FALSE(result);
+  EXPECT_NE(std::string(result.error).find("trailing"), std::string::npos) << result.error;
+}
+
+TEST(Damage, EveryFlippedBitIsRefused) {
+  std::vector<std::byte> bytes = small_file();
+  for (std::size_t at = 0; at < bytes.size(); ++at) {
+    for (int bit = 0; bit < 8; ++bit) {
+      bytes[at] ^= static_cast<std::byte>(1 << bit);
+      ASSERT_FALSE(View::open(bytes.data(), bytes.size())) << "byte " << at << " bit " << bit;
+      bytes[at] ^= static_cast<std::byte>(1 << bit);
+    }
+  }
+}
+
+TEST(Damage, GarbageAndNothingAreRefused) {
+  EXPECT_FALSE(View::open(nullptr, 0));
+  std::vector<std::byte> bytes(4096, std::byte{0x5a});
+  EXPECT_FALSE(View::open(bytes.data(), bytes.size()));
+  EXPECT_FALSE(View::open(bytes.data() + 1, 100));
+  for (const char* text : {"", "{}", "PALPATE", "solid stl"}) EXPECT_FALSE(View::open(text, std::strlen(text)));
+}
+
+// Ticks a damaged but accepted file over and into the body: forces stay numbers.
+void expect_harmless(const View& view, std::mt19937& random) {
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (std::uint32_t tool = 0; tool < view.meta->tool_count; ++tool) {
+    runtime::Contact contact(view, tool);
+    const runtime::Vec3 from{0.04 * unit(random), 0.04 * unit(random), 0.05};
+    const runtime::Vec3 to{0.04 * unit(random), 0.04 * unit(random), -0.01};
+    for (int i = 0; i <= 40; ++i) {
+      const auto pose =
+          runtime::Pose::from_quaternion(1, 0.2 * unit(random), 0.2 * unit(random), 0, from + (i / 40.0) * (to - from));
+      const runtime::Tick tick = contact.tick(pose);
+      ASSERT_TRUE(std::isfinite(length(tick.force)) && std::isfinite(length(tick.torque)));
+    }
+  }
+}
+
+TEST(Damage, MutationsWithAMendedChecksumAreRefusedOrHarmless) {
+  const std::vector<std::byte> good = small_file();
+  std::mt19937 random(20240601);
+  int accepted = 0, refused = 0;
+  for (int round = 0; round < 20000; ++round) {
+    std::vector<std::byte> bytes = good;
+    const int changes = 1 + static_cast<int>(random() % 3);
+    for (int i = 0; i < changes; ++i) {
+      const std::size_t at = random() % bytes.size();
+      switch (random() % 4) {
+        case 0:
+          bytes[at] ^= static_cast<std::byte>(1 << (random() % 8));
+          break;
+        case 1:
+          bytes[at] = static_cast<std::byte>(random());
+          break;
+        case 2: {  // a whole word: 0, all ones, NaN, infinity
+          const std::uint32_t words[] = {0, 0xffffffffu, 0x7fc00000u, 0x7f800000u, 1, 0x80000000u};
+          std::memcpy(bytes.data() + at / 4 * 4, &words[random() % 6], 4);
+          break;
+        }
+        default:  // a word from elsewhere
+          std::memcpy(bytes.data() + at / 4 * 4, good.data() + random() % good.size() / 4 * 4, 4);
+      }
+    }
+    mend(bytes);
+    const OpenResult result = View::open(bytes.data(), bytes.size());
+    if (!result) {
+      ++refused;
+      ASSERT_NE(result.error[0], 0);
+      continue;
+    }
+    ++accepted;
+    expect_harmless(result.view, random);
+  }
+  EXPECT_GT(accepted, 100);  // padding, positions, coefficients that stay in range
+  EXPECT_GT(refused, 100);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A ball tip on a box and a ball: push, stick, slide, release, late detection, faults.
+#include <cmath>
+#include <limits>
+
+#include "tests/runtime/support.hpp"
+
+namespace palpate {
+namespace {
+
+using namespace test;
+using runtime::Contact;
+
+// Moves a contact in a straight line and hands every tick to `see`.
+template <class See>
+void move(Contact& contact, const Vec3& from, const Vec3& to, double step, const See& see) {
+  const int steps = static_cast<int>(std::ceil(length(to - from) / step));
+  for (int i = 1; i <= steps; ++i) {
+    const Pose pose = upright(from + (i / static_cast<double>(steps)) * (to - from));
+    see(pose, contact.tick(pose));
+  }
+}
+
+void move(Contact& contact, const Vec3& from, const Vec3& to) {
+  move(contact, from, to, 2e-5, [](const Pose&, const Tick&) {});
+}
+
+Vec3 centre(double depth, double x = 0, double y = 0) { return {x, y, kTop + kTipRadius - depth}; }
+
+Options flat() {
+  Options options = uniform();
+  options.lateral = false;
+  return options;
+}
+
+TEST(Contact, PushAndLiftFollowTheCurve) {
+  const Opened box(box_content(flat()));
+  Contact contact(box.view, 0);
+  const Vec3 side = {0.002, -0.001, 0};
+  const auto check = [&](const Pose& pose, const Tick& tick) {
+    const double depth = kTop + kTipRadius - pose.translation.z;
+    if (depth <= 1e-9) {
+      EXPECT_EQ(length(tick.force), 0);
+      EXPECT_TRUE(tick.state == State::free || tick.state == State::released);
+      return;
+    }
+    EXPECT_EQ(tick.state, State::stick);
+    EXPECT_NEAR(tick.depth, depth, 1e-8);
+    EXPECT_LT(distance(tick.force, {0, 0, hertz(depth)}), 1e-4);
+    EXPECT_LT(distance(tick.body_point, Vec3{side.x, side.y, kTop}), 1e-8);
+  };
+  move(contact, centre(-0.01) + side, centre(0.005) + side, 2e-5, check);
+  move(contact, centre(0.005) + side, centre(-0.01) + side, 2e-5, check);
+}
+
+TEST(Contact, EndsWithOneReleasedTickAndNoForce) {
+  const Opened box(box_content(flat()));
+  Contact contact(box.view, 0);
+  move(contact, centre(-0.001), centre(0.002));
+  int released = 0;
+  double last = 1;
+  move(contact, centre(0.002), centre(-0.001), 1e-6, [&](const Pose&, const Tick& tick) {
+    released += tick.state == State::released;
+    EXPECT_LE(length(tick.force), last + 1e-12);
+    if (tick.state == State::released) {
+      EXPECT_LT(last, 2e-4);  // the tick before was nearly zero already
+    }
+    last = length(tick.force);
+  });
+  EXPECT_EQ(released, 1);
+  EXPECT_EQ(last, 0);
+}
+
+TEST(Contact, SidewaysItSticksThenSlidesAtTheLimit) {
+  const Opened box(box_content(flat()));
+  Contact contact(box.view, 0);
+  const double depth = 0.004;
+  move(contact, centre(-0.001), centre(depth));
+  bool slid = false;
+  move(contact, centre(depth), centre(depth, 0.004), 1e-5, [&](const Pose& pose, const Tick& tick) {
+    const double sideways = std::hypot(tick.force.x, tick.force.y);
+    EXPECT_NEAR(tick.depth, depth, 1e-8);
+    if (!slid && tick.state == State::stick) {
+      EXPECT_NEAR(tick.body_point.x, 0, 1e-9);
+      EXPECT_LE(sideways, tick.friction_limit * (1 + 1e-6));
+      const Vec3 deflection = pose.translation - Vec3{0, 0, box.view.tools[0].probe_radius} - tick.body_point;
+      EXPECT_LT(distance(tick.force, contact.field().force(deflection).force), 1e-9);
+      return;
+    }
+    slid = true;
+    if (tick.state == State::slide) {
+      EXPECT_NEAR(sideways, tick.friction_limit, 1e-4 * tick.friction_limit);
+      EXPECT_GT(tick.body_point.x, 0);
+    }
+    EXPECT_LT(tick.force.x, 0);
+  });
+  EXPECT_TRUE(slid);
+  // Turning back sticks at once.
+  const Tick back = contact.tick(upright(centre(depth, 0.004 - 1e-5)));
+  EXPECT_EQ(back.state, State::stick);
+}
+
+TEST(Contact, SlidingLosesEnergy) {
+  const Opened box(box_content(flat()));
+  Contact contact(box.view, 0);
+  move(contact, centre(-0.001), centre(0.003));
+  double work_on_body = 0;
+  Vec3 last = centre(0.003), last_force{0, 0, hertz(0.003)};
+  const auto account = [&](const Pose& pose, const Tick& tick) {
+    work_on_body -= dot(0.5 * (tick.force + last_force), pose.translation - last);
+    last = pose.translation;
+    last_force = tick.force;
+  };
+  for (int round = 0; round < 3; ++round) {
+    move(contact, centre(0.003), centre(0.003, 0.006, 0.002), 1e-5, account);
+    move(contact, centre(0.003, 0.006, 0.002), centre(0.003), 1e-5, account);
+  }
+  // About the limit along the whole way, less what the sticking part stores.
+  const double limit = 0.3 * hertz(0.003), way = 6 * std::hypot(0.006, 0.002);
+  EXPECT_GT(work_on_body, 0.5 * limit * way);
+  EXPECT_LT(work_on_body, 1.2 * limit * way);
+}
+
+TEST(Contact, SlidingOverPatchesIsContinuous) {
+  Options options;
+  options.subdivision = 4;
+  for (const bool friction : {true, false}) {
+    options.friction = friction;
+    const Opened body(ball_content(options));
+    Contact contact(body.view, 0);
+    constexpr double kStep = 5e-6, kStiffness = 3000;  // N/m, above any slope of the sample curves
+    const auto orbit = [](double angle, double depth) {
+      const double r = kBallRadius + kTipRadius - depth;
+      return upright({r * std::sin(angle), 0.1 * r * std::sin(3 * angle), r * std::cos(angle)});
+    };
+    for (int i = 0; i <= 1000; ++i) contact.tick(orbit(0, -0.001 + 0.004 * i / 1000));
+    Tick last = contact.tick(orbit(0, 0.003));
+    ASSERT_GT(length(last.force), 0.1);
+    std::uint32_t patches = 0, patch = 0;
+    for (double angle = 0; angle < 2.5; angle += kStep / kBallRadius) {
+      const Tick tick = contact.tick(orbit(angle, 0.003));
+      ASSERT_TRUE(tick.state == State::slide || tick.state == State::stick) << angle;
+      ASSERT_LT(distance(tick.force, last.force), kStiffness * 2 * kStep) << angle << " friction " << friction;
+      const std::uint32_t now = body.view.triangles[tick.at.triangle].patch;
+      patches += now != patch;
+      patch = now;
+      last = tick;
+    }
+    EXPECT_GT(patches, 10U);
+  }
+}
+
+TEST(Contact, FrictionlessPointFollowsTheTool) {
+  Options options = uniform();
+  options.friction = options.lateral = false;
+  const Opened box(box_content(options));
+  Contact contact(box.view, 0);
+  move(contact, centre(-0.001, -0.01), centre(0.003, -0.01));
+  move(contact, centre(0.003, -0.01), centre(0.003, 0.01, 0.003), 2e-5, [](const Pose& pose, const Tick& tick) {
+    EXPECT_EQ(tick.state, State::slide);
+    EXPECT_NEAR(tick.body_point.x, pose.translation.x, 1e-8);
+    EXPECT_LT(distance(tick.force, {0, 0, hertz(0.003)}), 1e-4);
+  });
+}
+
+// Over the box's edge the normals turn by a right angle within a patch: c has to follow round it.
+TEST(Contact, SlidesOverAnEdgeWithoutAJump) {
+  for (const bool friction : {false, true}) {
+    Options options = flat();
+    options.friction = friction;
+    options.subdivision = 3;
+    const Opened box(box_content(options));
+    Contact contact(box.view, 0);
+    constexpr double kDepth = 0.001, kStep = 2e-6, kHalf = kBoxSize / 2;
+    move(contact, centre(-0.001, 0.02), centre(kDepth, 0.02));
+    Tick last = contact.tick(upright(centre(kDepth, 0.02)));
+    double largest = 0;
+    const auto watch = [&](const Pose&, const Tick& tick) {
+      largest = std::fmax(largest, distance(tick.force, last.force));
+      last = tick;
+    };
+    // Along the top, round the edge on a quarter circle, down the side.
+    const double r = kTipRadius - kDepth;
+    move(contact, centre(kDepth, 0.02), centre(kDepth, kHalf), kStep, watch);
+    for (int i = 0; i <= 4000; ++i) {
+      const double angle = std::numbers::pi / 2 * i / 4000;
+      const Pose pose = upright({kHalf + r * std::sin(angle), 0, kTop + r * std::cos(angle)});
+      watch(pose, contact.tick(pose));
+    }
+    move(contact, {kHalf + r, 0, kTop}, {kHalf + r, 0, 0}, kStep, watch);
+    EXPECT_LT(largest, 3000 * 2 * kStep) << friction;
+    EXPECT_GT(last.force.x, 0.05);  // it presses on the side now
+  }
+}
+
+// Far deeper than the normals' focal points, c cannot follow round the edge: it is handed over to the nearest
+// side, where the force may turn but not grow.
+TEST(Contact, HandingOverToAnotherSideDoesNotRaiseTheForce) {
+  for (const double depth : {0.012, 0.016}) {
+    Options options = flat();
+    options.friction = false;
+    options.subdivision = 3;
+    const Opened box(box_content(options));
+    Contact contact(box.view, 0);
+    constexpr double kStep = 2e-6;
+    move(contact, centre(-0.001, 0.02), centre(depth, 0.02));
+    Tick last = contact.tick(upright(centre(depth, 0.02)));
+    int jumps = 0;
+    move(contact, centre(depth, 0.02), centre(depth, 0.04), kStep, [&](const Pose&, const Tick& tick) {
+      const bool touches = tick.state == State::slide;
+      jumps += touches && distance(tick.body_point, last.body_point) > 1e-3;
+      ASSERT_LT(length(tick.force), length(last.force) + 3000 * 2 * kStep);
+      last = tick;
+    });
+    EXPECT_EQ(jumps, 1) << depth;
+  }
+}
+
+TEST(Contact, StartingInsideBeginsAtZero) {
+  const Opened box(box_content(flat()));
+  Contact contact(box.view, 0);
+  const Tick first = contact.tick(upright(centre(0.003)));
+  EXPECT_EQ(length(first.force), 0);
+  move(contact, centre(0.003), centre(0.004));
+  const Tick deeper = contact.tick(upright(centre(0.004)));
+  EXPECT_NEAR(deeper.depth, 0.001, 1e-8);
+  EXPECT_NEAR(length(deeper.force), hertz(0.001), 1e-4);
+}
+
+TEST(Contact, AJumpIntoTheBodyKeepsOnlyTheAllowedDepth) {
+  const Opened box(box_content(flat()));
+  Contact contact(box.view, 0);
+  EXPECT_EQ(contact.tick(upright(centre(-0.01))).state, State::free);
+  const Tick tick = contact.tick(upright(centre(0.003)));
+  EXPECT_NEAR(tick.depth, 0.02 * kDepthScale, 1e-9);
+  Contact generous(box.view, 0, {0.01});
+  generous.tick(upright(centre(-0.01)));
+  EXPECT_NEAR(generous.tick(upright(centre(0.003))).depth, 0.003, 1e-8);
+}
+
+TEST(Contact, WrongPosesAreFaultsWithoutForce) {
+  const Opened box(box_content(flat()));
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
+  const Vec3 in = centre(0.003);
+  const Pose wrong[] = {upright({kNan, 0, 0}),
+                        upright({0, kInf, 0}),
+                        upright({0, 0, 2e6}),
+                        {{kNan, 0, 0, 0, 1, 0, 0, 0, 1}, in},
+                        {{2, 0, 0, 0, 1, 0, 0, 0, 1}, in},
+                        {{-1, 0, 0, 0, 1, 0, 0, 0, 1}, in},
+                        {{0, 0, 0, 0, 0, 0, 0, 0, 0}, in},
+                        Pose::from_quaternion(0, 0, 0, 0, in),
+                        Pose::from_quaternion(kNan, 0, 0, 1, in)};
+  for (const Pose& pose : wrong) {
+    Contact contact(box.view, 0);
+    move(contact, centre(-0.001), in);
+    const Tick tick = contact.tick(pose);
+    EXPECT_EQ(tick.state, State::fault);
+    EXPECT_EQ(length(tick.force), 0);
+    EXPECT_EQ(length(tick.torque), 0);
+    // Afterwards the contact was forgotten: inside the body it begins at zero.
+    EXPECT_EQ(length(contact.tick(upright(in)).force), 0);
+  }
+}
+
+TEST(Contact, TorqueIsTheLeverTimesTheForce) {
+  const Opened ball(ball_content());
+  Contact contact(ball.view, 0);
+  const Vec3 direction = unit(Vec3{0.3, 0.5, 0.8}, {0, 0, 1});
+  Tick tick;
+  Pose pose;
+  for (int i = 0; i <= 400; ++i) {
+    pose = upright((kBallRadius + kTipRadius + 0.001 - 1e-5 * i) * direction);
+    tick = contact.tick(pose);
+  }
+  ASSERT_GT(length(tick.force), 0.1);
+  EXPECT_LT(distance(tick.torque, cross(tick.tool_point - pose.translation, tick.force)), 1e-15);
+  EXPECT_NEAR(distance(tick.tool_point, pose.translation), kTipRadius, 1e-9);
+  EXPECT_GT(dot(tick.force, direction), 0);
+}
+
+TEST(Contact, TheContactPointRidesOnABall) {
+  Options options = flat();
+  options.subdivision = 4;
+  const Opened ball(ball_content(options));
+  Contact contact(ball.view, 0);
+  for (int i = 0; i <= 300; ++i) contact.tick(upright({0, 0, kBallRadius + kTipRadius + 0.001 - 1e-5 * i}));
+  for (int i = 0; i <= 20000; ++i) {
+    const double a = 2 * i / 20000.0, r = kBallRadius + kTipRadius - 0.002;
+    const Vec3 q = {r * std::sin(a), 0, r * std::cos(a)};
+    const Tick tick = contact.tick(upright(q));
+    ASSERT_LT(distance(tick.body_point, (kBallRadius / r) * q), 0.003);
+    ASSERT_NEAR(tick.depth, 0.002, 4e-4);
+  }
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The spline basis against its definition: partition of unity, reproduction of cubics, slopes.
+#include "palpate/spline.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "tests/support/response_samples.hpp"
+
+namespace palpate {
+namespace {
+
+// Cox and de Boor's definition with its divisions, on knots 0,0,0,0,1,...,m,m,m,m.
+double definition(int count, int i, int degree, double t) {
+  const auto knot = [count](int k) { return static_cast<double>(std::clamp(k - 3, 0, count - 3)); };
+  if (degree == 0) {
+    const bool last = t >= count - 3 && knot(i) < knot(i + 1) && knot(i + 1) >= count - 3;
+    return (knot(i) <= t && t < knot(i + 1)) || last ? 1.0 : 0.0;
+  }
+  double sum = 0;
+  const double left = knot(i + degree) - knot(i), right = knot(i + degree + 1) - knot(i + 1);
+  if (left > 0) sum += (t - knot(i)) / left * definition(count, i, degree - 1, t);
+  if (right > 0) sum += (knot(i + degree + 1) - t) / right * definition(count, i + 1, degree - 1, t);
+  return sum;
+}
+
+TEST(Spline, MatchesTheDefinitionForEveryCount) {
+  for (int count = 4; count <= 32; ++count) {
+    for (int k = 0; k <= 60; ++k) {
+      const double u = k / 60.0;
+      const spline::Basis b = spline::basis(count, u);
+      ASSERT_GE(b.first, 0);
+      ASSERT_LE(b.first + 3, count - 1);
+      double sum = 0;
+      for (int j = 0; j < 4; ++j) {
+        sum += b.weight[j];
+        ASSERT_NEAR(b.weight[j], definition(count, b.first + j, 3, u * (count - 3)), 1e-12) << count << " " << u;
+      }
+      ASSERT_NEAR(sum, 1, 1e-14);
+    }
+  }
+}
+
+TEST(Spline, ReproducesPowersAndTheirSlopes) {
+  for (const int count : {4, 5, 10, 32}) {
+    for (int power = 1; power <= 3; ++power) {
+      const std::vector<float> c = test::sample_detail::monomial(count, power, 1);
+      for (int k = 0; k <= 50; ++k) {
+        const double u = k / 50.0;
+        EXPECT_NEAR(spline::value(c.data(), count, u), std::pow(u, power), 2e-7);
+        EXPECT_NEAR(spline::combine(spline::slope_basis(count, u), c.data()), power * std::pow(u, power - 1), 1e-4);
+      }
+      EXPECT_NEAR(spline::slope_at_0(c.data(), count), power == 1 ? 1 : 0, 1e-5);
+      EXPECT_NEAR(spline::slope_at_1(c.data(), count), power, 1e-4);
+    }
+  }
+}
+
+TEST(Spline, GrevilleAbscissaeReproduceTheIdentity) {
+  std::vector<double> c;
+  for (int i = 0; i < 9; ++i) c.push_back(spline::greville(9, i));
+  for (int k = 0; k <= 50; ++k) EXPECT_NEAR(spline::value(c.data(), 9, k / 50.0), k / 50.0, 1e-14);
+}
+
+TEST(Spline, AbscissaIsClampedAndNanIsZero) {
+  const std::vector<double> c = {1, 2, 3, 4, 5};
+  EXPECT_EQ(spline::value(c.data(), 5, -3), 1);
+  EXPECT_EQ(spline::value(c.data(), 5, 7), 5);
+  EXPECT_EQ(spline::value(c.data(), 5, std::numeric_limits<double>::quiet_NaN()), 1);
+}
+
+}  // namespace
+}  // namespace palpate

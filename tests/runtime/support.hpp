@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// An opened sample file that owns its bytes, and Eigen-free vector helpers for the runtime's tests.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <vector>
+
+#include "palpate/runtime.hpp"
+#include "tests/support/response_samples.hpp"
+
+namespace palpate::test {
+
+using runtime::Pose;
+using runtime::State;
+using runtime::Tick;
+using runtime::Vec3;
+using Options = ResponseSampleOptions;
+
+struct Opened {
+  ResponseFileContent content;
+  std::vector<std::byte> bytes;
+  runtime::View view;
+  explicit Opened(ResponseFileContent c) : content(std::move(c)), bytes(encode(content)) {
+    const runtime::OpenResult result = runtime::View::open(bytes.data(), bytes.size());
+    EXPECT_TRUE(result) << result.error;
+    view = result.view;
+  }
+  Opened(const Opened&) = delete;
+  Opened& operator=(const Opened&) = delete;
+};
+
+inline Options uniform() {
+  Options options;
+  options.uniform = true;
+  return options;
+}
+
+inline Pose upright(const Vec3& at) { return {{1, 0, 0, 0, 1, 0, 0, 0, 1}, at}; }
+
+inline double distance(const Vec3& a, const Vec3& b) { return length(a - b); }
+
+/// Depth law of the uniform samples (N).
+inline double hertz(double z) {
+  const double s = std::sqrt(z / kDepthScale);
+  return kHertzForce * (0.9 * s * s * s + 0.1 * s * s);
+}
+
+/// Height of the box's top over the origin (m).
+inline constexpr double kTop = kBoxSize / 4;
+
+inline Vec3 random_direction(std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  return unit(Vec3{normal(random), normal(random), normal(random)}, {0, 0, 1});
+}
+
+}  // namespace palpate::test

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Capsules and mesh tools: which of their points touches, and how that changes with the pose.
+#include <cmath>
+
+#include "tests/runtime/support.hpp"
+
+namespace palpate {
+namespace {
+
+using namespace test;
+using runtime::Contact;
+
+// The tool's z axis leans by `angle` from vertical towards +x.
+Pose leaning(double angle, const Vec3& at) {
+  return Pose::from_quaternion(std::cos(angle / 2), 0, std::sin(angle / 2), 0, at);
+}
+
+Options with(Options::Tools tools) {
+  Options options;
+  options.tools = tools;
+  return options;
+}
+
+TEST(Profile, MeridianAndSegmentsCoverTheWholeCapsule) {
+  const Opened box(box_content(with(Options::Tools::capsule)));
+  const layout::ToolRecord& rod = box.view.tools[0];
+  constexpr double kPi = std::numbers::pi;
+  EXPECT_NEAR(runtime::profile_meridian(rod, 0, 1), 0, 1e-9);
+  EXPECT_NEAR(runtime::profile_meridian(rod, 0, std::cos(kPi / 6)), kTipRadius * kPi / 6, 1e-9);
+  EXPECT_NEAR(runtime::profile_meridian(rod, 0, -0.5), kTipRadius * kPi / 2, 1e-9);
+  EXPECT_NEAR(runtime::profile_meridian(rod, 0.01, 0), kTipRadius * kPi / 2 + 0.01, 1e-9);
+  const runtime::ToolPoint tip = runtime::profile_point(box.view, rod, 0);
+  EXPECT_EQ(tip.patch, 0U);
+  EXPECT_EQ(tip.weights[0], 1);
+  const runtime::ToolPoint middle = runtime::profile_point(box.view, rod, kTipRadius * kPi * 3 / 8);
+  EXPECT_EQ(middle.patch, 1U);
+  EXPECT_NEAR(middle.weights[1], 0.5, 1e-6);
+  const runtime::ToolPoint beyond = runtime::profile_point(box.view, rod, 1);
+  EXPECT_EQ(beyond.patch, 2U);
+  EXPECT_EQ(beyond.weights[1], 1);
+}
+
+TEST(Capsule, TouchesWithTheEndThatIsNearest) {
+  const Opened box(box_content(with(Options::Tools::capsule)));
+  for (const double angle : {0.0, 0.4, 1.2}) {
+    const runtime::ToolTouch touch = runtime::find_touch(box.view, 0, leaning(angle, {0, 0, kTop + 0.02}));
+    EXPECT_NEAR(touch.anchor.z, 0, 1e-9);
+    EXPECT_NEAR(touch.clearance, 0.02 - kTipRadius, 1e-8);
+    EXPECT_LE(touch.safe, touch.clearance);
+  }
+  // Upside down the far cap is nearest.
+  const runtime::ToolTouch touch = runtime::find_touch(box.view, 0, leaning(2.8, {0, 0, kTop + 0.06}));
+  EXPECT_NEAR(touch.anchor.z, kStemLength, 1e-8);
+}
+
+TEST(Capsule, ContactPatchFollowsTheTilt) {
+  const Opened box(box_content(with(Options::Tools::capsule)));
+  for (const double degrees : {0.0, 20.0, 45.0, 70.0}) {
+    const double angle = degrees * std::numbers::pi / 180;
+    Contact contact(box.view, 0);
+    Tick tick;
+    for (int i = 0; i <= 300; ++i) tick = contact.tick(leaning(angle, {0, 0, kTop + kTipRadius + 0.001 - 1e-5 * i}));
+    ASSERT_GT(length(tick.force), 0.1) << degrees;
+    EXPECT_EQ(tick.on_tool.patch, degrees <= 45 ? 0U : 1U);
+    EXPECT_NEAR(tick.on_tool.weights[1], degrees <= 45 ? degrees / 45 : (degrees - 45) / 45, 1e-6);
+  }
+}
+
+TEST(Capsule, LayingTheStemDownMovesTheContactContinuously) {
+  const Opened box(box_content(with(Options::Tools::capsule)));
+  Contact contact(box.view, 0);
+  const auto pose = [](double angle) { return leaning(angle, {-0.01, 0, kTop + kTipRadius - 0.001}); };
+  for (int i = 0; i <= 200; ++i) contact.tick(leaning(0.8, {-0.01, 0, kTop + kTipRadius + 0.001 - 1e-5 * i}));
+  Tick last = contact.tick(pose(0.8));
+  ASSERT_GT(length(last.force), 0.05);
+  for (int i = 0; i <= 8000; ++i) {
+    const Tick tick = contact.tick(pose(0.8 + 0.85 * i / 8000));  // to 1.65 rad: the far end is lower
+    ASSERT_LT(distance(tick.force, last.force), 0.05) << i;
+    last = tick;
+  }
+  for (int i = 0; i < 2000; ++i) last = contact.tick(pose(1.65));
+  EXPECT_GT(last.body_point.x, 0.01);  // c has gone along the stem
+  EXPECT_GT(last.force.z, 0);
+}
+
+TEST(MeshTool, PressesWithItsLowestCorner) {
+  const Opened box(box_content(with(Options::Tools::mesh)));
+  Contact contact(box.view, 0);
+  Tick tick;
+  Pose pose;
+  for (int i = 0; i <= 300; ++i) {
+    pose = upright({0.001, 0.002, kTop + 0.004 + 0.001 - 1e-5 * i});
+    tick = contact.tick(pose);
+  }
+  EXPECT_NEAR(tick.depth, 0.002, 1e-7);
+  EXPECT_GT(tick.force.z, 0.1);
+  EXPECT_LT(distance(tick.tool_point, {0.001, 0.002, kTop - 0.002}), 1e-7);
+  // The corner at (0, 0, -1) is vertex 5 of the tool.
+  const auto& patch = box.view.tool_patches[tick.on_tool.patch].vertex;
+  double weight = 0;
+  for (int k = 0; k < 3; ++k) weight += patch[k] == 5 ? tick.on_tool.weights[k] : 0;
+  EXPECT_EQ(weight, 1);
+}
+
+TEST(MeshTool, SeesContactFromAnySide) {
+  const Opened ball(ball_content(with(Options::Tools::mesh)));
+  std::mt19937 random(21);
+  for (int i = 0; i < 30; ++i) {
+    Contact contact(ball.view, 0);
+    const Vec3 direction = random_direction(random);
+    const Vec3 turn = random_direction(random);
+    Tick tick;
+    for (int k = 0; k <= 600; ++k) {
+      const double r = kBallRadius + 0.005 - 1e-5 * k;
+      tick = contact.tick(Pose::from_quaternion(0.6, turn.x, turn.y, turn.z, r * direction));
+    }
+    EXPECT_GT(dot(tick.force, direction), 0.01);
+  }
+}
+
+TEST(SafeDistance, NeverSkipsAContact) {
+  const Opened ball(ball_content(with(Options::Tools::all)));
+  std::mt19937 random(22);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (std::uint32_t tool = 0; tool < 3; ++tool) {
+    for (int path = 0; path < 10; ++path) {
+      Contact follower(ball.view, tool);
+      const Vec3 direction = random_direction(random), turn = random_direction(random);
+      for (int k = 0; k <= 1500; ++k) {
+        const double r = 0.12 - 0.1 * k / 1500;
+        const Pose pose = Pose::from_quaternion(1, turn.x * k * 1e-3, turn.y * k * 1e-3, 0, r * direction);
+        const Tick tick = follower.tick(pose);
+        if (tick.state == State::stick || tick.state == State::slide) break;
+        // Free for the follower, which skips searches: so it must be for one that has just begun.
+        ASSERT_GE(runtime::find_touch(ball.view, tool, pose).clearance, -2e-3) << tool << " " << k;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpate

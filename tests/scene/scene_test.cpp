@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Scenes that are right: defaults, every section, the reference and the canonical text.
+#include "formats/scene.hpp"
+
+#include "tests/support/temporary_folder.hpp"
+
+#include <gtest/gtest.h>
+
+namespace palpate {
+namespace {
+
+class SceneTest : public testing::Test {
+protected:
+  Scene read(const std::string& text) { return read_scene(folder_.write("liver.toml", text)); }
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(SceneTest, FiveLinesAreEnough) {
+  const Scene scene = read("[body]\nsurface = \"a.glb\"\nunits = \"mm\"\n[tool]\nradius = 0.004\n");
+  EXPECT_EQ(scene.name, "liver");
+  ASSERT_EQ(scene.body.surfaces.size(), 1U);
+  EXPECT_EQ(scene.body.surfaces[0].file, folder_.path() / "a.glb");  // relative to the scene file
+  EXPECT_EQ(scene.body.surfaces[0].unit, 0.001);
+  EXPECT_TRUE(scene.body.surfaces[0].meshes.empty());
+  EXPECT_EQ(scene.material.young, 5e3);
+  EXPECT_EQ(scene.material.poisson, 0.49);
+  EXPECT_TRUE(scene.supports.empty());
+  ASSERT_EQ(scene.tools.size(), 1U);
+  EXPECT_EQ(scene.tools[0].name, "tool");
+  EXPECT_EQ(scene.tools[0].shape, ToolScene::Shape::sphere);
+  EXPECT_EQ(scene.tools[0].radius, 0.004);
+  EXPECT_EQ(scene.friction, 0.0);
+  EXPECT_EQ(scene.sampling.depth, 0.005);
+  EXPECT_FALSE(scene.sampling.within_box.has_value());
+  EXPECT_EQ(scene.response.search, ResponseScene::Search::automatic);
+}
+
+TEST_F(SceneTest, OneLineIsEnoughToo) {
+  const Scene scene = read("body = {surface = \"/abs/a.stl\"}");
+  EXPECT_EQ(scene.body.surfaces[0].file, "/abs/a.stl");
+  EXPECT_EQ(scene.tools.size(), 1U);
+}
+
+TEST_F(SceneTest, EverySection) {
+  const Scene scene = read(R"(
+name = "case 7"
+[body]
+surface = "organ.glb"
+meshes = ["capsule", "bare_area"]
+units = "cm"
+repair = "wrap"
+wrap_alpha = 0.002
+wrap_offset = 1e-4
+[material]
+young = 4000
+poisson = 0
+[[region]]
+surface = "tumour.ply"
+young = 5e4
+[[region]]
+name = "vessel"
+surface = "vessel.ply"
+poisson = 0.3
+[[support]]
+mesh = "bare_area"
+[[support]]
+box = {min = [-1, -1, -1], max = [1, 1, 0]}
+[[support]]
+half_space = {point = [0, 0, 0.01], normal = [0, 0, 2]}
+[[support]]
+distance = {surface = "spine.stl", units = "mm", within = 0.002}
+[[tool]]
+[[tool]]
+name = "flat"
+shape = "punch"
+radius = 0.004
+edge_radius = 0.0005
+length = 0.02
+contacts = "tip"
+[[tool]]
+shape = "capsule"
+radius = 0.003
+length = 0.04
+[[tool]]
+shape = "mesh"
+surface = "grasper.obj"
+spacing = 0.002
+[contact]
+friction = 0.3
+[sampling]
+spacing = 0.01
+margin_spacing = 0.01
+depth = 0.004
+depth_fraction = 0.5
+normal_points = 10
+tangential_depths = 3
+tangential_directions = 6
+tangential_points = 4
+max_refused = 0.1
+within_box = {min = [0, 0, 0], max = [1, 1, 1]}
+[response]
+model = "separable"
+search = "bvh"
+tolerance = 0.03
+[solver]
+mesh_size = 0.3
+growth = 0.5
+max_size = 0.02
+time_limit = 60
+)");
+  EXPECT_EQ(scene.name, "case 7");
+  EXPECT_EQ(scene.body.surfaces[0].meshes, (std::vector<std::string>{"capsule", "bare_area"}));
+  EXPECT_EQ(scene.body.repair, RepairMode::wrap);
+  EXPECT_EQ(scene.body.wrap_offset, 1e-4);
+  EXPECT_EQ(scene.material.poisson, 0.0);
+  ASSERT_EQ(scene.regions.size(), 2U);
+  EXPECT_EQ(scene.regions[0].name, "region");
+  EXPECT_EQ(scene.regions[0].material.young, 5e4);
+  EXPECT_EQ(scene.regions[0].material.poisson, 0.49);
+  EXPECT_EQ(scene.regions[1].name, "vessel");
+  ASSERT_EQ(scene.supports.size(), 4U);
+  EXPECT_EQ(scene.supports[0].kind, SupportScene::Kind::mesh);
+  EXPECT_EQ(scene.supports[0].mesh, "bare_area");
+  EXPECT_EQ(scene.supports[1].box_max, Eigen::Vector3d(1, 1, 0));
+  EXPECT_EQ(scene.supports[2].normal, Eigen::Vector3d(0, 0, 1));  // made a unit vector
+  EXPECT_EQ(scene.supports[3].kind, SupportScene::Kind::distance);
+  EXPECT_EQ(scene.supports[3].other.file, folder_.path() / "spine.stl");
+  EXPECT_EQ(scene.supports[3].other.unit, 0.001);
+  EXPECT_EQ(scene.supports[3].within, 0.002);
+  ASSERT_EQ(scene.tools.size(), 4U);
+  EXPECT_EQ(scene.tools[0].name, "tool");
+  EXPECT_TRUE(scene.tools[0].whole);
+  EXPECT_EQ(scene.tools[1].shape, ToolScene::Shape::punch);
+  EXPECT_FALSE(scene.tools[1].whole);
+  EXPECT_EQ(scene.tools[1].edge_radius, 0.0005);
+  EXPECT_EQ(scene.tools[2].name, "tool3");
+  EXPECT_EQ(scene.tools[3].surface.file, folder_.path() / "grasper.obj");
+  EXPECT_EQ(scene.friction, 0.3);
+  EXPECT_EQ(scene.sampling.tangential_directions, 6);
+  ASSERT_TRUE(scene.sampling.within_box.has_value());
+  EXPECT_EQ(scene.response.search, ResponseScene::Search::bvh);
+  EXPECT_EQ(scene.solver.time_limit, 60.0);
+}
+
+TEST_F(SceneTest, SeveralFilesEachWithItsOwn) {
+  const Scene scene = read(R"([body]
+units = "mm"
+surface = ["a.stl", {file = "b.glb", meshes = ["x"]}, {file = "c.ply", units = "m"}])");
+  ASSERT_EQ(scene.body.surfaces.size(), 3U);
+  EXPECT_EQ(scene.body.surfaces[0].unit, 0.001);
+  EXPECT_EQ(scene.body.surfaces[1].unit, 0.001);
+  EXPECT_EQ(scene.body.surfaces[1].meshes, std::vector<std::string>{"x"});
+  EXPECT_EQ(scene.body.surfaces[2].unit, 1.0);
+}
+
+TEST_F(SceneTest, TheReferenceIsTheDefaultScene) {
+  const std::string reference = scene_reference();
+  const Scene scene = read(reference);
+  const Scene least = read("body = {surface = \"FILE\"}");
+  EXPECT_EQ(canonical_text(scene), canonical_text(least));
+}
+
+TEST_F(SceneTest, TheReferenceHasEveryKeyThatTheCommentedLinesShow) {
+  // With the examples of what is left out by default taken in, it still reads.
+  std::string text = scene_reference();
+  for (const char* line : {"name = \"liver\"", "meshes = [\"NAME\"]", "within_box = {"}) {
+    const auto at = text.find(std::string("# ") + line);
+    ASSERT_NE(at, std::string::npos) << line;
+    text.erase(at, 2);
+  }
+  const Scene scene = read(text);
+  EXPECT_EQ(scene.name, "liver");
+  EXPECT_EQ(scene.body.surfaces[0].meshes, std::vector<std::string>{"NAME"});
+  EXPECT_TRUE(scene.sampling.within_box.has_value());
+}
+
+TEST_F(SceneTest, CanonicalTextFollowsResultsNotPathsNorNames) {
+  const std::string base = "[body]\nsurface = \"a.ply\"\n[contact]\nfriction = 0.1\n";
+  const std::string text = canonical_text(read(base));
+  EXPECT_EQ(text,
+            canonical_text(read("name = \"other\"\n[body]\nsurface = \"sub/b.ply\"\n[contact]\nfriction = 1e-1\n")));
+  for (const char* more : {"[sampling]\ndepth = 0.00500001\n", "[material]\nyoung = 5001\n",
+                           "[[support]]\nmesh = \"x\"\n", "[solver]\ngrowth = 0.71\n", "[response]\ntolerance = 0.04\n",
+                           "[tool]\nradius = 0.0051\n", "[[region]]\nsurface = \"r.ply\"\n"}) {
+    EXPECT_NE(text, canonical_text(read(base + more))) << more;
+  }
+  const auto solves = [&](const std::string& more) {
+    return canonical_text(read(base + more), CanonicalScope::solves);
+  };
+  EXPECT_EQ(solves(""), solves("[response]\ntolerance = 0.04\nsearch = \"none\"\n[sampling]\nmax_refused = 0.5\n"));
+  EXPECT_NE(solves(""), solves("[sampling]\nnormal_points = 13\n"));
+  // Nothing of the machine is in it.
+  EXPECT_EQ(text.find(folder_.path().string()), std::string::npos);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Closed-form contact laws, through the entry point that the bake uses. The block is 40 contact radii wide and
+// deep; the displacement it holds back at its bottom is about 0.4 a / L = 1 % of the depth, part of the 2 %.
+#include "precompute/solve/pair.hpp"
+
+#include "tests/support/bodies.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+constexpr double kYoung = 5e3, kPoisson = 0.49;
+
+PairResult press(const Body& body, const ToolScene& scene, const PairPath& path, const PairOptions& options) {
+  const Tool tool = make_tool(scene);
+  return solve_pair(body, tool, tool.vertices[0], ContactFrame{}, path, options);
+}
+
+TEST(Hertz, SphereForce) {
+  const double radius = 0.01, depth = 0.01 * radius, a = std::sqrt(radius * depth);
+  const Body body = test::block_body(40 * a, kYoung, kPoisson);
+  PairPath path;
+  path.normal_depths = {0.25 * depth, 0.5 * depth, 0.75 * depth, depth};
+  PairOptions options;
+  options.mesh_size = 0.25;
+  ToolScene sphere;
+  sphere.radius = radius;
+  const PairResult r = press(body, sphere, path, options);
+  ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
+  const double stiffness = 4.0 / 3 * kYoung / (1 - kPoisson * kPoisson) * std::sqrt(radius);
+  for (const Sample& s : r.samples) {
+    if (s.deflection.z() < 0.4 * depth) continue;
+    EXPECT_NEAR(s.force.z() / (stiffness * std::pow(s.deflection.z(), 1.5)), 1.0, 0.02) << "depth " << s.deflection.z();
+    EXPECT_LT(s.force.head<2>().norm(), 0.01 * s.force.z());
+  }
+}
+
+TEST(Sneddon, FlatPunchForce) {
+  ToolScene punch;
+  punch.shape = ToolScene::Shape::punch;
+  punch.radius = 0.005;
+  punch.edge_radius = 0.01 * punch.radius;
+  const double depth = 0.01 * punch.radius;
+  const Body body = test::block_body(40 * punch.radius, kYoung, kPoisson);
+  PairPath path;
+  path.normal_depths = {0.5 * depth, depth};
+  const PairResult r = press(body, punch, path, {});
+  ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
+  const Sample& s = r.samples.back();
+  EXPECT_NEAR(s.force.z() / (2 * kYoung / (1 - kPoisson * kPoisson) * punch.radius * s.deflection.z()), 1.0, 0.02);
+}
+
+// Stiffness of the stuck contact over Mindlin's, mean of four directions.
+double mindlin_ratio(const Body& body, double radius, double depth, double mesh_size) {
+  PairPath path;
+  path.normal_depths = {0.25 * depth, 0.5 * depth, 0.75 * depth, depth};
+  path.tangential_depths = {depth};
+  path.tangential_directions = 4;
+  path.tangential_points = 1;
+  path.tangential_reach = 0.1;
+  path.friction = 1.0;
+  path.form_frictionless = true;
+  PairOptions options;
+  options.mesh_size = mesh_size;
+  options.growth = 0.4;
+  ToolScene sphere;
+  sphere.radius = radius;
+  const PairResult r = press(body, sphere, path, options);
+  EXPECT_TRUE(r.outcome.accepted) << r.outcome.cause;
+  const double shear = kYoung / (2 * (1 + kPoisson)), a = std::sqrt(radius * depth);
+  const double expected = 8 * shear * a / (2 - kPoisson);
+  double sum = 0;
+  int count = 0;
+  for (const Sample& s : r.samples) {
+    if (s.kind != SampleKind::tangential) continue;
+    const Eigen::Vector2d side = s.deflection.head<2>();
+    sum -= s.force.head<2>().dot(side) / side.squaredNorm() / expected;
+    ++count;
+  }
+  EXPECT_EQ(count, 4);
+  return sum / count;
+}
+
+// The traction is singular at the rim, so the error falls only linearly with the elements' size: the limit of two
+// meshes is held to 2 %, the finer mesh alone to 3 %.
+TEST(Mindlin, TangentialStiffnessOfAStuckContact) {
+  const double radius = 0.01, depth = 0.01 * radius, a = std::sqrt(radius * depth);
+  const Body body = test::block_body(40 * a, kYoung, kPoisson);
+  const double coarse = mindlin_ratio(body, radius, depth, 0.3), fine = mindlin_ratio(body, radius, depth, 0.15);
+  EXPECT_NEAR(fine, 1.0, 0.03);
+  EXPECT_LT(std::abs(fine - 1), std::abs(coarse - 1));
+  EXPECT_NEAR(2 * fine - coarse, 1.0, 0.02);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Small response files with known answers: a box and a ball with Hertz-like responses.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "formats/response.hpp"
+
+namespace palpate::test {
+
+/// What a sample file holds.
+struct ResponseSampleOptions {
+  bool friction = true;
+  bool lateral = true;
+  bool uniform = false;  ///< every site answers alike
+  bool search = false;
+  std::uint32_t subdivision = 1;
+  int cells = 4;  ///< box: cells along an edge
+  enum class Tools { sphere, capsule, mesh, all } tools = Tools::sphere;
+};
+
+inline constexpr double kDepthScale = 0.005, kSidewaysScale = 0.002, kTipRadius = 0.005, kStemLength = 0.03;
+inline constexpr double kBoxSize = 0.06, kBallRadius = 0.03;
+inline constexpr double kHertzForce = 2.0;  ///< N at the depth scale
+
+namespace sample_detail {
+
+inline double knot(int count, int i) { return std::clamp(i - 3, 0, count - 3) / (count - 3.0); }
+
+/// Coefficients whose spline is s, s^2 or s^3 exactly (blossoms of the monomials).
+inline std::vector<float> monomial(int count, int power, double scale) {
+  std::vector<float> c;
+  for (int i = 0; i < count; ++i) {
+    const double a = knot(count, i + 1), b = knot(count, i + 2), d = knot(count, i + 3);
+    const double value = power == 1 ? (a + b + d) / 3 : power == 2 ? (a * b + b * d + d * a) / 3 : a * b * d;
+    c.push_back(static_cast<float>(scale * value));
+  }
+  return c;
+}
+
+/// Falling, skewed, 0 at the middle: 7 coefficients.
+inline std::vector<float> falling(double stiffness, double skew) {
+  std::vector<float> c(7);
+  const double u[] = {1.0, 0.8, 0.35, 0, -0.35, -0.8, -1.0};
+  for (int i = 0; i < 7; ++i) c[i] = static_cast<float>(stiffness * u[i] * (u[i] > 0 ? 1 + skew : 1));
+  c[3] = -(c[2] + c[4]) / 4;  // the value at the middle knot is (c2 + 4 c3 + c4) / 6
+  return c;
+}
+
+inline Triple scaled(const Triple& v, double s) { return {v[0] * s, v[1] * s, v[2] * s}; }
+inline Triple normalised(const Triple& v) { return scaled(v, 1 / std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])); }
+inline Triple tangent_of(const Triple& n, double turn) {
+  const Triple a = std::abs(n[0]) < 0.6 ? Triple{1, 0, 0} : Triple{0, 1, 0};
+  const double d = a[0] * n[0] + a[1] * n[1] + a[2] * n[2];
+  const Triple t = normalised({a[0] - d * n[0], a[1] - d * n[1], a[2] - d * n[2]});
+  const Triple b{n[1] * t[2] - n[2] * t[1], n[2] * t[0] - n[0] * t[2], n[0] * t[1] - n[1] * t[0]};
+  const double c = std::cos(turn), s = std::sin(turn);
+  return {c * t[0] + s * b[0], c * t[1] + s * b[1], c * t[2] + s * b[2]};
+}
+
+inline void add_tools(ResponseFileContent& content, ResponseSampleOptions::Tools which) {
+  using Tools = ResponseSampleOptions::Tools;
+  if (which == Tools::sphere || which == Tools::all) {
+    ResponseTool tool{"ball", layout::ToolKind::point_sphere, kTipRadius, kTipRadius, 0, {}, {{0, 0, 0}}};
+    tool.vertices.push_back({"tip", {0, 0, -kTipRadius}, {0, 0, -1}, {1, 0, 0}, 0});
+    content.tools.push_back(tool);
+  }
+  if (which == Tools::capsule || which == Tools::all) {
+    ResponseTool tool{"rod", layout::ToolKind::profile, kTipRadius, kTipRadius, kStemLength, {}, {}};
+    for (const double angle : {0.0, 45.0, 90.0}) {
+      const double a = angle * std::numbers::pi / 180;
+      std::string name = "tip";
+      name += std::to_string(static_cast<int>(angle));
+      tool.vertices.push_back({name,
+                               {kTipRadius * std::sin(a), 0, -kTipRadius * std::cos(a)},
+                               {std::sin(a), 0, -std::cos(a)},
+                               {std::cos(a), 0, std::sin(a)},
+                               kTipRadius * a});
+    }
+    const double quarter = kTipRadius * std::numbers::pi / 2;
+    tool.vertices.push_back({"stem", {kTipRadius, 0, kStemLength}, {1, 0, 0}, {0, 0, 1}, quarter + kStemLength});
+    tool.patches = {{0, 1, 1}, {1, 2, 2}, {2, 3, 3}};
+    content.tools.push_back(tool);
+  }
+  if (which == Tools::mesh || which == Tools::all) {
+    // An octahedron: a closed mesh with six corners.
+    ResponseTool tool{"gem", layout::ToolKind::mesh, 0.004, 0, 0, {}, {}};
+    const Triple axes[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+    for (const Triple& n : axes) {
+      std::string name = "v";
+      name += std::to_string(tool.vertices.size());
+      tool.vertices.push_back({name, scaled(n, 0.004), n, tangent_of(n, 0), 0});
+    }
+    tool.patches = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+    content.tools.push_back(tool);
+  }
+}
+
+/// Fn = hertz (0.9 s^3 + 0.1 s^2), g = s, skewed phi, mu about 0.3; each response a little different.
+inline void add_responses(ResponseFileContent& content, const ResponseSampleOptions& options) {
+  content.depth_scale = kDepthScale;
+  content.sideways_scale = options.friction ? kSidewaysScale : 0;
+  content.normal_coefs = 10;
+  content.lateral_coefs = options.lateral ? 6 : 0;
+  content.growth_coefs = options.friction ? 5 : 0;
+  content.sideways_coefs = options.friction ? 7 : 0;
+  content.friction_coefs = options.friction ? 4 : 0;
+  const std::size_t count = content.sites.size() * content.tool_vertex_count();
+  for (std::size_t i = 0; i < count; ++i) {
+    const double vary = options.uniform ? 0 : 0.2 * std::sin(1.7 * static_cast<double>(i));
+    Response r;
+    r.depth_limit = kDepthScale * (options.uniform ? 1 : 0.9 + 0.1 * std::cos(static_cast<double>(i)));
+    r.flags = i % 7 == 3 && !options.uniform ? layout::response_covered : layout::response_solved;
+    const std::vector<float> cubic = monomial(10, 3, 0.9 * kHertzForce * (1 + vary));
+    const std::vector<float> square = monomial(10, 2, 0.1 * kHertzForce * (1 + vary));
+    for (int k = 0; k < 10; ++k) r.normal.push_back(cubic[k] + square[k]);
+    if (options.lateral) {
+      r.lateral_x = monomial(6, 3, options.uniform ? 0 : 0.1 * vary * kHertzForce);
+      r.lateral_y = monomial(6, 2, options.uniform ? 0 : -0.05 * vary * kHertzForce);
+    }
+    if (options.friction) {
+      r.growth_x = monomial(5, 1, 1.0);
+      r.growth_y = monomial(5, 1, 0.9);
+      r.sideways_x = falling(1.5 * (1 + vary), 0.2);
+      r.sideways_y = falling(1.2 * (1 - vary), 0.0);
+      for (const double mu : {0.30, 0.31, 0.33, 0.36}) r.friction.push_back(static_cast<float>(mu * (1 + vary)));
+    }
+    content.responses.push_back(r);
+  }
+  content.provenance = R"({"generator": "test"})";
+}
+
+}  // namespace sample_detail
+
+/// A closed box centred at the origin, kBoxSize x kBoxSize x kBoxSize / 2; its top lies in z = kBoxSize / 4.
+inline ResponseFileContent box_content(const ResponseSampleOptions& options = {}) {
+  using namespace sample_detail;
+  ResponseFileContent content;
+  const int n = options.cells;
+  std::map<std::array<int, 3>, std::uint32_t> numbers;
+  std::vector<Triple> sums;
+  const auto site = [&](const std::array<int, 3>& cell, const Triple& face) {
+    const auto [at, fresh] = numbers.try_emplace(cell, static_cast<std::uint32_t>(numbers.size()));
+    if (fresh) {
+      ResponseSite s;
+      for (int k = 0; k < 3; ++k)
+        s.position[k] = kBoxSize * (k == 2 ? 0.5 : 1) * (cell[k] / static_cast<double>(n) - 0.5);
+      s.depth_limit = kDepthScale;
+      content.sites.push_back(s);
+      sums.push_back({0, 0, 0});
+    }
+    for (int k = 0; k < 3; ++k) sums[at->second][k] += face[k];
+    return at->second;
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const int side : {0, n}) {
+      Triple face{0, 0, 0};
+      face[axis] = side == 0 ? -1 : 1;
+      for (int i = 0; i < n; ++i) {
+        for (int j = 0; j < n; ++j) {
+          const auto corner = [&](int di, int dj) {
+            std::array<int, 3> cell{};
+            cell[axis] = side;
+            cell[(axis + 1) % 3] = i + di;
+            cell[(axis + 2) % 3] = j + dj;
+            return site(cell, face);
+          };
+          const std::uint32_t a = corner(0, 0), b = corner(1, 0), c = corner(1, 1), d = corner(0, 1);
+          if (side == 0) {
+            content.patches.push_back({a, c, b});
+            content.patches.push_back({a, d, c});
+          } else {
+            content.patches.push_back({a, b, c});
+            content.patches.push_back({a, c, d});
+          }
+        }
+      }
+    }
+  }
+  for (std::size_t i = 0; i < content.sites.size(); ++i) {
+    content.sites[i].normal = normalised(sums[i]);
+    content.sites[i].tangent = tangent_of(content.sites[i].normal, options.uniform ? 0 : 0.5 * static_cast<double>(i));
+  }
+  subdivide_surface(content, options.subdivision);
+  add_tools(content, options.tools);
+  add_responses(content, options);
+  if (options.search) add_search(content);
+  return content;
+}
+
+/// An octahedron split twice on a ball of kBallRadius round the origin; contact surface on the ball.
+inline ResponseFileContent ball_content(const ResponseSampleOptions& options = {}) {
+  using namespace sample_detail;
+  ResponseFileContent content;
+  std::vector<Triple> points = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  content.patches = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  for (int round = 0; round < 2; ++round) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
+    std::vector<std::array<std::uint32_t, 3>> finer;
+    const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+      const auto [at, fresh] = middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(points.size()));
+      if (fresh) {
+        points.push_back(
+            normalised({points[a][0] + points[b][0], points[a][1] + points[b][1], points[a][2] + points[b][2]}));
+      }
+      return at->second;
+    };
+    for (const auto& [a, b, c] : content.patches) {
+      const std::uint32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+      finer.insert(finer.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
+    }
+    content.patches = finer;
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    ResponseSite s;
+    s.normal = points[i];
+    s.position = scaled(points[i], kBallRadius);
+    s.tangent = tangent_of(s.normal, options.uniform ? 0 : 0.7 * static_cast<double>(i));
+    s.depth_limit = kDepthScale;
+    content.sites.push_back(s);
+  }
+  subdivide_surface(content, options.subdivision);
+  for (Triple& p : content.surface_vertices) p = scaled(normalised(p), kBallRadius);
+  add_tools(content, options.tools);
+  add_responses(content, options);
+  if (options.search) add_search(content);
+  return content;
+}
+
+}  // namespace palpate::test

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The ladder: as it is, repaired, wrapped; what comes out is always a clean surface near the input.
+#include "precompute/surface/clean.hpp"
+
+#include "precompute/surface/examine.hpp"
+#include "tests/surface/faulty_shapes.hpp"
+
+#include <cmath>
+#include <random>
+#include <set>
+
+namespace palpate::test {
+namespace {
+
+std::set<std::string> parts_of(const Surface& s) {
+  std::set<std::string> names;
+  for (const auto p : s.parts) names.insert(s.part_names.at(std::size_t(p)));
+  return names;
+}
+
+struct Expected {
+  std::string name;
+  Surface input;
+  std::string action;
+  double volume;            ///< m^3
+  double volume_tolerance;  ///< relative
+  double move;              ///< m, at most
+};
+
+TEST(Clean, EveryKindOfInput) {
+  const auto [box, lid] = cube_and_lid(0);
+  const auto [box_apart, lid_apart] = cube_and_lid(3e-4);
+  const double tiny = 1e-12;
+  const std::vector<Expected> all = {
+      {"clean", cube(), "used as it is", 0.008, 1e-12, 0},
+      {"ball", sphere_surface({0, 0, 0}, 0.1), "used as it is", 4.0 / 3 * std::numbers::pi * 1e-3, 0.02, 0},
+      {"split", split_vertices(cube()), "repaired", 0.008, 1e-12, tiny},
+      {"hole", small_hole(), "repaired", 0.008, 1e-12, 0.02},
+      {"fin", fin(), "repaired", 0.008, 1e-12, tiny},
+      {"doubled", doubled_face(), "repaired", 0.008, 1e-12, tiny},
+      {"flipped", some_flipped(), "repaired", 0.008, 1e-12, tiny},
+      {"inside out", inside_out(), "repaired", 0.008, 1e-12, tiny},
+      {"degenerate", with_degenerate(), "repaired", 0.008, 1e-9, 1e-9},
+      {"joined", together(box, lid), "repaired", 0.008, 1e-12, tiny},
+      {"joined apart", together(box_apart, lid_apart), "repaired", 0.008, 0.01, 4e-4},
+      {"pierced", pierced(), "wrapped", 0.0081, 0.2, 0.03},
+      {"overlapping", overlapping(), "wrapped", 0.015, 0.06, 0.01},
+  };
+  for (const auto& e : all) {
+    SCOPED_TRACE(e.name);
+    const auto cleaned = clean_surface(e.input, {}, "organ.ply");
+    const auto& report = cleaned.report;
+    const auto& surface = cleaned.query->surface();
+    EXPECT_EQ(report.action, e.action) << joined(report.findings);
+    EXPECT_TRUE(examine(surface).clean());
+    EXPECT_TRUE(closed_and_oriented(surface));
+    EXPECT_NEAR(surface_volume(surface), e.volume, e.volume * e.volume_tolerance);
+    EXPECT_NEAR(report.volume, surface_volume(surface), 1e-12);
+    EXPECT_LE(report.largest_move, e.move);
+    EXPECT_LE(report.mean_move, report.largest_move);
+    EXPECT_EQ(report.vertices, surface.vertices.size());
+    EXPECT_EQ(report.triangles, surface.triangles.size());
+    EXPECT_EQ(report.findings.empty(), e.action == "used as it is");
+    EXPECT_EQ(parts_of(surface).size(), parts_of(e.input).size()) << "a part was lost";
+  }
+}
+
+TEST(Clean, PartsStayWhereTheyWere) {
+  const auto [box, lid] = cube_and_lid(0);
+  for (const auto mode : {RepairMode::repair, RepairMode::wrap}) {
+    const auto cleaned = clean_surface(together(box, lid), {mode, 0, 0}, "organ.ply");
+    const auto& s = cleaned.query->surface();
+    double lid_area = 0;
+    for (std::size_t t = 0; t < s.triangles.size(); ++t) {
+      if (s.part_names[std::size_t(s.parts[t])] != "lid") continue;
+      lid_area += triangle_normal(s, t).norm() / 2;
+      EXPECT_GT(s.vertices[std::size_t(s.triangles[t][0])].z(), 0.18);
+    }
+    EXPECT_NEAR(lid_area, 0.04, mode == RepairMode::repair ? 1e-12 : 0.006);
+  }
+}
+
+TEST(Clean, HolesOnlyWhenSmall) {
+  const auto cleaned = clean_surface(small_hole(), {RepairMode::repair, 0, 0}, "organ.ply");
+  EXPECT_NEAR(cleaned.report.volume, 0.008, 1e-15);
+  EXPECT_NEAR(cleaned.report.area, 0.24, 1e-15);
+  expect_error(
+      [] {
+        clean_surface(cube_and_lid(0).first, {RepairMode::repair, 0, 0}, "organ.ply");
+      },
+      ExitCode::bad_input, {"organ.ply", "16 boundary edges", "wrap"});
+}
+
+TEST(Clean, ModeNoneNamesTheFault) {
+  const auto refuse = [](const Surface& s, const std::string& piece) {
+    expect_error(
+        [&] {
+          clean_surface(s, {RepairMode::none, 0, 0}, "organ.ply");
+        },
+        ExitCode::bad_input, {"organ.ply", "none", piece});
+  };
+  EXPECT_EQ(clean_surface(cube(), {RepairMode::none, 0, 0}, "organ.ply").report.action, "used as it is");
+  refuse(small_hole(), "3 boundary edges in 1 loop");
+  refuse(fin(), "more than two triangles");
+  refuse(doubled_face(), "double another");
+  refuse(some_flipped(), "opposite ways");
+  refuse(inside_out(), "inside out");
+  refuse(pierced(), "self-intersecting");
+  refuse(overlapping(), "self-intersecting");
+  refuse(with_degenerate(), "without area");
+  refuse(touching_in_a_point(), "touch in a point");
+}
+
+TEST(Clean, RepairAloneGivesUpWithTheReason) {
+  for (const auto& s : {pierced(), overlapping(), cube_and_lid(0).first}) {
+    expect_error(
+        [&] {
+          clean_surface(s, {RepairMode::repair, 0, 0}, "organ.ply");
+        },
+        ExitCode::bad_input, {"organ.ply", "after repair", "wrap"});
+  }
+}
+
+TEST(Clean, FlatAndUnusableInputIsRefused) {
+  Surface flat = cube();
+  for (auto& v : flat.vertices) v.z() = 0;
+  for (const auto mode : {RepairMode::none, RepairMode::repair}) {
+    expect_error([&] { clean_surface(flat, {mode, 0, 0}, "organ.ply"); }, ExitCode::bad_input, {"organ.ply"});
+  }
+  Surface line = cube();
+  for (auto& v : line.vertices) v = Eigen::Vector3d(v.x() + v.y() + v.z(), 0, 0);
+  for (const auto mode : {RepairMode::automatic, RepairMode::none, RepairMode::repair, RepairMode::wrap}) {
+    expect_error([&] { clean_surface(line, {mode, 0, 0}, "organ.ply"); }, ExitCode::bad_input, {"organ.ply"});
+  }
+  expect_error([] { clean_surface(Surface{}, {}, "organ.ply"); }, ExitCode::bad_input, {"organ.ply", "no triangles"});
+}
+
+TEST(Clean, SeparateComponents) {
+  // Apart: kept, and told. A cavity: turned inward, so that its volume is missing.
+  const auto apart = clean_surface(together(cube(), sphere_surface({0.5, 0.1, 0.1}, 0.05)), {}, "organ.ply");
+  EXPECT_EQ(apart.report.action, "used as it is");
+  EXPECT_EQ(apart.report.findings, std::vector<std::string>{"2 separate components"});
+  const auto hollow = clean_surface(together(cube(), sphere_surface({0.1, 0.1, 0.1}, 0.05)), {}, "organ.ply");
+  EXPECT_EQ(hollow.report.action, "repaired");
+  EXPECT_NEAR(hollow.report.volume, 0.008 - surface_volume(sphere_surface({0, 0, 0}, 0.05)), 1e-12);
+  expect_error(
+      [] {
+        clean_surface(together(cube(), sphere_surface({0.1, 0.1, 0.1}, 0.05)), {RepairMode::none, 0, 0}, "organ.ply");
+      },
+      ExitCode::bad_input, {"organ.ply", "wrong way"});
+}
+
+TEST(Clean, WrapTakesInnerMeshesIn) {
+  // An open double-walled bag alone is a thin shell; with something in it that fills it, a solid.
+  const auto bag = bowl(0.002);
+  const auto alone = clean_surface(bag, {RepairMode::wrap, 0, 0}, "organ.ply");
+  EXPECT_TRUE(alone.report.thin_bag);
+  const auto filled = clean_surface(together(bag, named(sphere_surface({0, 0, 0}, 0.097), "inner")), {}, "organ.ply");
+  EXPECT_FALSE(filled.report.thin_bag);
+  EXPECT_EQ(filled.report.action, "used as it is") << "nested without contact: two components";
+  const auto wrapped = clean_surface(together(bag, named(sphere_surface({0, 0, 0}, 0.097), "inner")),
+                                     {RepairMode::wrap, 0, 0}, "organ.ply");
+  EXPECT_FALSE(wrapped.report.thin_bag);
+  EXPECT_NEAR(wrapped.report.volume, 4.0 / 3 * std::numbers::pi * 1e-3, 3e-4);
+}
+
+// Whatever the triangles are, there is an answer: a clean surface, or a refusal that names the input.
+TEST(Clean, RandomSoups) {
+  std::mt19937 random(3);
+  const auto number = [&](std::size_t below) { return std::int32_t(random() % below); };
+  int cleaned = 0, refused = 0;
+  for (int round = 0; round < 50; ++round) {
+    Surface s;
+    const auto vertices = std::size_t(4 + number(12));
+    for (std::size_t v = 0; v < vertices; ++v) s.vertices.emplace_back(number(4), number(4), number(4));
+    for (std::size_t t = 0, count = 4 + std::size_t(number(30)); t < count; ++t) {
+      s.triangles.push_back({number(vertices), number(vertices), number(vertices)});
+    }
+    set_one_part(s, "soup");
+    try {
+      const auto result = clean_surface(s, {RepairMode::automatic, 1.0, 0.1}, "soup");
+      EXPECT_TRUE(examine(result.query->surface()).clean());
+      EXPECT_TRUE(std::isfinite(result.report.largest_move) && std::isfinite(result.report.thickness_median));
+      ++cleaned;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::bad_input);
+      EXPECT_EQ(std::string(error.what()).rfind("soup: ", 0), 0U) << error.what();
+      ++refused;
+    }
+  }
+  EXPECT_GT(cleaned, 30);
+  EXPECT_EQ(cleaned + refused, 50);
+}
+
+TEST(Clean, SameResultEveryTime) {
+  for (const auto& s : {overlapping(), fin(), with_degenerate()}) {
+    const auto a = clean_surface(s, {}, "organ.ply"), b = clean_surface(s, {}, "organ.ply");
+    EXPECT_EQ(a.query->surface().vertices, b.query->surface().vertices);
+    EXPECT_EQ(a.query->surface().triangles, b.query->surface().triangles);
+    EXPECT_EQ(a.query->surface().parts, b.query->surface().parts);
+  }
+}
+
+}  // namespace
+}  // namespace palpate::test

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// prepare_body: files joined, inclusions placed, supports checked, coarse copies made.
+#include "formats/surface_io.hpp"
+#include "precompute/body.hpp"
+#include "precompute/surface/examine.hpp"
+#include "precompute/surface/kernel.hpp"
+#include "tests/surface/faulty_shapes.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+
+namespace palpate::test {
+namespace {
+
+class Prepare : public testing::Test {
+protected:
+  void SetUp() override {
+    auto pattern = (std::filesystem::temp_directory_path() / "palpate-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+    scene_.file = folder_ / "scene.toml";
+    scene_.body.surfaces = {file("cube", cube())};
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  SurfaceSource file(const std::string& name, const Surface& surface) const {
+    const auto path = folder_ / (name + ".ply");
+    write_surface(surface, path);
+    return {path, {}, 1.0};
+  }
+
+  void expect_refused(const std::vector<std::string>& pieces) const {
+    expect_error([&] { prepare_body(scene_); }, ExitCode::bad_input, pieces);
+  }
+
+  SupportScene& support(SupportScene::Kind kind) {
+    scene_.supports.emplace_back();
+    scene_.supports.back().kind = kind;
+    return scene_.supports.back();
+  }
+
+  std::filesystem::path folder_;
+  Scene scene_;
+};
+
+TEST_F(Prepare, PlainCubeWithTheDefaultSupport) {
+  scene_.material = {1234, 0.3};
+  const Body body = prepare_body(scene_);
+  EXPECT_EQ(body.report.action, "used as it is");
+  EXPECT_NEAR(body.report.volume, 0.008, 1e-8);
+  EXPECT_NEAR(body.diagonal, 0.2 * std::sqrt(3.0), 1e-7);
+  EXPECT_EQ(body.material.young, 1234);
+  EXPECT_TRUE(body.inclusions.empty());
+  ASSERT_EQ(body.supports.size(), 1U);
+  EXPECT_TRUE(body.held({0.1, 0.1, 0.0}));
+  EXPECT_TRUE(body.held({0.0, 0.1, 0.0199}));
+  EXPECT_FALSE(body.held({0.0, 0.1, 0.0201}));
+  EXPECT_FALSE(body.held({0.1, 0.1, 0.2}));
+  EXPECT_TRUE(examine(body.base).clean());
+  EXPECT_GT(body.base.triangles.size(), 2000U);
+  EXPECT_LT(body.base.triangles.size(), 8000U);
+  EXPECT_NEAR(surface_volume(body.base), 0.008, 1e-4);
+}
+
+TEST_F(Prepare, NamedMeshesFromTwoFilesAndAMeshSupport) {
+  const auto [box, lid] = cube_and_lid(0);
+  scene_.body.surfaces = {file("box", box), file("lid", lid)};
+  support(SupportScene::Kind::mesh).mesh = "lid";
+  const Body body = prepare_body(scene_);
+  EXPECT_EQ(body.report.action, "repaired");
+  EXPECT_NEAR(body.report.volume, 0.008, 1e-8);
+  EXPECT_TRUE(body.held({0.1, 0.1, 0.2}));
+  EXPECT_FALSE(body.held({0.1, 0.0, 0.1}));
+  scene_.supports[0].mesh = "bottom";
+  expect_refused({"scene.toml", "support 1", "'bottom'", "box, lid"});
+}
+
+TEST_F(Prepare, UncleanSurfaceInModeNone) {
+  scene_.body.repair = RepairMode::none;
+  scene_.body.surfaces = {file("holed", small_hole())};
+  expect_refused({"holed.ply", "3 boundary edges"});
+}
+
+TEST_F(Prepare, SupportsOfEveryKind) {
+  auto& box = support(SupportScene::Kind::box);
+  box.box_min = {-1, -1, 0.15};
+  box.box_max = {1, 1, 1};
+  auto& distance = support(SupportScene::Kind::distance);
+  distance.other = file("bone", box_surface({-0.1, 0, 0}, {-0.005, 0.2, 0.1}));
+  distance.within = 0.01;
+  auto& half = support(SupportScene::Kind::half_space);
+  half.point = {0.2, 0, 0};
+  half.normal = {-1, 0, 0};
+  const Body body = prepare_body(scene_);
+  EXPECT_EQ(body.support_surfaces[0], nullptr);
+  EXPECT_NE(body.support_surfaces[1], nullptr);
+  EXPECT_TRUE(body.held({0.1, 0.1, 0.2}));   // box
+  EXPECT_TRUE(body.held({0.0, 0.1, 0.05}));  // distance
+  EXPECT_TRUE(body.held({0.2, 0.1, 0.05}));  // half space
+  EXPECT_FALSE(body.held({0.1, 0.0, 0.05}));
+  EXPECT_FALSE(body.held({0.0, 0.1, 0.13}));
+}
+
+TEST_F(Prepare, SupportsThatHoldNothingOrEverything) {
+  auto& box = support(SupportScene::Kind::box);
+  box.box_min = {1, 1, 1};
+  box.box_max = {2, 2, 2};
+  expect_refused({"scene.toml", "support 1", "holds no point"});
+  box.box_min = {-1, -1, -1};
+  expect_refused({"scene.toml", "whole surface"});
+  box.box_max = {0.1, 1, 1};
+  EXPECT_NO_THROW(prepare_body(scene_));
+  auto& half = support(SupportScene::Kind::half_space);
+  half.point = {0, 0, -1};
+  expect_refused({"scene.toml", "support 2", "holds no point"});
+}
+
+TEST_F(Prepare, Inclusions) {
+  scene_.regions = {{"tumour", file("a", sphere_surface({0.06, 0.1, 0.1}, 0.03)), {5e4, 0.45}},
+                    {"vessel", file("b", inside_out()), {1e4, 0.4}}};
+  // An inside-out inclusion is turned; scaled to a sixth it fits beside the first.
+  scene_.regions[1].surface.unit = 1.0;
+  Surface small = inside_out();
+  for (auto& v : small.vertices) v = v / 6 + Eigen::Vector3d(0.13, 0.1, 0.1);
+  write_surface(small, scene_.regions[1].surface.file);
+  const Body body = prepare_body(scene_);
+  ASSERT_EQ(body.inclusions.size(), 2U);
+  EXPECT_EQ(body.inclusions[0].name, "tumour");
+  EXPECT_EQ(body.inclusions[0].material.young, 5e4);
+  for (const auto& inclusion : body.inclusions) {
+    EXPECT_TRUE(examine(inclusion.base).clean());
+    EXPECT_EQ(crossings(inclusion.base, body.base), 0U);
+    EXPECT_LT(inclusion.query->signed_distance(inclusion.name == "tumour" ? Eigen::Vector3d(0.06, 0.1, 0.1)
+                                                                          : Eigen::Vector3d(0.14, 0.11, 0.11)),
+              0);
+  }
+  EXPECT_EQ(crossings(body.inclusions[0].base, body.inclusions[1].base), 0U);
+}
+
+TEST_F(Prepare, InclusionsThatDoNotFit) {
+  const auto place = [&](const Surface& s) { scene_.regions = {{"tumour", file("tumour", s), {}}}; };
+  place(sphere_surface({0.0, 0.1, 0.1}, 0.03));
+  expect_refused({"'tumour'", "tumour.ply", "intersects the body"});
+  place(sphere_surface({0.5, 0.1, 0.1}, 0.03));
+  expect_refused({"'tumour'", "outside"});
+  place(sphere_surface({0.1, 0.1, 0.1}, 0.5));
+  expect_refused({"'tumour'", "outside"});
+  place(sphere_surface({0.1, 0.1, 0.1}, 0.03));
+  scene_.regions.push_back({"second", file("second", sphere_surface({0.12, 0.1, 0.1}, 0.03)), {}});
+  expect_refused({"'second'", "intersects region 'tumour'"});
+  scene_.regions[1].surface = file("second", sphere_surface({0.1, 0.1, 0.1}, 0.01));
+  expect_refused({"'second'", "inside region 'tumour'"});
+}
+
+TEST_F(Prepare, MissingFileAndEmptyScene) {
+  scene_.body.surfaces[0].file = folder_ / "none.ply";
+  expect_error([&] { prepare_body(scene_); }, ExitCode::io, {"none.ply"});
+  scene_.body.surfaces.clear();
+  expect_refused({"scene.toml", "no surface"});
+}
+
+TEST_F(Prepare, SameBytesEveryTime) {
+  scene_.body.surfaces = {file("two", overlapping())};
+  scene_.body.wrap_alpha = 0.02;
+  const Body a = prepare_body(scene_), b = prepare_body(scene_);
+  EXPECT_EQ(a.query->surface().vertices, b.query->surface().vertices);
+  EXPECT_EQ(a.base.vertices, b.base.vertices);
+  EXPECT_EQ(a.base.triangles, b.base.triangles);
+}
+
+}  // namespace
+}  // namespace palpate::test

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// palpate play, inspect and bench as commands: results, JSON, exit codes of what goes wrong.
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/palpate_program.hpp"
+#include "tests/support/response_samples.hpp"
+
+namespace palpate::test {
+namespace {
+
+using Json = nlohmann::json;
+
+class Playback : public PalpateProgram {
+protected:
+  void SetUp() override {
+    ResponseSampleOptions options;
+    options.tools = ResponseSampleOptions::Tools::all;
+    write_response_file(folder() / "box.palp", encode(box_content(options)));
+    std::string motion = "t,x,y,z,qw,qx,qy,qz\n";
+    for (int i = 0; i <= 40; ++i) {
+      const double depth = i <= 20 ? -0.002 + 0.00025 * i : 0.003 - 0.00025 * (i - 20);
+      motion += std::to_string(0.01 * i) + ",0,0," + std::to_string(kBoxSize / 4 + kTipRadius - depth) + ",1,0,0,0\n";
+    }
+    write("push.csv", motion);
+  }
+};
+
+TEST_F(Playback, PlayWritesForcesAndPlotAndTellsThePeak) {
+  const RunResult result = run({"play", "box.palp", "push.csv", "--out", "f.csv", "--plot", "f.svg", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const Json json = Json::parse(result.out);
+  EXPECT_EQ(json["tool"], "ball");
+  EXPECT_EQ(json["rows"], 41);
+  EXPECT_EQ(json["contacts"], 1);
+  EXPECT_NEAR(json["peak_depth"].get<double>(), 0.003, 1e-5);
+  EXPECT_GT(json["peak_force"].get<double>(), 0.5);
+  EXPECT_EQ(file_content(folder() / "f.csv").rfind("t,fx,fy,fz", 0), 0U);
+  EXPECT_NE(file_content(folder() / "f.svg").find("force (N)"), std::string::npos);
+}
+
+TEST_F(Playback, PlayTakesTheToolAskedFor) {
+  const RunResult result = run({"play", "box.palp", "push.csv", "--tool", "rod", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_EQ(Json::parse(result.out)["tool"], "rod");
+}
+
+TEST_F(Playback, InspectListsSectionsFeaturesAndProvenance) {
+  const RunResult result = run({"inspect", "box.palp", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const Json json = Json::parse(result.out);
+  EXPECT_EQ(json["features"], Json({"lateral", "friction", "tool_patches"}));
+  EXPECT_EQ(json["left_out"], Json({"search"}));
+  EXPECT_EQ(json["provenance"]["generator"], "test");
+  EXPECT_EQ(json["responses"].get<int>(), json["responses_solved"].get<int>() + json["responses_covered"].get<int>());
+  EXPECT_EQ(json["tools"].size(), 3U);
+  std::size_t bytes = 0;
+  for (const Json& section : json["sections"]) bytes += section["bytes"].get<std::size_t>();
+  EXPECT_LT(bytes, json["bytes"].get<std::size_t>());
+  const RunResult text = run({"inspect", "box.palp"});
+  for (const char* part : {"RESPONSES", "left out", "tool 'gem': mesh", "\"generator\": \"test\""}) {
+    EXPECT_NE(text.out.find(part), std::string::npos) << part;
+  }
+}
+
+TEST_F(Playback, BenchNamesTheMachineAndTimesEveryState) {
+  const RunResult result = run({"bench", "box.palp", "--json", "--contacts", "3", "--seconds", "0.002"});
+  if (result.exit_code == 1) GTEST_SKIP() << "built without Google Benchmark";
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const Json json = Json::parse(result.out);
+  EXPECT_FALSE(json["machine"].get<std::string>().empty());
+  EXPECT_EQ(json["bytes_per_response"], 208);
+  for (const char* state : {"press", "slide", "free"}) {
+    EXPECT_GT(json["tick_ns"][state]["median"].get<double>(), 1) << state;
+    EXPECT_LT(json["tick_ns"][state]["median"].get<double>(), 1e6) << state;
+  }
+}
+
+TEST_F(Playback, BadInputsEndWithTheirCodeAndCause) {
+  write("empty.palp", "");
+  write("text.palp", std::string(5000, 'x'));
+  std::string damaged = file_content(folder() / "box.palp");
+  damaged[damaged.size() / 2] ^= 1;
+  write("damaged.palp", damaged);
+  write("short.palp", damaged.substr(0, 3000));
+  write("bad.csv", "t,x,y,z,qw,qx,qy,qz\n0,0,0,0,2,0,0,0\n");
+  struct Case {
+    std::vector<std::string> arguments;
+    int code;
+    std::vector<std::string> cause;
+  };
+  const Case cases[] = {
+      {{"inspect", "none.palp"}, 4, {"none.palp", "No such file"}},
+      {{"inspect", "empty.palp"}, 2, {"empty.palp", "truncated"}},
+      {{"inspect", "text.palp"}, 2, {"text.palp", "not a Palpate response file"}},
+      {{"inspect", "damaged.palp"}, 2, {"damaged.palp", "checksum"}},
+      {{"inspect", "short.palp"}, 2, {"short.palp", "truncated"}},
+      {{"inspect", "."}, 4, {"not a regular file"}},
+      {{"play", "box.palp", "none.csv"}, 4, {"none.csv", "No such file"}},
+      {{"play", "box.palp", "bad.csv"}, 2, {"bad.csv:2", "quaternion"}},
+      {{"play", "box.palp", "push.csv", "--tool", "knife"}, 2, {"no tool 'knife'", "ball, rod, gem"}},
+      {{"play", "box.palp", "push.csv", "--out", "none/f.csv"}, 4, {"none/f.csv"}},
+      {{"play", "box.palp"}, 1, {"motion"}},
+  };
+  for (const Case& bad : cases) {
+    SCOPED_TRACE(bad.arguments[0] + " " + bad.arguments[1]);
+    expect_failure(run(bad.arguments), bad.code, bad.cause);
+  }
+}
+
+}  // namespace
+}  // namespace palpate::test

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// palpate bake: solves every open pair of a scene into its journal; a killed or stopped bake goes on.
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "tools/output.hpp"
+#include "tools/pipeline_steps.hpp"
+
+namespace palpate::cli {
+namespace {
+
+struct Options {
+  std::string scene, work;
+  bool resume = true;
+};
+
+void run(const Options& options, const Globals& globals) {
+  pipeline::Pipeline p = pipeline::prepare(options.scene, {options.work, {}});
+  pipeline::plan(p);
+  const BakeReport report = bake_with_progress(p, globals);
+  if (globals.json) {
+    print_json(bake_json(p, report));
+  } else {
+    print(bake_text(p, report));
+  }
+}
+
+}  // namespace
+
+void add_bake(CLI::App& app, Globals& globals) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("bake", "Solves every open pair; goes on where an earlier bake stopped");
+  command->add_option("scene", options->scene, "Scene file")->required();
+  command->add_option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
+  command->add_flag("--resume", options->resume, "Go on with what is there (always so; accepted for scripts)");
+  command->callback([options, &globals] { run(*options, globals); });
+}
+
+}  // namespace palpate::cli

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// palpate bench: nanoseconds a tick and bytes a response of a file, on this machine.
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "tools/commands.hpp"
+#include "tools/output.hpp"
+#include "tools/response_input.hpp"
+#include "tools/tick_bench.hpp"
+
+namespace palpate::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::string file, tool;
+  TickBenchOptions bench;
+};
+
+Json times_json(const TickTimes& times) {
+  return {{"median", times.quantile(0.5)}, {"p95", times.quantile(0.95)}, {"worst", times.quantile(1)}};
+}
+
+std::string times_text(const char* name, const TickTimes& times) {
+  char line[160];
+  std::snprintf(line, sizeof line, "%-7s median %7.1f ns   95th percentile %7.1f ns   worst %7.1f ns\n", name,
+                times.quantile(0.5), times.quantile(0.95), times.quantile(1));
+  return line;
+}
+
+void run(Options options, const Globals& globals) {
+  const ResponseInput input(options.file);
+  options.bench.tool = input.tool(options.tool);
+  const std::string tool = input.view().tools[options.bench.tool].name;
+  note(globals, "timing " + std::to_string(options.bench.contacts) + " random contacts of the tool '" + tool + "'");
+  const TickBench bench = bench_ticks(input.view(), options.bench);
+  if (globals.json) {
+    print_json(
+        {{"file", options.file},
+         {"machine", machine_name()},
+         {"tool", tool},
+         {"contacts", bench.contacts},
+         {"bytes_per_response", bytes_per_response(input.view())},
+         {"tick_ns",
+          {{"press", times_json(bench.press)}, {"slide", times_json(bench.slide)}, {"free", times_json(bench.free)}}},
+         {"locate_ns", times_json(bench.locate)}});
+    return;
+  }
+  char head[200];
+  std::snprintf(head, sizeof head, "%s\n%d contacts of the tool '%s', %.0f bytes a response\n", machine_name().c_str(),
+                bench.contacts, tool.c_str(), bytes_per_response(input.view()));
+  print(head + times_text("press", bench.press) + times_text("slide", bench.slide) + times_text("free", bench.free) +
+        times_text("locate", bench.locate));
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app, Globals& globals) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("bench", "Times the ticks of a response file");
+  command->add_option("file", options->file, "Response file (.palp)")->required();
+  command->add_option("--tool", options->tool, "Name of the tool; default: the file's first");
+  command->add_option("--contacts", options->bench.contacts, "Random contacts")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command->add_option("--seed", options->bench.seed, "Of the random contacts")->capture_default_str();
+  command->add_option("--seconds", options->bench.seconds, "Measured for each contact and state")
+      ->check(CLI::Range(0.001, 10.0))
+      ->capture_default_str();
+  command->callback([options, &globals] { run(*options, globals); });
+}
+
+}  // namespace palpate::cli

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// `palpate build`: every stage from a scene to its response file, going on with what is there.
+#include "precompute/surface/report.hpp"
+#include "tools/commands.hpp"
+#include "tools/output.hpp"
+#include "tools/pipeline_steps.hpp"
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+namespace palpate::cli {
+namespace {
+
+struct Options {
+  std::string scene, work, output;
+};
+
+void run(const Options& options, const Globals& globals) {
+  pipeline::Pipeline p = pipeline::prepare(options.scene, {options.work, options.output});
+  note(globals, text(p.body.report));
+  if (p.body.report.thin_bag) {
+    warn("the body looks like a thin closed bag, not a solid: its median wall is " +
+         std::to_string(1e3 * p.body.report.thickness_median) + " mm thick");
+  }
+  pipeline::plan(p);
+  const BakeReport bake = bake_with_progress(p, globals);
+  const FitReport fit = pipeline::fit(p);
+  if (globals.json) {
+    print_json({{"bake", bake_json(p, bake)}, {"fit", fit_json(p, fit)}});
+  } else {
+    print(bake_text(p, bake) + fit_text(p, fit));
+  }
+}
+
+}  // namespace
+
+void add_build(CLI::App& app, Globals& globals) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("build", "Bakes a scene: mesh, plan, bake, fit; writes NAME.palp");
+  command->add_option("scene", options->scene, "Scene file (TOML)")->required();
+  command->add_option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
+  command->add_option("-o,--output", options->output, "Response file (default: NAME.palp beside the scene)");
+  command->callback([options, &globals] { run(*options, globals); });
+}
+
+}  // namespace palpate::cli

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// palpate inspect: what a response file holds, what was left out, and what each part costs in bytes.
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "tools/commands.hpp"
+#include "tools/output.hpp"
+#include "tools/response_input.hpp"
+
+namespace palpate::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct FeatureName {
+  std::uint32_t bit;
+  const char* name;
+  const char* without;  ///< what a file without it cannot do
+};
+constexpr FeatureName kFeatures[] = {
+    {layout::feature_lateral, "lateral", "a straight push has no sideways force"},
+    {layout::feature_friction, "friction", "frictionless: no sticking, no sideways force"},
+    {layout::feature_tool_patches, "tool_patches", "each tool touches in one manner"},
+    {layout::feature_search, "search", "the contact surface is small: searched triangle by triangle"}};
+
+constexpr const char* kKinds[] = {"sphere", "profile", "mesh"};
+
+struct Shares {
+  std::size_t solved = 0, covered = 0, held = 0, outside = 0;
+};
+
+Shares count_shares(const runtime::View& v) {
+  Shares s;
+  for (std::uint32_t i = 0; i < v.meta->response_count; ++i) {
+    ++((v.response_head(i).flags & layout::response_solved) != 0 ? s.solved : s.covered);
+  }
+  for (std::uint32_t i = 0; i < v.meta->site_count; ++i) {
+    s.held += (v.sites[i].flags & layout::site_held) != 0 ? 1 : 0;
+    s.outside += (v.sites[i].flags & layout::site_outside) != 0 ? 1 : 0;
+  }
+  return s;
+}
+
+Json tools_json(const runtime::View& v) {
+  Json tools = Json::array();
+  for (std::uint32_t i = 0; i < v.meta->tool_count; ++i) {
+    const layout::ToolRecord& t = v.tools[i];
+    tools.push_back({{"name", t.name}, {"kind", kKinds[t.kind]}, {"radius", t.radius}, {"vertices", t.vertex_count}});
+  }
+  return tools;
+}
+
+Json describe(const runtime::View& v, const std::string& file) {
+  const layout::Meta& m = *v.meta;
+  const Shares s = count_shares(v);
+  Json json{{"file", file}, {"bytes", v.size}, {"version", v.header().version}, {"model", "separable"}};
+  json["features"] = Json::array();
+  json["left_out"] = Json::array();
+  for (const FeatureName& f : kFeatures) json[(v.features & f.bit) != 0 ? "features" : "left_out"].push_back(f.name);
+  json["sections"] = Json::array();
+  for (std::uint32_t i = 0; i < v.header().section_count; ++i) {
+    const layout::SectionEntry& e = v.sections()[i];
+    json["sections"].push_back({{"name", layout::section_name(e.id)}, {"bytes", e.size}, {"count", e.count}});
+  }
+  json["depth_scale"] = m.depth_scale;
+  json["sideways_scale"] = m.sideways_scale;
+  json["sites"] = m.site_count;
+  json["sites_held"] = s.held;
+  json["sites_outside"] = s.outside;
+  json["patches"] = m.patch_count;
+  json["subdivision"] = m.subdivision;
+  json["surface_vertices"] = m.vertex_count;
+  json["surface_triangles"] = m.triangle_count;
+  json["tools"] = tools_json(v);
+  json["responses"] = m.response_count;
+  json["responses_solved"] = s.solved;
+  json["responses_covered"] = s.covered;
+  json["bytes_per_response"] = bytes_per_response(v);
+  json["coefficients"] = {{"normal", m.normal_coefs},
+                          {"lateral", m.lateral_coefs},
+                          {"growth", m.growth_coefs},
+                          {"sideways", m.sideways_coefs},
+                          {"friction", m.friction_coefs}};
+  const std::string text(v.provenance, v.provenance_size);
+  const Json provenance = Json::parse(text, nullptr, false);
+  json["provenance"] = provenance.is_discarded() ? Json(text) : provenance;
+  return json;
+}
+
+template <class... Values>
+void append(std::string& text, const char* format, Values... values) {
+  char line[300];
+  std::snprintf(line, sizeof line, format, values...);
+  text += line;
+}
+
+std::string as_text(const runtime::View& v, const Json& json) {
+  const layout::Meta& m = *v.meta;
+  std::string text;
+  append(text, "version %u, separable model, %zu bytes\n\n", v.header().version, v.size);
+  for (std::uint32_t i = 0; i < v.header().section_count; ++i) {
+    const layout::SectionEntry& e = v.sections()[i];
+    append(text, "  %-18s %12llu bytes %5.1f %%  %10llu x %u\n", layout::section_name(e.id),
+           static_cast<unsigned long long>(e.size), 100.0 * static_cast<double>(e.size) / static_cast<double>(v.size),
+           static_cast<unsigned long long>(e.count), e.element_size);
+  }
+  text += "\n";
+  for (const FeatureName& f : kFeatures) {
+    const bool there = (v.features & f.bit) != 0;
+    append(text, "%-13s %s%s%s\n", f.name, there ? "present" : "left out: ", there ? "" : f.without, "");
+  }
+  const Shares s = count_shares(v);
+  append(text, "\n%u sites (%zu held, %zu outside the sampled region), %u patches, %u contact triangles (%u a side)\n",
+         m.site_count, s.held, s.outside, m.patch_count, m.triangle_count, m.subdivision);
+  append(text, "%u responses of %.0f bytes: %zu solved, %zu covered from neighbours (%.2f %%)\n", m.response_count,
+         bytes_per_response(v), s.solved, s.covered, 100.0 * static_cast<double>(s.covered) / m.response_count);
+  append(text, "coefficients: normal %u, lateral %u, growth %u, sideways %u, friction %u\n", m.normal_coefs,
+         m.lateral_coefs, m.growth_coefs, m.sideways_coefs, m.friction_coefs);
+  append(text, "depth scale %.4g mm, sideways scale %.4g mm\n", 1e3 * m.depth_scale, 1e3 * m.sideways_scale);
+  for (std::uint32_t i = 0; i < m.tool_count; ++i) {
+    const layout::ToolRecord& t = v.tools[i];
+    append(text, "tool '%s': %s, radius %.4g mm, %u contact vertices\n", t.name, kKinds[t.kind],
+           1e3 * static_cast<double>(t.radius), t.vertex_count);
+  }
+  return text + "provenance: " + json["provenance"].dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace
+
+void add_inspect(CLI::App& app, Globals& globals) {
+  auto file = std::make_shared<std::string>();
+  CLI::App* command = app.add_subcommand("inspect", "Lists what a response file holds and what was left out");
+  command->add_option("file", *file, "Response file (.palp)")->required();
+  command->callback([file, &globals] {
+    const ResponseInput input(*file);
+    const Json json = describe(input.view(), *file);
+    globals.json ? print_json(json) : print(as_text(input.view(), json));
+  });
+}
+
+}  // namespace palpate::cli

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// palpate mesh: prepares a scene's organ and shows what came of it, before anything is solved.
+#include "formats/file.hpp"
+#include "formats/surface_io.hpp"
+#include "precompute/body.hpp"
+#include "precompute/surface/report.hpp"
+#include "tools/output.hpp"
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+namespace palpate::cli {
+
+namespace {
+
+struct Arguments {
+  std::string scene, out;
+};
+
+nlohmann::ordered_json to_json(const SurfaceReport& report) {
+  return {{"action", report.action},
+          {"findings", report.findings},
+          {"vertices", report.vertices},
+          {"triangles", report.triangles},
+          {"largest_move", report.largest_move},
+          {"mean_move", report.mean_move},
+          {"volume", report.volume},
+          {"area", report.area},
+          {"thickness_min", report.thickness_min},
+          {"thickness_p05", report.thickness_p05},
+          {"thickness_median", report.thickness_median},
+          {"thin_bag", report.thin_bag}};
+}
+
+void run(const Arguments& arguments, const Globals& globals) {
+  const Scene scene = read_scene(arguments.scene);
+  const Body body = prepare_body(scene);
+  std::vector<std::filesystem::path> files;
+  if (!arguments.out.empty()) {
+    const std::filesystem::path folder = arguments.out;
+    make_folder(folder);
+    write_surface(body.query->surface(), files.emplace_back(folder / "body.ply"));
+    write_surface(body.base, files.emplace_back(folder / "base.ply"));
+    for (const Inclusion& inclusion : body.inclusions) {
+      write_surface(inclusion.query->surface(), files.emplace_back(folder / (inclusion.name + ".ply")));
+    }
+  }
+  if (globals.json) {
+    nlohmann::ordered_json document{{"scene", arguments.scene}, {"surface", to_json(body.report)}};
+    document["inclusions"] = body.inclusions.size();
+    document["base_size"] = body.base_size;
+    document["files"] = nlohmann::ordered_json::array();
+    for (const auto& file : files) document["files"].push_back(file.string());
+    print_json(document);
+    return;
+  }
+  std::string result = text(body.report);
+  for (const auto& file : files) result += file.string() + "\n";
+  print(result);
+  if (body.report.thin_bag) {
+    warn("the organ looks like a thin bag, not a solid: name its inner meshes too, or set [body] repair = \"wrap\"");
+  }
+}
+
+}  // namespace
+
+void add_mesh(CLI::App& app, Globals& globals) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("mesh", "Prepares the organ's surface and reports what was done to it");
+  command->add_option("scene", arguments->scene, "Scene file")->required();
+  command->add_option("--out", arguments->out, "Folder for the prepared surfaces (.ply)");
+  command->callback([arguments, &globals] { run(*arguments, globals); });
+}
+
+}  // namespace palpate::cli

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// palpate plan: which pairs a scene asks for, written as the manifest.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "precompute/bake/pipeline.hpp"
+#include "tools/commands.hpp"
+#include "tools/output.hpp"
+
+namespace palpate::cli {
+namespace {
+
+struct Options {
+  std::string scene, work;
+};
+
+void run(const Options& options, const Globals& globals) {
+  pipeline::Pipeline p = pipeline::prepare(options.scene, {options.work, {}});
+  pipeline::plan(p);
+  const Plan& plan = p.plan;
+  std::size_t support = 0, unreachable = 0;
+  for (const SkippedPair& pair : plan.skipped) {
+    support += pair.reason == SkipReason::support ? 1 : 0;
+    unreachable += pair.reason == SkipReason::unreachable ? 1 : 0;
+  }
+  std::vector<double> depths;
+  for (const PairPlan& pair : plan.pairs) depths.push_back(pair.depth);
+  std::sort(depths.begin(), depths.end());
+
+  if (globals.json) {
+    print_json({{"sites", plan.sites.size()},
+                {"pairs_planned", plan.pairs.size()},
+                {"pairs_on_support", support},
+                {"support_area_share", plan.support_share},
+                {"pairs_unreachable", unreachable},
+                {"unreachable_area_share", plan.unreachable_share},
+                {"pairs_outside", plan.skipped.size() - support - unreachable},
+                {"depth_min", depths.front()},
+                {"depth_median", depths[depths.size() / 2]},
+                {"depth_max", depths.back()},
+                {"manifest", p.paths.manifest.string()},
+                {"manifest_hash", to_hex(p.manifest)}});
+    return;
+  }
+  char text[512];
+  std::snprintf(text, sizeof text,
+                "%zu sites, %zu pairs to solve\n"
+                "not touchable: %zu pairs on or beside a support (%.1f %% of the area), %zu in folds narrower than the tool "
+                "(%.1f %%), %zu outside the region\n"
+                "depth %.2f to %.2f mm, median %.2f mm\n",
+                plan.sites.size(), plan.pairs.size(), support, 100 * plan.support_share, unreachable,
+                100 * plan.unreachable_share, plan.skipped.size() - support - unreachable,
+                1e3 * depths.front(), 1e3 * depths.back(), 1e3 * depths[depths.size() / 2]);
+  print(text + p.paths.manifest.string() + "\n");
+}
+
+}  // namespace
+
+void add_plan(CLI::App& app, Globals& globals) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("plan", "Lists every pair to be solved (NAME.work/manifest.json)");
+  command->add_option("scene", options->scene, "Scene file")->required();
+  command->add_option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
+  command->callback([options, &globals] { run(*options, globals); });
+}
+
+}  // namespace palpate::cli

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// palpate scene: checks a scene file, or prints the reference of all keys.
+#include "formats/error.hpp"
+#include "formats/scene.hpp"
+#include "tools/output.hpp"
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+namespace palpate::cli {
+
+namespace {
+
+/// Files that the scene names and that are not there, found before hours of work rather than after.
+void check_files(const Scene& scene) {
+  const auto check = [&](const SurfaceSource& source) {
+    std::error_code error;
+    if (source.file.empty() || std::filesystem::is_regular_file(source.file, error)) return;
+    throw Error(ExitCode::io,
+                source.file.string() + ": named by " + scene.file.string() + ", but there is no such file");
+  };
+  for (const SurfaceSource& source : scene.body.surfaces) check(source);
+  for (const RegionScene& region : scene.regions) check(region.surface);
+  for (const SupportScene& support : scene.supports) check(support.other);
+  for (const ToolScene& tool : scene.tools) check(tool.surface);
+}
+
+void run(const std::string& file, const Globals& globals) {
+  const Scene scene = read_scene(file);
+  check_files(scene);
+  if (!globals.json) {
+    print(file + ": good\n" + canonical_text(scene));
+    return;
+  }
+  nlohmann::ordered_json document;
+  document["scene"] = file;
+  document["name"] = scene.name;
+  document["friction"] = scene.friction;
+  document["regions"] = scene.regions.size();
+  document["supports"] = scene.supports.size();
+  for (const ToolScene& tool : scene.tools) document["tools"].push_back(tool.name);
+  document["settings"] = canonical_text(scene);
+  print_json(document);
+}
+
+}  // namespace
+
+void add_scene(CLI::App& app, Globals& globals) {
+  struct Arguments {
+    std::string file;
+    bool reference = false;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("scene", "Checks a scene file, or prints the reference of all its keys");
+  CLI::Option* file = command->add_option("scene", arguments->file, "Scene file");
+  CLI::Option* reference =
+      command->add_flag("--reference", arguments->reference, "Print every key with default, range and help, as TOML");
+  file->excludes(reference);
+  command->callback([arguments, &globals] {
+    if (arguments->reference) return print(scene_reference());
+    if (arguments->file.empty()) throw CLI::RequiredError("scene");
+    run(arguments->file, globals);
+  });
+}
+
+}  // namespace palpate::cli

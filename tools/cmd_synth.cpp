@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// palpate synth: writes a synthetic organ with scene and motion.
+#include "datasets-synthetic/dataset.hpp"
+#include "tools/output.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+namespace palpate::cli {
+
+namespace {
+
+// In the order of the enumerators.
+const std::vector<std::string> kOrgans{"slab", "ball", "liver"};
+const std::vector<std::string> kInstruments{"sphere", "punch", "capsule", "stylus"};
+const std::vector<std::string> kMotions{"probe", "scan"};
+
+struct Arguments {
+  synth::DatasetOptions options;
+  std::string folder, organ, instrument = kInstruments[0], motion = kMotions[0];
+};
+
+template <class E>
+E enumerator(const std::vector<std::string>& names, const std::string& name) {
+  return static_cast<E>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+void run(const Arguments& arguments, const Globals& globals) {
+  synth::DatasetOptions options = arguments.options;
+  options.organ = enumerator<synth::Organ>(kOrgans, arguments.organ);
+  options.instrument = enumerator<synth::Instrument>(kInstruments, arguments.instrument);
+  options.motion = enumerator<synth::MotionKind>(kMotions, arguments.motion);
+  const auto files = synth::write_dataset(options, arguments.folder);
+  if (globals.json) {
+    nlohmann::ordered_json document;
+    document["scene"] = files[0].string();
+    document["motion"] = files[1].string();
+    for (const auto& file : files) document["files"].push_back(file.string());
+    print_json(document);
+    return;
+  }
+  for (const auto& file : files) print(file.string() + "\n");
+  note(globals, "Next: palpate build " + files[0].string());
+}
+
+}  // namespace
+
+void add_synth(CLI::App& app, Globals& globals) {
+  auto arguments = std::make_shared<Arguments>();
+  synth::DatasetOptions& o = arguments->options;
+  CLI::App* command = app.add_subcommand("synth", "Writes a synthetic organ with scene and motion, from a seed");
+
+  command->add_option("organ", arguments->organ, "slab, ball or liver")
+      ->required()
+      ->check(CLI::IsMember(kOrgans))
+      ->type_name("ORGAN");
+  command->add_option("--out", arguments->folder, "Folder to write to; created when missing")->required();
+  command->add_option("--seed", o.seed, "Seed of the liver's shape and of the probed place")
+      ->check(CLI::NonNegativeNumber)  // else -1 would wrap round
+      ->capture_default_str();
+  command->add_option("--scale", o.scale, "Size of the organ, 1: adult")
+      ->check(number_in(0.1, 10.0))
+      ->capture_default_str();
+  const CLI::Validator length = number_in(1e-4, 1.0);
+  command->add_option("--edge", o.edge, "Edge length of the organ's surface (m)")->check(length);
+  command->add_option("--young", o.young, "Young's modulus (Pa)")->check(number_in(1e-3, 1e12))->capture_default_str();
+  command->add_option("--poisson", o.poisson, "Poisson's ratio")->check(number_in(0.0, 0.4999))->capture_default_str();
+  command->add_flag("--inclusion", o.inclusion, "With a stiff ball inside");
+  command->add_option("--inclusion-radius", o.inclusion_radius, "Its radius (m)")->check(length)->needs("--inclusion");
+  command->add_option("--inclusion-gap", o.inclusion_gap, "Tissue over it (m)")->check(length)->needs("--inclusion");
+  command->add_option("--inclusion-young", o.inclusion_young, "Its modulus (Pa)")
+      ->check(number_in(1e-3, 1e12))
+      ->needs("--inclusion")
+      ->capture_default_str();
+  command->add_option("--tool", arguments->instrument, "sphere, punch, capsule or stylus")
+      ->check(CLI::IsMember(kInstruments))
+      ->type_name("TOOL")
+      ->capture_default_str();
+  command->add_flag("--tool-mesh", o.instrument_as_mesh, "Write the instrument as a closed mesh (sphere, capsule)");
+  command->add_option("--tool-radius", o.tool_radius, "Radius of the tip (m)")->check(length)->capture_default_str();
+  command->add_option("--tool-length", o.tool_length, "Length of capsule or stylus (m)")
+      ->check(length)
+      ->capture_default_str();
+  command->add_option("--friction", o.friction, "Coulomb coefficient")
+      ->check(number_in(0.0, 2.0))
+      ->capture_default_str();
+  command->add_option("--spacing", o.spacing, "Edge length of the body's patches (m)")->check(length);
+  command->add_option("--depth", o.depth, "Deepest push (m)")->check(length)->capture_default_str();
+  command->add_option("--motion", arguments->motion, "probe or scan")
+      ->check(CLI::IsMember(kMotions))
+      ->type_name("MOTION")
+      ->capture_default_str();
+  command->add_option("--rate", o.motion_rate, "Rows of the motion a second")
+      ->check(number_in(1.0, 1e4))
+      ->capture_default_str();
+  command->callback([arguments, &globals] { run(*arguments, globals); });
+}
+
+}  // namespace palpate::cli

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What every command of the `palpate` executable shares: global options and how a command is added.
+//
+// To add the command `foo`:
+//  1. write tools/cmd_foo.cpp, which defines `void palpate::cli::add_foo(CLI::App&, Globals&)`;
+//  2. add `palpate_command(foo NEEDS palpate_<library>...)` to tools/CMakeLists.txt. main.cpp picks it up.
+//
+//     void add_foo(CLI::App& app, Globals& globals) {
+//       struct Options { std::string scene; double limit = 1.0; };
+//       auto options = std::make_shared<Options>();          // must outlive parsing
+//       CLI::App* command = app.add_subcommand("foo", "Does foo");
+//       command->add_option("scene", options->scene, "Scene file")->required();
+//       command->add_option("--limit", options->limit, "Largest foo (m)")->check(number_in(1e-6, 1.0));
+//       command->callback([options, &globals] { run_foo(*options, globals); });
+//     }
+//
+// Rules: check numbers by number_in, since CLI::Range and CLI::PositiveNumber let NaN through; take files as plain
+// strings, without CLI::ExistingFile (a missing file is exit code 4, not wrong usage); throw palpate::Error, main turns
+// it into the message and the exit code; never call exit(). Results go to standard output by output.hpp, progress and
+// messages to standard error. Work that lasts polls interrupted() (interrupt.hpp), saves what it has and throws
+// Interrupted.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <sstream>
+#include <string>
+
+namespace palpate::cli {
+
+/// Options that every command understands; they may stand before or after the command's name.
+struct Globals {
+  bool json = false;   ///< --json: the result as one JSON document on standard output
+  bool quiet = false;  ///< --quiet: no progress and no notes on standard error (errors stay)
+  int threads = 1;     ///< --threads: worker threads, at least 1; default: one a processor
+};
+
+/// Checks that an option is a number in [low, high]; NaN is not.
+inline CLI::Validator number_in(double low, double high) {
+  std::ostringstream range;
+  range << "[" << low << ", " << high << "]";
+  return CLI::Validator(
+      [low, high, text = range.str()](const std::string& value) -> std::string {
+        double number = 0;
+        if (CLI::detail::lexical_cast(value, number) && number >= low && number <= high) return {};
+        return "got " + value + "; allowed " + text;
+      },
+      "in " + range.str());
+}
+
+#define PALPATE_COMMAND(name) void add_##name(CLI::App& app, Globals& globals);
+#include "command_list.inc"
+#undef PALPATE_COMMAND
+
+}  // namespace palpate::cli

@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# From nothing to a force trace: installs what is missing, builds the command line, makes a small synthetic liver, bakes
+# and verifies it, and plays a probing motion on it.   tools/demo.sh [FOLDER]     (default: build/demo)
+set -euo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+
+folder=${1:-$palpate_root/build/demo}
+palpate_install
+palpate_build release palpate palpate-tetgen
+palpate=$palpate_root/build/release/bin/palpate
+
+# Small, with few contact sites: the bake takes a minute or two.
+"$palpate" synth liver --out "$folder" --seed 1 --scale 0.6 --tool-radius 0.004 --depth 0.002 --spacing 0.025
+"$palpate" build "$folder/scene.toml"
+"$palpate" verify "$folder/scene.toml" --count 10 --report "$folder/verify.json"
+"$palpate" play "$folder/scene.palp" "$folder/motion.csv" --out "$folder/forces.csv" --plot "$folder/forces.svg"
+
+cat <<END
+
+Response file:  $folder/scene.palp      (palpate inspect lists what it holds)
+Verification:   $folder/verify.json
+Forces:         $folder/forces.csv
+Plot:           $folder/forces.svg
+END

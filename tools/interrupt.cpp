@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Signal handlers: only async-signal-safe work happens in them.
+#include "tools/interrupt.hpp"
+
+#include <unistd.h>
+#include <atomic>
+#include <csignal>
+
+namespace palpate::cli {
+
+namespace {
+
+std::atomic<int> pending_signal{0};
+static_assert(std::atomic<int>::is_always_lock_free);
+
+extern "C" void on_signal(int signal) {
+  if (pending_signal.exchange(signal, std::memory_order_relaxed) != 0) _exit(128 + signal);
+}
+
+}  // namespace
+
+void install_interrupt_handlers() {
+  struct sigaction action = {};
+  action.sa_handler = on_signal;
+  sigemptyset(&action.sa_mask);
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+bool interrupted() noexcept { return pending_signal.load(std::memory_order_relaxed) != 0; }
+
+int interrupt_exit_code() noexcept { return 128 + pending_signal.load(std::memory_order_relaxed); }
+
+}  // namespace palpate::cli

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Motion CSV, strictly: a wrong line is an error, not a guess.
+#include "tools/motion_file.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+#include "formats/error.hpp"
+#include "formats/file.hpp"
+
+namespace palpate::cli {
+namespace {
+
+constexpr const char* kHeader = "t,x,y,z,qw,qx,qy,qz";
+constexpr std::size_t kLargest = std::size_t{1} << 30;
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r')) text.remove_suffix(1);
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+  return text;
+}
+
+class Reader {
+public:
+  explicit Reader(const std::filesystem::path& file) : file_(file), text_(read_file(file, "motion", kLargest)) {}
+
+  std::vector<MotionRow> read() {
+    std::string_view rest = text_;
+    std::vector<MotionRow> rows;
+    while (!rest.empty()) {
+      const std::size_t end = rest.find('\n');
+      const std::string_view line = trimmed(rest.substr(0, end));
+      rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
+      ++line_;
+      if (line_ == 1) {
+        check_header(line);
+      } else if (!line.empty()) {
+        rows.push_back(row(line));
+        if (rows.size() > 1 && rows.back().time <= rows[rows.size() - 2].time) {
+          fail("time " + std::to_string(rows.back().time) + " s is not after the row before");
+        }
+      }
+    }
+    if (line_ == 0) check_header("");
+    if (rows.empty()) throw Error(ExitCode::bad_input, file_.string() + ": the motion has no rows");
+    return rows;
+  }
+
+private:
+  [[noreturn]] void fail(const std::string& what) const {
+    throw Error(ExitCode::bad_input, file_.string() + ":" + std::to_string(line_) + ": " + what);
+  }
+
+  void check_header(std::string_view line) {
+    std::string packed;
+    for (const char c : line) {
+      if (c != ' ' && c != '\t') packed += c;
+    }
+    if (packed != kHeader) {
+      line_ = 1;
+      fail(std::string("the first line must be the header ") + kHeader);
+    }
+  }
+
+  double number(std::string_view field, int column) const {
+    double value = 0;
+    const std::string_view text = trimmed(field);
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
+      fail("column " + std::to_string(column) + ": '" + std::string(text.substr(0, 40)) + "' is not a finite number");
+    }
+    return value;
+  }
+
+  MotionRow row(std::string_view line) const {
+    double values[8] = {};
+    int count = 0;
+    for (bool more = true; more; ++count) {
+      const std::size_t comma = line.find(',');
+      more = comma != std::string_view::npos;
+      if (count < 8) values[count] = number(line.substr(0, comma), count + 1);
+      if (more) line.remove_prefix(comma + 1);
+    }
+    if (count != 8) fail(std::to_string(count) + " columns, expected 8: " + kHeader);
+    const double length = std::hypot(std::hypot(values[4], values[5]), std::hypot(values[6], values[7]));
+    if (std::abs(length - 1) > 0.01) {
+      fail("the quaternion's length is " + std::to_string(length) + ", allowed 0.99 to 1.01");
+    }
+    for (int k = 1; k < 4; ++k) {
+      if (std::abs(values[k]) >= 1e6) fail("column " + std::to_string(k + 1) + ": beyond 1e6 m");
+    }
+    return {values[0], {values[1], values[2], values[3]}, {values[4], values[5], values[6], values[7]}};
+  }
+
+  std::filesystem::path file_;
+  std::string text_;
+  std::size_t line_ = 0;
+};
+
+}  // namespace
+
+std::vector<MotionRow> read_motion(const std::filesystem::path& file) { return Reader(file).read(); }
+
+runtime::Pose pose_between(const MotionRow& a, const MotionRow& b, double share) {
+  double cosine = 0, q[4];
+  for (int k = 0; k < 4; ++k) cosine += a.quaternion[k] * b.quaternion[k];
+  const double sign = cosine < 0 ? -1 : 1;  // the short way round
+  const double angle = std::acos(std::min(1.0, std::abs(cosine)));
+  // Too small an angle to divide by its sine: the straight way is as good.
+  const bool turns = angle > 1e-6;
+  const double from = turns ? std::sin((1 - share) * angle) / std::sin(angle) : 1 - share;
+  const double to = sign * (turns ? std::sin(share * angle) / std::sin(angle) : share);
+  for (int k = 0; k < 4; ++k) q[k] = from * a.quaternion[k] + to * b.quaternion[k];
+  return runtime::Pose::from_quaternion(q[0], q[1], q[2], q[3], a.position + share * (b.position - a.position));
+}
+
+}  // namespace palpate::cli

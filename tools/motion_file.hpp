@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A motion of a tool: poses over time, read from CSV.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "palpate/math3.hpp"
+
+namespace palpate::cli {
+
+struct MotionRow {
+  double time = 0;                      ///< s, strictly ascending
+  runtime::Vec3 position;               ///< m, origin of the tool's frame in the body's
+  double quaternion[4] = {1, 0, 0, 0};  ///< w, x, y, z; unit, tool to body
+};
+
+/// Reads the columns t,x,y,z,qw,qx,qy,qz, with that header. Throws Error(io) when the file cannot be read and
+/// Error(bad_input) "file:line: ..." for a wrong header, number, order of time, or a quaternion that is not
+/// of length 1 within 1 %.
+std::vector<MotionRow> read_motion(const std::filesystem::path& file);
+
+/// The pose a share of the way from `a` to `b`; turns at an even rate. share in [0, 1].
+runtime::Pose pose_between(const MotionRow& a, const MotionRow& b, double share);
+
+}  // namespace palpate::cli

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Progress and reports of bake and fit.
+#include "tools/pipeline_steps.hpp"
+
+#include "precompute/bake/progress.hpp"
+#include "tools/interrupt.hpp"
+#include "tools/output.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+namespace palpate::cli {
+namespace {
+
+nlohmann::ordered_json figures_json(const ErrorFigures& figures) {
+  return {{"samples", figures.samples},
+          {"median", figures.median},
+          {"p95", figures.p95},
+          {"worst", figures.worst},
+          {"worst_pair", figures.worst_pair}};
+}
+
+std::string figures_text(const char* name, const ErrorFigures& f, const Plan& plan) {
+  if (f.samples == 0) return {};
+  char text[256];
+  std::snprintf(text, sizeof text, "fit, %s: median %.2f %%, 95th percentile %.2f %%, worst %.2f %% in ", name,
+                100 * f.median, 100 * f.p95, 100 * f.worst);
+  return text + describe(f.worst_pair, plan.pairs[f.worst_pair]) + "\n";
+}
+
+}  // namespace
+
+BakeReport bake_with_progress(const pipeline::Pipeline& p, const Globals& globals) {
+  ProgressPrinter printer(stderr);
+  BakeOptions bake;
+  bake.threads = static_cast<unsigned>(globals.threads);
+  bool told = false;
+  bake.stop = [&] {
+    if (interrupted() && !told) {
+      told = true;
+      printer.finish();
+      note(globals, "stopping after the solves that are running; Ctrl-C again ends at once, and loses nothing either");
+    }
+    return interrupted();
+  };
+  if (!globals.quiet) bake.progress = std::ref(printer);
+  const BakeReport report = pipeline::bake(p, bake);
+  printer.finish();
+  if (report.torn_bytes > 0) {
+    note(globals,
+         "the journal ended in " + std::to_string(report.torn_bytes) + " bytes of an unfinished record: cut off");
+  }
+  if (report.stopped) {
+    throw Interrupted(std::to_string(report.finished()) + " of " + std::to_string(report.total) +
+                      " pairs are solved and kept; run the same command again to go on");
+  }
+  return report;
+}
+
+nlohmann::ordered_json bake_json(const pipeline::Pipeline& p, const BakeReport& report) {
+  nlohmann::ordered_json json{{"pairs_planned", report.total},
+                              {"pairs_accepted", report.accepted},
+                              {"pairs_refused", report.refused.size()},
+                              {"pairs_resumed", report.resumed},
+                              {"normal_solves", report.normal_solves},
+                              {"tangential_solves", report.tangential_solves},
+                              {"factorisations", report.factorisations},
+                              {"torn_bytes", report.torn_bytes},
+                              {"bake_seconds", pipeline::bake_seconds(p)},
+                              {"journal", p.paths.journal.string()},
+                              {"refused", nlohmann::ordered_json::array()}};
+  for (const RefusedPair& refused : report.refused) {
+    json["refused"].push_back({{"pair", refused.pair},
+                               {"site", p.plan.pairs[refused.pair].site},
+                               {"tool", p.plan.pairs[refused.pair].tool},
+                               {"tool_vertex", p.plan.pairs[refused.pair].tool_vertex},
+                               {"cause", refused.cause}});
+  }
+  return json;
+}
+
+std::string bake_text(const pipeline::Pipeline& p, const BakeReport& report) {
+  std::string text = std::to_string(report.accepted) + " of " + std::to_string(report.total) + " pairs accepted, " +
+                     std::to_string(report.refused.size()) + " refused, " + std::to_string(report.normal_solves) +
+                     " normal and " + std::to_string(report.tangential_solves) + " tangential solves, " +
+                     duration_text(pipeline::bake_seconds(p)) + " in all\n";
+  for (const RefusedPair& refused : report.refused) {
+    text += "refused: " + describe(refused.pair, p.plan.pairs[refused.pair]) + ": " + refused.cause + "\n";
+  }
+  return text;
+}
+
+nlohmann::ordered_json fit_json(const pipeline::Pipeline& p, const FitReport& report) {
+  nlohmann::ordered_json json{{"pairs_planned", report.planned},
+                              {"pairs_accepted", report.accepted},
+                              {"pairs_refused", report.refused},
+                              {"responses_covered", report.covered},
+                              {"fit_error_normal", figures_json(report.normal)},
+                              {"fit_error_tangential", figures_json(report.tangential)},
+                              {"lateral", report.lateral},
+                              {"friction", report.friction},
+                              {"file", p.paths.response.string()},
+                              {"bytes", std::filesystem::file_size(p.paths.response)},
+                              {"pairs", nlohmann::ordered_json::array()}};
+  for (const PairFigures& f : report.pairs) {
+    json["pairs"].push_back({{"pair", f.pair}, {"median", f.median}, {"p95", f.p95}, {"worst", f.worst}});
+  }
+  return json;
+}
+
+std::string fit_text(const pipeline::Pipeline& p, const FitReport& report) {
+  std::string text = std::to_string(report.accepted) + " pairs fitted, " + std::to_string(report.covered) +
+                     " responses covered from neighbours (" + std::to_string(report.refused) + " refused, " +
+                     std::to_string(report.support) + " at supports, " + std::to_string(report.unreachable) +
+                     " in narrow folds, " + std::to_string(report.outside) + " outside the region)\n";
+  text += figures_text("straight pushes", report.normal, p.plan);
+  text += figures_text("sideways pushes", report.tangential, p.plan);
+  return text + p.paths.response.string() + ", " + std::to_string(std::filesystem::file_size(p.paths.response)) +
+         " bytes\n";
+}
+
+}  // namespace palpate::cli

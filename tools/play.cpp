@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The force loop without a device.
+#include "tools/play.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "tools/plot.hpp"
+
+namespace palpate::cli {
+namespace {
+
+using runtime::State;
+using runtime::Tick;
+
+const char* state_name(State state) {
+  switch (state) {
+    case State::free:
+      return "free";
+    case State::stick:
+      return "stick";
+    case State::slide:
+      return "slide";
+    case State::released:
+      return "released";
+    case State::fault:
+      break;
+  }
+  return "fault";
+}
+
+bool touches(const Tick& tick) { return tick.state == State::stick || tick.state == State::slide; }
+
+int steps_between(const MotionRow& a, const MotionRow& b, double reach, double longest) {
+  double cosine = 0;
+  for (int k = 0; k < 4; ++k) cosine += a.quaternion[k] * b.quaternion[k];
+  const double turn = 2 * std::acos(std::min(1.0, std::abs(cosine)));
+  const double way = length(b.position - a.position) + turn * reach;
+  return static_cast<int>(std::clamp(std::ceil(way / longest), 1.0, 10000.0));
+}
+
+void account(PlaySummary& summary, const PlayedRow& row, double duration) {
+  const Tick& t = row.tick;
+  summary.peak_force = std::max(summary.peak_force, length(t.force));
+  summary.peak_torque = std::max(summary.peak_torque, length(t.torque));
+  summary.peak_depth = std::max(summary.peak_depth, t.depth);
+  summary.rows_beyond += t.beyond ? 1 : 0;
+  summary.rows_covered += t.covered > 0.5 ? 1 : 0;
+  if (touches(t)) summary.contact_time += duration;
+  if (t.state == State::slide) summary.slide_time += duration;
+}
+
+}  // namespace
+
+std::vector<PlayedRow> play(const runtime::View& view, std::uint32_t tool, const std::vector<MotionRow>& motion,
+                            PlaySummary& summary) {
+  summary = {};
+  runtime::Contact contact(view, tool);
+  const double reach = runtime::skeleton_radius(view, tool) + view.tools[tool].probe_radius;
+  const double longest = 0.01 * view.meta->depth_scale;
+  std::vector<PlayedRow> rows;
+  rows.reserve(motion.size());
+  bool touching = false;
+  for (std::size_t i = 0; i < motion.size(); ++i) {
+    const MotionRow& from = motion[i > 0 ? i - 1 : 0];
+    const int steps = i > 0 ? steps_between(from, motion[i], reach, longest) : 1;
+    Tick tick;
+    for (int k = 1; k <= steps; ++k) {
+      tick = contact.tick(pose_between(from, motion[i], k / static_cast<double>(steps)));
+      summary.contacts += touches(tick) && !touching ? 1 : 0;
+      touching = touches(tick);
+    }
+    summary.ticks += static_cast<std::size_t>(steps);
+    summary.starts_inside = summary.starts_inside || (i == 0 && touching);
+    rows.push_back({motion[i].time, tick});
+    account(summary, rows.back(), motion[i].time - from.time);
+  }
+  return rows;
+}
+
+std::string forces_csv(const std::vector<PlayedRow>& rows) {
+  std::string text = "t,fx,fy,fz,tx,ty,tz,state,depth,cx,cy,cz\n";
+  for (const PlayedRow& row : rows) {
+    const Tick& t = row.tick;
+    char line[400];
+    std::snprintf(line, sizeof line, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%s,%.9g", row.time, t.force.x, t.force.y,
+                  t.force.z, t.torque.x, t.torque.y, t.torque.z, state_name(t.state), t.depth);
+    text += line;
+    if (touches(t)) {
+      std::snprintf(line, sizeof line, ",%.9g,%.9g,%.9g\n", t.body_point.x, t.body_point.y, t.body_point.z);
+      text += line;
+    } else {
+      text += ",,,\n";  // no contact point without contact
+    }
+  }
+  return text;
+}
+
+std::string forces_svg(const std::vector<PlayedRow>& rows, const std::string& title) {
+  std::vector<double> time;
+  PlotPanel force{"force (N)", {{"x", {}}, {"y", {}}, {"z", {}}, {"magnitude", {}}}};
+  PlotPanel depth{"depth (mm)", {{"depth", {}}}};
+  for (const PlayedRow& row : rows) {
+    time.push_back(row.time);
+    const runtime::Vec3& f = row.tick.force;
+    const double values[] = {f.x, f.y, f.z, length(f)};
+    for (std::size_t k = 0; k < 4; ++k) force.series[k].values.push_back(values[k]);
+    depth.series[0].values.push_back(1e3 * row.tick.depth);
+  }
+  return line_plot_svg(title, "time (s)", time, {force, depth});
+}
+
+}  // namespace palpate::cli

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Plays a motion against a response file: one force a row.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "palpate/runtime.hpp"
+#include "tools/motion_file.hpp"
+
+namespace palpate::cli {
+
+struct PlayedRow {
+  double time = 0;  ///< s
+  runtime::Tick tick;
+};
+
+struct PlaySummary {
+  std::size_t ticks = 0;
+  bool starts_inside = false;               ///< the first pose overlaps the body: its contact starts at zero force
+  double peak_force = 0;                    ///< N
+  double peak_torque = 0;                   ///< N m
+  double peak_depth = 0;                    ///< m
+  double contact_time = 0, slide_time = 0;  ///< s
+  std::size_t contacts = 0;                 ///< times that a contact began
+  std::size_t rows_beyond = 0;              ///< deeper than the pair was sampled
+  std::size_t rows_covered = 0;             ///< more than half from responses that were taken from neighbours
+};
+
+/// Ticks through the motion, with as many ticks between two rows as keep each below 1 % of the depth scale
+/// (at most 10 000): a recorded motion is not an occasion for late detection.
+std::vector<PlayedRow> play(const runtime::View& view, std::uint32_t tool, const std::vector<MotionRow>& motion,
+                            PlaySummary& summary);
+
+/// t,fx,fy,fz,tx,ty,tz,state,depth,cx,cy,cz (s, N, N m about the tool frame's origin, m; body frame).
+std::string forces_csv(const std::vector<PlayedRow>& rows);
+
+/// Force components and depth over time.
+std::string forces_svg(const std::vector<PlayedRow>& rows, const std::string& title);
+
+}  // namespace palpate::cli

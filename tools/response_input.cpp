@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Opens response files for the commands.
+#include "tools/response_input.hpp"
+
+#include "formats/error.hpp"
+#include "formats/response.hpp"
+
+namespace palpate::cli {
+
+ResponseInput::ResponseInput(const std::filesystem::path& path) : path_(path), bytes_(read_bytes(path)) {
+  const runtime::OpenResult opened = runtime::View::open(bytes_.data(), bytes_.size());
+  if (!opened) throw Error(ExitCode::bad_input, path.string() + ": " + opened.error);
+  view_ = opened.view;
+}
+
+std::uint32_t ResponseInput::tool(const std::string& name) const {
+  if (name.empty()) return 0;
+  const std::uint32_t index = view_.find_tool(name.c_str());
+  if (index < view_.meta->tool_count) return index;
+  std::string names;
+  for (std::uint32_t i = 0; i < view_.meta->tool_count; ++i)
+    names += (i > 0 ? ", " : "") + std::string(view_.tools[i].name);
+  throw Error(ExitCode::bad_input, path_.string() + ": there is no tool '" + name + "'; it has " + names);
+}
+
+double bytes_per_response(const runtime::View& view) {
+  const layout::Meta& m = *view.meta;
+  return layout::response_size(m) + layout::lateral_size(m) + layout::friction_size(m);
+}
+
+}  // namespace palpate::cli

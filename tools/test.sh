@@ -1,0 +1,11 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Installs what is missing, builds everything and runs every quick test. Arguments go to ctest:
+#   tools/test.sh -R scene
+# Tests on real organs run when PALPATE_ORGANS names the folder of their files, and report themselves skipped otherwise.
+set -euo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+
+palpate_install
+palpate_build release
+exec ctest --test-dir "$palpate_root/build/release" --output-on-failure -j "$(palpate_jobs)" --timeout 600 -LE long "$@"
