@@ -50,7 +50,8 @@ struct Sample {
 /// How a pair ended.
 struct PairOutcome {
   bool accepted = false;
-  std::string cause;        ///< of a refusal: one line that names the gate and its figure
+  std::string cause;        ///< one line naming the gate and its figure: of a refusal, or of a sideways push that
+                            ///< stopped short in an accepted pair
   double first_touch = 0.0; ///< m; shift along -n at which the tool first touches the body's surface
   std::uint32_t nodes = 0;  ///< of the solved mesh
   std::uint32_t normal_solves = 0, tangential_solves = 0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 namespace palpate {
 
@@ -25,14 +26,16 @@ bool reaches_support(const Body& body, const ContactFrame& frame, double radius)
   return false;
 }
 
-double overlap_at_touch(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame) {
-  const Eigen::Isometry3d to_tool = touching_pose(vertex, frame).inverse();
-  const Eigen::AlignedBox3d box = tool.shape->bounds();
+namespace {
+
+// Points of the surface (tool frame) that the tool could meet while it is lifted by up to `lift` along `out`.
+std::vector<Vector3d> swept_surface(const Body& body, const Tool& tool, const ToolVertex& vertex,
+                                    const Eigen::Isometry3d& to_tool, const Vector3d& out, double lift) {
+  Eigen::AlignedBox3d box = tool.shape->bounds();
+  const Eigen::AlignedBox3d lifted(box.min() + lift * out, box.max() + lift * out);
+  box.extend(lifted);
+  std::vector<Vector3d> points;
   const Surface& surface = body.query->surface();
-  double deepest = 0.0;
-  const auto visit = [&](const Vector3d& at) {
-    if (box.contains(at)) deepest = std::max(deepest, -tool.shape->distance(at).value);
-  };
   for (const auto& t : surface.triangles) {
     const Vector3d a = to_tool * surface.vertices[t[0]], b = to_tool * surface.vertices[t[1]],
                    c = to_tool * surface.vertices[t[2]];
@@ -43,14 +46,41 @@ double overlap_at_touch(const Body& body, const Tool& tool, const ToolVertex& ve
     const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
     const int n = std::clamp(static_cast<int>(std::ceil(8 * longest / vertex.curvature_radius)), 1, 400);
     for (int i = 0; i <= n; ++i) {
-      for (int j = 0; i + j <= n; ++j) visit(a + (b - a) * i / n + (c - a) * j / n);
+      for (int j = 0; i + j <= n; ++j) {
+        const Vector3d at = a + (b - a) * i / n + (c - a) * j / n;
+        if (box.contains(at)) points.push_back(at);
+      }
     }
   }
+  return points;
+}
+
+double overlap(const ToolShape& shape, const std::vector<Vector3d>& points, const Vector3d& shift) {
+  double deepest = 0.0;
+  for (const Vector3d& at : points) deepest = std::max(deepest, -shape.distance(at - shift).value);
   return deepest;
 }
 
+}  // namespace
+
+TouchReach touch_reach(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame) {
+  const Eigen::Isometry3d to_tool = touching_pose(vertex, frame).inverse();
+  const Vector3d out = to_tool.linear() * frame.n;
+  const double limit = 2 * vertex.curvature_radius, resolution = 1e-3 * vertex.curvature_radius;
+  const std::vector<Vector3d> points = swept_surface(body, tool, vertex, to_tool, out, limit);
+  TouchReach reach;
+  double left = reach.overlap = overlap(*tool.shape, points, Vector3d::Zero());
+  while (left > resolution && reach.lift <= limit) {
+    reach.lift += left;
+    left = overlap(*tool.shape, points, reach.lift * out);
+  }
+  reach.blocked = left > resolution;
+  return reach;
+}
+
 bool can_touch_first(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame) {
-  return overlap_at_touch(body, tool, vertex, frame) <= 0.2 * vertex.curvature_radius;
+  const TouchReach reach = touch_reach(body, tool, vertex, frame);
+  return !reach.blocked && reach.overlap <= 0.2 * vertex.curvature_radius;
 }
 
 }  // namespace palpate

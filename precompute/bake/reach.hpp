@@ -11,11 +11,18 @@ namespace palpate {
 /// there, since the tool would press on what cannot move.
 bool reaches_support(const Body& body, const ContactFrame& frame, double radius);
 
-/// Deepest overlap (m, >= 0) of the undeformed body's surface with the tool that touches frame.origin by `vertex`.
-double overlap_at_touch(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame);
+/// How a tool that comes along -frame.n gets to the pose in which `vertex` touches frame.origin, on the undeformed
+/// body.
+struct TouchReach {
+  double overlap = 0.0;  ///< m, >= 0, deepest overlap of body and tool in that pose
+  double lift = 0.0;     ///< m, >= 0, how far out it first touches something
+  bool blocked = false;  ///< it overlaps the body even when lifted by its diameter: a wall is in the way
+};
 
-/// True when the tool can touch frame.origin first: its overlap with the body's surface there is at most a fifth
-/// of its radius (bumps and averaged normals), else it meets the walls of a fold before.
+TouchReach touch_reach(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame);
+
+/// True when the tool can touch frame.origin first: its way is free, and it overlaps the body's surface there by at
+/// most a fifth of its radius (bumps and averaged normals), else it meets the walls of a fold before.
 bool can_touch_first(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame);
 
 }  // namespace palpate

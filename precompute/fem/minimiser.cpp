@@ -5,11 +5,19 @@
 #include <Eigen/CholmodSupport>
 #include <cmath>
 #include <deque>
+#include <mutex>
 
 namespace palpate {
 namespace {
 
 using Eigen::VectorXd;
+
+// METIS seeds and draws from the process's one rand(): two threads ordering at once would mix their draws, and
+// the order of elimination (so the last bits of every solve) would depend on the scheduler.
+std::mutex& ordering() {
+  static std::mutex mutex;
+  return mutex;
+}
 
 struct Correction {
   VectorXd s, y;
@@ -28,6 +36,7 @@ struct Minimiser::Impl {
     solver.cholmod().method[0].ordering = CHOLMOD_METIS;
     solver.cholmod().postorder = 1;
     solver.cholmod().print = 0;
+    const std::scoped_lock lock(ordering());
     solver.analyzePattern(matrix.matrix());
   }
 

@@ -35,9 +35,9 @@ struct PairFigures {
 
 struct FitReport {
   std::size_t planned = 0, accepted = 0, refused = 0;
-  std::size_t covered = 0;                 ///< responses taken from neighbours: refused and skipped ones
+  std::size_t covered = 0;                                ///< responses taken from neighbours: refused and skipped ones
   std::size_t support = 0, outside = 0, unreachable = 0;  ///< of those covered, why they were skipped
-  bool lateral = false, friction = false;  ///< sections that the file has
+  bool lateral = false, friction = false;                 ///< sections that the file has
   ErrorFigures normal, tangential;
   std::vector<PairFigures> pairs;  ///< by pair
 };

@@ -11,6 +11,10 @@ namespace {
 
 using Eigen::Vector3d;
 
+// Elements where a curved tool first touches, in those of the deep contact. On an organ, of the force at a twentieth of
+// the depth this leaves 3 % of scatter with the mesh where 1 leaves 10 %, for a tenth more nodes.
+constexpr double kTouch = 0.15;
+
 struct Source {
   Vector3d point;
   double size;
@@ -72,6 +76,8 @@ SizeField contact_size(const Body& body, const Tool& tool, const ToolVertex& ver
   for (const Vector3d& p : footprint(body, tool, deepest, frame, radius)) {
     sources.push_back({frame.origin + shrink * (p - frame.origin), size});
   }
+  // A curved tool touches at a point first: the shallow contact needs elements of its own scale.
+  if (vertex.flat_radius == 0) sources.push_back({frame.origin, kTouch * size});
   for (const ToolEdgePoint& e : tool.edges) sources.push_back({touching * e.point, e.size * fineness});
 
   const double growth = options.growth;

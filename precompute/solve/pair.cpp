@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace palpate {
 namespace {
@@ -45,10 +46,12 @@ public:
             const PairPath& path, const PairOptions& options)
       : body_(body), tool_(tool), vertex_(vertex), frame_(frame), path_(path), options_(options) {}
 
-  // One attempt with a mesh `fineness` times as fine; the outcome says whether to try again.
-  PairResult attempt(double fineness) {
+  // One attempt with a mesh `fineness` times as fine; the outcome says whether to try again. The last attempt
+  // keeps what a sideways push answered before it failed.
+  PairResult attempt(double fineness, bool last) {
     PairResult result;
     result_ = &result;
+    last_ = last;
     const double deepest = path_.normal_depths.back();
     const SizeField size = contact_size(body_, tool_, vertex_, frame_, deepest, fineness, options_);
     const VolumeMeshResult mesh = mesh_volume(body_, size, {frame_.origin}, options_.mesh);
@@ -206,39 +209,44 @@ private:
         if (path_.form_frictionless) push.stick();
         for (int k = 1; k <= path_.tangential_points; ++k) {
           const double reach = path_.tangential_reach * at->depth * k / path_.tangential_points;
-          if (!sideways(push, *at, base, local, reach, index++)) return false;
+          const auto failure = sideways(push, *at, base, local, reach, index++);
+          if (!failure) continue;
+          if (k == 1 || !last_) {
+            refuse(*failure);
+            return false;
+          }
+          result_->outcome.cause = "stopped short: " + *failure;
+          index = static_cast<std::uint16_t>(index + path_.tangential_points - k);
+          break;
         }
       }
     }
     return true;
   }
 
-  bool sideways(Push& push, const CurvePoint& at, const Sample& base, const Vector3d& local, double reach,
-                std::uint16_t index) {
+  // The cause of a failure, or nothing when the sample was taken.
+  std::optional<std::string> sideways(Push& push, const CurvePoint& at, const Sample& base, const Vector3d& local,
+                                      double reach, std::uint16_t index) {
     const Vector3d target = at.state.translation + reach * frame_.to_world(local);
     const StepResult step = push.move_to(target, contact_radius(vertex_, at.depth), work_scale(at.depth), true);
     ++result_->outcome.tangential_solves;
     const auto where = " in the push of " + std::to_string(1e3 * reach) + " mm sideways at depth " +
                        std::to_string(1e3 * at.depth) + " mm";
-    if (!step.converged) {
-      refuse(step.cause + where);
-      return false;
-    }
+    if (!step.converged) return step.cause + where;
     Sample s = base_sample(push, step.iterations);
     s.kind = SampleKind::tangential;
     s.index = index;
     s.min_jacobian = push.min_jacobian();
     const double pull = (s.force - base.force).dot(local);
     if (!s.force.allFinite() || !(pull < 0) || !(s.force.z() > 0) || !(s.min_jacobian > GateLimits{}.min_jacobian)) {
-      refuse("sideways gate: answer " + std::to_string(pull) + " N, normal force " + std::to_string(s.force.z()) +
-             " N, minimum Jacobian " + std::to_string(s.min_jacobian) + where);
-      return false;
+      return "sideways gate: answer " + std::to_string(pull) + " N, normal force " + std::to_string(s.force.z()) +
+             " N, minimum Jacobian " + std::to_string(s.min_jacobian) + where;
     }
     // The anchors' own compliance, at a constant contact area: 2 E / Q.
     const double give = 2 * push.report().tangential_energy / -pull;
     s.deflection = (reach - std::min(give, 0.1 * reach)) * local + Vector3d(0, 0, base.deflection.z());
     result_->samples.push_back(s);
-    return true;
+    return std::nullopt;
   }
 
   const Body& body_;
@@ -248,6 +256,7 @@ private:
   const PairPath& path_;
   const PairOptions& options_;
   PairResult* result_ = nullptr;
+  bool last_ = false;
   Vector3d start_{0, 0, 0};
   std::vector<CurvePoint> curve_;
 };
@@ -287,7 +296,7 @@ PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vert
   std::string causes;
   for (const double fineness : {1.0, 0.8, 0.6}) {
     PairSolve solve(body, tool, vertex, frame, path, options);
-    result = solve.attempt(fineness);
+    result = solve.attempt(fineness, fineness == 0.6);
     if (result.outcome.accepted) break;
     if (!causes.empty()) causes += "; finer: ";
     causes += result.outcome.cause;

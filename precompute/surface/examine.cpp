@@ -58,8 +58,15 @@ void require_usable(const Surface& surface, const std::string& name) {
 SurfaceFaults examine(const Surface& surface) {
   SurfaceFaults faults;
   faults.topology = topology(surface);
+  const Surface welded = weld(surface, 0.0);
+  if (faults.topology.closed_manifold()) {
+    // Closed parts with a wall or an edge in common: a copy, or two organs that share their border.
+    const Topology touching = topology(welded);
+    faults.topology.duplicates = touching.duplicates;
+    faults.topology.nonmanifold_edges = touching.nonmanifold_edges;
+  }
   // Triangles that meet in equal points without sharing an index touch; that is openness, not a crossing.
-  faults.crossings = crossings(drop_duplicates(weld(surface, 0.0))).size();
+  faults.crossings = crossings(drop_duplicates(welded)).size();
   faults.volume = signed_volume(surface);
   const double size = diagonal(surface);
   if (std::abs(faults.volume) < 1e-12 * size * size * size) faults.volume = 0.0;

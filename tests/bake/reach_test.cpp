@@ -37,14 +37,39 @@ TEST(Reach, AToolMeetsTheWallsOfANarrowFoldFirst) {
   top.origin = {0.02, 0, 0};
 
   const Body narrow = grooved(0.003);
-  EXPECT_NEAR(overlap_at_touch(narrow, tool, tool.vertices[0], top), 0.0, 1e-9);
+  EXPECT_NEAR(touch_reach(narrow, tool, tool.vertices[0], top).overlap, 0.0, 1e-9);
   EXPECT_TRUE(can_touch_first(narrow, tool, tool.vertices[0], top));
   // Distance of the ball's centre (5 mm above the bottom) to a wall of slope 10 : 3 is 1.437 mm.
-  EXPECT_NEAR(overlap_at_touch(narrow, tool, tool.vertices[0], bottom), 0.005 - 0.001437, 2e-4);
+  EXPECT_NEAR(touch_reach(narrow, tool, tool.vertices[0], bottom).overlap, 0.005 - 0.001437, 2e-4);
   EXPECT_FALSE(can_touch_first(narrow, tool, tool.vertices[0], bottom));
 
   // A wide groove of slope 10 : 28 keeps the wall 4.7 mm from the centre: the bottom is touched.
   EXPECT_TRUE(can_touch_first(grooved(0.028), tool, tool.vertices[0], bottom));
+}
+
+// Ledges over the flat top: one that the tool just rubs lets it out, a second above it does not.
+TEST(Reach, AWallInTheWayBlocksTheTool) {
+  ToolScene scene;
+  scene.radius = 0.005;
+  const Tool tool = make_tool(scene);
+  ContactFrame top;
+  top.origin = {0.02, 0, 0};
+  Surface s = grooved(0.003).query->surface();
+  Body body;
+  for (const double height : {0.0095, 0.015}) {
+    const auto n = static_cast<std::int32_t>(s.vertices.size());
+    for (const double x : {0.01, 0.03}) {
+      for (const double y : {-0.01, 0.01}) s.vertices.emplace_back(x, y, height);
+    }
+    s.triangles.push_back({n, n + 1, n + 2});
+    s.triangles.push_back({n + 1, n + 3, n + 2});
+    s.parts.assign(s.triangles.size(), 0);
+    body.query = std::make_shared<const SurfaceQuery>(s);
+    const TouchReach reach = touch_reach(body, tool, tool.vertices[0], top);
+    EXPECT_NEAR(reach.overlap, 0.0005, 1e-5) << height;
+    EXPECT_EQ(reach.blocked, height > 0.01) << height;
+    EXPECT_EQ(can_touch_first(body, tool, tool.vertices[0], top), height < 0.01) << height;
+  }
 }
 
 TEST(Reach, SupportsUnderTheFootprintCount) {

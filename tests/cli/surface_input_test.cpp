@@ -50,6 +50,30 @@ const std::vector<Case> kCases{
      "repair = \"none\"\n",
      2,
      {"repair"}},
+    {"inside out",
+     "a.off",
+     "OFF\n4 4 0\n0 0 0\n0.04 0 0\n0 0.04 0\n0 0 0.04\n3 0 1 2\n3 0 3 1\n3 0 2 3\n3 1 3 2\n",
+     "repair = \"none\"\n",
+     2,
+     {"a.off", "inside out"}},
+    {"one triangle turned",
+     "a.off",
+     replaced(kBox, "3 0 2 1", "3 0 1 2"),
+     "repair = \"none\"\n",
+     2,
+     {"a.off", "face opposite ways"}},
+    {"three triangles at an edge",
+     "a.off",
+     replaced(replaced(kBox, "8 12 0", "8 13 0"), "3 0 2 1", "3 0 1 6\n3 0 2 1"),
+     "repair = \"none\"\n",
+     2,
+     {"a.off", "more than two triangles"}},
+    {"self-intersecting",
+     "a.off",
+     replaced(kBox, "0.04 0.04 0.04", "-0.02 -0.02 -0.01"),
+     "repair = \"none\"\n",
+     2,
+     {"a.off", "self-intersecting"}},
     {"missing mesh", "a.off", kBox, "meshes = [\"capsule\"]\n", 2, {"capsule", "there are"}},
     {"missing support mesh", "a.off", kBox, "[[support]]\nmesh = \"ligament\"\n", 2, {"ligament"}},
     {"missing region file", "a.off", kBox, "[[region]]\nsurface = \"none.ply\"\n", 4, {"none.ply", "No such file"}},
@@ -67,6 +91,26 @@ TEST_P(BadSurface, IsRefused) {
 
 INSTANTIATE_TEST_SUITE_P(Table, BadSurface, testing::ValuesIn(kCases),
                          [](const auto& test_case) { return test_name(test_case.param.name); });
+
+class TwoSurfaces : public PalpateProgram {};
+
+TEST_F(TwoSurfaces, ThatIntersectOrTouchAreRefused) {
+  if (listed_commands().count("mesh") == 0) GTEST_SKIP() << "this build has no surface preparation";
+  write("a.off", kBox);
+  const auto refused = [&](const std::string& second, const char* cause) {
+    write("b.off", second);
+    write("scene.toml", "[body]\nsurface = [\"a.off\", \"b.off\"]\nrepair = \"none\"\n");
+    expect_failure(run({"mesh", "scene.toml", "--out", "out"}), 2, {"a.off + b.off", cause});
+    EXPECT_FALSE(std::filesystem::exists(folder() / "out"));
+  };
+  // A tetrahedron through the box, the box again, and a box with one corner moved inwards, which shares walls.
+  refused(
+      "OFF\n4 4 0\n-0.01 0.02 0.02\n0.05 0.01 0.02\n0.05 0.03 0.02\n0.05 0.02 0.03\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 "
+      "3\n",
+      "self-intersecting");
+  refused(kBox, "double another");
+  refused(replaced(kBox, "0 0 0\n", "0.02 0.02 0.02\n"), "double another");
+}
 
 class GoodSurface : public PalpateProgram {};
 

@@ -2,6 +2,7 @@
 // A ball tip on a box and a ball: push, stick, slide, release, late detection, faults.
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "tests/runtime/support.hpp"
 
@@ -236,6 +237,28 @@ TEST(Contact, AJumpIntoTheBodyKeepsOnlyTheAllowedDepth) {
   Contact generous(box.view, 0, {0.01});
   generous.tick(upright(centre(-0.01)));
   EXPECT_NEAR(generous.tick(upright(centre(0.003))).depth, 0.003, 1e-8);
+}
+
+// A dropped packet, a host that moves the tool by hand: what it finds inside the body is no work of the hand.
+TEST(Contact, AJumpAcrossTheBodyDoesNotRaiseTheForce) {
+  Options options;
+  options.subdivision = 3;
+  for (const bool friction : {false, true}) {
+    options.friction = friction;
+    const Opened body(ball_content(options));
+    for (int k = 1; k < 12; ++k) {
+      Contact contact(body.view, 0);
+      const double angle = std::numbers::pi * k / 12, far = kBallRadius + kTipRadius;
+      for (int i = 0; i <= 200; ++i) contact.tick(upright({0, 0, far + 0.001 - 1e-5 * i}));
+      const double before = length(contact.tick(upright({0, 0, far - 0.001})).force);
+      ASSERT_GT(before, 0.01);
+      const double r = far - 0.006;
+      const Vec3 at = {r * std::sin(angle), 0, r * std::cos(angle)};
+      if (distance(at, {0, 0, far - 0.001}) < kTipRadius + kDepthScale) continue;  // that is a motion
+      const Tick there = contact.tick(upright(at));
+      EXPECT_LE(length(there.force), before) << k << " friction " << friction;
+    }
+  }
 }
 
 TEST(Contact, WrongPosesAreFaultsWithoutForce) {

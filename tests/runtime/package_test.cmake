@@ -40,6 +40,12 @@ if(DRIVERS)
     message(FATAL_ERROR "the check for sought packages does not see libusb where the drivers look for it")
   endif()
 endif()
+if(PRECOMPUTE)
+  # The off-line part alone, as a cluster has it: no device library.
+  run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE} -B ${FOLDER}/precompute -D CMAKE_CXX_COMPILER=${COMPILER}
+      -D PALPATE_PRECOMPUTE=ON -D PALPATE_DRIVERS=OFF -D PALPATE_TESTS=OFF -D PALPATE_BENCH=OFF)
+  expect_not_sought(${FOLDER}/precompute libusb LIBUSB GTest benchmark)
+endif()
 run(${CMAKE_COMMAND} --install ${FOLDER}/alone)
 
 file(WRITE ${FOLDER}/consumer/CMakeLists.txt [=[

@@ -6,6 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include <thread>
+#include <vector>
+
 namespace palpate {
 namespace {
 
@@ -51,6 +54,29 @@ TEST_F(Pair, SameInputsGiveTheSameBits) {
   }
 }
 
+// METIS, under CHOLMOD, draws from the process's one rand().
+TEST_F(Pair, ManyThreadsGiveTheSameBits) {
+  scene.sampling.normal_points = 2;
+  const Tool tool = make_tool(sphere);
+  const auto once = [&] {
+    return solve_pair(body, tool, tool.vertices[0], ContactFrame{}, bake_path(scene, 0.002), pair_options(scene));
+  };
+  const PairResult alone = once();
+  ASSERT_TRUE(alone.outcome.accepted) << alone.outcome.cause;
+  std::vector<PairResult> together(12);
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < 4; ++t) {
+    threads.emplace_back([&, t] {
+      for (std::size_t k = t; k < together.size(); k += 4) together[k] = once();
+    });
+  }
+  for (std::thread& t : threads) t.join();
+  for (const PairResult& r : together) {
+    ASSERT_EQ(r.samples.size(), alone.samples.size());
+    for (std::size_t k = 0; k < r.samples.size(); ++k) EXPECT_EQ(r.samples[k].force, alone.samples[k].force);
+  }
+}
+
 TEST_F(Pair, StickingPushIsStifferAndSidewaysAnswerIsSymmetric) {
   const PairResult free = solve(0.0, 0.005), stuck = solve(0.3, 0.005);
   ASSERT_TRUE(free.outcome.accepted) << free.outcome.cause;
@@ -64,8 +90,8 @@ TEST_F(Pair, StickingPushIsStifferAndSidewaysAnswerIsSymmetric) {
   for (const Sample& s : stuck.samples) reach = std::max(reach, s.deflection.head<2>().norm());
   for (const Sample& s : stuck.samples) {
     if (s.kind != SampleKind::tangential || s.deflection.head<2>().norm() < 0.95 * reach) continue;
-    const double stiffness = -s.force.dot(Eigen::Vector3d(s.deflection.x(), s.deflection.y(), 0)) /
-                             s.deflection.head<2>().squaredNorm();
+    const double stiffness =
+        -s.force.dot(Eigen::Vector3d(s.deflection.x(), s.deflection.y(), 0)) / s.deflection.head<2>().squaredNorm();
     largest = std::max(largest, stiffness);
     least = std::min(least, stiffness);
   }

@@ -64,6 +64,8 @@ public:
       fault.state = State::fault;
       return fault;
     }
+    if (touching_ && jumped(pose)) reset();
+    last_ = pose;
     return touching_ ? hold(pose) : seek(pose);
   }
 
@@ -76,10 +78,18 @@ private:
     Vec3 sideways;  ///< m, across n(c)
   };
 
+  /// A touching tool that leaps by more than a contact's size between two ticks did not move, it was put
+  /// elsewhere: the depth it finds there is no work of the hand and must not push.
+  [[nodiscard]] bool jumped(const Pose& pose) const {
+    const Vec3 way = pose.apply(anchor_) - last_.apply(anchor_);
+    const double size = probe_ + view_->meta->depth_scale;
+    return dot(way, way) > size * size;
+  }
+
   Tick seek(const Pose& pose) {
     if (safe_ > 0 && motion_since(pose) < safe_) return {};
     const ToolTouch touch = find_touch(*view_, tool_, pose);
-    last_ = pose;
+    searched_ = pose;
     safe_ = touch.safe;
     if (touch.clearance >= 0) {
       was_free_ = true;
@@ -108,10 +118,10 @@ private:
   [[nodiscard]] double motion_since(const Pose& pose) const {
     double turned = 0;
     for (int k = 0; reach_ > 0 && k < 9; ++k) {
-      const double d = pose.rotation[k] - last_.rotation[k];
+      const double d = pose.rotation[k] - searched_.rotation[k];
       turned += d * d;
     }
-    return length(pose.translation - last_.translation) + std::sqrt(turned) * reach_;
+    return length(pose.translation - searched_.translation) + std::sqrt(turned) * reach_;
   }
 
   /// Where the smooth normals meet the tool: there the first deflection is purely along n(c). The nearest
@@ -297,8 +307,8 @@ private:
 
   bool touching_ = false;
   bool was_free_ = false;  ///< the last tick saw no overlap
-  double safe_ = -1;       ///< m, free until the tool has moved this far from last_
-  Pose last_;
+  double safe_ = -1;       ///< m, free until the tool has moved this far from searched_
+  Pose searched_, last_;   ///< of the last search, of the last tick
 
   BodyPoint at_;
   Vec3 c_;
