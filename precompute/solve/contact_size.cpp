@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 namespace palpate {
@@ -78,6 +79,14 @@ SizeField contact_size(const Body& body, const Tool& tool, const ToolVertex& ver
   }
   // A curved tool touches at a point first: the shallow contact needs elements of its own scale.
   if (vertex.flat_radius == 0) sources.push_back({frame.origin, kTouch * size});
+  if (options.rim_size > 0) {
+    const int count = static_cast<int>(std::ceil(2 * std::numbers::pi / options.rim_size));
+    for (int k = 0; k < count; ++k) {
+      const double angle = 2 * std::numbers::pi * k / count;
+      const Vector3d rim = frame.origin + radius * (std::cos(angle) * frame.x + std::sin(angle) * frame.y);
+      sources.push_back({body.query->closest(rim).point, options.rim_size * fineness * radius});
+    }
+  }
   for (const ToolEdgePoint& e : tool.edges) sources.push_back({touching * e.point, e.size * fineness});
 
   const double growth = options.growth;

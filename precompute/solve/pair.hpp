@@ -31,8 +31,10 @@ PairPath bake_path(const Scene& scene, double depth);
 struct PairOptions {
   double mesh_size = 0.35;  ///< see SolverScene
   double growth = 0.7;
-  double max_size = 0.0;    ///< m; 0 chooses 1/8 of the body's diagonal
-  double penalty = 300.0;   ///< contact penalty in units of E / a (a the current contact radius)
+  double max_size = 0.0;   ///< m; 0 chooses 1/8 of the body's diagonal
+  double rim_size = 0.0;   ///< element edge at the rim of the deepest contact, in contact radii; 0: no ring of its own.
+                           ///< The traction of a contact that is sheared after it stuck is singular there
+  double penalty = 300.0;  ///< contact penalty in units of E / a (a the current contact radius)
   double tolerance = 5e-4;  ///< a step has converged when its energy error is below its square times E a d^2
   VolumeMeshOptions mesh;
 };

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Points inside a body as close as a size field asks, for a mesher that otherwise knows the sizes on surfaces only.
+#pragma once
+
+#include "formats/surface.hpp"
+#include "precompute/mesh/size_field.hpp"
+
+#include <vector>
+
+namespace palpate {
+
+/// Leaf centres of an octree over the first surface (closed), its cells about `size` wide and shifted a little off
+/// their lattice, of those that lie inside it and keep two thirds of the size away from every surface. Only where
+/// the size is at most `largest` (m): coarser tetrahedra follow from the surfaces. Deterministic.
+std::vector<Eigen::Vector3d> interior_points(const std::vector<const Surface*>& surfaces, const SizeField& size,
+                                             double largest);
+
+}  // namespace palpate

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where interior points lie: inside, clear of every surface, as close as asked, and only where it is fine.
+#include "precompute/mesh/interior_points.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "precompute/geometry/query.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace palpate::test {
+namespace {
+
+using Eigen::Vector3d;
+
+TEST(InteriorPoints, FollowTheSizeFieldClearOfTheSurfaces) {
+  const Surface block = box_surface({-0.04, -0.04, -0.04}, {0.04, 0.04, 0});
+  const Surface hole = box_surface({-0.004, -0.004, -0.012}, {0.004, 0.004, -0.006});
+  const SizeField size = [](const Vector3d& p) { return 0.001 + 0.3 * p.norm(); };
+  constexpr double kLargest = 0.006;
+  const std::vector<Vector3d> points = interior_points({&block, &hole}, size, kLargest);
+  ASSERT_GT(points.size(), 50U);
+  const SurfaceQuery outer(block), inner(hole);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Vector3d& p = points[k];
+    // They are shifted by up to 0.12 of a cell along each axis after their size was taken.
+    EXPECT_LT(size(p), 1.1 * kLargest);
+    EXPECT_LT(outer.signed_distance(p), -0.55 * size(p));
+    EXPECT_GT(inner.closest(p).distance, 0.55 * size(p));
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t j = 0; j < points.size(); ++j) {
+      if (j != k) nearest = std::min(nearest, (points[j] - p).norm());
+    }
+    EXPECT_GT(nearest, 0.3 * size(p));
+    EXPECT_LT(nearest, 2.0 * size(p));
+  }
+  EXPECT_EQ(interior_points({&block, &hole}, size, kLargest), points);
+}
+
+TEST(InteriorPoints, NoneWhereTheBodyIsThinnerThanItsElements) {
+  const Surface sheet = box_surface({-0.04, -0.04, -0.001}, {0.04, 0.04, 0});
+  EXPECT_TRUE(interior_points(
+                  {&sheet}, [](const Vector3d&) { return 0.002; }, 1.0)
+                  .empty());
+}
+
+}  // namespace
+}  // namespace palpate::test
