@@ -24,7 +24,7 @@ struct SurfaceSource {
 struct BodyScene {
   std::vector<SurfaceSource> surfaces;  ///< joined into one body
   RepairMode repair = RepairMode::automatic;
-  double wrap_alpha = 0.0;   ///< m; 0 chooses 1/50 of the bounding-box diagonal
+  double wrap_alpha = 0.0;   ///< m; 0 chooses the smallest tool's radius, within 1/50 to 1/20 of the diagonal
   double wrap_offset = 0.0;  ///< m; 0 chooses wrap_alpha / 30
 };
 

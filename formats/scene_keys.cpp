@@ -104,8 +104,10 @@ const Keys<BodyScene>& body_keys() {
       {choice("repair", &BodyScene::repair, {"auto", "none", "repair", "wrap"},
               "What is done to a surface that is not closed, manifold and free of self-intersections; "
               "auto: the least that works."),
-       number("wrap_alpha", &BodyScene::wrap_alpha, kLengthOrAuto,
-              "Smallest opening that a wrap enters; 0: 1/50 of the bounding box's diagonal."),
+       number(
+           "wrap_alpha", &BodyScene::wrap_alpha, kLengthOrAuto,
+           "Smallest opening that a wrap enters; 0: the smallest tool's radius, but at least 1/50 and at most 1/20 of "
+           "the bounding box's diagonal."),
        number("wrap_offset", &BodyScene::wrap_offset, kLengthOrAuto,
               "Distance of a wrap to the surface; 0: wrap_alpha / 30.")});
   return keys;

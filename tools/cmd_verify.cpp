@@ -144,7 +144,7 @@ void solve(const Options& options, const Globals& globals) {
   char text[512];
   std::snprintf(text, sizeof text,
                 "pairs: %zu planned, %zu accepted, %zu refused; held-out contacts: %zu solved, %zu refused "
-                "(%.1f %% of the draws met a support or a fold narrower than the tool)\n",
+                "(%.1f %% of the draws lay at a support, in a fold narrower than the tool or outside the region)\n",
                 pairs.planned, pairs.accepted, pairs.refused, s.accepted, s.refused, 100 * set.untouchable_share);
   std::string out = text + table(s);
   std::snprintf(text, sizeof text, "run time: %.0f ns a tick, %.0f bytes a response, %.0f s of bake\n", cost.tick,

@@ -2,21 +2,24 @@
 // Octree cells, refined until they follow the size field.
 #include "precompute/mesh/interior_points.hpp"
 
+#include "formats/error.hpp"
 #include "precompute/geometry/query.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <string>
 
 namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kWidest = 1.25;   // cells over the size in their middle: between this and half of it
-constexpr double kClear = 0.67;    // from a surface, over the size
-constexpr double kJitter = 0.12;   // of a cell: lattice points lie on common spheres, which give flat tetrahedra
+constexpr double kWidest = 1.25;  // cells over the size in their middle: between this and half of it
+constexpr double kClear = 0.67;   // from a surface, over the size
+constexpr double kJitter = 0.12;  // of a cell: lattice points lie on common spheres, which give flat tetrahedra
+constexpr int kMostCells = 500'000;
 constexpr double kReach = 0.8661;  // half a cube's diagonal over its edge
 
 struct Cell {
@@ -44,7 +47,12 @@ std::vector<Vector3d> interior_points(const std::vector<const Surface*>& surface
 
   std::vector<Vector3d> points;
   std::vector<Cell> stack{{box.center(), box.sizes().maxCoeff(), 1}};
-  while (!stack.empty()) {
+  for (int cells = 0; !stack.empty(); ++cells) {
+    if (cells > kMostCells) {
+      throw Error(ExitCode::numerical, "the size field asks for more than " + std::to_string(kMostCells) +
+                                           " octree cells: elements of " + std::to_string(1e3 * size(box.center())) +
+                                           " mm in the middle of the body");
+    }
     Cell cell = stack.back();
     stack.pop_back();
     // The field grows no faster than distance: a cell whose finest spot is too coarse holds no point.

@@ -175,6 +175,16 @@ void separate_bases(Body& body, const std::vector<double>& edges, const std::str
               name + ": a region lies too close to the body's surface or to another region to be meshed");
 }
 
+// What no tool can enter need not be open: crevices that a wrap follows in vain make bad meshes.
+double wrap_alpha(const Scene& scene, double diagonal) {
+  double radius = 0.0;
+  for (const ToolScene& tool : scene.tools) {
+    if (tool.shape == ToolScene::Shape::mesh) continue;
+    radius = radius > 0 ? std::min(radius, tool.radius) : tool.radius;
+  }
+  return std::clamp(radius, diagonal / 50.0, diagonal / 20.0);
+}
+
 }  // namespace
 
 bool Body::held(const Eigen::Vector3d& surface_point) const {
@@ -189,8 +199,9 @@ Body prepare_body(const Scene& scene) {
   const auto name = file_names(scene.body.surfaces);
   std::vector<Surface> surfaces;
   for (const auto& source : scene.body.surfaces) surfaces.push_back(read_surface(source));
-  const auto cleaned =
-      clean_surface(join(surfaces), {scene.body.repair, scene.body.wrap_alpha, scene.body.wrap_offset}, name);
+  const Surface joint = join(surfaces);
+  const double alpha = scene.body.wrap_alpha > 0 ? scene.body.wrap_alpha : wrap_alpha(scene, diagonal(joint));
+  const auto cleaned = clean_surface(joint, {scene.body.repair, alpha, scene.body.wrap_offset}, name);
 
   Body body;
   body.query = cleaned.query;

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # One whole scene (NAME.toml.in) from its surface to verified forces, by the command line alone. Organ files are not
 # part of the project (licence and size): their folder comes from the variable PALPATE_ORGANS.
+cmake_minimum_required(VERSION 3.25)
 set(PALPATE_ORGANS "$ENV{PALPATE_ORGANS}")
 file(READ ${CMAKE_CURRENT_LIST_DIR}/${NAME}.toml.in scene)
-if(scene MATCHES "@PALPATE_ORGANS@" AND NOT IS_DIRECTORY "${PALPATE_ORGANS}")
+if(scene MATCHES "PALPATE_ORGANS" AND NOT IS_DIRECTORY "${PALPATE_ORGANS}")
   message(STATUS "skipped: PALPATE_ORGANS names no folder with organ files")
   return()
 endif()
+file(REMOVE_RECURSE ${FOLDER})
 file(MAKE_DIRECTORY ${FOLDER})
 configure_file(${CMAKE_CURRENT_LIST_DIR}/${NAME}.toml.in ${FOLDER}/${NAME}.toml @ONLY)
 
@@ -20,7 +22,7 @@ endfunction()
 
 run(build ${NAME}.toml)
 message(STATUS "${out}")
-run(verify ${NAME}.toml --count 60 --report ${NAME}.json --max-p95 0.12 --json)
+run(verify ${NAME}.toml --count ${COUNT} --report ${NAME}.json --max-p95 0.12 --json)
 foreach(field IN ITEMS planned accepted)
   string(JSON ${field} GET "${out}" pairs ${field})
 endforeach()

@@ -82,7 +82,6 @@ const std::vector<Case> kCases{
 class BadSurface : public PalpateProgram, public testing::WithParamInterface<Case> {};
 
 TEST_P(BadSurface, IsRefused) {
-  if (listed_commands().count("mesh") == 0) GTEST_SKIP() << "this build has no surface preparation";
   write(GetParam().file, GetParam().content);
   write("scene.toml", "[body]\nsurface = \"" + GetParam().file + "\"\n" + GetParam().scene);
   expect_failure(run({"mesh", "scene.toml", "--out", "out"}), GetParam().code, GetParam().cause);
@@ -95,7 +94,6 @@ INSTANTIATE_TEST_SUITE_P(Table, BadSurface, testing::ValuesIn(kCases),
 class TwoSurfaces : public PalpateProgram {};
 
 TEST_F(TwoSurfaces, ThatIntersectOrTouchAreRefused) {
-  if (listed_commands().count("mesh") == 0) GTEST_SKIP() << "this build has no surface preparation";
   write("a.off", kBox);
   const auto refused = [&](const std::string& second, const char* cause) {
     write("b.off", second);
@@ -115,7 +113,6 @@ TEST_F(TwoSurfaces, ThatIntersectOrTouchAreRefused) {
 class GoodSurface : public PalpateProgram {};
 
 TEST_F(GoodSurface, IsReported) {
-  if (listed_commands().count("mesh") == 0) GTEST_SKIP() << "this build has no surface preparation";
   write("a.off", kBox);
   write("scene.toml", "body = {surface = \"a.off\"}\n");
   const RunResult result = run({"mesh", "scene.toml", "--out", "out", "--json"});

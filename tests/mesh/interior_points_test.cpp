@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "formats/error.hpp"
 #include "precompute/geometry/query.hpp"
 #include "tests/support/shapes.hpp"
 
@@ -44,6 +45,18 @@ TEST(InteriorPoints, NoneWhereTheBodyIsThinnerThanItsElements) {
   EXPECT_TRUE(interior_points(
                   {&sheet}, [](const Vector3d&) { return 0.002; }, 1.0)
                   .empty());
+}
+
+TEST(InteriorPoints, TooManyAreAnErrorAndNotAFullMemory) {
+  const Surface block = box_surface({-0.04, -0.04, -0.04}, {0.04, 0.04, 0});
+  try {
+    interior_points(
+        {&block}, [](const Vector3d&) { return 1e-5; }, 1.0);
+    FAIL() << "five hundred million points";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::numerical);
+    EXPECT_NE(std::string(error.what()).find("octree cells"), std::string::npos);
+  }
 }
 
 }  // namespace
