@@ -34,26 +34,26 @@ enum class SampleKind : std::uint8_t { normal = 0, tangential = 1 };
 /// One equilibrium that passed its gates.
 struct Sample {
   SampleKind kind = SampleKind::normal;
-  std::uint16_t index = 0;            ///< position in the pair's deflection path
+  std::uint16_t index = 0;  ///< position in the pair's deflection path
   /// p - c in the contact frame: (x, y) sideways (m) and, third, the depth along the INWARD normal (m, >= 0).
   Eigen::Vector3d deflection{0, 0, 0};
-  Eigen::Vector3d force{0, 0, 0};     ///< N on the tool, components (x, y, n); a push answers with n > 0
-  double friction_limit = 0.0;        ///< mu(depth): gross-slip tangential force over force.z, normal samples only
-  double contact_area = 0.0;          ///< m^2, undeformed area of the surface in contact
-  double penetration = 0.0;           ///< m, largest overlap of tool and tissue that the penalty left
-  double min_jacobian = 1.0;          ///< smallest det F over the quadrature points
-  double error_estimate = 0.0;        ///< relative, from contact resolution and residual
-  std::uint32_t contact_points = 0;   ///< integration points in contact
-  std::uint32_t iterations = 0;       ///< minimiser iterations
+  Eigen::Vector3d force{0, 0, 0};    ///< N on the tool, components (x, y, n); a push answers with n > 0
+  double friction_limit = 0.0;       ///< mu(depth): gross-slip tangential force over force.z, normal samples only
+  double contact_area = 0.0;         ///< m^2, undeformed area of the surface in contact
+  double penetration = 0.0;          ///< m, largest overlap of tool and tissue that the penalty left
+  double min_jacobian = 1.0;         ///< smallest det F over the quadrature points
+  double error_estimate = 0.0;       ///< relative, from contact resolution and residual
+  std::uint32_t contact_points = 0;  ///< integration points in contact
+  std::uint32_t iterations = 0;      ///< minimiser iterations
 };
 
 /// How a pair ended.
 struct PairOutcome {
   bool accepted = false;
-  std::string cause;        ///< one line naming the gate and its figure: of a refusal, or of a sideways push that
-                            ///< stopped short in an accepted pair
-  double first_touch = 0.0; ///< m; shift along -n at which the tool first touches the body's surface
-  std::uint32_t nodes = 0;  ///< of the solved mesh
+  std::string cause;         ///< one line naming the gate and its figure: of a refusal, or of a sideways push that
+                             ///< stopped short in an accepted pair
+  double first_touch = 0.0;  ///< m; shift along -n at which the tool first touches the body's surface
+  std::uint32_t nodes = 0;   ///< of the solved mesh
   std::uint32_t normal_solves = 0, tangential_solves = 0;
   std::uint32_t factorisations = 0;
 };

@@ -16,7 +16,7 @@ namespace palpate {
 struct Inclusion {
   std::string name;
   std::shared_ptr<const SurfaceQuery> query;
-  Surface base;            ///< coarse remeshed copy that the volume meshes start from
+  Surface base;  ///< coarse remeshed copy that the volume meshes start from
   MaterialScene material;
 };
 
@@ -25,10 +25,10 @@ struct SurfaceReport {
   std::string action;                 ///< "used as it is" | "repaired" | "wrapped"
   std::vector<std::string> findings;  ///< what validation found wrong with the input, one line each
   std::size_t vertices = 0, triangles = 0;
-  double largest_move = 0.0, mean_move = 0.0;   ///< m, from the result to the input surface
-  double volume = 0.0, area = 0.0;              ///< m^3, m^2
+  double largest_move = 0.0, mean_move = 0.0;                               ///< m, from the result to the input surface
+  double volume = 0.0, area = 0.0;                                          ///< m^3, m^2
   double thickness_min = 0.0, thickness_median = 0.0, thickness_p05 = 0.0;  ///< m
-  bool thin_bag = false;              ///< looks like a thin closed shell rather than a solid
+  bool thin_bag = false;  ///< looks like a thin closed shell rather than a solid
 };
 
 /// Immutable after preparation; shared by all threads.
@@ -41,7 +41,7 @@ struct Body {
   std::vector<SupportScene> supports;
   std::vector<std::shared_ptr<const SurfaceQuery>> support_surfaces;  ///< per support; null unless kind is distance
   SurfaceReport report;
-  double diagonal = 0.0;                      ///< m, of the bounding box
+  double diagonal = 0.0;  ///< m, of the bounding box
 
   /// True when a point on the body's surface is held by a support.
   [[nodiscard]] bool held(const Eigen::Vector3d& surface_point) const;

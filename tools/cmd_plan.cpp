@@ -46,14 +46,15 @@ void run(const Options& options, const Globals& globals) {
     return;
   }
   char text[512];
-  std::snprintf(text, sizeof text,
-                "%zu sites, %zu pairs to solve\n"
-                "not touchable: %zu pairs on or beside a support (%.1f %% of the area), %zu in folds narrower than the tool "
-                "(%.1f %%), %zu outside the region\n"
-                "depth %.2f to %.2f mm, median %.2f mm\n",
-                plan.sites.size(), plan.pairs.size(), support, 100 * plan.support_share, unreachable,
-                100 * plan.unreachable_share, plan.skipped.size() - support - unreachable,
-                1e3 * depths.front(), 1e3 * depths.back(), 1e3 * depths[depths.size() / 2]);
+  std::snprintf(
+      text, sizeof text,
+      "%zu sites, %zu pairs to solve\n"
+      "not touchable: %zu pairs on or beside a support (%.1f %% of the area), %zu in folds narrower than the tool "
+      "(%.1f %%), %zu outside the region\n"
+      "depth %.2f to %.2f mm, median %.2f mm\n",
+      plan.sites.size(), plan.pairs.size(), support, 100 * plan.support_share, unreachable,
+      100 * plan.unreachable_share, plan.skipped.size() - support - unreachable, 1e3 * depths.front(),
+      1e3 * depths.back(), 1e3 * depths[depths.size() / 2]);
   print(text + p.paths.manifest.string() + "\n");
 }
 

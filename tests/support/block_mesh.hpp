@@ -47,7 +47,8 @@ inline TetMesh block_mesh(const std::vector<double>& xs, const std::vector<doubl
           if ((p[c[1]] - p[c[0]]).cross(p[c[2]] - p[c[0]]).dot(p[c[3]] - p[c[0]]) < 0) std::swap(c[2], c[3]);
           mesh.tets.push_back({c[0], c[1], c[2], c[3], middle(c[0], c[1]), middle(c[1], c[2]), middle(c[2], c[0]),
                                middle(c[0], c[3]), middle(c[1], c[3]), middle(c[2], c[3])});
-          for (const auto& f : {std::array<int, 3>{c[0], c[2], c[1]}, {c[0], c[1], c[3]}, {c[1], c[2], c[3]}, {c[2], c[0], c[3]}}) {
+          for (const auto& f :
+               {std::array<int, 3>{c[0], c[2], c[1]}, {c[0], c[1], c[3]}, {c[1], c[2], c[3]}, {c[2], c[0], c[3]}}) {
             auto key = f;
             std::sort(key.begin(), key.end());
             auto& entry = faces[key];
