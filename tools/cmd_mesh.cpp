@@ -42,7 +42,7 @@ void run(const Arguments& arguments, const Globals& globals) {
     write_surface(body.query->surface(), files.emplace_back(folder / "body.ply"));
     write_surface(body.base, files.emplace_back(folder / "base.ply"));
     for (const Inclusion& inclusion : body.inclusions) {
-      write_surface(inclusion.query->surface(), files.emplace_back(folder / (inclusion.name + ".ply")));
+      write_surface(inclusion.query->surface(), files.emplace_back(folder / ("region-" + inclusion.name + ".ply")));
     }
   }
   if (globals.json) {

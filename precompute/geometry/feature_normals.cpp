@@ -3,13 +3,14 @@
 #include "precompute/geometry/feature_normals.hpp"
 
 #include "formats/error.hpp"
+#include "precompute/geometry/coincident.hpp"
+#include "precompute/geometry/topology.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <string>
 #include <utility>
 
@@ -34,22 +35,6 @@ void check(const Surface& s) {
       }
     }
   }
-}
-
-// Per vertex the first vertex with the same coordinates.
-std::vector<std::int32_t> weld(const std::vector<Vector3d>& vertices) {
-  std::vector<std::int32_t> order(vertices.size()), first(vertices.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto less = [&](std::int32_t a, std::int32_t b) {
-    const Vector3d &p = vertices[a], &q = vertices[b];
-    return std::lexicographical_compare(p.data(), p.data() + 3, q.data(), q.data() + 3);
-  };
-  std::stable_sort(order.begin(), order.end(), less);
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const bool same = i > 0 && !less(order[i - 1], order[i]);
-    first[order[i]] = same ? first[order[i - 1]] : order[i];
-  }
-  return first;
 }
 
 }  // namespace
@@ -87,7 +72,7 @@ TrianglePoint closest_on_triangle(const Vector3d& p, const Vector3d& a, const Ve
 
 FeatureNormals::FeatureNormals(const Surface& surface) {
   check(surface);
-  const std::vector<std::int32_t> welded = weld(surface.vertices);
+  const std::vector<std::int32_t> welded = coincident(surface.vertices, 0.0);
   const std::size_t count = surface.triangles.size();
   face_.assign(count, Vector3d::Zero());
   edge_.assign(count, {Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()});
@@ -133,17 +118,12 @@ std::vector<std::array<std::int32_t, 2>> FeatureNormals::sharp_lines(const Surfa
       if (a < b && edge_[i][k].norm() < longest) sharp.push_back({a, b});
     }
   }
-  // Union-find over the vertices; the length of a line sits at its root.
-  std::vector<std::int32_t> root(surface.vertices.size());
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](std::int32_t v) {
-    while (root[v] != v) v = root[v] = root[root[v]];
-    return v;
-  };
-  for (const auto& [a, b] : sharp) root[find(a)] = find(b);
+  // The length of a line sits at its set's representative.
+  Sets lines(surface.vertices.size());
+  for (const auto& [a, b] : sharp) lines.join(a, b);
   std::vector<double> length(surface.vertices.size(), 0.0);
-  for (const auto& [a, b] : sharp) length[find(a)] += (surface.vertices[a] - surface.vertices[b]).norm();
-  std::erase_if(sharp, [&](const auto& e) { return length[find(e[0])] < shortest; });
+  for (const auto& [a, b] : sharp) length[lines.find(a)] += (surface.vertices[a] - surface.vertices[b]).norm();
+  std::erase_if(sharp, [&](const auto& e) { return length[lines.find(e[0])] < shortest; });
   return sharp;
 }
 

@@ -3,12 +3,12 @@
 #include "precompute/geometry/query.hpp"
 
 #include "formats/error.hpp"
+#include "precompute/geometry/cgal_mesh.hpp"
 #include "precompute/geometry/feature_normals.hpp"
 
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
 #include <CGAL/AABB_triangle_primitive.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -22,13 +22,10 @@ namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Kernel = CgalKernel;
 using Triangles = std::vector<Kernel::Triangle_3>;
 using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>;
 using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
-
-Kernel::Point_3 to_cgal(const Vector3d& p) { return {p.x(), p.y(), p.z()}; }
-Vector3d to_eigen(const Kernel::Point_3& p) { return {p.x(), p.y(), p.z()}; }
 
 // Integral of the unit bump (1 - r^2/R^2)^2 round `centre` over a triangle, by halving its longest edge.
 double bump_area(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& centre, double radius) {

@@ -2,9 +2,12 @@
 // posix_spawn with one socket for input and output: send() can be told not to raise SIGPIPE.
 #include "precompute/mesh/child_process.hpp"
 
+#include "formats/error.hpp"
+
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -13,8 +16,8 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <csignal>
-#include <cstring>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -44,8 +47,9 @@ private:
   int fd_ = -1;
 };
 
-std::string system_cause(const char* what, int error) {
-  return std::string(what) + ": " + std::generic_category().message(error);
+// A fault of the system or of the installation, not of what the child was asked.
+[[noreturn]] void fail(const std::string& what, int error) {
+  throw Error(ExitCode::io, what + ": " + std::generic_category().message(error));
 }
 
 struct SpawnSettings {
@@ -63,28 +67,117 @@ struct SpawnSettings {
   }
 };
 
-int spawn(const std::filesystem::path& program, int socket, int error, pid_t& pid) {
-  SpawnSettings settings;
-  posix_spawn_file_actions_adddup2(&settings.actions, socket, STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&settings.actions, socket, STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&settings.actions, error, STDERR_FILENO);
-  sigset_t none, all;
-  sigemptyset(&none);
-  sigfillset(&all);
-  posix_spawnattr_setsigmask(&settings.attributes, &none);
-  posix_spawnattr_setsigdefault(&settings.attributes, &all);
-  posix_spawnattr_setpgroup(&settings.attributes, 0);
-  posix_spawnattr_setflags(&settings.attributes,
-                           POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-  std::string path = program.string();
-  char* const arguments[] = {path.data(), nullptr};
-  return posix_spawn(&pid, path.c_str(), &settings.actions, &settings.attributes, arguments, environ);
+constexpr const char* kTimeLimit = "time limit reached";
+constexpr double kPatience = 10.0;  // longest wait over the processor time allowed
+
+// Counts the time down in which this process waits: what passes while it is stopped itself (Ctrl-Z) is not counted.
+class Patience {
+public:
+  explicit Patience(double seconds) : left_(seconds) {}
+  bool over() {
+    const Clock::time_point now = Clock::now();
+    left_ -= std::min(std::chrono::duration<double>(now - last_).count(), 2 * kSlice);
+    last_ = now;
+    return left_ <= 0;
+  }
+  /// Milliseconds to wait before asking again.
+  [[nodiscard]] int slice() const { return 1 + static_cast<int>(1e3 * std::min(left_, kSlice)); }
+
+private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr double kSlice = 1.0;  // s
+  double left_;
+  Clock::time_point last_ = Clock::now();
+};
+
+// Lowers one limit of a process, and its hard limit; one that has ended already needs none.
+void limit(const std::string& program, pid_t pid, decltype(RLIMIT_CPU) what, double most, double hard) {
+  const auto lower = [](double value, rlim_t bound) {
+    return value < static_cast<double>(bound) ? static_cast<rlim_t>(value) : bound;
+  };
+  rlimit now{};
+  bool done = ::prlimit(pid, what, nullptr, &now) == 0;
+  if (done) {
+    const rlimit wanted{lower(most, now.rlim_cur), lower(hard, now.rlim_max)};
+    done = ::prlimit(pid, what, &wanted, nullptr) == 0;
+  }
+  if (!done && errno != ESRCH) fail(program + ": cannot be limited", errno);
 }
 
-using Clock = std::chrono::steady_clock;
+// A started program; it ends with this object at the latest.
+class Child {
+public:
+  Child(const std::filesystem::path& program, int socket, int error, const ChildLimits& limits) {
+    SpawnSettings settings;
+    posix_spawn_file_actions_adddup2(&settings.actions, socket, STDIN_FILENO);
+    posix_spawn_file_actions_adddup2(&settings.actions, socket, STDOUT_FILENO);
+    posix_spawn_file_actions_adddup2(&settings.actions, error, STDERR_FILENO);
+    sigset_t none, all;
+    sigemptyset(&none);
+    sigfillset(&all);
+    posix_spawnattr_setsigmask(&settings.attributes, &none);
+    posix_spawnattr_setsigdefault(&settings.attributes, &all);
+    posix_spawnattr_setpgroup(&settings.attributes, 0);
+    posix_spawnattr_setflags(&settings.attributes,
+                             POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+    std::string path = program.string();
+    char* const arguments[] = {path.data(), nullptr};
+    const int failed = posix_spawn(&pid_, path.c_str(), &settings.actions, &settings.attributes, arguments, environ);
+    if (failed != 0) {
+      pid_ = -1;
+      fail(path + ": cannot be started", failed);
+    }
+    try {
+      // The signal at the soft limit can be told from other ends; the hard one is for who ignores it.
+      const double seconds = std::max(std::ceil(limits.cpu_time), 1.0);
+      limit(path, pid_, RLIMIT_CPU, seconds, seconds + 1);
+      if (limits.memory > 0) {
+        const auto bytes = static_cast<double>(limits.memory);
+        limit(path, pid_, RLIMIT_AS, bytes, bytes);
+      }
+    } catch (...) {
+      kill();
+      throw;
+    }
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+  ~Child() { kill(); }
+
+  void kill() noexcept {
+    if (pid_ < 0) return;
+    ::kill(-pid_, SIGKILL);
+    while (::waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
+    }
+    pid_ = -1;
+  }
+
+  // Waits for its end and gives the cause of a bad one.
+  std::string reap(Patience& patience) {
+    int status = 0;
+    for (pid_t got = 0; got != pid_;) {
+      got = ::waitpid(pid_, &status, WNOHANG);
+      if (got < 0 && errno != EINTR) fail("waitpid", errno);
+      if (got == pid_) continue;
+      if (patience.over()) {
+        kill();
+        return kTimeLimit;
+      }
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
+    }
+    pid_ = -1;
+    if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) return kTimeLimit;
+    if (WIFSIGNALED(status)) return "ended by signal " + std::to_string(WTERMSIG(status));
+    if (WEXITSTATUS(status) != 0) return "exit status " + std::to_string(WEXITSTATUS(status));
+    return {};
+  }
+
+private:
+  pid_t pid_ = -1;
+};
 
 // Moves bytes both ways until the child closes both of its outputs. Gives a cause when it must be killed.
-std::string converse(Descriptor& socket, Descriptor& error, const std::vector<char>& input, Clock::time_point deadline,
+std::string converse(Descriptor& socket, Descriptor& error, const std::vector<char>& input, Patience& patience,
                      std::size_t most_output, ChildResult& result) {
   std::size_t sent = 0;
   std::array<char, 65536> buffer;
@@ -93,12 +186,11 @@ std::string converse(Descriptor& socket, Descriptor& error, const std::vector<ch
   };
   shut_when_sent();
   while (socket.open() || error.open()) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
-    if (left <= 0) return "time limit reached";
+    if (patience.over()) return kTimeLimit;
     const auto wanted = static_cast<short>(sent < input.size() ? POLLIN | POLLOUT : POLLIN);
     pollfd wait[2] = {{socket.get(), wanted, 0}, {error.get(), POLLIN, 0}};
-    const int ready = ::poll(wait, 2, static_cast<int>(std::min<long long>(left, 1000)));
-    if (ready < 0 && errno != EINTR) return system_cause("poll", errno);
+    const int ready = ::poll(wait, 2, patience.slice());
+    if (ready < 0 && errno != EINTR) fail("poll", errno);
     if (ready <= 0) continue;
     if ((wait[0].revents & POLLOUT) != 0 && sent < input.size()) {
       const ssize_t n = ::send(socket.get(), input.data() + sent, input.size() - sent, MSG_NOSIGNAL | MSG_DONTWAIT);
@@ -107,7 +199,7 @@ std::string converse(Descriptor& socket, Descriptor& error, const std::vector<ch
       } else if (errno == EPIPE || errno == ECONNRESET) {
         sent = input.size();  // it reads no more; its exit status says why
       } else if (errno != EAGAIN && errno != EINTR) {
-        return system_cause("send", errno);
+        fail("send", errno);
       }
       shut_when_sent();
     }
@@ -133,58 +225,22 @@ std::string converse(Descriptor& socket, Descriptor& error, const std::vector<ch
   return {};
 }
 
-// Waits for the end of the child, killing it at the deadline or at once when it `must_die`.
-std::string reap(pid_t pid, bool must_die, Clock::time_point deadline) {
-  if (must_die) ::kill(-pid, SIGKILL);
-  int status = 0;
-  for (;;) {
-    const pid_t got = ::waitpid(pid, &status, must_die ? 0 : WNOHANG);
-    if (got == pid) break;
-    if (got < 0 && errno != EINTR) return system_cause("waitpid", errno);
-    if (got == 0) {
-      if (Clock::now() >= deadline) {
-        ::kill(-pid, SIGKILL);
-        must_die = true;
-      } else {
-        std::this_thread::sleep_for(std::chrono::microseconds(200));
-      }
-    }
-  }
-  if (WIFSIGNALED(status)) return "ended by signal " + std::to_string(WTERMSIG(status));
-  if (WEXITSTATUS(status) != 0) return "exit status " + std::to_string(WEXITSTATUS(status));
-  return {};
-}
-
 }  // namespace
 
-ChildResult run_child(const std::filesystem::path& program, const std::vector<char>& input, double time_limit,
-                      std::size_t most_output) {
-  ChildResult result;
+ChildResult run_child(const std::filesystem::path& program, const std::vector<char>& input, const ChildLimits& limits) {
   int pair[2], tube[2];
-  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0) {
-    result.cause = system_cause("socketpair", errno);
-    return result;
-  }
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0) fail(program.string() + ": socketpair", errno);
   Descriptor socket(pair[0]), far(pair[1]);
-  if (::pipe2(tube, O_CLOEXEC) != 0) {
-    result.cause = system_cause("pipe2", errno);
-    return result;
-  }
+  if (::pipe2(tube, O_CLOEXEC) != 0) fail(program.string() + ": pipe2", errno);
   Descriptor error(tube[0]), far_error(tube[1]);
 
-  const double bounded = std::clamp(time_limit, 0.0, 1e6);
-  const auto deadline =
-      Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(bounded));
-  pid_t pid = -1;
-  if (const int failed = spawn(program, far.get(), far_error.get(), pid); failed != 0) {
-    result.cause = system_cause(program.string().c_str(), failed);
-    return result;
-  }
+  Patience patience(kPatience * limits.cpu_time);
+  Child child(program, far.get(), far_error.get(), limits);
   far.close();
   far_error.close();
-  const std::string broken = converse(socket, error, input, deadline, most_output, result);
-  const std::string ended = reap(pid, !broken.empty(), deadline);
-  result.cause = broken.empty() ? ended : broken;
+  ChildResult result;
+  result.cause = converse(socket, error, input, patience, limits.output, result);
+  if (result.cause.empty()) result.cause = child.reap(patience);
   result.finished = result.cause.empty();
   return result;
 }

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <string>
 #include <utility>
@@ -19,7 +20,8 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int kMostSubdivisions = 8;
-constexpr double kChord = 0.02;  // of the smallest depth
+constexpr double kChord = 0.02;    // of the depth
+constexpr double kShallow = 0.05;  // share of the sites that may be shallower than the depth meant here: knife edges
 
 Vector3d tangent_of(const Vector3d& normal) {
   // Close to the x axis its projection turns fast; y takes over there.
@@ -51,6 +53,19 @@ Vector3d place(const Body& body, const Vector3d& flat, const Vector3d& normal, d
   const double along_out = out.value_or(2 * reach), along_in = in.value_or(2 * reach);
   if (std::min(along_out, along_in) > reach) return flat;
   return along_out <= along_in ? Vector3d(flat + along_out * normal) : Vector3d(flat - along_in * normal);
+}
+
+bool touchable(const HapticMesh& mesh, std::int32_t site) { return mesh.selected[site] != 0 && mesh.held[site] == 0; }
+
+// Largest distance that the middle of a fine triangle may have from the surface.
+double chord_tolerance(const HapticMesh& mesh) {
+  std::vector<double> depths;
+  for (std::size_t site = 0; site < mesh.depth.size(); ++site) {
+    if (touchable(mesh, static_cast<std::int32_t>(site))) depths.push_back(mesh.depth[site]);
+  }
+  if (depths.empty()) return std::numeric_limits<double>::infinity();
+  std::sort(depths.begin(), depths.end());
+  return kChord * depths[static_cast<std::size_t>(kShallow * static_cast<double>(depths.size()))];
 }
 
 // Subdivides every patch into k * k triangles with vertices on the surface.
@@ -104,6 +119,8 @@ void subdivide(const Body& body, int k, HapticMesh& mesh) {
   }
   mesh.chordal_error = 0;
   for (const FineTriangle& t : mesh.fine_triangles) {
+    const auto& patch = mesh.triangles[t.patch];
+    if (std::none_of(patch.begin(), patch.end(), [&](std::int32_t site) { return touchable(mesh, site); })) continue;
     const Vector3d middle =
         (mesh.fine_points[t.vertices[0]] + mesh.fine_points[t.vertices[1]] + mesh.fine_points[t.vertices[2]]) / 3;
     mesh.chordal_error = std::max(mesh.chordal_error, body.query->closest(middle).distance);
@@ -139,7 +156,7 @@ HapticMesh make_haptic_mesh(const Scene& scene, const Body& body) {
         !box || ((point.array() >= box->first.array()).all() && (point.array() <= box->second.array()).all()) ? 1 : 0);
   }
   mesh.edges = edge_lengths(mesh);
-  const double tolerance = kChord * *std::min_element(mesh.depth.begin(), mesh.depth.end());
+  const double tolerance = chord_tolerance(mesh);
   for (int k = 1; k <= kMostSubdivisions; ++k) {
     subdivide(body, k, mesh);
     if (mesh.chordal_error <= tolerance) break;

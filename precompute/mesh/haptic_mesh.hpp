@@ -38,13 +38,14 @@ struct HapticMesh {
   std::int32_t subdivision = 1;              ///< k in [1, 8]
   std::vector<Eigen::Vector3d> fine_points;  ///< m, on the body's surface; the sites come first
   std::vector<FineTriangle> fine_triangles;  ///< k * k a patch
-  double chordal_error = 0.0;                ///< m, largest distance of a fine triangle's middle to the body's surface
+  double chordal_error = 0.0;                ///< m, largest distance of a fine triangle's middle to the body's surface,
+                                             ///< over the patches with a site that is selected and not held
   EdgeLengths edges;                         ///< of the coarse mesh
 };
 
 /// Places sites about sampling.spacing apart, down to margin_spacing where the body is sharply curved or thinner
 /// than 1.5 times the spacing; then chooses the smallest k in [1, 8] with a chordal error of at most 2 % of the
-/// smallest depth (8 where none is fine enough). Deterministic.
+/// depth that all but 5 % of the selected sites reach (8 where none is fine enough). Deterministic.
 /// Throws Error(bad_input) where the spacing leaves fewer than four sites, Error(numerical) as adapt_surface.
 HapticMesh make_haptic_mesh(const Scene& scene, const Body& body);
 

@@ -3,9 +3,10 @@
 #include "precompute/mesh/mesh3.hpp"
 
 #include "formats/error.hpp"
+#include "precompute/geometry/cgal_mesh.hpp"
+#include "precompute/geometry/topology.hpp"
 #include "precompute/mesh/feature_polylines.hpp"
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Labeled_mesh_domain_3.h>
 #include <CGAL/Mesh_complex_3_in_triangulation_3.h>
 #include <CGAL/Mesh_criteria_3.h>
@@ -17,7 +18,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <chrono>
+#include <ctime>
 #include <functional>
 #include <map>
 #include <memory>
@@ -26,7 +27,7 @@ namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Kernel = CgalKernel;
 using Domain = CGAL::Mesh_domain_with_polyline_features_3<CGAL::Labeled_mesh_domain_3<Kernel>>;
 using Triangulation = CGAL::Mesh_triangulation_3<Domain>::type;
 using Complex = CGAL::Mesh_complex_3_in_triangulation_3<Triangulation, Domain::Corner_index, Domain::Curve_index>;
@@ -36,21 +37,23 @@ using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 constexpr double kEdge = 0.95, kFacet = 0.62, kCell = 0.72, kChord = 0.1;
 constexpr double kSliver = 5;  // degrees; perturbation takes its time for every sliver below
 
-Vector3d to_eigen(const Kernel::Point_3& p) { return {p.x(), p.y(), p.z()}; }
-Kernel::Point_3 to_cgal(const Vector3d& p) { return {p.x(), p.y(), p.z()}; }
+// Processor time of this thread (s): that of the clock would make results depend on what else the machine does.
+double thread_time() {
+  timespec now{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
 
 // Throws once the time is up; Mesh_3 asks for sizes and labels all the time.
 class Deadline {
 public:
-  explicit Deadline(double seconds)
-      : end_(std::chrono::steady_clock::now() +
-             std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(seconds))) {}
+  explicit Deadline(double seconds) : end_(thread_time() + seconds) {}
   void check() const {
-    if (std::chrono::steady_clock::now() > end_) throw Error(ExitCode::numerical, "time limit reached");
+    if (thread_time() > end_) throw Error(ExitCode::numerical, "time limit reached");
   }
 
 private:
-  std::chrono::steady_clock::time_point end_;
+  double end_;
 };
 
 // The size field times `scale`; on an inclusion's surface at most `cap` times the inclusion's diagonal.
@@ -71,12 +74,6 @@ struct ScaledSize {
     return label < 2 ? h : std::min(h, cap * (*diagonals)[static_cast<std::size_t>(label - 2)]);
   }
 };
-
-double diagonal(const Surface& surface) {
-  Eigen::AlignedBox3d box;
-  for (const Vector3d& v : surface.vertices) box.extend(v);
-  return box.diagonal().norm();
-}
 
 // Which region a point lies in: 0 outside, 1 the body, 2 and on the inclusions. Distances are dear and Mesh_3
 // halves segments: a point nearer to an answered one than that was to any surface has the same answer.

@@ -26,7 +26,7 @@ struct AdapterTraits : OpenMesh::DefaultTraits {
   FaceAttributes(OpenMesh::Attributes::Status);
 };
 
-/// Metric length of an edge: how many target lengths fit along it. Kept between 4/5 and 4/3.
+/// A closed half-edge mesh near `original` on its way to a size field.
 class SurfaceAdapter {
 public:
   using Mesh = OpenMesh::TriMesh_ArrayKernelT<AdapterTraits>;
@@ -57,12 +57,15 @@ private:
   using Halfedge = Mesh::HalfedgeHandle;
   using Face = Mesh::FaceHandle;
   enum class Kind : char { smooth, feature, fixed };
+  // Metric lengths between which edges are left alone.
+  static constexpr double kShortestEdge = 4.0 / 5, kLongestEdge = 4.0 / 3;
 
   void find_features();
   void classify(Vertex v);
   void grow();
   void set_size(Vertex v);
   [[nodiscard]] double size_at(const Eigen::Vector3d& p) const;
+  /// How many target lengths fit along an edge.
   [[nodiscard]] double metric_length(Edge e) const;
   [[nodiscard]] Eigen::Vector3d face_cross(Face f) const;
   /// Onto the original (its feature lines) where that faces like `normal`.

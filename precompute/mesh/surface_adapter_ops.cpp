@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Collapsing short edges and flipping edges, with the checks that keep the surface whole and close to its shape.
+// Collapsing short edges, flipping edges and moving vertices, with the checks that keep the surface whole and close to
+// its shape.
 #include "precompute/geometry/feature_normals.hpp"
 #include "precompute/mesh/surface_adapter.hpp"
 
@@ -15,7 +16,6 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double kShortest = 4.0 / 5, kLongest = 4.0 / 3;
 constexpr double kTurn = 0.5;      // least cosine between a triangle's normals before and after an operation
 constexpr double kFlattest = 0.1;  // least height over longest edge of a new triangle, unless it was worse
 
@@ -56,7 +56,8 @@ bool SurfaceAdapter::may_collapse(Halfedge h, double& error) const {
       const double shorter = std::min(target_[x.idx()], target_[w.idx()]);
       const double longer = std::max(target_[x.idx()], target_[w.idx()]);
       // No new edge may ask for a split again.
-      if ((b - to).norm() > kLongest * (0.5 * (shorter + longer)) && (b - to).norm() > (b - gone).norm()) return false;
+      if ((b - to).norm() > kLongestEdge * (0.5 * (shorter + longer)) && (b - to).norm() > (b - gone).norm())
+        return false;
     }
     const Face f = mesh_.face_handle(r);
     if (f == left || f == right) continue;
@@ -111,7 +112,7 @@ void SurfaceAdapter::collapse_short() {
   using Entry = std::tuple<double, std::int32_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   const auto push = [&](Edge e) {
-    if (const double m = metric_length(e); m < kShortest) queue.emplace(m, e.idx());
+    if (const double m = metric_length(e); m < kShortestEdge) queue.emplace(m, e.idx());
   };
   for (const Edge e : mesh_.edges()) push(e);
   while (!queue.empty()) {
@@ -164,6 +165,38 @@ void SurfaceAdapter::flip() {
       any = true;
     }
     if (!any) return;
+  }
+}
+
+void SurfaceAdapter::relax() {
+  for (const Vertex v : mesh_.vertices()) {
+    if (kind_[v.idx()] == Kind::fixed) continue;
+    const bool feature = kind_[v.idx()] == Kind::feature;
+    const Vector3d here = mesh_.point(v);
+    Vector3d sum = Vector3d::Zero(), normal = Vector3d::Zero();
+    double weights = 0;
+    for (const Halfedge h : mesh_.voh_range(v)) {
+      normal += face_cross(mesh_.face_handle(h));
+      if (feature && !sharp_[mesh_.edge_handle(h).idx()]) continue;
+      const Vertex w = mesh_.to_vertex_handle(h);
+      // Springs that pull alike at alike metric lengths keep the grading.
+      const double weight = 2 / (target_[v.idx()] + target_[w.idx()]);
+      sum += weight * mesh_.point(w);
+      weights += weight;
+    }
+    Vector3d step = sum / weights - here;
+    normal.normalize();
+    if (!feature) step -= step.dot(normal) * normal;
+    for (int attempt = 0; attempt < 3; ++attempt, step /= 2) {
+      Vector3d to = here + step;
+      const std::optional<Vector3d> on = project(to, feature, normal);
+      if (!on) continue;
+      to = *on;
+      if ((to - here).norm() > 0.5 * target_[v.idx()] || !ring_stays_valid(v, to)) continue;
+      mesh_.set_point(v, to);
+      set_size(v);
+      break;
+    }
   }
 }
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Orientation, boundary, regions and shapes of linear tetrahedra.
+// Orientation, boundary, regions and angles of linear tetrahedra.
 #include "precompute/mesh/tet_checks.hpp"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -149,31 +148,20 @@ std::string find_regions(LinearTets& mesh, const SurfaceTriangles& outer, const 
   return {};
 }
 
-TetShapes tet_shapes(const LinearTets& mesh) {
-  TetShapes shapes;
+double min_dihedral(const LinearTets& mesh) {
   double largest_cosine = -1;
   for (const auto& t : mesh.tets) {
-    std::array<Vector3d, 4> p, normal;
-    for (int k = 0; k < 4; ++k) p[k] = mesh.points[t[k]];
+    std::array<Vector3d, 4> normal;
     for (int f = 0; f < 4; ++f) {
-      const auto& c = kFaces[f];
-      normal[f] = (p[c[1]] - p[c[0]]).cross(p[c[2]] - p[c[0]]).normalized();
+      const Vector3d& a = mesh.points[t[kFaces[f][0]]];
+      normal[f] = (mesh.points[t[kFaces[f][1]]] - a).cross(mesh.points[t[kFaces[f][2]]] - a).normalized();
     }
-    double shortest = (p[1] - p[0]).norm();
     for (int i = 0; i < 4; ++i) {
-      for (int j = i + 1; j < 4; ++j) {
-        // Outward normals: the angle between the faces is 180 degrees less theirs.
-        largest_cosine = std::max(largest_cosine, -normal[i].dot(normal[j]));
-        shortest = std::min(shortest, (p[i] - p[j]).norm());
-      }
+      // Outward normals: the angle between the faces is 180 degrees less theirs.
+      for (int j = i + 1; j < 4; ++j) largest_cosine = std::max(largest_cosine, -normal[i].dot(normal[j]));
     }
-    Eigen::Matrix3d edges;
-    edges << (p[1] - p[0]).transpose(), (p[2] - p[0]).transpose(), (p[3] - p[0]).transpose();
-    const Vector3d centre = edges.fullPivLu().solve(0.5 * edges.rowwise().squaredNorm());
-    shapes.max_radius_edge = std::max(shapes.max_radius_edge, centre.norm() / shortest);
   }
-  shapes.min_dihedral = std::acos(std::clamp(largest_cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
-  return shapes;
+  return std::acos(std::clamp(largest_cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
 }
 
 std::vector<double> region_volumes(const LinearTets& mesh, std::size_t inclusions) {

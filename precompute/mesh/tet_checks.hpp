@@ -17,12 +17,8 @@ using SurfaceTriangles = std::vector<std::array<std::int32_t, 3>>;
 /// the boundary is not exactly `outer`, an inner triangle is missing, or an inclusion is empty.
 std::string find_regions(LinearTets& mesh, const SurfaceTriangles& outer, const std::vector<SurfaceTriangles>& inner);
 
-/// Smallest angle between two faces (degrees), and largest circumradius over shortest edge.
-struct TetShapes {
-  double min_dihedral = 180.0;
-  double max_radius_edge = 0.0;
-};
-TetShapes tet_shapes(const LinearTets& mesh);
+/// Smallest angle between two faces of a tetrahedron (degrees).
+double min_dihedral(const LinearTets& mesh);
 
 /// Volume of every region (m^3): the body's own first, then `inclusions` more.
 std::vector<double> region_volumes(const LinearTets& mesh, std::size_t inclusions);

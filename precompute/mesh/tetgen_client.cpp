@@ -2,6 +2,7 @@
 // Packs a request for palpate-tetgen, runs it, and checks every byte of what comes back.
 #include "precompute/mesh/tetgen_client.hpp"
 
+#include "formats/error.hpp"
 #include "precompute/mesh/child_process.hpp"
 #include "precompute/mesh/tetgen_protocol.hpp"
 
@@ -85,13 +86,17 @@ std::string unpack(const std::vector<char>& bytes, LinearTets& tets) {
 }  // namespace
 
 MesherAnswer run_tetgen(const TetgenInput& input, double time_limit) {
-  MesherAnswer answer;
   const std::filesystem::path worker = find_helper("palpate-tetgen");
   if (worker.empty()) {
-    answer.cause = "TetGen: palpate-tetgen is neither beside this program nor in ../libexec/palpate";
-    return answer;
+    throw Error(ExitCode::io, "palpate-tetgen is neither beside this program nor in ../libexec/palpate");
   }
-  const ChildResult child = run_child(worker, pack(input), time_limit, std::size_t{1} << 31);
+  ChildLimits limits;
+  limits.cpu_time = time_limit;
+#ifdef __SANITIZE_ADDRESS__
+  limits.memory = 0;  // its shadow alone takes terabytes of addresses
+#endif
+  const ChildResult child = run_child(worker, pack(input), limits);
+  MesherAnswer answer;
   std::string cause = child.finished ? unpack(child.output, answer.tets) : child.cause;
   if (!cause.empty()) {
     answer.tets = {};

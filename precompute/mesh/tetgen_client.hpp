@@ -14,7 +14,8 @@ struct TetgenInput {
   std::string switches;  ///< TetGen's, without the dash; must hold p, m and Q
 };
 
-/// Meshes; gives a cause instead of an exception. TetGen leaves the regions to find_regions.
+/// Meshes within `time_limit` s of processor time; gives a cause where TetGen does not. TetGen leaves the regions to
+/// find_regions. Throws Error(io) where palpate-tetgen is missing or cannot be started.
 MesherAnswer run_tetgen(const TetgenInput& input, double time_limit);
 
 }  // namespace palpate

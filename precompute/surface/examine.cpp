@@ -3,7 +3,7 @@
 #include "precompute/surface/examine.hpp"
 
 #include "formats/error.hpp"
-#include "precompute/surface/kernel.hpp"
+#include "precompute/geometry/intersections.hpp"
 #include "precompute/surface/weld.hpp"
 
 #include <fmt/format.h>

@@ -2,7 +2,7 @@
 // Validation: everything that keeps a surface from being meshed as a solid.
 #pragma once
 
-#include "precompute/surface/topology.hpp"
+#include "precompute/geometry/topology.hpp"
 
 #include <string>
 #include <vector>

@@ -4,20 +4,9 @@
 
 #include "formats/surface.hpp"
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
 #include <optional>
-#include <vector>
 
 namespace palpate {
-
-/// Pairs of triangles that meet anywhere but in the corners or the edge they share by index, (lower, higher),
-/// sorted. Triangles without area take no part. Exact.
-std::vector<std::array<std::int32_t, 2>> crossings(const Surface& surface);
-
-/// Number of pairs of a triangle of `a` and one of `b` that meet. Exact.
-std::size_t crossings(const Surface& a, const Surface& b);
 
 struct MendOptions {
   double hole_area = 0.0;  ///< m^2; holes up to this area (of the fan round their middle) are closed

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// prepare_body: reads, joins and cleans the scene's surfaces, places inclusions and checks supports.
+// prepare_body: reads, joins and cleans the scene's surfaces, places inclusions and supports.
 #include "formats/error.hpp"
 #include "formats/surface_io.hpp"
 #include "precompute/body.hpp"
+#include "precompute/geometry/intersections.hpp"
+#include "precompute/geometry/topology.hpp"
 #include "precompute/mesh/remesh.hpp"
 #include "precompute/surface/clean.hpp"
 #include "precompute/surface/examine.hpp"
-#include "precompute/surface/kernel.hpp"
-#include "precompute/surface/topology.hpp"
+#include "precompute/surface/supports.hpp"
 #include "precompute/surface/weld.hpp"
 
 #include <fmt/format.h>
@@ -33,94 +34,19 @@ std::string file_names(const std::vector<SurfaceSource>& sources) {
 // Edge length at which equilateral triangles tile the area `count` times.
 double edge_for(double area, double count) { return std::sqrt(area / count * 4.0 / std::sqrt(3.0)); }
 
-// Coarse copy that has kept its shape: a thin margin that was folded is tried again with shorter edges.
+// Coarse copy that has kept its shape: a thin margin that was folded is tried again with shorter edges. That it
+// does not cross itself is what remesh_uniform sees to.
 Surface coarse_copy(const Surface& surface, double& edge, const std::string& name) {
   const double volume = signed_volume(surface);
   std::string cause;
   for (int attempt = 0; attempt < 4; ++attempt, edge *= 0.7) {
     auto base = remesh_uniform(surface, edge);
-    const auto faults = examine(base);
+    const SurfaceFaults faults{topology(base), 0, signed_volume(base)};
     const double error = std::abs(faults.volume - volume) / volume;
     if (faults.clean() && error < 0.05) return base;
     cause = faults.clean() ? fmt::format("volume off by {:.1f} %", error * 100) : joined(faults.lines());
   }
   throw Error(ExitCode::numerical, name + ": no coarse copy of the surface keeps its shape: " + cause);
-}
-
-std::string list_of(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, ", ")); }
-
-std::vector<std::string> present_parts(const Surface& surface) {
-  std::set<std::string> names;
-  for (const auto part : surface.parts) names.insert(surface.part_names[std::size_t(part)]);
-  return {names.begin(), names.end()};
-}
-
-SupportScene default_support(const Surface& surface) {
-  double low = surface.vertices.front().z(), high = low;
-  for (const auto& vertex : surface.vertices) {
-    low = std::min(low, vertex.z());
-    high = std::max(high, vertex.z());
-  }
-  SupportScene support;
-  support.kind = SupportScene::Kind::half_space;
-  support.point = {0, 0, low + 0.1 * (high - low)};
-  support.normal = {0, 0, 1};
-  return support;
-}
-
-bool holds(const Body& body, std::size_t k, const Eigen::Vector3d& point) {
-  const auto& support = body.supports[k];
-  switch (support.kind) {
-    case SupportScene::Kind::mesh: {
-      const auto& surface = body.query->surface();
-      const auto part = surface.parts[std::size_t(body.query->closest(point).triangle)];
-      return surface.part_names[std::size_t(part)] == support.mesh;
-    }
-    case SupportScene::Kind::box:
-      return (point.array() >= support.box_min.array()).all() && (point.array() <= support.box_max.array()).all();
-    case SupportScene::Kind::half_space:
-      return (point - support.point).dot(support.normal) <= 0.0;
-    case SupportScene::Kind::distance:
-      return body.support_surfaces[k]->closest(point).distance <= support.within;
-  }
-  return false;
-}
-
-// Every support must hold some of the surface, and all together must leave some of it free.
-void check_supports(const Body& body, const Scene& scene) {
-  const auto& surface = body.query->surface();
-  std::vector<bool> held(surface.triangles.size(), false);
-  for (std::size_t k = 0; k < body.supports.size(); ++k) {
-    const auto& support = body.supports[k];
-    const auto where = fmt::format("{}: support {}", scene.file.string(), k + 1);
-    if (support.kind == SupportScene::Kind::mesh) {
-      const auto names = present_parts(surface);
-      if (std::find(names.begin(), names.end(), support.mesh) == names.end()) {
-        fail(where + ": the body has no part named '" + support.mesh + "'; there are: " + list_of(names));
-      }
-    }
-    bool any = false;
-    for (std::size_t t = 0; t < held.size(); ++t) {
-      const auto& c = surface.triangles[t];
-      const Eigen::Vector3d centre = (surface.vertices[std::size_t(c[0])] + surface.vertices[std::size_t(c[1])] +
-                                      surface.vertices[std::size_t(c[2])]) /
-                                     3.0;
-      const bool here = holds(body, k, centre);
-      any = any || here;
-      held[t] = held[t] || here;
-    }
-    for (std::size_t v = 0; !any && v < surface.vertices.size(); ++v) any = holds(body, k, surface.vertices[v]);
-    if (!any) {
-      Eigen::AlignedBox3d box;
-      for (const auto& vertex : surface.vertices) box.extend(vertex);
-      fail(fmt::format(
-          "{} holds no point of the body, which lies from ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) m",
-          where, box.min().x(), box.min().y(), box.min().z(), box.max().x(), box.max().y(), box.max().z()));
-    }
-  }
-  if (std::all_of(held.begin(), held.end(), [](bool h) { return h; })) {
-    fail(scene.file.string() + ": the supports hold the whole surface: nothing is left to touch");
-  }
 }
 
 Inclusion make_inclusion(const RegionScene& region, const Body& body, double& edge) {
@@ -141,7 +67,8 @@ Inclusion make_inclusion(const RegionScene& region, const Body& body, double& ed
     }
   }
   for (const auto& other : body.inclusions) {
-    if (crossings(surface, other.query->surface()) > 0) fail(label + ": it intersects region '" + other.name + "'");
+    if (surfaces_intersect(surface, other.query->surface()))
+      fail(label + ": it intersects region '" + other.name + "'");
     if (other.query->signed_distance(surface.vertices.front()) < 0.0 ||
         inclusion.query->signed_distance(other.query->surface().vertices.front()) < 0.0) {
       fail(label + ": it lies inside region '" + other.name + "' or around it; regions must be side by side");
@@ -159,7 +86,7 @@ void separate_bases(Body& body, const std::vector<double>& edges, const std::str
     for (const auto& inclusion : body.inclusions) all.push_back(&inclusion.base);
     bool apart = true;
     for (std::size_t a = 0; apart && a < all.size(); ++a) {
-      for (std::size_t b = a + 1; apart && b < all.size(); ++b) apart = crossings(*all[a], *all[b]) == 0;
+      for (std::size_t b = a + 1; apart && b < all.size(); ++b) apart = !surfaces_intersect(*all[a], *all[b]);
     }
     if (apart) return;
     const double shorter = std::pow(0.7, attempt + 1);
@@ -186,13 +113,6 @@ double wrap_alpha(const Scene& scene, double diagonal) {
 }
 
 }  // namespace
-
-bool Body::held(const Eigen::Vector3d& surface_point) const {
-  for (std::size_t k = 0; k < supports.size(); ++k) {
-    if (holds(*this, k, surface_point)) return true;
-  }
-  return false;
-}
 
 Body prepare_body(const Scene& scene) {
   if (scene.body.surfaces.empty()) fail(scene.file.string() + ": the body has no surface");

@@ -2,8 +2,8 @@
 // Measures of a prepared surface and their text.
 #include "precompute/surface/report.hpp"
 
+#include "precompute/geometry/topology.hpp"
 #include "precompute/surface/kernel.hpp"
-#include "precompute/surface/topology.hpp"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,8 @@
 // Deterministic merging by sorting along a line; no hashing, so that equal input gives equal numbering.
 #include "precompute/surface/weld.hpp"
 
-#include "precompute/surface/topology.hpp"
+#include "precompute/geometry/coincident.hpp"
+#include "precompute/geometry/topology.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -24,9 +25,6 @@ Surface renumber(const Surface& surface, const std::vector<std::int32_t>& to) {
   }
   return keep_triangles(merged, keep);
 }
-
-// Place along a line that no flat face of a real surface is square to: near points have near places on it.
-double place(const Eigen::Vector3d& point) { return point.dot(Eigen::Vector3d(0.5196, 0.6081, 0.6003)); }
 
 struct BorderVertex {
   std::int32_t vertex = 0;
@@ -56,25 +54,7 @@ std::vector<BorderVertex> border_vertices(const Surface& surface) {
 }  // namespace
 
 Surface weld(const Surface& surface, double tolerance) {
-  const auto& points = surface.vertices;
-  std::vector<std::pair<double, std::int32_t>> order;
-  for (std::size_t v = 0; v < points.size(); ++v) order.emplace_back(place(points[v]), std::int32_t(v));
-  std::sort(order.begin(), order.end());
-  std::vector<std::int32_t> to(points.size());
-  std::iota(to.begin(), to.end(), 0);
-  const auto root = [&](std::int32_t v) {
-    while (to[std::size_t(v)] != v) v = to[std::size_t(v)];
-    return v;
-  };
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    for (std::size_t j = i + 1; j < order.size() && order[j].first - order[i].first <= tolerance; ++j) {
-      if ((points[std::size_t(order[i].second)] - points[std::size_t(order[j].second)]).norm() > tolerance) continue;
-      const auto a = root(order[i].second), b = root(order[j].second);
-      to[std::size_t(std::max(a, b))] = std::min(a, b);
-    }
-  }
-  for (std::size_t v = 0; v < to.size(); ++v) to[v] = root(std::int32_t(v));
-  return renumber(surface, to);
+  return renumber(surface, coincident(surface.vertices, tolerance));
 }
 
 Surface join_borders(const Surface& surface, double tolerance) {
@@ -83,13 +63,14 @@ Surface join_borders(const Surface& surface, double tolerance) {
     return surface.vertices[std::size_t(v.vertex)];
   };
   std::sort(border.begin(), border.end(), [&](const BorderVertex& a, const BorderVertex& b) {
-    return place(at(a)) != place(at(b)) ? place(at(a)) < place(at(b)) : a.vertex < b.vertex;
+    return sweep_place(at(a)) != sweep_place(at(b)) ? sweep_place(at(a)) < sweep_place(at(b)) : a.vertex < b.vertex;
   });
   // The nearest border vertex of another part; both ways it must be the same pair.
   std::vector<std::size_t> nearest(border.size(), border.size());
   std::vector<double> distance(border.size(), std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < border.size(); ++i) {
-    for (std::size_t j = i + 1; j < border.size() && place(at(border[j])) - place(at(border[i])) <= tolerance; ++j) {
+    for (std::size_t j = i + 1;
+         j < border.size() && sweep_place(at(border[j])) - sweep_place(at(border[i])) <= tolerance; ++j) {
       if (border[i].part == border[j].part) continue;
       const double d = (at(border[i]) - at(border[j])).norm();
       if (d > tolerance || d > border[i].reach || d > border[j].reach) continue;

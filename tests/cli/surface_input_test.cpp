@@ -121,5 +121,18 @@ TEST_F(GoodSurface, IsReported) {
   EXPECT_TRUE(std::filesystem::exists(folder() / "out" / "body.ply"));
 }
 
+TEST_F(GoodSurface, ARegionMayBeCalledBody) {
+  write("a.off", kBox);
+  write("b.off",
+        "OFF\n4 4 0\n0.01 0.01 0.01\n0.03 0.01 0.01\n0.01 0.03 0.01\n0.01 0.01 0.03\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 "
+        "3\n");
+  write("scene.toml", "[body]\nsurface = \"a.off\"\n[[region]]\nname = \"body\"\nsurface = \"b.off\"\n");
+  const RunResult result = run({"mesh", "scene.toml", "--out", "out"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  // Neither overwrites the other.
+  const auto size = [&](const char* name) { return std::filesystem::file_size(folder() / "out" / name); };
+  EXPECT_GT(size("body.ply"), size("region-body.ply"));
+}
+
 }  // namespace
 }  // namespace palpate::test

@@ -88,18 +88,16 @@ TEST(TetChecks, RegionInsideIsFlooded) {
   EXPECT_NE(find_regions(m, outer, {missing}), "");
 }
 
-TEST(TetChecks, ShapesOfTheCornerAndTheRegularTetrahedron) {
+TEST(TetChecks, AnglesOfTheCornerAndTheRegularTetrahedron) {
   LinearTets corner;
   corner.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   corner.tets = {{0, 1, 2, 3}};
-  EXPECT_NEAR(tet_shapes(corner).min_dihedral, std::acos(1 / std::sqrt(3.0)) * 180 / std::numbers::pi, 1e-9);
-  EXPECT_NEAR(tet_shapes(corner).max_radius_edge, std::sqrt(3.0) / 2, 1e-12);
+  EXPECT_NEAR(min_dihedral(corner), std::acos(1 / std::sqrt(3.0)) * 180 / std::numbers::pi, 1e-9);
   LinearTets regular;
   regular.points = {{1, 1, 1}, {-1, -1, 1}, {-1, 1, -1}, {1, -1, -1}};
   regular.tets = {{0, 1, 2, 3}};
   ASSERT_EQ(orient_tets(regular), "");
-  EXPECT_NEAR(tet_shapes(regular).min_dihedral, std::acos(1.0 / 3) * 180 / std::numbers::pi, 1e-9);
-  EXPECT_NEAR(tet_shapes(regular).max_radius_edge, std::sqrt(6.0) / 4, 1e-12);
+  EXPECT_NEAR(min_dihedral(regular), std::acos(1.0 / 3) * 180 / std::numbers::pi, 1e-9);
 }
 
 TEST(Quadratic, NodesAreMiddlesAndFacesPointOut) {

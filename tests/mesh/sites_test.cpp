@@ -136,6 +136,44 @@ TEST(Sites, BoxAndSupportsMarkSites) {
   EXPECT_GT(selected, 10);
 }
 
+// A wafer beside a ball allows depths that would need the finest subdivision. It counts neither outside the box nor
+// held, nor where it is a twentieth of the sites.
+TEST(Sites, ShallowSitesThatAreFewOrUntouchedDoNotRefine) {
+  Surface both = test::sphere_surface({0, 0, 0}, 0.1, 5);
+  const Surface wafer = test::box_surface({0.2, -0.01, 0}, {0.22, 0.01, 0.0004}, 4);
+  const auto first = static_cast<std::int32_t>(both.vertices.size());
+  both.vertices.insert(both.vertices.end(), wafer.vertices.begin(), wafer.vertices.end());
+  for (const auto& t : wafer.triangles) both.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  test::set_one_part(both, "both");
+  Body body = test::body_of(both, 0.006);
+  const auto on_wafer = [](const HapticMesh& m, std::size_t k) { return m.points[k].x() > 0.15; };
+
+  Scene scene = scene_with(0.015, 0.005);
+  const HapticMesh whole = make_haptic_mesh(scene, body);
+  std::size_t shallow = 0;
+  for (std::size_t k = 0; k < whole.points.size(); ++k) {
+    // Its narrow sides are as thick as the wafer is wide.
+    if (on_wafer(whole, k) && whole.depth[k] < 0.00025) ++shallow;
+  }
+  EXPECT_GT(shallow, 4U);
+  EXPECT_LT(shallow, whole.points.size() / 20);
+  EXPECT_LE(whole.subdivision, 3);
+
+  // Of a cap of the ball and the wafer, the wafer is more than a twentieth.
+  scene.sampling.within_box = {{Vector3d(0.08, -1, -1), Vector3d(1, 1, 1)}};
+  EXPECT_GT(make_haptic_mesh(scene, body).subdivision, 3);
+  SupportScene clamp;
+  clamp.kind = SupportScene::Kind::box;
+  clamp.box_min = {0.15, -1, -1};
+  clamp.box_max = {1, 1, 1};
+  body.supports.push_back(clamp);
+  body.support_surfaces.push_back(nullptr);
+  EXPECT_LE(make_haptic_mesh(scene, body).subdivision, 3) << "held";
+  scene.sampling.within_box = {{Vector3d(0.08, -1, -1), Vector3d(0.15, 1, 1)}};
+  body.supports.clear();
+  EXPECT_LE(make_haptic_mesh(scene, body).subdivision, 3) << "outside";
+}
+
 TEST(Sites, SameSitesEveryTime) {
   const Body ball = test::body_of(test::sphere_surface({0, 0, 0}, 0.05, 4), 0.006);
   const Scene scene = scene_with(0.012, 0.004);

@@ -2,8 +2,8 @@
 // prepare_body: files joined, inclusions placed, supports checked, coarse copies made.
 #include "formats/surface_io.hpp"
 #include "precompute/body.hpp"
+#include "precompute/geometry/intersections.hpp"
 #include "precompute/surface/examine.hpp"
-#include "precompute/surface/kernel.hpp"
 #include "tests/surface/faulty_shapes.hpp"
 
 #include <cstdlib>
@@ -113,6 +113,24 @@ TEST_F(Prepare, SupportsThatHoldNothingOrEverything) {
   auto& half = support(SupportScene::Kind::half_space);
   half.point = {0, 0, -1};
   expect_refused({"scene.toml", "support 2", "holds no point"});
+}
+
+TEST_F(Prepare, EveryComponentMustBeHeld) {
+  const Surface ball = named(sphere_surface({0.5, 0.1, 0.1}, 0.05), "ball");
+  scene_.body.surfaces = {file("cube", cube()), file("ball", ball)};
+  auto& floor = support(SupportScene::Kind::half_space);
+  floor.point = {0, 0, 0.01};
+  floor.normal = {0, 0, 1};
+  expect_refused({"scene.toml", "component 2 of 2", "mL round (0.5, 0.1, 0.1)", "float away"});
+  floor.point.z() = 0.06;
+  EXPECT_NO_THROW(prepare_body(scene_));
+  // The wall of a cavity is a component of the surface, not of the body.
+  scene_.body.surfaces = {file("cube", cube()), file("hollow", sphere_surface({0.1, 0.1, 0.1}, 0.03))};
+  EXPECT_NO_THROW(prepare_body(scene_));
+  // The default support is what it is.
+  scene_.body.surfaces = {file("cube", cube()), file("ball", ball)};
+  scene_.supports.clear();
+  EXPECT_NO_THROW(prepare_body(scene_));
 }
 
 TEST_F(Prepare, Inclusions) {

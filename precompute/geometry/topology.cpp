@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Edge sorting and union-find; every result depends on the indices alone.
-#include "precompute/surface/topology.hpp"
+#include "precompute/geometry/topology.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -9,24 +9,6 @@
 
 namespace palpate {
 namespace {
-
-// Disjoint sets whose representative is their smallest member.
-class Sets {
-public:
-  explicit Sets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-  std::size_t find(std::size_t item) {
-    while (parent_[item] != item) item = parent_[item] = parent_[parent_[item]];
-    return item;
-  }
-  void join(std::size_t a, std::size_t b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
-private:
-  std::vector<std::size_t> parent_;
-};
 
 const Eigen::Vector3d& corner(const Surface& surface, std::size_t triangle, std::size_t k) {
   return surface.vertices[std::size_t(surface.triangles[triangle][k])];
@@ -81,6 +63,19 @@ std::size_t count_loops(const Surface& surface, const std::vector<TriangleSide>&
 }
 
 }  // namespace
+
+Sets::Sets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
+
+std::size_t Sets::find(std::size_t item) {
+  while (parent_[item] != item) item = parent_[item] = parent_[parent_[item]];
+  return item;
+}
+
+void Sets::join(std::size_t a, std::size_t b) {
+  a = find(a);
+  b = find(b);
+  parent_[std::max(a, b)] = std::min(a, b);
+}
 
 std::vector<TriangleSide> sorted_sides(const Surface& surface) {
   std::vector<TriangleSide> sides;

@@ -35,6 +35,17 @@ void for_each_edge(const std::vector<TriangleSide>& sides, Visit visit) {
   }
 }
 
+/// Disjoint sets of the numbers below `count`; a set is known by its smallest member.
+class Sets {
+public:
+  explicit Sets(std::size_t count);
+  std::size_t find(std::size_t item);
+  void join(std::size_t a, std::size_t b);
+
+private:
+  std::vector<std::size_t> parent_;
+};
+
 struct Topology {
   std::size_t degenerate = 0;            ///< triangles with a repeated corner or no area
   std::size_t duplicates = 0;            ///< triangles whose three corners another has already

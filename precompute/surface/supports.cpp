@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Which points of the surface the supports hold, and what is refused.
+#include "precompute/surface/supports.hpp"
+
+#include "formats/error.hpp"
+#include "precompute/geometry/topology.hpp"
+#include "precompute/surface/weld.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <set>
+
+namespace palpate {
+namespace {
+
+[[noreturn]] void fail(const std::string& message) { throw Error(ExitCode::bad_input, message); }
+
+std::string list_of(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, ", ")); }
+
+std::string coordinates(const Eigen::Vector3d& p) {
+  return fmt::format("({:.4g}, {:.4g}, {:.4g})", p.x(), p.y(), p.z());
+}
+
+Eigen::AlignedBox3d bounds(const Surface& surface) {
+  Eigen::AlignedBox3d box;
+  for (const auto& vertex : surface.vertices) box.extend(vertex);
+  return box;
+}
+
+std::vector<std::string> present_parts(const Surface& surface) {
+  std::set<std::string> names;
+  for (const auto part : surface.parts) names.insert(surface.part_names[std::size_t(part)]);
+  return {names.begin(), names.end()};
+}
+
+bool holds(const Body& body, std::size_t k, const Eigen::Vector3d& point) {
+  const auto& support = body.supports[k];
+  switch (support.kind) {
+    case SupportScene::Kind::mesh: {
+      const auto& surface = body.query->surface();
+      const auto part = surface.parts[std::size_t(body.query->closest(point).triangle)];
+      return surface.part_names[std::size_t(part)] == support.mesh;
+    }
+    case SupportScene::Kind::box:
+      return (point.array() >= support.box_min.array()).all() && (point.array() <= support.box_max.array()).all();
+    case SupportScene::Kind::half_space:
+      return (point - support.point).dot(support.normal) <= 0.0;
+    case SupportScene::Kind::distance:
+      return body.support_surfaces[k]->closest(point).distance <= support.within;
+  }
+  return false;
+}
+
+// Every solid must be held somewhere. `held` is per triangle; a corner that is held counts as well.
+void check_components(const Body& body, const std::vector<bool>& held, const std::string& file) {
+  const auto& surface = body.query->surface();
+  const auto labels = triangle_components(surface, true);
+  const auto count = *std::max_element(labels.begin(), labels.end()) + 1;
+  for (std::int32_t k = 0; count > 1 && k < count; ++k) {
+    std::vector<bool> in(labels.size());
+    bool any = false;
+    for (std::size_t t = 0; t < labels.size(); ++t) {
+      in[t] = labels[t] == k;
+      any = any || (in[t] && held[t]);
+    }
+    const Surface component = keep_triangles(surface, in);
+    const double volume = signed_volume(component);
+    // The wall of a cavity faces inward and belongs to the solid round it.
+    if (any || volume < 0.0) continue;
+    if (std::any_of(component.vertices.begin(), component.vertices.end(), [&](const auto& v) { return body.held(v); }))
+      continue;
+    fail(fmt::format("{}: no support holds component {} of {} of the body ({:.4g} mL round {} m): it would float away",
+                     file, k + 1, count, volume * 1e6, coordinates(bounds(component).center())));
+  }
+}
+
+}  // namespace
+
+SupportScene default_support(const Surface& surface) {
+  const auto box = bounds(surface);
+  SupportScene support;
+  support.kind = SupportScene::Kind::half_space;
+  support.point = {0, 0, box.min().z() + 0.1 * (box.max().z() - box.min().z())};
+  support.normal = {0, 0, 1};
+  return support;
+}
+
+void check_supports(const Body& body, const Scene& scene) {
+  const auto& surface = body.query->surface();
+  std::vector<bool> held(surface.triangles.size(), false);
+  for (std::size_t k = 0; k < body.supports.size(); ++k) {
+    const auto& support = body.supports[k];
+    const auto where = fmt::format("{}: support {}", scene.file.string(), k + 1);
+    if (support.kind == SupportScene::Kind::mesh) {
+      const auto names = present_parts(surface);
+      if (std::find(names.begin(), names.end(), support.mesh) == names.end()) {
+        fail(where + ": the body has no part named '" + support.mesh + "'; there are: " + list_of(names));
+      }
+    }
+    bool any = false;
+    for (std::size_t t = 0; t < held.size(); ++t) {
+      const auto& c = surface.triangles[t];
+      const Eigen::Vector3d centre = (surface.vertices[std::size_t(c[0])] + surface.vertices[std::size_t(c[1])] +
+                                      surface.vertices[std::size_t(c[2])]) /
+                                     3.0;
+      const bool here = holds(body, k, centre);
+      any = any || here;
+      held[t] = held[t] || here;
+    }
+    for (std::size_t v = 0; !any && v < surface.vertices.size(); ++v) any = holds(body, k, surface.vertices[v]);
+    if (!any) {
+      const auto box = bounds(surface);
+      fail(fmt::format("{} holds no point of the body, which lies from {} to {} m", where, coordinates(box.min()),
+                       coordinates(box.max())));
+    }
+  }
+  if (std::all_of(held.begin(), held.end(), [](bool h) { return h; })) {
+    fail(scene.file.string() + ": the supports hold the whole surface: nothing is left to touch");
+  }
+  if (!scene.supports.empty()) check_components(body, held, scene.file.string());
+}
+
+bool Body::held(const Eigen::Vector3d& surface_point) const {
+  for (std::size_t k = 0; k < supports.size(); ++k) {
+    if (holds(*this, k, surface_point)) return true;
+  }
+  return false;
+}
+
+}  // namespace palpate

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where a body is held when the scene does not say, and whether what it says can hold the body.
+#pragma once
+
+#include "precompute/body.hpp"
+
+namespace palpate {
+
+/// The lowest tenth of the surface along z.
+SupportScene default_support(const Surface& surface);
+
+/// `body` has its surface and its supports. Throws Error(bad_input) where a support holds nothing, all together
+/// leave nothing free, or a component of the body is held by none of the scene's: it would float away.
+void check_supports(const Body& body, const Scene& scene);
+
+}  // namespace palpate
