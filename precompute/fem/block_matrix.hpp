@@ -22,8 +22,6 @@ public:
 
   [[nodiscard]] const Eigen::SparseMatrix<double>& matrix() const { return matrix_; }
   [[nodiscard]] std::int32_t free_nodes() const { return static_cast<std::int32_t>(rows_.size()); }
-  /// Index among the free nodes, or -1.
-  [[nodiscard]] std::int32_t free_index(std::int32_t node) const { return index_[node]; }
 
 private:
   std::vector<std::int32_t> index_;

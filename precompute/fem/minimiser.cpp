@@ -66,19 +66,23 @@ struct Minimiser::Impl {
   std::vector<std::int32_t> free;
   Eigen::CholmodSupernodalLLT<Eigen::SparseMatrix<double>, Eigen::Lower> solver;
   bool factored = false;
+  // Kept from call to call with the factor: a tool that moved on meets much the same stiffness.
+  std::deque<Correction> memory;
 };
 
 Minimiser::Minimiser(const TetMesh& mesh, const std::vector<char>& fixed)
     : impl_(std::make_unique<Impl>(mesh, fixed)) {}
 Minimiser::~Minimiser() = default;
 
-void Minimiser::drop_factor() { impl_->factored = false; }
-std::size_t Minimiser::factor_bytes() const { return impl_->solver.cholmod().memory_inuse; }
+void Minimiser::drop_factor() {
+  impl_->factored = false;
+  impl_->memory.clear();
+}
 
 MinimiserResult Minimiser::minimise(const EnergyProblem& problem, VectorXd& x, const MinimiserOptions& options) {
   Impl& m = *impl_;
   MinimiserResult result;
-  std::deque<Correction> memory;
+  std::deque<Correction>& memory = m.memory;
   VectorXd full(x.size()), trial = x;
   double energy = problem.gradient(x, full);
   VectorXd g = m.reduce(full);

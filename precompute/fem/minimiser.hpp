@@ -28,8 +28,8 @@ public:
 struct MinimiserOptions {
   double energy_tolerance = 1e-12;   ///< J; converged when half the Newton decrement squared is below it ...
   double residual_tolerance = 1e-3;  ///< ... and the residual's norm is below this share of the load
-  int refresh = 14;                  ///< L-BFGS iterations on one factor before a new one is made
-  int newton_after = 2;              ///< new factors in one call after which every iteration is a Newton one
+  int refresh = 25;                  ///< L-BFGS iterations of one call before a new factor is made
+  int newton_after = 1;              ///< new factors in one call after which every iteration is a Newton one
   int max_iterations = 70;
   int memory = 12;  ///< L-BFGS pairs
 };
@@ -44,7 +44,7 @@ struct MinimiserResult {
   double residual = 0.0;   ///< norm of the residual over the load
 };
 
-/// Keeps its Cholesky factor from call to call; one instance a mesh, used by one thread.
+/// Keeps its Cholesky factor and L-BFGS pairs from call to call; one instance a mesh, used by one thread.
 class Minimiser {
 public:
   Minimiser(const TetMesh& mesh, const std::vector<char>& fixed);
@@ -56,8 +56,6 @@ public:
   MinimiserResult minimise(const EnergyProblem& problem, Eigen::VectorXd& x, const MinimiserOptions& options);
   /// Forgets the factor, so that the next call starts with a fresh one.
   void drop_factor();
-  /// Bytes of the current factor.
-  [[nodiscard]] std::size_t factor_bytes() const;
 
 private:
   struct Impl;

@@ -39,7 +39,13 @@ ContactEnergy::ContactEnergy(const TetMesh& mesh, const std::vector<char>& fixed
                              const Eigen::Isometry3d& pose)
     : shape_(shape), pose_(pose) {
   for (const auto& nodes : mesh.faces) {
-    if (std::all_of(nodes.begin(), nodes.end(), [&](std::int32_t n) { return fixed[n] != 0; })) continue;
+    if (std::all_of(nodes.begin(), nodes.end(), [&](std::int32_t n) { return fixed[n] != 0; })) {
+      for (const auto& w : kShape) {
+        held_points_.push_back(Vector3d::Zero());
+        for (int n = 0; n < 6; ++n) held_points_.back() += w[n] * mesh.nodes[nodes[n]];
+      }
+      continue;
+    }
     const Vector3d a = mesh.nodes[nodes[0]], b = mesh.nodes[nodes[1]], c = mesh.nodes[nodes[2]];
     faces_.push_back({nodes, 0.5 * (b - a).cross(c - a).norm() / kPoints});
   }
@@ -129,9 +135,6 @@ void ContactEnergy::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& ma
 
 ContactReport ContactEnergy::report(const VectorXd& x) const {
   ContactReport r;
-  VectorXd nodal = VectorXd::Zero(x.size());
-  gradient(x, nodal);
-  r.load = nodal.norm();
   for_each_near(x, [&](const Face& face, std::size_t k, const auto&, const Vector3d& at) {
     const DistanceSample s = shape_.distance(at);
     if (s.value < 0) {
@@ -149,6 +152,9 @@ ContactReport ContactEnergy::report(const VectorXd& x) const {
       r.force += anchor_stiffness_ * face.weight * (pose_.linear() * slip);
     }
   });
+  const Eigen::Isometry3d to_tool = pose_.inverse();
+  for (const Vector3d& at : held_points_)
+    r.held_overlap = std::max(r.held_overlap, -shape_.distance(to_tool * at).value);
   return r;
 }
 

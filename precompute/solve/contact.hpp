@@ -19,13 +19,14 @@ struct ContactReport {
   double tangential_energy = 0.0;  ///< J stored in the anchors
   double penetration = 0.0;        ///< m, largest overlap at an integration point
   double area = 0.0;               ///< m^2, undeformed
-  double load = 0.0;               ///< N, norm of the nodal contact forces
+  double held_overlap = 0.0;       ///< m, largest overlap with held surface, which gives no force
   std::uint32_t points = 0;        ///< integration points in contact
 };
 
 class ContactEnergy {
 public:
-  /// Faces with all nodes fixed take no part. `pose` carries the tool frame into the body's.
+  /// Faces with all nodes fixed take no part; the report tells when the tool reaches them. `pose` carries the tool
+  /// frame into the body's.
   ContactEnergy(const TetMesh& mesh, const std::vector<char>& fixed, const ToolShape& shape,
                 const Eigen::Isometry3d& pose);
 
@@ -72,6 +73,7 @@ private:
   void for_each_near(const Eigen::VectorXd& x, Visit&& visit) const;
 
   std::vector<Face> faces_;
+  std::vector<Eigen::Vector3d> held_points_;  // of faces that take no part
   const ToolShape& shape_;
   Eigen::Isometry3d pose_;
   double penalty_ = 0.0, anchor_stiffness_ = 0.0;

@@ -63,10 +63,10 @@ std::vector<Vector3d> footprint(const Body& body, const Tool& tool, const Eigen:
 }  // namespace
 
 SizeField contact_size(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
-                       double depth, double fineness, const PairOptions& options) {
+                       double depth, double scale, const PairOptions& options) {
   const double radius = contact_radius(vertex, depth);
-  const double size = options.mesh_size * fineness * radius;
-  const double largest = (options.max_size > 0 ? options.max_size : body.diagonal / 8) * std::sqrt(fineness);
+  const double size = options.mesh_size * scale * radius;
+  const double largest = (options.max_size > 0 ? options.max_size : body.diagonal / 8) * std::sqrt(scale);
   const Eigen::Isometry3d touching = touching_pose(vertex, frame);
   Eigen::Isometry3d deepest = touching;
   deepest.translation() -= depth * frame.n;
@@ -84,10 +84,10 @@ SizeField contact_size(const Body& body, const Tool& tool, const ToolVertex& ver
     for (int k = 0; k < count; ++k) {
       const double angle = 2 * std::numbers::pi * k / count;
       const Vector3d rim = frame.origin + radius * (std::cos(angle) * frame.x + std::sin(angle) * frame.y);
-      sources.push_back({body.query->closest(rim).point, options.rim_size * fineness * radius});
+      sources.push_back({body.query->closest(rim).point, options.rim_size * scale * radius});
     }
   }
-  for (const ToolEdgePoint& e : tool.edges) sources.push_back({touching * e.point, e.size * fineness});
+  for (const ToolEdgePoint& e : tool.edges) sources.push_back({touching * e.point, e.size * scale});
 
   const double growth = options.growth;
   return [sources = std::move(sources), growth, largest, size](const Vector3d& x) {

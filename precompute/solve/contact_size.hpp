@@ -9,9 +9,9 @@
 
 namespace palpate {
 
-/// Edge length for a push of `vertex` at `frame` down to `depth` (m) with options.mesh_size * `fineness` of
+/// Edge length for a push of `vertex` at `frame` down to `depth` (m) with options.mesh_size * `scale` of
 /// the contact radius over the footprint.
 SizeField contact_size(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
-                       double depth, double fineness, const PairOptions& options);
+                       double depth, double scale, const PairOptions& options);
 
 }  // namespace palpate

@@ -15,9 +15,8 @@ std::string say(const char* gate, double figure, double limit, double depth) {
   return text;
 }
 
-}  // namespace
-
-std::optional<std::string> failed_gate(const GateState& s, const GateLimits& limits) {
+// What every believed contact satisfies, whatever way the tool came.
+std::optional<std::string> failed_contact(const GateState& s, const GateLimits& limits) {
   if (!std::isfinite(s.force) || !std::isfinite(s.stored)) {
     return "finite: the force or energy is not a number at depth " + std::to_string(1e3 * s.depth) + " mm";
   }
@@ -25,12 +24,24 @@ std::optional<std::string> failed_gate(const GateState& s, const GateLimits& lim
   if (!(s.min_jacobian > limits.min_jacobian)) {
     return say("minimum Jacobian", s.min_jacobian, limits.min_jacobian, s.depth);
   }
-  // A tool that slipped between integration points, or a penalty too soft.
+  // Held surface answers with no force: a tool that sinks into it is not in the contact that was asked for.
+  if (s.contact.held_overlap > limits.penetration * s.contact_radius) {
+    return say("support: overlap of tool and held surface over contact radius",
+               s.contact.held_overlap / s.contact_radius, limits.penetration, s.depth);
+  }
+  // A penalty too soft for this contact.
   if (s.contact.penetration > limits.penetration * s.contact_radius) {
     return say("penetration over contact radius", s.contact.penetration / s.contact_radius, limits.penetration,
                s.depth);
   }
   if (s.force <= 0) return say("force sign (N)", s.force, 0.0, s.depth);
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<std::string> failed_gate(const GateState& s, const GateLimits& limits) {
+  if (auto failed = failed_contact(s, limits)) return failed;
   if (s.force < limits.force_drop * s.previous_force) {
     return say("force growth", s.force / s.previous_force, limits.force_drop, s.depth);
   }
@@ -38,6 +49,15 @@ std::optional<std::string> failed_gate(const GateState& s, const GateLimits& lim
   const double imbalance = std::abs(s.stored - s.work), scale = s.work + 0.01 / limits.energy_balance * s.energy_scale;
   if (imbalance > limits.energy_balance * scale) {
     return say("energy balance", (s.stored - s.work) / scale, limits.energy_balance, s.depth);
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> failed_sideways_gate(const GateState& s, double answer, const GateLimits& limits) {
+  if (auto failed = failed_contact(s, limits)) return failed;
+  if (!(answer < 0)) return say("sideways answer (N)", answer, 0.0, s.depth);
+  if (s.contact.points < limits.resolved_points) {
+    return say("contact resolution (points)", s.contact.points, limits.resolved_points, s.depth);
   }
   return std::nullopt;
 }

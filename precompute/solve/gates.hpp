@@ -14,10 +14,11 @@ struct GateLimits {
   double min_jacobian = 0.0;           ///< an element turned inside out at a quadrature point is refused
   double force_drop = 0.9;             ///< smallest ratio of the normal force to the one before
   double energy_balance = 0.06;        ///< of the tool's work, and a hundredth of the energy scale of the whole push
-  std::uint32_t resolved_points = 12;  ///< integration points in contact at the deepest push
+  std::size_t curve_points = 3;        ///< resolved depths of a normal curve (all, where fewer were asked for)
+  std::uint32_t resolved_points = 12;  ///< integration points in contact at the deepest and at a sideways push
 };
 
-/// One point of a normal curve as the gates see it.
+/// One point of a push as the gates see it.
 struct GateState {
   double depth = 0.0;           ///< m
   double contact_radius = 0.0;  ///< m
@@ -32,5 +33,9 @@ struct GateState {
 
 /// Empty when the state may be believed; else the name of the gate, the figure and its limit.
 std::optional<std::string> failed_gate(const GateState& state, const GateLimits& limits);
+
+/// The same for a sideways push: `answer` (N) is the change of the force along the push, which must oppose it. Growth
+/// and work are not asked for, a resolved contact is: a contact that peels ends in a few points.
+std::optional<std::string> failed_sideways_gate(const GateState& state, double answer, const GateLimits& limits);
 
 }  // namespace palpate

@@ -46,14 +46,14 @@ public:
             const PairPath& path, const PairOptions& options)
       : body_(body), tool_(tool), vertex_(vertex), frame_(frame), path_(path), options_(options) {}
 
-  // One attempt with a mesh `fineness` times as fine; the outcome says whether to try again. The last attempt
+  // One attempt with elements `scale` times as large; the outcome says whether to try again. The last attempt
   // keeps what a sideways push answered before it failed.
-  PairResult attempt(double fineness, bool last) {
+  PairResult attempt(double scale, bool last) {
     PairResult result;
     result_ = &result;
     last_ = last;
     const double deepest = path_.normal_depths.back();
-    const SizeField size = contact_size(body_, tool_, vertex_, frame_, deepest, fineness, options_);
+    const SizeField size = contact_size(body_, tool_, vertex_, frame_, deepest, scale, options_);
     const VolumeMeshResult mesh = mesh_volume(body_, size, {frame_.origin}, options_.mesh);
     if (!mesh.usable) return refuse("mesh: " + mesh.cause);
     result.outcome.nodes = static_cast<std::uint32_t>(mesh.mesh.nodes.size());
@@ -104,6 +104,10 @@ private:
     for (int k = 0; k < 200 && gap > resolution; ++k) {
       lift -= gap;
       gap = push.rest_gap(start_ + lift * frame_.n);
+    }
+    if (lift < -limit) {
+      refuse("first touch: the surface is " + std::to_string(-1e3 * lift) + " mm beyond the site");
+      return false;
     }
     start_ += lift * frame_.n;
     result_->outcome.first_touch = -lift;
@@ -158,6 +162,13 @@ private:
       sample.index = static_cast<std::uint16_t>(curve_.size() - 1);
       result_->samples.push_back(sample);
     }
+    const std::size_t wanted = std::min(limits.curve_points, path_.normal_depths.size());
+    if (curve_.size() < wanted) {
+      refuse("contact resolution: " + std::to_string(curve_.size()) + " of " +
+             std::to_string(path_.normal_depths.size()) + " depths have enough points in contact, " +
+             std::to_string(wanted) + " wanted");
+      return false;
+    }
     for (std::size_t k = 0; k < curve_.size(); ++k) {
       result_->samples[k].deflection = {0, 0, corrected_depth(curve_, k)};
     }
@@ -203,7 +214,7 @@ private:
                                    [&](const CurvePoint& p) { return p.depth >= wanted * (1 - 1e-9); });
       const Sample base = result_->samples[at - curve_.begin()];
       for (int d = 0; d < path_.tangential_directions; ++d) {
-        const double angle = 2 * kPi * d / path_.tangential_directions;
+        const double angle = path_.tangential_start + 2 * kPi * d / path_.tangential_directions;
         const Vector3d local(std::cos(angle), std::sin(angle), 0);
         push.restore(at->state);
         if (path_.form_frictionless) push.stick();
@@ -238,12 +249,16 @@ private:
     s.index = index;
     s.min_jacobian = push.min_jacobian();
     const double pull = (s.force - base.force).dot(local);
-    if (!s.force.allFinite() || !(pull < 0) || !(s.force.z() > 0) || !(s.min_jacobian > GateLimits{}.min_jacobian)) {
-      return "sideways gate: answer " + std::to_string(pull) + " N, normal force " + std::to_string(s.force.z()) +
-             " N, minimum Jacobian " + std::to_string(s.min_jacobian) + where;
-    }
+    GateState gate;
+    gate.depth = at.depth;
+    gate.contact_radius = contact_radius(vertex_, at.depth);
+    gate.force = s.force.z();
+    gate.min_jacobian = s.min_jacobian;
+    gate.contact = push.report();
+    gate.stored = gate.contact.tangential_energy;
+    if (const auto failed = failed_sideways_gate(gate, pull, GateLimits{})) return *failed + where;
     // The anchors' own compliance, at a constant contact area: 2 E / Q.
-    const double give = 2 * push.report().tangential_energy / -pull;
+    const double give = 2 * gate.contact.tangential_energy / -pull;
     s.deflection = (reach - std::min(give, 0.1 * reach)) * local + Vector3d(0, 0, base.deflection.z());
     result_->samples.push_back(s);
     return std::nullopt;
@@ -270,7 +285,7 @@ PairPath bake_path(const Scene& scene, double depth) {
   path.friction = scene.friction;
   if (scene.friction > 0) {
     const int m = scene.sampling.tangential_depths;
-    for (int k = 1; k <= m; ++k) path.tangential_depths.push_back(path.normal_depths[n * k / m - 1]);
+    for (int k = 1; k <= m; ++k) path.tangential_depths.push_back(path.normal_depths[(n * k + m - 1) / m - 1]);
     path.tangential_directions = scene.sampling.tangential_directions;
     path.tangential_points = scene.sampling.tangential_points;
     // Gross slip of a Hertz contact begins at mu (2 - nu) / (3 (1 - nu)) of the depth (Mindlin 1949); beyond
@@ -286,6 +301,7 @@ PairOptions pair_options(const Scene& scene) {
   options.mesh_size = scene.solver.mesh_size;
   options.growth = scene.solver.growth;
   options.max_size = scene.solver.max_size;
+  options.rim_size = scene.solver.rim_size;
   options.mesh.time_limit = scene.solver.time_limit;
   return options;
 }
@@ -294,17 +310,17 @@ PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vert
                       const PairPath& path, const PairOptions& options, const SampleSink& sink) {
   PairResult result;
   std::string causes;
-  for (const double fineness : {1.0, 0.8, 0.6}) {
+  for (const double scale : {1.0, 0.8, 0.6}) {
     PairSolve solve(body, tool, vertex, frame, path, options);
-    result = solve.attempt(fineness, fineness == 0.6);
+    result = solve.attempt(scale, scale == 0.6);
     if (result.outcome.accepted) break;
     if (!causes.empty()) causes += "; finer: ";
     causes += result.outcome.cause;
   }
   if (!result.outcome.accepted) result.outcome.cause = causes;
   // Samples leave only with a pair that passed: a journal never holds points of an abandoned attempt.
-  for (const Sample& s : result.samples) {
-    if (sink && !sink(s)) break;
+  if (sink) {
+    for (const Sample& s : result.samples) sink(s);
   }
   return result;
 }

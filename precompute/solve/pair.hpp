@@ -18,7 +18,8 @@ struct PairPath {
   std::vector<double> normal_depths;
   std::vector<double>
       tangential_depths;           ///< at most the last normal depth; each takes the first accepted one from there on
-  int tangential_directions = 0;   ///< evenly spaced from +x; 0: no sideways pushes
+  int tangential_directions = 0;   ///< evenly spaced; 0: no sideways pushes
+  double tangential_start = 0.0;   ///< rad, of the first direction from +x
   int tangential_points = 3;       ///< per push
   double tangential_reach = 0.4;   ///< largest sideways deflection over the depth of the push
   double friction = 0.0;           ///< Coulomb coefficient; > 0: the push is solved sticking
@@ -41,8 +42,12 @@ struct PairOptions {
 
 PairOptions pair_options(const Scene& scene);
 
-/// Called with every accepted sample, in path order; return false to stop (Ctrl-C).
-using SampleSink = std::function<bool(const Sample&)>;
+/// Called with every accepted sample, in path order.
+using SampleSink = std::function<void(const Sample&)>;
+
+/// Part of a plan's identity: raise it whenever the same inputs give other samples, so that a journal never mixes
+/// solves of two programs.
+inline constexpr int kSolverRevision = 2;
 
 /// Solves `plan` along `path`. Never throws for a numerical failure: the outcome names its cause.
 /// Deterministic: the same inputs give the same bits.

@@ -106,14 +106,16 @@ StepResult Push::step(const Vector3d& target, double contact_radius, double work
   // A tool between integration points meets no load: residuals are then compared with a small one.
   load_floor_ = 0.1 * work_scale / contact_radius;
   options.energy_tolerance = scale_.tolerance * scale_.tolerance * work_scale;
-  for (int round = 0; round < 5; ++round) {
+  for (int round = 0; round < 20; ++round) {
     const MinimiserResult m = minimiser_.minimise(*this, x, options);
     result.iterations += m.iterations;
     factorisations_ += m.factorisations;
     result.converged = m.converged;
     result.cause = m.cause;
-    // A point that left takes its anchor's energy with it: find the equilibrium without it.
     if (!m.converged || !sticking || !contact_.release(x)) break;
+    // A point that left takes its anchor's energy with it: the equilibrium without it is still to be found.
+    result.converged = false;
+    result.cause = "contact points keep letting go";
   }
   if (!result.converged) {
     restore(before);

@@ -46,7 +46,11 @@ void add_capsule(Tool& tool) {
     tool.vertices.push_back(capsule_vertex(tool.scene, r * kPi / 2 + share * tool.scene.length));
     tool.vertices.back().name = share == 1.0 ? "stem-end" : "stem-middle";
   }
-  if (!tool.scene.whole) tool.vertices.resize(1);
+  if (!tool.scene.whole) {
+    // One vertex that answers for the tip alone: the runtime must not find contacts along the stem.
+    tool.vertices.resize(1);
+    tool.kind = ToolKind::point_sphere;
+  }
   for (std::int32_t k = 0; k + 1 < static_cast<std::int32_t>(tool.vertices.size()); ++k) {
     tool.patches.push_back({k, k + 1, k + 1});
   }

@@ -121,7 +121,39 @@ TEST_F(Pair, AToolThatCannotReachIsRefusedByName) {
   const Tool tool = make_tool(sphere);
   const PairResult r = solve_pair(body, tool, tool.vertices[0], inside, bake_path(scene, 0.002), pair_options(scene));
   EXPECT_FALSE(r.outcome.accepted);
-  EXPECT_FALSE(r.outcome.cause.empty());
+  EXPECT_NE(r.outcome.cause.find("first touch"), std::string::npos) << r.outcome.cause;
+}
+
+// A curve that only its deepest points resolve is no curve: a finer mesh is tried, then the pair is refused.
+TEST_F(Pair, TooFewResolvedDepthsAreRefusedByName) {
+  PairPath path;
+  path.normal_depths = {3e-6, 3.6e-6, 4e-6, 0.002};
+  PairOptions coarse = pair_options(scene);
+  coarse.mesh_size = coarse.rim_size = 1.0;
+  const Tool tool = make_tool(sphere);
+  const PairResult r = solve_pair(body, tool, tool.vertices[0], ContactFrame{}, path, coarse);
+  EXPECT_FALSE(r.outcome.accepted);
+  EXPECT_NE(r.outcome.cause.find("1 of 4 depths"), std::string::npos) << r.outcome.cause;
+}
+
+// The stem's far end would sink into surface that is held and answers nothing.
+TEST_F(Pair, AToolThatReachesHeldSurfaceIsRefusedByName) {
+  SupportScene support;
+  support.kind = SupportScene::Kind::half_space;
+  support.point = {-0.01, 0, 0};
+  support.normal = {1, 0, 0};
+  body.supports = {support};
+  body.support_surfaces.assign(1, nullptr);
+  ToolScene scene_tool;
+  scene_tool.shape = ToolScene::Shape::capsule;
+  scene_tool.radius = 0.004;
+  scene_tool.length = 0.04;
+  scene_tool.whole = true;
+  const Tool stem = make_tool(scene_tool);
+  const PairResult r = solve_pair(body, stem, stem.vertices[stem.vertices.size() - 2], ContactFrame{},
+                                  bake_path(scene, 0.002), pair_options(scene));
+  EXPECT_FALSE(r.outcome.accepted);
+  EXPECT_NE(r.outcome.cause.find("support: overlap"), std::string::npos) << r.outcome.cause;
 }
 
 }  // namespace

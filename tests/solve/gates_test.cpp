@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Every gate refuses the state that it is there for, and names itself; a good state passes them all.
+#include "precompute/solve/gates.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+
+namespace palpate {
+namespace {
+
+// 2 mm deep in 5 kPa tissue with a contact of 3 mm: figures of a push that may be believed.
+GateState good() {
+  GateState s;
+  s.depth = 0.002;
+  s.contact_radius = 0.003;
+  s.force = 0.02;
+  s.previous_force = 0.015;
+  s.work = 1.6e-5;
+  s.stored = 1.58e-5;
+  s.energy_scale = 4e-5;
+  s.min_jacobian = 0.6;
+  s.contact.penetration = 2e-5;
+  s.contact.points = 80;
+  return s;
+}
+
+struct Fault {
+  const char* gate;  // what the cause begins with
+  std::function<void(GateState&)> make;
+  bool sideways;  // the sideways gates see it too
+};
+
+class Gates : public ::testing::TestWithParam<Fault> {};
+
+TEST(Gates, AGoodStatePasses) {
+  EXPECT_EQ(failed_gate(good(), {}), std::nullopt);
+  EXPECT_EQ(failed_sideways_gate(good(), -0.01, {}), std::nullopt);
+}
+
+TEST_P(Gates, RefusesAndNamesItself) {
+  GateState s = good();
+  GetParam().make(s);
+  const auto straight = failed_gate(s, {});
+  ASSERT_TRUE(straight.has_value());
+  EXPECT_EQ(straight->rfind(GetParam().gate, 0), 0U) << *straight;
+  const auto sideways = failed_sideways_gate(s, -0.01, {});
+  EXPECT_EQ(sideways.has_value(), GetParam().sideways);
+}
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+INSTANTIATE_TEST_SUITE_P(
+    Each, Gates,
+    ::testing::Values(Fault{"finite", [](GateState& s) { s.force = kNan; }, true},
+                      Fault{"finite", [](GateState& s) { s.stored = kNan; }, true},
+                      Fault{"minimum Jacobian", [](GateState& s) { s.min_jacobian = -0.01; }, true},
+                      Fault{"minimum Jacobian", [](GateState& s) { s.min_jacobian = kNan; }, true},
+                      Fault{"penetration", [](GateState& s) { s.contact.penetration = 1e-4; }, true},
+                      Fault{"support", [](GateState& s) { s.contact.held_overlap = 1e-4; }, true},
+                      Fault{"force sign", [](GateState& s) { s.force = -0.001; }, true},
+                      Fault{"force growth", [](GateState& s) { s.previous_force = 0.03; }, false},
+                      Fault{"energy balance", [](GateState& s) { s.stored = 1.2e-5; }, false},
+                      Fault{"energy balance", [](GateState& s) { s.stored = 2.1e-5; }, false}));
+
+TEST(SidewaysGates, AnAnswerAlongThePushAndAPeeledContactAreRefused) {
+  EXPECT_EQ(failed_sideways_gate(good(), 0.001, {})->rfind("sideways answer", 0), 0U);
+  EXPECT_TRUE(failed_sideways_gate(good(), kNan, {}).has_value());
+  GateState peeled = good();
+  peeled.contact.points = 5;
+  EXPECT_EQ(failed_sideways_gate(peeled, -0.01, {})->rfind("contact resolution", 0), 0U);
+}
+
+}  // namespace
+}  // namespace palpate
