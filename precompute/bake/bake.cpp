@@ -23,15 +23,10 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 /// Compares what a pair gives now with what the journal already holds of it, and appends what is new.
 class PairSink {
 public:
-  PairSink(std::uint32_t pair, const PairPlan& plan, const std::vector<Sample>& known, Journal& journal,
-           const std::atomic<bool>& stop)
-      : pair_(pair), plan_(plan), known_(known), journal_(journal), stop_(stop) {}
+  PairSink(std::uint32_t pair, const PairPlan& plan, const std::vector<Sample>& known, Journal& journal)
+      : pair_(pair), plan_(plan), known_(known), journal_(journal) {}
 
-  bool operator()(const Sample& sample) {
-    if (stop_.load()) {
-      cut_short_ = true;
-      return false;
-    }
+  void operator()(const Sample& sample) {
     const auto same_place = [&](const Sample& s) { return s.kind == sample.kind && s.index == sample.index; };
     const auto at = std::find_if(known_.begin(), known_.end(), same_place);
     if (at == known_.end()) {
@@ -41,16 +36,13 @@ public:
     } else {
       differ("sample " + std::to_string(sample.index) + " differs");
     }
-    return true;
   }
 
-  /// True when the pair ran to its end; checks that it gave everything the journal holds of it.
-  [[nodiscard]] bool finished() const {
-    if (cut_short_) return false;
+  /// At the pair's end: checks that it gave everything the journal holds of it.
+  void finish() const {
     if (met_ < known_.size()) {
       differ(std::to_string(known_.size() - met_) + " samples of the journal did not come again");
     }
-    return true;
   }
 
 private:
@@ -63,9 +55,7 @@ private:
   const PairPlan& plan_;
   const std::vector<Sample>& known_;
   Journal& journal_;
-  const std::atomic<bool>& stop_;
   std::size_t met_ = 0;
-  bool cut_short_ = false;
 };
 
 /// One run over the open pairs.
@@ -127,10 +117,10 @@ private:
 
   void solve_one(std::uint32_t pair) {
     const auto known = journal_.content().pairs.find(pair);
-    PairSink sink(pair, pairs_[pair], known == journal_.content().pairs.end() ? none_ : known->second.samples, journal_,
-                  halt_);
+    PairSink sink(pair, pairs_[pair], known == journal_.content().pairs.end() ? none_ : known->second.samples,
+                  journal_);
     const PairResult result = solve_(pairs_[pair], std::ref(sink));
-    if (!sink.finished()) return;
+    sink.finish();
     journal_.append(pair, result.outcome);
     const std::lock_guard lock(mutex_);
     outcomes_[pair] = result.outcome;
@@ -184,6 +174,7 @@ private:
       r.factorisations += outcome->factorisations;
       if (outcome->accepted) {
         ++r.accepted;
+        if (!outcome->cause.empty()) ++r.shortened;
       } else {
         r.refused.push_back({pair, outcome->cause});
       }

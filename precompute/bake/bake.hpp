@@ -29,7 +29,7 @@ struct BakeOptions {
   unsigned threads = 0;                               ///< 0: as many as the machine has cores
   std::function<void(const BakeProgress&)> progress;  ///< called by the calling thread; may be empty
   double interval = 1.0;                              ///< s between calls of progress
-  std::function<bool()> stop;                         ///< true: no new pair, current ones are left unfinished
+  std::function<bool()> stop;                         ///< true: no new pair is begun; those that run are finished
 };
 
 struct RefusedPair {
@@ -39,9 +39,10 @@ struct RefusedPair {
 
 struct BakeReport {
   std::size_t total = 0;
-  std::size_t resumed = 0;                                                     ///< finished by earlier runs
-  std::size_t accepted = 0;                                                    ///< of all finished
-  std::vector<RefusedPair> refused;                                            ///< by pair
+  std::size_t resumed = 0;           ///< finished by earlier runs
+  std::size_t accepted = 0;          ///< of all finished
+  std::size_t shortened = 0;         ///< of the accepted: a sideways push ended before its last point
+  std::vector<RefusedPair> refused;  ///< by pair
   std::uint64_t normal_solves = 0, tangential_solves = 0, factorisations = 0;  ///< of all finished
   std::uint64_t torn_bytes = 0;  ///< cut off the journal's tail on opening
   double seconds = 0.0;          ///< of this run

@@ -59,6 +59,7 @@ std::string manifest_text(const Plan& plan) {
   json["version"] = kVersion;
   json["units"] = "m";
   Json& inputs = json["inputs"];
+  inputs["solver"] = plan.inputs.solver;
   inputs["scene"] = to_hex(plan.inputs.scene);
   inputs["body"] = to_hex(plan.inputs.body);
   inputs["haptic_mesh"] = to_hex(plan.inputs.haptic_mesh);
@@ -94,6 +95,7 @@ Manifest parse_manifest(const std::string& text, const std::string& source) {
     }
     Manifest manifest;
     const Json& inputs = json.at("inputs");
+    manifest.inputs.solver = inputs.at("solver").get<int>();
     manifest.inputs.scene = hash_from_hex(inputs.at("scene").get<std::string>());
     manifest.inputs.body = hash_from_hex(inputs.at("body").get<std::string>());
     manifest.inputs.haptic_mesh = hash_from_hex(inputs.at("haptic_mesh").get<std::string>());

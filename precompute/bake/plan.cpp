@@ -11,6 +11,7 @@
 #include "precompute/bake/reach.hpp"
 #include "precompute/body.hpp"
 #include "precompute/mesh/haptic_mesh.hpp"
+#include "precompute/solve/pair.hpp"
 #include "precompute/tool/tool.hpp"
 
 namespace palpate {
@@ -92,7 +93,8 @@ std::vector<PlanSite> make_sites(const HapticMesh& mesh) {
 Plan make_plan(const Scene& scene, const Body& body, const HapticMesh& mesh, const std::vector<Tool>& tools) {
   Plan plan;
   plan.sites = make_sites(mesh);
-  plan.inputs.scene = hash128(canonical_text(scene));
+  plan.inputs.solver = kSolverRevision;
+  plan.inputs.scene = hash128(canonical_text(scene, CanonicalScope::solves));
   plan.inputs.body = hash_body(body);
   plan.inputs.haptic_mesh = hash_mesh(mesh);
   for (const Tool& tool : tools) plan.inputs.tools.push_back(hash_tool(tool));
@@ -103,7 +105,7 @@ Plan make_plan(const Scene& scene, const Body& body, const HapticMesh& mesh, con
     for (std::uint32_t tool = 0; tool < tools.size(); ++tool) {
       for (std::uint32_t vertex = 0; vertex < tools[tool].vertices.size(); ++vertex) {
         const bool support =
-            at.held || reaches_support(body, at.frame, contact_radius(tools[tool].vertices[vertex], at.depth));
+            at.held || reaches_support(body, tools[tool], tools[tool].vertices[vertex], at.frame, at.depth);
         area += at.area;
         const bool unreachable =
             !support && at.selected && !can_touch_first(body, tools[tool], tools[tool].vertices[vertex], at.frame);

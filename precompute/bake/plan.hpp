@@ -38,10 +38,11 @@ struct SkippedPair {
   friend bool operator==(const SkippedPair&, const SkippedPair&) = default;
 };
 
-/// Content hashes of everything a result depends on.
+/// Everything that a sample depends on.
 struct PlanInputs {
-  Hash128 scene;  ///< canonical text
-  Hash128 body;   ///< clean surfaces of body and inclusions
+  int solver = 0;  ///< kSolverRevision of the program
+  Hash128 scene;   ///< canonical text of what solves depend on: a new fit needs no new solves
+  Hash128 body;    ///< clean surfaces of body and inclusions
   Hash128 haptic_mesh;
   std::vector<Hash128> tools;  ///< shape and contact vertices
   friend bool operator==(const PlanInputs&, const PlanInputs&) = default;

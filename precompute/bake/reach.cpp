@@ -11,21 +11,6 @@ namespace palpate {
 
 using Eigen::Vector3d;
 
-// The footprint is sampled on rings that are projected on the surface.
-bool reaches_support(const Body& body, const ContactFrame& frame, double radius) {
-  if (body.held(frame.origin)) return true;
-  constexpr int rings = 4, spokes = 16;
-  for (int ring = 1; ring <= rings; ++ring) {
-    for (int spoke = 0; spoke < spokes; ++spoke) {
-      const double angle = 2 * std::numbers::pi * spoke / spokes, r = radius * ring / rings;
-      const Vector3d wanted = frame.origin + r * (std::cos(angle) * frame.x + std::sin(angle) * frame.y);
-      const Vector3d point = body.query->closest(wanted).point;
-      if ((point - frame.origin).norm() <= radius * (1 + 1e-9) && body.held(point)) return true;
-    }
-  }
-  return false;
-}
-
 namespace {
 
 // Points of the surface (tool frame) that the tool could meet while it is lifted by up to `lift` along `out`.
@@ -61,7 +46,40 @@ double overlap(const ToolShape& shape, const std::vector<Vector3d>& points, cons
   return deepest;
 }
 
+// The footprint is sampled on rings that are projected on the surface.
+bool footprint_held(const Body& body, const ContactFrame& frame, double radius) {
+  if (body.held(frame.origin)) return true;
+  constexpr int rings = 4, spokes = 16;
+  for (int ring = 1; ring <= rings; ++ring) {
+    for (int spoke = 0; spoke < spokes; ++spoke) {
+      const double angle = 2 * std::numbers::pi * spoke / spokes, r = radius * ring / rings;
+      const Vector3d wanted = frame.origin + r * (std::cos(angle) * frame.x + std::sin(angle) * frame.y);
+      const Vector3d point = body.query->closest(wanted).point;
+      if ((point - frame.origin).norm() <= radius * (1 + 1e-9) && body.held(point)) return true;
+    }
+  }
+  return false;
+}
+
+// The undeformed held surface under the deepest tool; a sliver of overlap is below what the contact gates see.
+bool sinks_into_held(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
+                     double depth) {
+  Eigen::Isometry3d pose = touching_pose(vertex, frame);
+  pose.translation() -= depth * frame.n;
+  const double sliver = 0.02 * contact_radius(vertex, depth);
+  const std::vector<Vector3d> points = swept_surface(body, tool, vertex, pose.inverse(), Vector3d::UnitZ(), 0.0);
+  return std::any_of(points.begin(), points.end(), [&](const Vector3d& at) {
+    return tool.shape->distance(at).value < -sliver && body.held(pose * at);
+  });
+}
+
 }  // namespace
+
+bool reaches_support(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
+                     double depth) {
+  return footprint_held(body, frame, contact_radius(vertex, depth)) ||
+         sinks_into_held(body, tool, vertex, frame, depth);
+}
 
 TouchReach touch_reach(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame) {
   const Eigen::Isometry3d to_tool = touching_pose(vertex, frame).inverse();

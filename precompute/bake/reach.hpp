@@ -7,9 +7,10 @@
 
 namespace palpate {
 
-/// True when a contact of `radius` (m) round frame.origin reaches a held part of the surface: no pair is planned
-/// there, since the tool would press on what cannot move.
-bool reaches_support(const Body& body, const ContactFrame& frame, double radius);
+/// True when the contact of `vertex` at `depth` (m) round frame.origin reaches a held part of the surface, or any other
+/// part of the tool there would sink into one: no pair is planned, since the tool would press on what cannot move.
+bool reaches_support(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
+                     double depth);
 
 /// How a tool that comes along -frame.n gets to the pose in which `vertex` touches frame.origin, on the undeformed
 /// body.

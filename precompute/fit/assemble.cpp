@@ -21,7 +21,7 @@ ResponseTool response_tool(const Tool& tool) {
   result.radius = tool.scene.radius;
   const bool capsule = tool.scene.shape == ToolScene::Shape::capsule;
   if (capsule || tool.scene.shape == ToolScene::Shape::sphere) result.probe_radius = tool.scene.radius;
-  if (capsule) result.axis_length = tool.scene.length;
+  if (capsule && tool.kind == ToolKind::profile) result.axis_length = tool.scene.length;
   for (const ToolVertex& v : tool.vertices) {
     result.vertices.push_back({v.name, to_triple(v.point), to_triple(v.normal), to_triple(v.tangent), v.meridian});
   }
@@ -71,11 +71,9 @@ std::string provenance(const Scene& scene, const Plan& plan, const Hash128& mani
   json["scene"] = scene.name;
   json["units"] = "m, N, Pa";
   json["model"] = "separable 1";
-  json["inputs"] = {{"scene", to_hex(plan.inputs.scene)},
-                    {"body", to_hex(plan.inputs.body)},
-                    {"haptic_mesh", to_hex(plan.inputs.haptic_mesh)},
-                    {"tools", Json::array()},
-                    {"manifest", to_hex(manifest)}};
+  json["inputs"] = {{"solver", plan.inputs.solver},     {"scene", to_hex(hash128(canonical_text(scene)))},
+                    {"body", to_hex(plan.inputs.body)}, {"haptic_mesh", to_hex(plan.inputs.haptic_mesh)},
+                    {"tools", Json::array()},           {"manifest", to_hex(manifest)}};
   for (const Hash128& tool : plan.inputs.tools) json["inputs"]["tools"].push_back(to_hex(tool));
   json["material"] = {{"young", scene.material.young}, {"poisson", scene.material.poisson}};
   json["regions"] = Json::array();
@@ -92,13 +90,10 @@ std::string provenance(const Scene& scene, const Plan& plan, const Hash128& mani
                       {"tangential_directions", scene.sampling.tangential_directions},
                       {"tangential_points", scene.sampling.tangential_points}};
   json["solver"] = {{"mesh_size", scene.solver.mesh_size}, {"growth", scene.solver.growth}};
-  json["pairs"] = {{"planned", report.planned},
-                   {"accepted", report.accepted},
-                   {"refused", report.refused},
-                   {"covered", report.covered},
-                   {"support", report.support},
-                   {"outside", report.outside},
-                   {"support_area_share", plan.support_share}};
+  json["pairs"] = {
+      {"planned", report.planned},         {"accepted", report.accepted},   {"refused", report.refused},
+      {"covered", report.covered},         {"support", report.support},     {"outside", report.outside},
+      {"unreachable", report.unreachable}, {"shortened", report.shortened}, {"support_area_share", plan.support_share}};
   json["fit"] = {{"error", "|fit - solved| / max(|solved|, 2 % of the pair's peak)"},
                  {"normal", figures(report.normal)}};
   if (report.friction) json["fit"]["tangential"] = figures(report.tangential);

@@ -35,26 +35,22 @@ void check_finished(const Plan& plan, const JournalContent& journal) {
 }
 
 /// Throws with the causes, most frequent first, when more pairs are refused than allowed.
-void check_refused(const Plan& plan, const JournalContent& journal, double max_refused) {
+void check_refused(const Plan& plan, const std::vector<RefusedPair>& refused, double max_refused) {
   std::map<std::string, std::pair<std::size_t, std::string>> causes;  // text without figures: count, first pair
-  std::size_t refused = 0;
-  for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
-    const PairOutcome& outcome = *solved_pair(journal, pair)->outcome;
-    if (outcome.accepted) continue;
-    ++refused;
-    std::string kind = outcome.cause.substr(0, outcome.cause.find_first_of("0123456789"));
-    auto& [count, example] = causes[kind];
-    if (++count == 1) example = describe(pair, plan.pairs[pair]) + ": " + outcome.cause;
+  for (const RefusedPair& pair : refused) {
+    auto& [count, example] = causes[pair.cause.substr(0, pair.cause.find_first_of("0123456789"))];
+    if (++count == 1) example = describe(pair.pair, plan.pairs[pair.pair]) + ": " + pair.cause;
   }
-  const double share = static_cast<double>(refused) / static_cast<double>(std::max<std::size_t>(plan.pairs.size(), 1));
+  const double share =
+      static_cast<double>(refused.size()) / static_cast<double>(std::max<std::size_t>(plan.pairs.size(), 1));
   if (share <= max_refused) return;
   std::vector<std::pair<std::size_t, std::string>> sorted;
   for (const auto& [kind, entry] : causes) sorted.push_back(entry);
   std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   char percent[64];
   std::snprintf(percent, sizeof percent, "%.1f %%, allowed %.1f %%", 100 * share, 100 * max_refused);
-  std::string text = std::to_string(refused) + " of " + std::to_string(plan.pairs.size()) + " pairs were refused (" +
-                     percent + "; scene: sampling.max_refused):";
+  std::string text = std::to_string(refused.size()) + " of " + std::to_string(plan.pairs.size()) +
+                     " pairs were refused (" + percent + "; scene: sampling.max_refused):";
   for (std::size_t k = 0; k < std::min<std::size_t>(sorted.size(), 8); ++k) {
     text += "\n  " + std::to_string(sorted[k].first) + " like " + sorted[k].second;
   }
@@ -139,7 +135,6 @@ FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std
                               const std::vector<std::uint32_t>& tool_vertices, const JournalContent& journal,
                               const FitSettings& settings) {
   check_finished(plan, journal);
-  check_refused(plan, journal, settings.max_refused);
 
   FittedResponses result;
   result.scales = make_scales(plan, journal, settings);
@@ -151,12 +146,23 @@ FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std
 
   std::vector<SiteRow> rows(first.back(), SiteRow(plan.sites.size()));
   std::vector<std::pair<double, std::uint32_t>> normal, tangential;
+  std::vector<RefusedPair> refused;
   for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
     const JournalPair& solved = *solved_pair(journal, pair);
-    if (!solved.outcome->accepted) continue;
-    ++report.accepted;
+    if (!solved.outcome->accepted) {
+      refused.push_back({pair, solved.outcome->cause});
+      continue;
+    }
     const PairPlan& planned = plan.pairs[pair];
-    PairCurves curves = fit::fit_pair(solved.samples, result.scales, describe(pair, planned));
+    PairCurves curves;
+    try {
+      curves = fit::fit_pair(solved.samples, result.scales, "fit");
+    } catch (const Error& error) {  // one odd pair is covered from its neighbours like a refused one
+      refused.push_back({pair, error.what()});
+      continue;
+    }
+    ++report.accepted;
+    if (!solved.outcome->cause.empty()) ++report.shortened;
     const fit::FitErrors errors = fit::fit_errors(curves, result.scales, solved.samples);
     for (const double e : errors.normal) normal.emplace_back(e, pair);
     for (const double e : errors.tangential) tangential.emplace_back(e, pair);
@@ -164,7 +170,8 @@ FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std
     report.lateral = report.lateral || has_lateral_force(solved.samples, settings.lateral_threshold);
     rows[first[planned.tool] + planned.tool_vertex][planned.site] = SiteCurves{std::move(curves), planned.depth};
   }
-  report.refused = report.planned - report.accepted;
+  check_refused(plan, refused, settings.max_refused);
+  report.refused = refused.size();
   report.normal = error_figures(normal);
   report.tangential = error_figures(tangential);
   for (const SkippedPair& pair : plan.skipped) {

@@ -34,7 +34,9 @@ struct PairFigures {
 };
 
 struct FitReport {
-  std::size_t planned = 0, accepted = 0, refused = 0;
+  std::size_t planned = 0, accepted = 0;
+  std::size_t refused = 0;                                ///< by the solver or by the fit
+  std::size_t shortened = 0;                              ///< of the accepted: a sideways push ended early
   std::size_t covered = 0;                                ///< responses taken from neighbours: refused and skipped ones
   std::size_t support = 0, outside = 0, unreachable = 0;  ///< of those covered, why they were skipped
   bool lateral = false, friction = false;                 ///< sections that the file has
@@ -53,7 +55,7 @@ ErrorFigures error_figures(const std::vector<std::pair<double, std::uint32_t>>& 
 
 /// Fits and covers. `triangles`: patches of the haptic mesh; `tool_vertices`: their number per tool.
 /// Throws Error(bad_input) when a planned pair has no outcome (the bake is not finished), Error(numerical) when too
-/// many were refused (with the causes) and when a fit fails (with the pair).
+/// many were refused by the solver or could not be fitted (with the causes).
 FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std::int32_t, 3>>& triangles,
                               const std::vector<std::uint32_t>& tool_vertices, const JournalContent& journal,
                               const FitSettings& settings);

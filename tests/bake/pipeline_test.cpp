@@ -35,14 +35,13 @@ protected:
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  void write_scene(double young) const {
+  void write_scene(double young, const std::string& more = {}) const {
     std::ofstream(folder_ / "slab.toml") << "[body]\nsurface = \"slab.off\"\n[material]\nyoung = " << young << "\n"
                                          << R"([[support]]
 half_space = {point = [0, 0, 0.0001], normal = [0, 0, 1]}
 [[tool]]
 shape = "sphere"
 radius = 0.005
-contacts = "tip"
 [sampling]
 spacing = 0.012
 depth = 0.002
@@ -50,7 +49,7 @@ normal_points = 4
 within_box = {min = [-0.013, -0.013, 0.019], max = [0.013, 0.013, 0.021]}
 [solver]
 mesh_size = 0.7
-)";
+)" << more;
   }
 
   [[nodiscard]] Pipeline open(const std::string& work) const {
@@ -146,6 +145,16 @@ TEST_F(SlabPipeline, ASolvedPlanIsNotOverwritten) {
     EXPECT_EQ(error.code(), ExitCode::bad_input);
     EXPECT_NE(std::string(error.what()).find("another plan"), std::string::npos);
   }
+}
+
+// A bake is hours: what only the fit reads must not throw it away.
+TEST_F(SlabPipeline, ANewFitTakesUpTheOldSolves) {
+  {
+    const Pipeline p = open("work");
+    Journal(p.paths.journal, p.manifest).append(0, Sample{});
+  }
+  write_scene(5000, "[response]\nsearch = \"bvh\"\ntolerance = 0.01\n");
+  EXPECT_NO_THROW(open("work"));
 }
 
 TEST_F(SlabPipeline, AFitWithoutABakeSaysSo) {

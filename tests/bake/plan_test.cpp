@@ -91,6 +91,7 @@ TEST_F(SlabPlan, SiteMajorOverToolsAndVertices) {
   capsule.name = "capsule";
   capsule.shape = ToolScene::Shape::capsule;
   capsule.radius = 0.003;
+  capsule.length = 0.006;  // laid down it ends before the held part
   tools_.push_back(make_tool(capsule));
   const Plan plan = make_plan(scene_, body_, mesh_, tools_);
   const std::size_t vertices = tools_[1].vertices.size();

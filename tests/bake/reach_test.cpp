@@ -80,12 +80,25 @@ TEST(Reach, SupportsUnderTheFootprintCount) {
   support.normal = {1, 0, 0};
   body.supports.push_back(support);
   body.support_surfaces.emplace_back();
+  ToolScene scene;
+  scene.radius = 0.005;
+  const Tool tool = make_tool(scene);
   ContactFrame near_support, clear;
   near_support.origin = {-0.017, 0, 0};
   clear.origin = {-0.012, 0, 0};
-  EXPECT_TRUE(reaches_support(body, near_support, 0.004));
-  EXPECT_FALSE(reaches_support(body, near_support, 0.002));
-  EXPECT_FALSE(reaches_support(body, clear, 0.004));
+  EXPECT_TRUE(reaches_support(body, tool, tool.vertices[0], near_support, 0.0032));
+  EXPECT_FALSE(reaches_support(body, tool, tool.vertices[0], near_support, 0.0008));
+  EXPECT_FALSE(reaches_support(body, tool, tool.vertices[0], clear, 0.0032));
+
+  // The end of a stem that lies on the body sinks into what is held 8 mm away.
+  scene.shape = ToolScene::Shape::capsule;
+  scene.radius = 0.004;
+  scene.length = 0.012;
+  scene.whole = true;
+  const Tool stem = make_tool(scene);
+  EXPECT_FALSE(reaches_support(body, stem, stem.vertices.front(), clear, 0.002)) << "the tip";
+  EXPECT_TRUE(reaches_support(body, stem, stem.vertices[stem.vertices.size() - 2], clear, 0.002))
+      << "the stem's middle";
 }
 
 }  // namespace

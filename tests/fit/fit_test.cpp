@@ -65,6 +65,23 @@ TEST(Fit, RefusedPairsAreCoveredAndMarked) {
   for (const float mu : b.friction) EXPECT_NEAR(mu, 0.5, 1e-3);
 }
 
+TEST(Fit, APairThatCannotBeFittedIsCoveredLikeARefusedOne) {
+  GridPlan grid = grid_plan(7, Z, 0.0, [](int) { return power_law(500, 1.5); });
+  auto& samples = grid.journal.pairs[24].samples;
+  samples.resize(1);  // one depth is no curve
+  const FittedResponses fitted = fit_grid(grid, settings(false));
+  EXPECT_EQ(fitted.report.accepted, 48U);
+  EXPECT_EQ(fitted.report.refused, 1U);
+  EXPECT_EQ(fitted.responses[24].flags, layout::response_covered);
+  EXPECT_NEAR(normal_force(fitted, 24, 1.0) / normal_force(fitted, 23, 1.0), 1.0, 1e-4);
+}
+
+TEST(Fit, PairsWhoseSidewaysPushEndedEarlyAreCounted) {
+  GridPlan grid = grid_plan(5, Z, 0.0, [](int) { return power_law(500, 1.5); });
+  grid.journal.pairs[3].outcome->cause = "stopped short: minimum Jacobian";
+  EXPECT_EQ(fit_grid(grid, settings(false)).report.shortened, 1U);
+}
+
 TEST(Fit, CoveringSpreadsOverWholeHoles) {
   GridPlan grid = grid_plan(7, Z, 0.0, [](int) { return power_law(500, 1.5); });
   for (const std::uint32_t site : {16, 17, 18, 23, 24, 25, 30, 31, 32}) refuse(grid, site, "jacobian 0.01");
