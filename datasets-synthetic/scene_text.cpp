@@ -45,7 +45,6 @@ void append_tool(std::string& out, const DatasetOptions& options, const SceneFac
   if (!facts.tool_file.empty()) {
     set(out, "shape", "\"mesh\"");
     set(out, "surface", quoted(facts.tool_file));
-    set(out, "contacts", "\"tip\"");
     return;
   }
   static constexpr std::array<const char*, 3> names{"sphere", "punch", "capsule"};
@@ -53,7 +52,6 @@ void append_tool(std::string& out, const DatasetOptions& options, const SceneFac
   set(out, "radius", text(options.tool_radius));
   if (options.instrument == Instrument::punch) set(out, "length", text(4 * options.tool_radius));
   if (options.instrument == Instrument::capsule) set(out, "length", text(options.tool_length));
-  if (options.instrument != Instrument::capsule) set(out, "contacts", "\"tip\"");
 }
 
 }  // namespace

@@ -1,86 +1,65 @@
 // SPDX-License-Identifier: MIT
-// Reading and writing by system calls, since streams lose the cause of a failure.
+// Whole files: read with a limit, written so that they appear whole or not at all.
 #include "formats/file.hpp"
 
+#include "formats/descriptor.hpp"
 #include "formats/error.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
 
 namespace palpate {
 
 namespace {
 
-[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& what, int cause) {
-  throw Error(ExitCode::io, path.string() + ": " + what + ": " + std::strerror(cause));
+/// The file behind a chain of symbolic links, there already or not.
+std::filesystem::path behind_links(const std::filesystem::path& path) {
+  constexpr int kMostLinks = 40;  // as the system itself
+  std::filesystem::path file = path;
+  std::error_code error;
+  for (int i = 0; i < kMostLinks; ++i) {
+    if (!std::filesystem::is_symlink(file, error)) return file;
+    const std::filesystem::path target = std::filesystem::read_symlink(file, error);
+    if (error) refuse(path, "cannot follow the link", error.value());
+    file = file.parent_path() / target;  // an absolute target replaces the folder
+  }
+  refuse(path, "cannot follow the link", ELOOP);
 }
 
-/// A file descriptor that closes itself.
-class Descriptor {
-public:
-  Descriptor(const std::filesystem::path& path, int flags) : value_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
-  ~Descriptor() {
-    if (value_ >= 0) ::close(value_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-
-  [[nodiscard]] int get() const noexcept { return value_; }
-  /// 0, or the cause why what was written may not be there.
-  [[nodiscard]] int close() noexcept {
-    const int descriptor = value_;
-    value_ = -1;
-    return ::close(descriptor) == 0 ? 0 : errno;
-  }
-
-private:
-  int value_;
-};
-
-int write_all(int descriptor, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t count = ::write(descriptor, bytes.data(), bytes.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return errno;
-    bytes.remove_prefix(static_cast<std::size_t>(count));
-  }
-  return 0;
+/// A pipe, a terminal, a device: there is nothing to replace, its name must stay.
+void write_straight(const std::filesystem::path& path, std::string_view bytes) {
+  Descriptor file(path, O_WRONLY);
+  if (file.get() < 0) refuse(path, "cannot open for writing", errno);
+  int cause = write_all(file.get(), bytes);
+  const int closing = file.close();
+  if (cause == 0) cause = closing;
+  if (cause != 0) refuse(path, "cannot write", cause);
 }
 
 }  // namespace
 
 std::string read_file(const std::filesystem::path& path, const std::string& what, std::size_t largest) {
-  // Without O_NONBLOCK, opening a pipe that nobody writes to would wait for ever.
-  const Descriptor file(path, O_RDONLY | O_NONBLOCK);
-  if (file.get() < 0) refuse(path, "cannot open the " + what, errno);
-  struct stat status = {};
-  if (::fstat(file.get(), &status) != 0) refuse(path, "cannot read the " + what, errno);
-  if (!S_ISREG(status.st_mode)) {
-    throw Error(ExitCode::io, path.string() + ": cannot read the " + what + ": not a regular file");
-  }
   std::string bytes;
-  std::string block(1 << 16, '\0');
-  for (;;) {
-    const ssize_t count = ::read(file.get(), block.data(), block.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) refuse(path, "cannot read the " + what, errno);
-    if (count == 0) return bytes;
-    bytes.append(block, 0, static_cast<std::size_t>(count));
+  read_blocks(path, what, [&](std::string_view block) {
+    bytes.append(block);
     if (bytes.size() > largest) {
       throw Error(ExitCode::bad_input, path.string() + ": too large for a " + what + "; allowed at most " +
                                            std::to_string(largest) + " bytes");
     }
-  }
+  });
+  return bytes;
 }
 
 void write_file(const std::filesystem::path& path, std::string_view bytes) {
-  const std::filesystem::path temporary = path.string() + "." + std::to_string(::getpid()) + ".part";
+  struct stat status = {};
+  const bool there = ::stat(path.c_str(), &status) == 0;
+  if (there && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode)) return write_straight(path, bytes);
+  const std::filesystem::path target = behind_links(path);
+  const std::filesystem::path temporary = target.string() + "." + std::to_string(::getpid()) + ".part";
   Descriptor file(temporary, O_WRONLY | O_CREAT | O_TRUNC);
   if (file.get() < 0) refuse(path, "cannot create the file", errno);
   int cause = write_all(file.get(), bytes);
@@ -88,7 +67,7 @@ void write_file(const std::filesystem::path& path, std::string_view bytes) {
   if (cause == 0 && ::fsync(file.get()) != 0) cause = errno;
   const int closing = file.close();
   if (cause == 0) cause = closing;
-  if (cause == 0 && std::rename(temporary.c_str(), path.c_str()) != 0) cause = errno;
+  if (cause == 0 && std::rename(temporary.c_str(), target.c_str()) != 0) cause = errno;
   if (cause != 0) {
     ::unlink(temporary.c_str());
     refuse(path, "cannot write the file", cause);

@@ -14,7 +14,8 @@ namespace palpate {
 std::string read_file(const std::filesystem::path& path, const std::string& what, std::size_t largest);
 
 /// Writes a file so that it appears whole or not at all: a temporary file beside it, flushed to the disk and
-/// renamed. Throws Error(io) when the folder cannot be written to or the disk is full.
+/// renamed. A symbolic link stays, the file behind it is written; a pipe or a device is written to as it is.
+/// Throws Error(io) when the folder cannot be written to or the disk is full.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 
 /// Creates a folder and those above it where they are missing. Throws Error(io) when that is refused.

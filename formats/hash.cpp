@@ -5,15 +5,12 @@
 #include <xxhash.h>
 
 #include <bit>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <new>
-#include <vector>
 
+#include "formats/descriptor.hpp"
 #include "formats/error.hpp"
 
-static_assert(std::endian::native == std::endian::little, "hashes and journals are written on little-endian machines");
+static_assert(std::endian::native == std::endian::little, "hashes are taken on little-endian machines");
 
 namespace palpate {
 
@@ -46,8 +43,6 @@ Hash128 hash_from_hex(std::string_view text) {
   return hash;
 }
 
-std::uint64_t checksum64(const void* data, std::size_t size) { return XXH64(data, size, 0); }
-
 Hash128 hash128(const void* data, std::size_t size) {
   const XXH128_hash_t hash = XXH3_128bits(data, size);
   return {hash.high64, hash.low64};
@@ -56,16 +51,8 @@ Hash128 hash128(const void* data, std::size_t size) {
 Hash128 hash128(std::string_view text) { return hash128(text.data(), text.size()); }
 
 Hash128 hash_file(const std::filesystem::path& file) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), &std::fclose);
-  if (!stream) throw Error(ExitCode::io, "cannot open " + file.string() + ": " + std::strerror(errno));
   Hasher hasher;
-  std::vector<char> buffer(1U << 16U);
-  while (const std::size_t got = std::fread(buffer.data(), 1, buffer.size(), stream.get())) {
-    hasher.bytes(buffer.data(), got);
-  }
-  if (std::ferror(stream.get()) != 0) {
-    throw Error(ExitCode::io, "cannot read " + file.string() + ": " + std::strerror(errno));
-  }
+  read_blocks(file, "file", [&](std::string_view block) { hasher.bytes(block.data(), block.size()); });
   return hasher.digest();
 }
 

@@ -23,9 +23,6 @@ std::string to_hex(const Hash128& hash);
 /// Reads what to_hex wrote. Throws Error(bad_input) on anything but 32 hexadecimal digits.
 Hash128 hash_from_hex(std::string_view text);
 
-/// XXH64 with seed 0 of `size` bytes.
-std::uint64_t checksum64(const void* data, std::size_t size);
-
 /// Hash of `size` bytes.
 Hash128 hash128(const void* data, std::size_t size);
 Hash128 hash128(std::string_view text);

@@ -7,4 +7,5 @@ mark_as_advanced(XXHASH_INCLUDE_DIR XXHASH_LIBRARY)
 add_library(palpate_journal STATIC
   ${CMAKE_CURRENT_LIST_DIR}/hash.cpp ${CMAKE_CURRENT_LIST_DIR}/journal.cpp ${CMAKE_CURRENT_LIST_DIR}/journal_record.cpp)
 target_include_directories(palpate_journal SYSTEM PRIVATE ${XXHASH_INCLUDE_DIR})
-target_link_libraries(palpate_journal PUBLIC palpate_formats PRIVATE palpate_settings ${XXHASH_LIBRARY})
+target_include_directories(palpate_journal PRIVATE ${CMAKE_CURRENT_LIST_DIR}/include)
+target_link_libraries(palpate_journal PUBLIC palpate_formats PRIVATE palpate_file palpate_settings ${XXHASH_LIBRARY})

@@ -4,7 +4,6 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,56 +11,22 @@
 #include <cstring>
 #include <string>
 
+#include "formats/descriptor.hpp"
 #include "formats/error.hpp"
 #include "formats/journal_record.hpp"
+#include "palpate/checksum.hpp"
 
 namespace palpate {
 namespace {
 
 using journal::Bytes;
 
-[[noreturn]] void fail_io(const std::filesystem::path& file, const char* action, int error) {
-  throw Error(ExitCode::io,
-              std::string("cannot ") + action + " the journal " + file.string() + ": " + std::strerror(error));
-}
-
 [[noreturn]] void fail_input(const std::filesystem::path& file, const std::string& what) {
   throw Error(ExitCode::bad_input, file.string() + ": " + what);
 }
 
-class Descriptor {
-public:
-  Descriptor(const std::filesystem::path& file, int flags) : value_(::open(file.c_str(), flags | O_CLOEXEC, 0644)) {
-    if (value_ < 0) fail_io(file, "open", errno);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (value_ >= 0) ::close(value_);
-  }
-  [[nodiscard]] int get() const noexcept { return value_; }
-  int release() noexcept { return std::exchange(value_, -1); }
-
-private:
-  int value_;
-};
-
-Bytes read_all(int descriptor, const std::filesystem::path& file) {
-  struct stat status {};
-  if (::fstat(descriptor, &status) != 0) fail_io(file, "read", errno);
-  if (!S_ISREG(status.st_mode)) throw Error(ExitCode::io, "the journal " + file.string() + " is not a regular file");
-  Bytes bytes;
-  std::size_t got = 0;
-  for (;;) {
-    bytes.resize(std::max(static_cast<std::size_t>(status.st_size), got) + 65536);
-    const ssize_t n = ::pread(descriptor, bytes.data() + got, bytes.size() - got, static_cast<off_t>(got));
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) fail_io(file, "read", errno);
-    if (n == 0) break;
-    got += static_cast<std::size_t>(n);
-  }
-  bytes.resize(got);
-  return bytes;
+auto append_to(Bytes& bytes) {
+  return [&bytes](std::string_view block) { bytes.insert(bytes.end(), block.begin(), block.end()); };
 }
 
 /// Checks the header; false when it is cut short (nothing was ever recorded).
@@ -71,9 +36,9 @@ bool check_header(const Bytes& bytes, const Hash128& manifest, const std::filesy
   if (std::memcmp(bytes.data(), journal::magic, known) != 0) fail_input(file, "is not a Palpate journal");
   if (bytes.size() < journal::header_size) return false;
   const Bytes expected = journal::encode_header(manifest);
-  std::uint64_t checksum = 0;
-  std::memcpy(&checksum, bytes.data() + 56, sizeof checksum);
-  if (checksum != checksum64(bytes.data(), 56)) fail_input(file, "offset 0: the journal's header is damaged");
+  std::uint64_t sum = 0;
+  std::memcpy(&sum, bytes.data() + 56, sizeof sum);
+  if (sum != checksum::of(bytes.data(), 56)) fail_input(file, "offset 0: the journal's header is damaged");
   if (std::memcmp(bytes.data() + 8, expected.data() + 8, 8) != 0) {
     std::uint32_t version = 0;
     std::memcpy(&version, bytes.data() + 8, sizeof version);
@@ -143,13 +108,8 @@ JournalContent parse(const Bytes& bytes, const Hash128& manifest, const std::fil
 }
 
 void write_fully(int descriptor, const Bytes& bytes, const std::filesystem::path& file) {
-  std::size_t done = 0;
-  while (done < bytes.size()) {
-    const ssize_t n = ::write(descriptor, bytes.data() + done, bytes.size() - done);
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) fail_io(file, "write", errno);
-    done += static_cast<std::size_t>(n);
-  }
+  const int cause = write_all(descriptor, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  if (cause != 0) refuse(file, "cannot write the journal", cause);
 }
 
 }  // namespace
@@ -157,21 +117,24 @@ void write_fully(int descriptor, const Bytes& bytes, const std::filesystem::path
 bool same_bits(const Sample& a, const Sample& b) { return journal::encode(0, a) == journal::encode(0, b); }
 
 JournalContent read_journal(const std::filesystem::path& file, const Hash128& manifest) {
-  const Descriptor descriptor(file, O_RDONLY);
-  return parse(read_all(descriptor.get(), file), manifest, file);
+  Bytes bytes;
+  read_blocks(file, "journal", append_to(bytes));
+  return parse(bytes, manifest, file);
 }
 
 Journal::Journal(const std::filesystem::path& file, const Hash128& manifest) : file_(file) {
   Descriptor descriptor(file, O_RDWR | O_CREAT | O_APPEND);
+  if (descriptor.get() < 0) refuse(file, "cannot open the journal", errno);
   if (::flock(descriptor.get(), LOCK_EX | LOCK_NB) != 0) {
     if (errno == EWOULDBLOCK) throw Error(ExitCode::io, "another bake is writing " + file.string());
-    fail_io(file, "lock", errno);
+    refuse(file, "cannot lock the journal", errno);
   }
-  const Bytes bytes = read_all(descriptor.get(), file);
+  Bytes bytes;
+  read_blocks(descriptor.get(), file, "journal", append_to(bytes));
   content_ = parse(bytes, manifest, file);
   size_ = bytes.size() - content_.torn_bytes;
   if (content_.torn_bytes > 0 && ::ftruncate(descriptor.get(), static_cast<off_t>(size_)) != 0) {
-    fail_io(file, "cut the torn tail of", errno);
+    refuse(file, "cannot cut the torn tail of the journal", errno);
   }
   if (size_ == 0) {
     const Bytes header = journal::encode_header(manifest);
@@ -204,7 +167,7 @@ void Journal::write_record(const Bytes& record) {
 
 void Journal::sync() {
   const std::lock_guard lock(mutex_);
-  if (::fdatasync(descriptor_) != 0) fail_io(file_, "put on the disk", errno);
+  if (::fdatasync(descriptor_) != 0) refuse(file_, "cannot put the journal on the disk", errno);
 }
 
 }  // namespace palpate

@@ -6,6 +6,8 @@
 #include <bit>
 #include <cstring>
 
+#include "palpate/checksum.hpp"
+
 static_assert(std::endian::native == std::endian::little, "the journal is written on little-endian machines");
 
 namespace palpate::journal {
@@ -54,7 +56,7 @@ Bytes encode_header(const Hash128& manifest) {
   put(bytes, manifest.high);
   put(bytes, manifest.low);
   while (bytes.size() < header_size - checksum_size) put(bytes, std::uint64_t{0});
-  put(bytes, checksum64(bytes.data(), bytes.size()));
+  put(bytes, checksum::of(bytes.data(), bytes.size()));
   return bytes;
 }
 
@@ -71,7 +73,7 @@ Bytes encode(std::uint32_t pair, const Sample& sample) {
   put(bytes, sample.error_estimate);
   put(bytes, sample.contact_points);
   put(bytes, sample.iterations);
-  put(bytes, checksum64(bytes.data(), bytes.size()));
+  put(bytes, checksum::of(bytes.data(), bytes.size()));
   return bytes;
 }
 
@@ -86,7 +88,7 @@ Bytes encode(std::uint32_t pair, const PairOutcome& outcome) {
   put(bytes, static_cast<std::uint32_t>(cause));
   put(bytes, outcome.first_touch);
   bytes.insert(bytes.end(), outcome.cause.begin(), outcome.cause.begin() + static_cast<std::ptrdiff_t>(cause));
-  put(bytes, checksum64(bytes.data(), bytes.size()));
+  put(bytes, checksum::of(bytes.data(), bytes.size()));
   return bytes;
 }
 
@@ -107,7 +109,7 @@ std::optional<RecordView> whole_record(const unsigned char* data, std::size_t av
   view.size = prefix_size + view.payload_size + checksum_size;
   if (view.size > available) return std::nullopt;
   const unsigned char* end = data + prefix_size + view.payload_size;
-  if (checksum64(data, prefix_size + view.payload_size) != get<std::uint64_t>(end)) return std::nullopt;
+  if (checksum::of(data, prefix_size + view.payload_size) != get<std::uint64_t>(end)) return std::nullopt;
 
   view.type = static_cast<RecordType>(type);
   if (view.type == RecordType::sample) {

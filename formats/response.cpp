@@ -223,7 +223,9 @@ std::vector<std::byte> encode(const ResponseFileContent& c) {
   const std::uint32_t features =
       (c.lateral_coefs > 0 ? layout::feature_lateral : 0u) | (c.growth_coefs > 0 ? layout::feature_friction : 0u) |
       (has_tool_patches(c) ? layout::feature_tool_patches : 0u) | (c.search.empty() ? 0u : layout::feature_search);
-  return sections.assemble(features);
+  std::vector<std::byte> bytes = sections.assemble(features);
+  detail::check_bytes(bytes);
+  return bytes;
 }
 
 }  // namespace palpate

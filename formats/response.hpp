@@ -92,9 +92,6 @@ struct ResponseFileContent {
   [[nodiscard]] std::uint32_t tool_vertex_count() const;
 };
 
-/// Sets the contact surface to the haptic mesh itself (k = 1), right for flat-faced bodies.
-void use_sites_as_surface(ResponseFileContent& content);
-
 /// A triangle grid over each patch with `k` steps a side, shared along edges: returns, for every new vertex,
 /// its weights of sites, so that the caller can place it on the true surface. Sets subdivision, triangles and
 /// (flat, on the patches) vertices. Throws Error(bad_input) where k is outside [1, 1024].
@@ -110,8 +107,9 @@ void add_search(ResponseFileContent& content);
 /// Triangles above which a scene that leaves the choice to Palpate gets a search section.
 inline constexpr std::size_t kSearchThreshold = 512;
 
-/// The file's bytes. The same content gives the same bytes. Throws Error(bad_input) that names the first
-/// element that breaks the specification.
+/// The file's bytes, opened once by the reader: no command will refuse them. The same content gives the same bytes.
+/// Throws Error that names the first element that breaks the specification: numerical where a fitted curve does,
+/// else bad_input.
 std::vector<std::byte> encode(const ResponseFileContent& content);
 
 /// Writes beside the target, syncs, renames: a reader sees the old file or the whole new one. Throws Error(io).

@@ -6,8 +6,12 @@
 
 namespace palpate::detail {
 
-/// Throws Error(bad_input) that names the first element breaking the specification, and the allowed range.
+/// What the bytes could not show any more: names that are cut, counts that do not fit. Throws Error(bad_input).
 void check_content(const ResponseFileContent& content);
+
+/// Opens what was encoded as every later command will. Throws Error with the reader's message: numerical where a
+/// curve is at fault, else bad_input.
+void check_bytes(const std::vector<std::byte>& bytes);
 
 /// Triangle across the edge opposite each corner. Throws Error(bad_input) unless the surface is closed,
 /// manifold along edges and consistently oriented.

@@ -160,8 +160,6 @@ std::vector<GridVertex> subdivide_surface(ResponseFileContent& c, std::uint32_t 
   return vertices;
 }
 
-void use_sites_as_surface(ResponseFileContent& content) { subdivide_surface(content, 1); }
-
 void add_search(ResponseFileContent& c) {
   if (c.surface_triangles.empty()) throw Error(ExitCode::bad_input, "response file: contact surface: is empty");
   TreeBuilder tree(c);

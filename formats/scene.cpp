@@ -97,12 +97,12 @@ void read_supports(Scene& scene, const toml::table& root, const Place& place) {
 void check_tool(const ToolScene& tool, const toml::table& table, const Place& place) {
   static const std::array<std::vector<std::string>, 4> used{{{"radius"},
                                                              {"radius", "edge_radius", "length"},
-                                                             {"radius", "length"},
+                                                             {"radius", "length", "contacts"},
                                                              {"surface", "meshes", "units", "spacing"}}};
   static const std::array<const char*, 4> names{"sphere", "punch", "capsule", "mesh"};
   const auto shape = static_cast<std::size_t>(tool.shape);
   for (const auto& [key, value] : table) {
-    if (key == "name" || key == "shape" || key == "contacts") continue;
+    if (key == "name" || key == "shape") continue;
     if (std::find(used[shape].begin(), used[shape].end(), key.str()) == used[shape].end()) {
       fail(place.below(key.str()), &value,
            std::string("a tool of shape ") + show(std::string(names[shape])) +
@@ -135,9 +135,16 @@ void read_tools(Scene& scene, const toml::table& root, const Place& place) {
 }
 
 void check_sampling(const SamplingScene& sampling, const toml::table& root, const Place& place) {
-  if (sampling.margin_spacing <= sampling.spacing) return;
-  fail(place.below("sampling.margin_spacing"), root["sampling"]["margin_spacing"].node(),
-       "got " + show(sampling.margin_spacing) + "; allowed x <= spacing = " + show(sampling.spacing) + " m");
+  if (sampling.margin_spacing > sampling.spacing) {
+    fail(place.below("sampling.margin_spacing"), root["sampling"]["margin_spacing"].node(),
+         "got " + show(sampling.margin_spacing) + "; allowed x <= spacing = " + show(sampling.spacing) + " m");
+  }
+  // Each is one of the straight push's own depths.
+  if (sampling.tangential_depths > sampling.normal_points) {
+    fail(place.below("sampling.tangential_depths"), root["sampling"]["tangential_depths"].node(),
+         "got " + show(sampling.tangential_depths) +
+             "; allowed 2 <= x <= normal_points = " + show(sampling.normal_points));
+  }
 }
 
 /// A key of a section that was written outside of it gets a message of its own.

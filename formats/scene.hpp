@@ -59,7 +59,7 @@ struct ToolScene {
   double edge_radius = 0.0;  ///< m; punch: rounding of its rim; 0 chooses radius / 10
   double length = 0.03;      ///< m; capsule: distance between the two cap centres; punch: height
   SurfaceSource surface;     ///< mesh: a closed surface, its frame is the tool frame
-  bool whole = true;         ///< contacts = "all" (every patch of the tool) or "tip" (one tool vertex)
+  bool whole = true;         ///< capsule: contacts = "all" (every patch of the tool) or "tip" (one tool vertex)
   double spacing = 0.0;      ///< m; mesh: edge length of the tool patches; 0 chooses a third of its size
 };
 
@@ -69,7 +69,7 @@ struct SamplingScene {
   double depth = 0.005;           ///< m; deepest push, > 0
   double depth_fraction = 0.6;    ///< of the local thickness, (0, 0.8]
   int normal_points = 12;         ///< points of a normal curve, [4, 64]
-  int tangential_depths = 2;      ///< [2, 8]
+  int tangential_depths = 2;      ///< [2, 8], at most normal_points
   int tangential_directions = 4;  ///< [4, 16], even
   int tangential_points = 3;      ///< points of one tangential push, [2, 16]
   double max_refused = 0.03;      ///< share of refused pairs beyond which the fit fails, [0, 0.5]
@@ -81,13 +81,14 @@ struct ResponseScene {
   enum class Search { automatic, none, bvh };
   std::string model = "separable";
   Search search = Search::automatic;
-  double tolerance = 0.05;  ///< asked relative force error, (0, 1); verify exits 5 beyond it only when asked
+  double tolerance = 0.05;  ///< asked relative force error, (0, 1); verify says whether straight pushes meet it
 };
 
 struct SolverScene {
   double mesh_size = 0.35;  ///< element edge at the contact over the contact radius at full depth, [0.05, 1]
   double growth = 0.7;      ///< growth of the edge length per distance from the contact, (0, 1]
   double max_size = 0.0;    ///< m; longest edge far away; 0 chooses 1/8 of the bounding-box diagonal
+  double rim_size = 0.0;    ///< element edge at the rim of the deepest contact, in contact radii, [0, 1]; 0: no ring
   double time_limit = 120;  ///< s for one pair's mesh; beyond it the pair is refused
 };
 

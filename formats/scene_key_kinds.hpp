@@ -47,14 +47,17 @@ Key<T> choice(const char* name, E T::*member, std::vector<std::string> choices, 
           ""};
 }
 
+/// `good`: what a text has to meet beyond those of to_text; `allowed` says it.
 template <class T>
-Key<T> text(const char* name, std::string T::*member, const char* help, const char* example) {
+Key<T> text(const char* name, std::string T::*member, const char* help, const char* example, const std::string& allowed,
+            bool (*good)(const std::string&)) {
   return {name,
           Affects::nothing,
           help,
-          "a text",
+          allowed,
           [=](T& target, const toml::node& value, const toml::table&, const Place& place) {
             target.*member = to_text(place, value);
+            if (!good(target.*member)) fail_value(place, value, allowed);
           },
           [=](const T& target) { return (target.*member).empty() ? "" : show(target.*member); },
           example};

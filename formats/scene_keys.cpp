@@ -3,6 +3,9 @@
 #include "formats/scene_keys.hpp"
 
 #include "formats/scene_key_kinds.hpp"
+#include "palpate/response_layout.hpp"
+
+#include <algorithm>
 
 namespace palpate::scene_io {
 
@@ -10,6 +13,16 @@ namespace {
 
 constexpr Range kLength{0, 10, true, "m"};
 constexpr Range kLengthOrAuto{0, 10, false, "m"};
+constexpr std::size_t kLongestToolName = sizeof(layout::ToolRecord::name) - 1;
+
+/// Regions are written to files of their names.
+bool names_a_file(const std::string& name) {
+  const auto plain = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_' ||
+           c == '.' || c == ' ';
+  };
+  return name.front() != '.' && std::all_of(name.begin(), name.end(), plain);
+}
 
 Key<SupportScene> support_kind(const char* name, SupportScene::Kind kind, const char* help, const char* allowed,
                                const char* example,
@@ -122,7 +135,9 @@ const Keys<MaterialScene>& material_keys() {
 
 const Keys<RegionScene>& region_keys() {
   static const Keys<RegionScene> keys = [] {
-    Keys<RegionScene> all{text("name", &RegionScene::name, "Name; left out: region, region2, ...", "\"tumour\"")};
+    Keys<RegionScene> all{text("name", &RegionScene::name, "Name; left out: region, region2, ...", "\"tumour\"",
+                               "letters, digits, spaces and - _ . in any order, but no '.' at the beginning",
+                               names_a_file)};
     all = join(all, surface_keys(&RegionScene::surface, "Required. Closed surface strictly inside the body."));
     for (const Key<MaterialScene>& key : material_keys()) {
       all.push_back({key.name, key.affects, key.help, key.allowed,
@@ -161,8 +176,11 @@ const Keys<SupportScene>& support_keys() {
 }
 
 const Keys<ToolScene>& tool_keys() {
+  // The response file has a field of fixed length for it: too long a name must not be found after the bake.
   static const Keys<ToolScene> keys = join<ToolScene>(
-      join<ToolScene>({text("name", &ToolScene::name, "Name; left out: tool, tool2, ...", "\"probe\""),
+      join<ToolScene>({text("name", &ToolScene::name, "Name; left out: tool, tool2, ...", "\"probe\"",
+                            "a text of at most " + std::to_string(kLongestToolName) + " bytes",
+                            [](const std::string& name) { return name.size() <= kLongestToolName; }),
                        choice("shape", &ToolScene::shape, {"sphere", "punch", "capsule", "mesh"},
                               "sphere tip, flat-ended punch, capsule (tip and stem), or a closed mesh."),
                        number("radius", &ToolScene::radius, {0, 1, true, "m"}, "sphere, punch, capsule: radius."),
@@ -171,7 +189,7 @@ const Keys<ToolScene>& tool_keys() {
                        number("length", &ToolScene::length, kLength,
                               "punch: height; capsule: distance between the centres of its caps.")},
                       surface_keys(&ToolScene::surface, "mesh: required, a closed surface in the tool's frame.")),
-      {{"contacts", Affects::solves, "Which of the tool touches: all of it, or its tip only (one tool vertex).",
+      {{"contacts", Affects::solves, "capsule: which of it touches, all of it or its tip only (one tool vertex).",
         show_choices({"all", "tip"}),
         [](ToolScene& tool, const toml::node& value, const toml::table&, const Place& place) {
           tool.whole = to_choice(place, value, {"all", "tip"}) == 0;
@@ -198,7 +216,8 @@ const Keys<SamplingScene>& sampling_keys() {
       number("depth_fraction", &S::depth_fraction, {0, 0.8, true, ""},
              "Deepest push as a share of the local thickness, where that is less than depth."),
       integer("normal_points", &S::normal_points, {4, 64, false, ""}, "Solved points of a straight push."),
-      integer("tangential_depths", &S::tangential_depths, {2, 8, false, ""}, "Depths at which it is pushed sideways."),
+      integer("tangential_depths", &S::tangential_depths, {2, 8, false, ""},
+              "Depths at which it is pushed sideways; at most normal_points."),
       integer("tangential_directions", &S::tangential_directions, {4, 16, false, ""}, "Directions sideways.", 2),
       integer("tangential_points", &S::tangential_points, {2, 16, false, ""}, "Solved points of one sideways push."),
       affecting(Affects::file, number("max_refused", &S::max_refused, {0, 0.5, false, ""},
@@ -224,7 +243,9 @@ const Keys<ResponseScene>& response_keys() {
        [](const R& response) { return show(response.model); }, ""},
       affecting(Affects::file, choice("search", &R::search, {"auto", "none", "bvh"},
                                       "Contact search stored in the file; auto: where the body is large.")),
-      affecting(Affects::file, number("tolerance", &R::tolerance, {0, 0.99, true, ""}, "Asked relative force error."))};
+      affecting(Affects::file, number("tolerance", &R::tolerance, {0, 0.99, true, ""},
+                                      "Asked relative force error: palpate verify tells whether the 95th percentile of "
+                                      "straight pushes meets it; only its option --max-p95 makes it fail."))};
   return keys;
 }
 
@@ -235,6 +256,9 @@ const Keys<SolverScene>& solver_keys() {
              "Element edge at the contact, in contact radii at full depth."),
       number("growth", &S::growth, {0, 1, true, ""}, "Growth of the edge length per distance from the contact."),
       number("max_size", &S::max_size, kLengthOrAuto, "Longest element edge; 0: 1/8 of the bounding box's diagonal."),
+      number("rim_size", &S::rim_size, {0, 1, false, ""},
+             "Element edge of a ring of fine elements at the deepest contact's rim, in contact radii: for an accurate "
+             "tangential stiffness, at the price of time; 0: no ring."),
       number("time_limit", &S::time_limit, {0, 86400, true, "s"}, "Time for one pair's mesh; beyond it: refused.")};
   return keys;
 }

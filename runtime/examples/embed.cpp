@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pushes the file's first tool straight down on the body from above and prints the force: embed FILE.palp
+// Pushes the file's first tool straight down on a site that was solved, as deep as it was sampled: embed FILE.palp
 #include <cstdio>
 
 #include "palpate/mapped_file.hpp"
@@ -13,11 +13,18 @@ int main(int argc, char** argv) {
   const OpenResult opened = View::open(file.data(), file.size());  // validated once, here
   if (!opened) return std::fprintf(stderr, "%s: %s\n", argv[1], opened.error), 2;
 
-  Contact contact(opened.view, 0);
-  const Vec3 top = to_vec(opened.view.sites[0].position), up = to_vec(opened.view.sites[0].normal);
-  for (int tick = 0; tick < 1000; ++tick) {  // 1 kHz: 15 mm to the body in one second
-    const Pose pose{{1, 0, 0, 0, 1, 0, 0, 0, 1}, top + (0.010 - 15e-6 * tick) * up};
-    const Tick t = contact.tick(pose);
-    if (tick % 100 == 0) std::printf("%3d ms: depth %.2f mm, force %.3f N\n", tick, 1e3 * t.depth, length(t.force));
+  const View& view = opened.view;
+  std::uint32_t site = 0;  // the first that was solved: the others took their curves from neighbours
+  const auto head = [&] { return view.response_head(response_index(*view.meta, site, 0)); };
+  while (head().flags != palpate::layout::response_solved && site + 1 < view.meta->site_count) ++site;
+  const Vec3 up = to_vec(view.sites[site].normal), c = to_vec(view.sites[site].position);
+  Pose pose = Pose::from_quaternion(1.000001 + up.z, -up.y, up.x, 0, c);  // the tool's z axis along the normal
+  pose.translation = c - find_touch(view, 0, pose).clearance * up;        // the tool just touches
+  Contact contact(view, 0);
+  for (int tick = 0; tick <= 1000; ++tick, pose.translation = pose.translation - 0.001 * head().depth_limit * up) {
+    const Tick t = contact.tick(pose);  // 1 kHz: one second
+    if (tick % 100 == 0)
+      std::printf("%4d ms: depth %.2f mm, force %.3f N%s\n", tick, 1e3 * t.depth, length(t.force),
+                  t.beyond ? ", beyond what was sampled" : "");
   }
 }

@@ -86,61 +86,114 @@ TEST(ResponseFile, SectionsAreAlignedAndTheFileEndsAligned) {
   EXPECT_EQ(bytes.size() % 64, 0U);
 }
 
-// Every way of being wrong is refused, with a message that says which.
-TEST(ResponseFile, WrongContentIsRefusedByName) {
-  struct Case {
-    const char* says;
-    std::function<void(ResponseFileContent&)> spoil;
-  };
-  const Case cases[] = {
-      {"depth scale", [](auto& c) { c.depth_scale = 0; }},
-      {"sideways scale", [](auto& c) { c.sideways_scale = 0; }},
-      {"allowed 4 to 32", [](auto& c) { c.normal_coefs = 3; }},
-      {"all 0 or none", [](auto& c) { c.friction_coefs = 0; }},
-      {"haptic mesh", [](auto& c) { c.patches.clear(); }},
-      {"site 2: position", [](auto& c) { c.sites[2].position[1] = NAN; }},
-      {"site 3: normal",
-       [](auto& c) {
-         c.sites[3].normal = {0, 0, 2};
-       }},
-      {"site 4: tangent", [](auto& c) { c.sites[4].tangent = c.sites[4].normal; }},
-      {"site 5: depth limit", [](auto& c) { c.sites[5].depth_limit = 1; }},
-      {"patch 1", [](auto& c) { c.patches[1][0] = 9999; }},
-      {"contact surface triangle 0: no such patch", [](auto& c) { c.surface_triangles[0].patch = 9999; }},
-      {"grid",
-       [](auto& c) {
-         c.surface_triangles[0].grid[0] = {1, 1};
-       }},
-      {"not closed", [](auto& c) { c.surface_triangles.pop_back(); }},
-      {"oriented", [](auto& c) { std::swap(c.surface_triangles[0].vertices[0], c.surface_triangles[0].vertices[1]); }},
-      {"tools: there is none", [](auto& c) { c.tools.clear(); }},
-      {"name must have", [](auto& c) { c.tools[0].name = std::string(40, 'x'); }},
-      {"tool 0: has no vertex", [](auto& c) { c.tools[0].vertices.clear(); }},
-      {"sites times tool vertices", [](auto& c) { c.responses.pop_back(); }},
-      {"response 1: must be either", [](auto& c) { c.responses[1].flags = 3; }},
-      {"response 1: normal force must not decrease", [](auto& c) { c.responses[1].normal[9] = 0; }},
-      {"response 2, normal force: must start at zero", [](auto& c) { c.responses[2].normal[1] = 0.1F; }},
-      {"response 2, lateral x: has 5", [](auto& c) { c.responses[2].lateral_x.pop_back(); }},
-      {"response 3, sideways x: must not increase", [](auto& c) { c.responses[3].sideways_x[6] = 9; }},
-      {"response 3, sideways y: must vanish",
-       [](auto& c) { c.responses[3].sideways_y[0] += 0.1F, c.responses[3].sideways_y[3] += 0.1F; }},
-      {"response 4: growth must not", [](auto& c) { c.responses[4].growth_x[3] = -1; }},
-      {"response 4: friction limit", [](auto& c) { c.responses[4].friction[0] = -1; }},
-      {"is not finite", [](auto& c) { c.responses[4].friction[0] = INFINITY; }},
-      {"provenance", [](auto& c) { c.provenance = "no"; }},
-  };
-  const ResponseFileContent good = test::box_content();
-  for (const Case& bad : cases) {
+struct Wrong {
+  const char* says;
+  std::function<void(ResponseFileContent&)> spoil;
+};
+
+void expect_refused(const ResponseFileContent& good, ExitCode code, const std::vector<Wrong>& cases) {
+  for (const Wrong& bad : cases) {
     ResponseFileContent content = good;
     bad.spoil(content);
     try {
       encode(content);
       ADD_FAILURE() << "accepted: " << bad.says;
     } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ExitCode::bad_input);
+      EXPECT_EQ(error.code(), code) << error.what();
       EXPECT_NE(std::string(error.what()).find(bad.says), std::string::npos) << error.what();
     }
   }
+}
+
+// Every way of being wrong is refused, with a message that says which.
+TEST(ResponseFile, WrongContentIsRefusedByName) {
+  const ResponseFileContent good = test::box_content();
+  ASSERT_NO_THROW(encode(good));
+  expect_refused(
+      good, ExitCode::bad_input,
+      {
+          {"depth scale", [](auto& c) { c.depth_scale = 0; }},
+          {"depth scale", [](auto& c) { c.depth_scale = 2e3; }},
+          {"sideways scale", [](auto& c) { c.sideways_scale = 0; }},
+          {"sideways scale", [](auto& c) { c.sideways_scale = 1e-10; }},
+          {"3 normal coefficients, allowed 4 to 32",
+           [](auto& c) {
+             c.normal_coefs = 3;
+             for (Response& r : c.responses) r.normal.resize(3);
+           }},
+          {"all 0 or none", [](auto& c) { c.friction_coefs = 0; }},
+          {"must not be empty", [](auto& c) { c.patches.clear(); }},
+          {"site 2: position", [](auto& c) { c.sites[2].position[1] = NAN; }},
+          {"site 2: position", [](auto& c) { c.sites[2].position[1] = 2e5; }},
+          {"site 3: frame",
+           [](auto& c) {
+             c.sites[3].normal = Triple{0, 0, 2};
+           }},
+          {"site 4: frame", [](auto& c) { c.sites[4].tangent = c.sites[4].normal; }},
+          {"site 5: depth limit", [](auto& c) { c.sites[5].depth_limit = 1; }},
+          {"patch 1", [](auto& c) { c.patches[1][0] = 9999; }},
+          {"SURFACE_VERTICES: vertex 7", [](auto& c) { c.surface_vertices[7][2] = 2e5; }},
+          {"SURFACE_TRIANGLES: triangle 0: no patch", [](auto& c) { c.surface_triangles[0].patch = 9999; }},
+          {"grid",
+           [](auto& c) {
+             c.surface_triangles[0].grid[0] = std::array<std::uint16_t, 2>{1, 1};
+           }},
+          {"disagree on the weights", [](auto& c) { std::swap(c.patches[0][0], c.patches[0][1]); }},
+          {"not closed", [](auto& c) { c.surface_triangles.pop_back(); }},
+          {"oriented",
+           [](auto& c) { std::swap(c.surface_triangles[0].vertices[0], c.surface_triangles[0].vertices[1]); }},
+          {"responses: there are", [](auto& c) { c.tools.clear(); }},
+          {"name must have", [](auto& c) { c.tools[0].name = std::string(40, 'x'); }},
+          {"tool 0: has no vertex", [](auto& c) { c.tools[0].vertices.clear(); }},
+          {"tool 0: only a profile has an axis", [](auto& c) { c.tools[0].axis_length = 0.03; }},
+          {"tool 0: the probe radius of a mesh", [](auto& c) { c.tools[0].kind = layout::ToolKind::mesh; }},
+          {"sites times tool vertices", [](auto& c) { c.responses.pop_back(); }},
+          {"response 2, lateral x: has 5", [](auto& c) { c.responses[2].lateral_x.pop_back(); }},
+          {"PROVENANCE", [](auto& c) { c.provenance = "no"; }},
+      });
+}
+
+TEST(ResponseFile, WrongCurvesAreANumericalFailure) {
+  expect_refused(test::box_content(), ExitCode::numerical,
+                 {
+                     {"response 1: must be either", [](auto& c) { c.responses[1].flags = 3; }},
+                     {"response 1: depth limit", [](auto& c) { c.responses[1].depth_limit = 1; }},
+                     {"response 1: normal force must start at zero and not decrease",
+                      [](auto& c) { c.responses[1].normal[9] = 0; }},
+                     {"response 2: normal force must start at zero", [](auto& c) { c.responses[2].normal[1] = 0.1F; }},
+                     {"response 2: normal force", [](auto& c) { c.responses[2].normal[9] = 2e12F; }},
+                     {"LATERAL: response 2", [](auto& c) { c.responses[2].lateral_x[5] = -2e12F; }},
+                     {"response 3: sideways force must oppose", [](auto& c) { c.responses[3].sideways_x[6] = 9; }},
+                     {"response 3: sideways force",
+                      [](auto& c) { c.responses[3].sideways_y[0] += 0.1F, c.responses[3].sideways_y[3] += 0.1F; }},
+                     {"response 4: growth", [](auto& c) { c.responses[4].growth_x[3] = -1; }},
+                     {"response 4: growth", [](auto& c) { c.responses[4].growth_x[3] = 2e3F; }},
+                     {"response 4: friction limit", [](auto& c) { c.responses[4].friction[0] = -1; }},
+                     {"response 4: friction limit", [](auto& c) { c.responses[4].friction[0] = INFINITY; }},
+                 });
+}
+
+TEST(ResponseFile, AWrongSearchTreeIsRefused) {
+  Options options;
+  options.search = true;
+  expect_refused(test::box_content(options), ExitCode::bad_input,
+                 {{"SEARCH", [](auto& c) { c.search[0].upper[0] = 0; }},
+                  {"SEARCH", [](auto& c) { std::swap(c.surface_triangles.front(), c.surface_triangles.back()); }}});
+}
+
+// Where on such a tool the contact is, nothing could tell.
+TEST(ResponseFile, OnlyAProfileWithAnAxisOrAMeshHasSeveralVertices) {
+  Options options;
+  options.tools = Options::Tools::capsule;
+  expect_refused(
+      test::box_content(options), ExitCode::bad_input,
+      {{"tool 0: without an axis", [](auto& c) { c.tools[0].axis_length = 0; }},
+       {"tool 0: without an axis",
+        [](auto& c) {
+          c.tools[0].kind = layout::ToolKind::point_sphere;
+          c.tools[0].axis_length = 0;
+        }},
+       {"tool 0: only a profile has an axis", [](auto& c) { c.tools[0].kind = layout::ToolKind::point_sphere; }}});
 }
 
 TEST(ResponseFile, AProfileWhoseSegmentsDoNotAscendIsRefused) {

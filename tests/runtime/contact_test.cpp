@@ -217,6 +217,40 @@ TEST(Contact, HandingOverToAnotherSideDoesNotRaiseTheForce) {
   }
 }
 
+// Sites of very different stiffness, the tool far past the normals' focal points: where a hand-over is tried and
+// declined, it must leave nothing behind.
+TEST(Contact, HeldStillWhereItCannotBeHandedOverTheForceStays) {
+  int held = 0;
+  for (const unsigned seed : {40U, 84U}) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    Options options = flat();
+    options.friction = false;
+    options.cells = 2;
+    ResponseFileContent content = box_content(options);
+    for (Response& r : content.responses) {
+      const double factor = std::pow(10, unit(random) - 1);
+      for (float& c : r.normal) c = static_cast<float>(c * factor);
+    }
+    const Opened box(std::move(content));
+    for (int run = 0; run < 10; ++run) {
+      const auto draw = [&] { return unit(random); };
+      const double x = draw(), y = draw(), to_x = draw(), to_y = draw(), to_z = draw();
+      const Vec3 from{0.03 * x, 0.03 * y, kTop + kTipRadius + 1e-4}, to{0.04 * to_x, 0.04 * to_y, 0.02 * to_z};
+      Contact contact(box.view, 0);
+      int ticks = 0;
+      move(contact, from, to, 5e-5, [&](const Pose& pose, const Tick& tick) {
+        if (++ticks % 20 != 0 || length(tick.force) < 0.02) return;
+        Contact still = contact;
+        const double first = length(still.tick(pose).force);
+        for (int i = 0; i < 100; ++i) ASSERT_NEAR(length(still.tick(pose).force), first, 1e-3 * first) << i;
+        ++held;
+      });
+    }
+  }
+  EXPECT_GT(held, 200);
+}
+
 TEST(Contact, StartingInsideBeginsAtZero) {
   const Opened box(box_content(flat()));
   Contact contact(box.view, 0);

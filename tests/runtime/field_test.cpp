@@ -205,6 +205,19 @@ TEST(Field, ReportsCoverageAndDepthLimit) {
   }
 }
 
+// The limit is stored as a float, which lies a little below or above what was sampled.
+TEST(Field, APushToTheSampledDepthIsNotBeyondIt) {
+  for (const double depth : {0.005, 0.0047, 0.003, 0.0011}) {
+    Options options = uniform();
+    ResponseFileContent content = box_content(options);
+    for (Response& r : content.responses) r.depth_limit = depth;
+    const Opened box(std::move(content));
+    const Field field(box.view, 0, {20, {0.3, 0.3, 0.4}}, {});
+    EXPECT_FALSE(field.at_depth(depth).beyond) << depth;
+    EXPECT_TRUE(field.at_depth(1.0001 * depth).beyond) << depth;
+  }
+}
+
 TEST(Field, FrictionlessHasNoSidewaysForceAndNoLimit) {
   Options options = uniform();
   options.friction = options.lateral = false;

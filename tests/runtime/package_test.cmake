@@ -23,16 +23,15 @@ function(expect_not_sought build)
   endforeach()
 endfunction()
 
-run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE} -B ${FOLDER}/whole -D CMAKE_CXX_COMPILER=${COMPILER} -D PALPATE_PRECOMPUTE=OFF
-    -D PALPATE_DRIVERS=OFF -D PALPATE_TESTS=OFF -D PALPATE_BENCH=OFF)
+# The presets as they stand: no flag of the test's own turns anything off.
+run(${CMAKE_COMMAND} --preset runtime -G ${GENERATOR} -S ${SOURCE} -B ${FOLDER}/whole -D CMAKE_CXX_COMPILER=${COMPILER})
 expect_not_sought(${FOLDER}/whole ${precompute} libusb LIBUSB GTest benchmark)
 run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE}/runtime -B ${FOLDER}/alone -D CMAKE_CXX_COMPILER=${COMPILER}
     -D CMAKE_INSTALL_PREFIX=${FOLDER}/prefix)
 expect_not_sought(${FOLDER}/alone ${precompute} libusb LIBUSB GTest benchmark)
 if(DRIVERS)
   # The device layer needs libusb, and nothing of precompute.
-  run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE} -B ${FOLDER}/drivers -D CMAKE_CXX_COMPILER=${COMPILER} -D PALPATE_PRECOMPUTE=OFF
-      -D PALPATE_DRIVERS=ON -D PALPATE_TESTS=OFF -D PALPATE_BENCH=OFF)
+  run(${CMAKE_COMMAND} --preset drivers -G ${GENERATOR} -S ${SOURCE} -B ${FOLDER}/drivers -D CMAKE_CXX_COMPILER=${COMPILER})
   expect_not_sought(${FOLDER}/drivers ${precompute} GTest benchmark)
   # What the check finds where there is something to find.
   file(READ ${FOLDER}/drivers/CMakeCache.txt cache)

@@ -5,9 +5,13 @@
 #include "formats/error.hpp"
 #include "tests/support/temporary_folder.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
+
 #include <functional>
+#include <iterator>
 
 namespace palpate {
 namespace {
@@ -22,6 +26,10 @@ void expect_error(ExitCode code, const std::string& cause, const std::function<v
   }
 }
 
+std::size_t entries(const test::TemporaryFolder& folder) {
+  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder.path()), {}));
+}
+
 TEST(File, RoundTripAndReplace) {
   const test::TemporaryFolder folder;
   const auto path = folder.path() / "a.bin";
@@ -30,9 +38,7 @@ TEST(File, RoundTripAndReplace) {
   EXPECT_EQ(read_file(path, "test", 1 << 20), first);
   write_file(path, second);
   EXPECT_EQ(read_file(path, "test", 4), second);
-  int entries = 0;
-  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder.path())) ++entries;
-  EXPECT_EQ(entries, 1) << "a temporary file was left";
+  EXPECT_EQ(entries(folder), 1U) << "a temporary file was left";
 }
 
 TEST(File, Refusals) {
@@ -51,6 +57,47 @@ TEST(File, Refusals) {
   make_folder(folder.path() / "a" / "b");
   // A folder in the way of the rename: the temporary file goes.
   expect_error(ExitCode::io, "cannot write the file", [&] { write_file(folder.path() / "a", "x"); });
+}
+
+// A node must stay what it is: as root, renaming over /dev/null would replace it for the whole system.
+TEST(File, APipeIsWrittenToAndStays) {
+  const test::TemporaryFolder folder;
+  const auto pipe = folder.path() / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  std::string got(3, ' ');
+  // Opened for both directions: neither side waits for the other, and what is written fits the pipe.
+  const int reader = ::open(pipe.c_str(), O_RDWR | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  write_file(pipe, "abc");
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  EXPECT_EQ(::read(reader, got.data(), got.size()), 3);
+  EXPECT_EQ(got, "abc");
+  const auto link = folder.path() / "link";
+  std::filesystem::create_symlink("pipe", link);
+  write_file(link, "def");
+  EXPECT_TRUE(std::filesystem::is_symlink(link) && std::filesystem::is_fifo(pipe));
+  EXPECT_EQ(::read(reader, got.data(), got.size()), 3);
+  EXPECT_EQ(got, "def");
+  ::close(reader);
+  EXPECT_EQ(entries(folder), 2U);
+}
+
+TEST(File, ALinkStaysAndTheFileBehindItIsWritten) {
+  const test::TemporaryFolder folder;
+  const auto below = folder.path() / "below";
+  make_folder(below);
+  const auto file = below / "file", link = folder.path() / "link", chain = below / "chain";
+  std::filesystem::create_symlink("below/file", link);
+  std::filesystem::create_symlink(link, chain);
+  for (const std::string& text : {std::string("new"), std::string("again")}) {  // the file is missing at first
+    write_file(chain, text);
+    EXPECT_TRUE(std::filesystem::is_symlink(link) && std::filesystem::is_symlink(chain));
+    EXPECT_TRUE(std::filesystem::is_regular_file(std::filesystem::symlink_status(file)));
+    EXPECT_EQ(read_file(file, "test", 10), text);
+  }
+  EXPECT_EQ(entries(folder), 2U) << "a temporary file was left";
+  std::filesystem::create_symlink("round", folder.path() / "round");
+  expect_error(ExitCode::io, "cannot", [&] { write_file(folder.path() / "round", "x"); });
 }
 
 TEST(File, APipeIsRefusedAtOnce) {

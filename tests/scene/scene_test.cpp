@@ -35,6 +35,17 @@ TEST_F(SceneTest, FiveLinesAreEnough) {
   EXPECT_EQ(scene.response.search, ResponseScene::Search::automatic);
 }
 
+TEST_F(SceneTest, NamesMayBeAsLongAndVariedAsTheirFilesAllow) {
+  const std::string longest(31, 'x');
+  const Scene scene = read("[body]\nsurface = \"a\"\n[tool]\nname = \"" + longest +
+                           "\"\n[[region]]\nname = \"Vena-cava_2 b.1\"\nsurface = \"b\"\n[solver]\nrim_size = 1\n"
+                           "[sampling]\nnormal_points = 4\ntangential_depths = 4\n");
+  EXPECT_EQ(scene.tools[0].name, longest);
+  EXPECT_EQ(scene.regions[0].name, "Vena-cava_2 b.1");
+  EXPECT_EQ(scene.solver.rim_size, 1.0);
+  EXPECT_EQ(scene.sampling.tangential_depths, 4);
+}
+
 TEST_F(SceneTest, OneLineIsEnoughToo) {
   const Scene scene = read("body = {surface = \"/abs/a.stl\"}");
   EXPECT_EQ(scene.body.surfaces[0].file, "/abs/a.stl");
@@ -76,11 +87,11 @@ shape = "punch"
 radius = 0.004
 edge_radius = 0.0005
 length = 0.02
-contacts = "tip"
 [[tool]]
 shape = "capsule"
 radius = 0.003
 length = 0.04
+contacts = "tip"
 [[tool]]
 shape = "mesh"
 surface = "grasper.obj"
@@ -106,6 +117,7 @@ tolerance = 0.03
 mesh_size = 0.3
 growth = 0.5
 max_size = 0.02
+rim_size = 0.05
 time_limit = 60
 )");
   EXPECT_EQ(scene.name, "case 7");
@@ -131,14 +143,16 @@ time_limit = 60
   EXPECT_EQ(scene.tools[0].name, "tool");
   EXPECT_TRUE(scene.tools[0].whole);
   EXPECT_EQ(scene.tools[1].shape, ToolScene::Shape::punch);
-  EXPECT_FALSE(scene.tools[1].whole);
+  EXPECT_TRUE(scene.tools[1].whole);
   EXPECT_EQ(scene.tools[1].edge_radius, 0.0005);
   EXPECT_EQ(scene.tools[2].name, "tool3");
+  EXPECT_FALSE(scene.tools[2].whole);
   EXPECT_EQ(scene.tools[3].surface.file, folder_.path() / "grasper.obj");
   EXPECT_EQ(scene.friction, 0.3);
   EXPECT_EQ(scene.sampling.tangential_directions, 6);
   ASSERT_TRUE(scene.sampling.within_box.has_value());
   EXPECT_EQ(scene.response.search, ResponseScene::Search::bvh);
+  EXPECT_EQ(scene.solver.rim_size, 0.05);
   EXPECT_EQ(scene.solver.time_limit, 60.0);
 }
 
@@ -179,9 +193,10 @@ TEST_F(SceneTest, CanonicalTextFollowsResultsNotPathsNorNames) {
   const std::string text = canonical_text(read(base));
   EXPECT_EQ(text,
             canonical_text(read("name = \"other\"\n[body]\nsurface = \"sub/b.ply\"\n[contact]\nfriction = 1e-1\n")));
-  for (const char* more : {"[sampling]\ndepth = 0.00500001\n", "[material]\nyoung = 5001\n",
-                           "[[support]]\nmesh = \"x\"\n", "[solver]\ngrowth = 0.71\n", "[response]\ntolerance = 0.04\n",
-                           "[tool]\nradius = 0.0051\n", "[[region]]\nsurface = \"r.ply\"\n"}) {
+  for (const char* more :
+       {"[sampling]\ndepth = 0.00500001\n", "[material]\nyoung = 5001\n", "[[support]]\nmesh = \"x\"\n",
+        "[solver]\ngrowth = 0.71\n", "[solver]\nrim_size = 0.1\n", "[response]\ntolerance = 0.04\n",
+        "[tool]\nradius = 0.0051\n", "[[region]]\nsurface = \"r.ply\"\n"}) {
     EXPECT_NE(text, canonical_text(read(base + more))) << more;
   }
   const auto solves = [&](const std::string& more) {

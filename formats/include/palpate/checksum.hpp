@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// XXH64, the checksum of response files, written from its public specification.
+// XXH64, the checksum of response files and journals, written from its public specification.
 #pragma once
 
 #include <cstddef>
@@ -79,6 +79,13 @@ private:
   std::size_t held_ = 0;
   std::uint64_t total_ = 0;
 };
+
+/// XXH64 of `size` bytes.
+inline std::uint64_t of(const void* data, std::size_t size) {
+  Xxh64 hash;
+  hash.update(data, size);
+  return hash.digest();
+}
 
 /// Checksum of a response file: XXH64 with the eight bytes at `field` taken as zero. size > field + 8.
 inline std::uint64_t of_file(const unsigned char* bytes, std::size_t size, std::size_t field) {

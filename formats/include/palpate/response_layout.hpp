@@ -64,9 +64,8 @@ enum SiteFlag : std::uint32_t {
 
 /// Exactly one of solved and covered is set.
 enum ResponseFlag : std::uint32_t {
-  response_solved = 1u << 0,   ///< fitted to this pair's own samples
-  response_covered = 1u << 1,  ///< refused or never planned: taken from neighbours
-  response_all = 3u
+  response_solved = 1u << 0,  ///< fitted to this pair's own samples
+  response_covered = 1u << 1  ///< refused or never planned: taken from neighbours
 };
 
 enum class ToolKind : std::uint32_t { point_sphere = 0, profile = 1, mesh = 2 };

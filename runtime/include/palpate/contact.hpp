@@ -25,7 +25,7 @@ struct Tick {
   Vec3 torque;                  ///< N m on the tool, about the origin of its frame
   double depth = 0;             ///< m, along -n(c); 0 without contact
   double friction_limit = 0;    ///< N; infinite in a frictionless file
-  double covered = 0;           ///< share of the force that comes from responses taken from neighbours, [0, 1]
+  double covered = 0;           ///< share of the blend's weights on responses taken from neighbours, [0, 1]
   bool beyond = false;          ///< deeper than the pair was sampled: the force is an extrapolation
   Vec3 body_point, tool_point;  ///< c and p (m); only in contact
   BodyPoint at;                 ///< c again
@@ -238,10 +238,10 @@ private:
   /// c cannot follow along the surface (the tool straddles a fissure or left over an edge): takes the point
   /// nearest to the tool instead, at a depth that answers with no more than the present force.
   bool hand_over(const Pose& pose, const Vec3& q, double force) {
-    const BodyPoint old = at_;
     const Location nearest = locate(*view_, q);
     const Projection found = project(*view_, nearest.at, q);
-    if (!found.converged) return false;
+    // Decided before anything changes: a contact that stays must not lose depth tick by tick.
+    if (!found.converged || found.at.triangle == at_.triangle) return false;
     place(found, pose);
     offset_sideways_ = {};
     const double depth = deflection(q).depth + offset_depth_;
@@ -253,7 +253,7 @@ private:
       }
       offset_depth_ = depth - low;
     }
-    return old.triangle != found.at.triangle;
+    return true;
   }
 
   /// A capsule lays itself down: p runs along the axis to where it is deepest, c with it, at a bounded rate

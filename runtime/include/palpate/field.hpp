@@ -85,7 +85,7 @@ public:
     const double s = share < 1 ? std::sqrt(share) : 1.0;
     const double extra = share < 1 ? 0 : 0.5 * (share - 1);  // linear in z beyond Z: ds/dz = 1 / (2 Z) there
     terms.depth = z;
-    terms.beyond = z > limit_;
+    terms.beyond = z > limit_ * kLimitSlack;
     const auto curve = [&](const spline::Basis& b, const auto* coefs, std::uint32_t count) {
       const double inside = spline::combine(b, coefs);
       return extra > 0 ? inside + extra * spline::slope_at_1(coefs, static_cast<int>(count)) : inside;
@@ -238,6 +238,9 @@ private:
       pair_[pairs_++] = {coefs, weight};
     }
   }
+
+  /// Limits are stored as floats: a push to just the sampled depth must not count as beyond it.
+  static constexpr double kLimitSlack = 1 + 1e-5;
 
   const View* view_ = nullptr;
   Vec3 normal_, basis_x_, basis_y_;

@@ -27,6 +27,7 @@ inline bool check_header(const View& v, Fault& fault) {
                      h.file_size > v.size ? "truncated" : "trailing bytes",
                      static_cast<unsigned long long>(h.file_size), v.size);
   }
+  if (v.size % layout::kAlignment != 0) return fault.say("%zu bytes, not a multiple of 64", v.size);
   const std::uint64_t table =
       sizeof(layout::FileHeader) + std::uint64_t{h.section_count} * sizeof(layout::SectionEntry);
   if (h.section_count > layout::kMaxSections || table > v.size)

@@ -14,7 +14,7 @@ struct ToolTouch {
   ToolPoint tool_point;  ///< for mesh tools; a profile's follows from its orientation
   Location body;
   double clearance = 0;  ///< m, from the skin to the body; negative when they overlap
-  double safe = 0;       ///< m, a distance below the true clearance of the whole tool, >= 0
+  double safe = 0;       ///< m, the tool may move this far before a search can find a contact, >= 0
 };
 
 /// Distance of the farthest skeleton point from the tool frame's origin (m).
@@ -62,7 +62,8 @@ inline ToolTouch touch_axis(const View& view, const layout::ToolRecord& tool, co
 }
 
 /// Deepest probe point: a grid over every patch. Points that cannot beat the best are passed over, for the
-/// distance changes no faster than the probe moves.
+/// distance changes no faster than the probe moves. Between the points nothing is seen: clearance and safe distance
+/// hold for them alone, and a body sharper than the grid is met late.
 inline ToolTouch touch_probes(const View& view, const layout::ToolRecord& tool, const Pose& pose) {
   constexpr int kSteps = 4;
   ToolTouch best;

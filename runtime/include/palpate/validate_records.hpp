@@ -143,6 +143,17 @@ inline bool check_tool(const View& v, std::uint32_t i, Fault& fault) {
   for (const float s : sizes) {
     if (!(s >= 0 && s < 1e5f)) return fault.say("TOOLS: tool %u: lengths must be finite and not negative", i);
   }
+  const auto kind = static_cast<layout::ToolKind>(t.kind);
+  // Where the contact patch on such a tool is, nothing could tell.
+  if (kind != layout::ToolKind::mesh && t.axis_length == 0 && t.vertex_count != 1) {
+    return fault.say("TOOLS: tool %u: without an axis a sphere or profile has one vertex", i);
+  }
+  if (kind != layout::ToolKind::profile && t.axis_length != 0) {
+    return fault.say("TOOLS: tool %u: only a profile has an axis", i);
+  }
+  if (kind == layout::ToolKind::mesh && t.probe_radius != 0) {
+    return fault.say("TOOLS: tool %u: the probe radius of a mesh is 0", i);
+  }
   const std::uint64_t end = std::uint64_t{t.first_patch} + t.patch_count;
   const bool patched = v.tool_patches != nullptr;
   if (patched ? t.patch_count == 0 || end > v.meta->tool_patch_count
@@ -157,7 +168,7 @@ inline bool check_tool(const View& v, std::uint32_t i, Fault& fault) {
         return fault.say("TOOL_PATCHES: patch %u names a vertex of another tool", static_cast<unsigned>(p));
       }
     }
-    if (t.kind != static_cast<std::uint32_t>(layout::ToolKind::profile)) continue;
+    if (kind != layout::ToolKind::profile) continue;
     const float low = v.tool_vertices[corner[0]].meridian, high = v.tool_vertices[corner[1]].meridian;
     if (low > high || low < reached) {
       return fault.say("TOOL_PATCHES: patch %u: a profile's segments must ascend", static_cast<unsigned>(p));
