@@ -67,7 +67,7 @@ void add_bench(CLI::App& app, Globals& globals) {
       ->capture_default_str();
   command->add_option("--seed", options->bench.seed, "Of the random contacts")->capture_default_str();
   command->add_option("--seconds", options->bench.seconds, "Measured for each contact and state")
-      ->check(CLI::Range(0.001, 10.0))
+      ->check(number_in(0.001, 10.0))
       ->capture_default_str();
   command->callback([options, &globals] { run(*options, globals); });
 }

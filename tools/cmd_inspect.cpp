@@ -20,11 +20,17 @@ struct FeatureName {
 };
 constexpr FeatureName kFeatures[] = {
     {layout::feature_lateral, "lateral", "a straight push has no sideways force"},
-    {layout::feature_friction, "friction", "frictionless: no sticking, no sideways force"},
-    {layout::feature_tool_patches, "tool_patches", "each tool touches in one manner"},
-    {layout::feature_search, "search", "the contact surface is small: searched triangle by triangle"}};
+    {layout::feature_friction, "friction", "frictionless: no sticking, nothing opposes a sideways motion"},
+    {layout::feature_tool_patches, "tool_patches", "each tool touches by one vertex only"},
+    {layout::feature_search, "search", "no search tree: the contact surface is searched triangle by triangle"}};
 
-constexpr const char* kKinds[] = {"sphere", "profile", "mesh"};
+/// The shape as a scene names it.
+const char* shape_name(const layout::ToolRecord& tool) {
+  if (tool.kind == static_cast<std::uint32_t>(layout::ToolKind::mesh)) return "mesh";
+  // Of the round shapes only a punch has no axis at a distance from its skin, and only a capsule's has a length.
+  if (!(tool.probe_radius > 0)) return "punch";
+  return tool.axis_length > 0 ? "capsule" : "sphere";
+}
 
 struct Shares {
   std::size_t solved = 0, covered = 0, held = 0, outside = 0;
@@ -46,7 +52,7 @@ Json tools_json(const runtime::View& v) {
   Json tools = Json::array();
   for (std::uint32_t i = 0; i < v.meta->tool_count; ++i) {
     const layout::ToolRecord& t = v.tools[i];
-    tools.push_back({{"name", t.name}, {"kind", kKinds[t.kind]}, {"radius", t.radius}, {"vertices", t.vertex_count}});
+    tools.push_back({{"name", t.name}, {"kind", shape_name(t)}, {"radius", t.radius}, {"vertices", t.vertex_count}});
   }
   return tools;
 }
@@ -120,7 +126,7 @@ std::string as_text(const runtime::View& v, const Json& json) {
   append(text, "depth scale %.4g mm, sideways scale %.4g mm\n", 1e3 * m.depth_scale, 1e3 * m.sideways_scale);
   for (std::uint32_t i = 0; i < m.tool_count; ++i) {
     const layout::ToolRecord& t = v.tools[i];
-    append(text, "tool '%s': %s, radius %.4g mm, %u contact vertices\n", t.name, kKinds[t.kind],
+    append(text, "tool '%s': %s, radius %.4g mm, %u contact vertices\n", t.name, shape_name(t),
            1e3 * static_cast<double>(t.radius), t.vertex_count);
   }
   return text + "provenance: " + json["provenance"].dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -17,6 +17,8 @@ struct Options {
   std::string file, motion, out, plot, tool;
 };
 
+const char* plural(std::size_t count) { return count == 1 ? "" : "s"; }
+
 void run(const Options& options, const Globals& globals) {
   const ResponseInput input(options.file);
   const std::uint32_t tool = input.tool(options.tool);
@@ -31,7 +33,7 @@ void run(const Options& options, const Globals& globals) {
   }
   if (s.rows_beyond > 0) {
     warn(std::to_string(s.rows_beyond) + " of " + std::to_string(rows.size()) +
-         " rows are deeper than was sampled there: their forces are extrapolated");
+         " rows lie deeper than was sampled, there or on the way: these forces are extrapolated");
   }
   if (globals.json) {
     print_json({{"file", options.file},
@@ -52,10 +54,10 @@ void run(const Options& options, const Globals& globals) {
   }
   char text[400];
   std::snprintf(text, sizeof text,
-                "%zu rows, %zu ticks, %zu contacts; %.3g s in contact, of these %.3g s sliding\n"
+                "%zu row%s, %zu tick%s, %zu contact%s; %.3g s in contact, of these %.3g s sliding\n"
                 "peak force %.4g N, peak torque %.4g N m, deepest %.3g mm\n",
-                rows.size(), s.ticks, s.contacts, s.contact_time, s.slide_time, s.peak_force, s.peak_torque,
-                1e3 * s.peak_depth);
+                rows.size(), plural(rows.size()), s.ticks, plural(s.ticks), s.contacts, plural(s.contacts),
+                s.contact_time, s.slide_time, s.peak_force, s.peak_torque, 1e3 * s.peak_depth);
   print(text);
 }
 

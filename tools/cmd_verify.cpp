@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // `palpate verify`: baked against solved forces, with what a tick, a response and the bake cost.
 #include "formats/error.hpp"
-#include "formats/file.hpp"
 #include "precompute/bake/reach.hpp"
+#include "precompute/verify/limits.hpp"
 #include "precompute/verify/recorded.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/output.hpp"
 #include "tools/pipeline_steps.hpp"
 #include "tools/response_input.hpp"
 #include "tools/tick_bench.hpp"
+#include "tools/verify_checks.hpp"
 
 #include <cstdio>
 #include <memory>
@@ -18,11 +19,13 @@
 namespace palpate::cli {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 struct Options {
   std::string input, work, response, report, samples;
   std::uint32_t count = 40;
   std::uint64_t seed = 1;
-  std::optional<double> max_p95;
+  VerifyLimits limits;
 };
 
 struct Costs {
@@ -34,19 +37,6 @@ Costs costs(const runtime::View& view) {
   TickBenchOptions options;
   options.contacts = 20;
   return {bench_ticks(view, options).press.quantile(0.5), bytes_per_response(view)};
-}
-
-struct PairCounts {
-  std::size_t planned = 0, accepted = 0, refused = 0;
-};
-
-PairCounts count_pairs(const pipeline::Pipeline& p) {
-  PairCounts counts{p.plan.pairs.size(), 0, 0};
-  for (const auto& [index, pair] : read_journal(p.paths.journal, p.manifest).pairs) {
-    if (!pair.outcome) continue;
-    ++(pair.outcome->accepted ? counts.accepted : counts.refused);
-  }
-  return counts;
 }
 
 std::string line(const char* name, const ErrorStatistics& s) {
@@ -65,17 +55,14 @@ std::string table(const VerifyStatistics& s) {
          line("normal", s.normal) + line("sideways", s.sideways);
 }
 
-void check_limit(const Options& options, const VerifyStatistics& s) {
-  if (options.max_p95 && !(s.normal.p95 <= *options.max_p95)) {
-    char text[160];
-    std::snprintf(text, sizeof text, "95th percentile of the normal force error is %.4g, asked %.4g", s.normal.p95,
-                  *options.max_p95);
-    throw Error(ExitCode::tolerance, text);
-  }
+Json contacts_json(const VerifyStatistics& s) { return {{"solved", s.accepted}, {"refused", s.refused}}; }
+
+void check_limits(const Options& options, const VerifyStatistics& s) {
+  if (const auto broken = broken_limits(s, options.limits)) throw Error(ExitCode::tolerance, *broken);
 }
 
-void publish(const Options& options, const Globals& globals, nlohmann::ordered_json json, const std::string& text) {
-  if (!options.report.empty()) write_file(options.report, json.dump(1) + "\n");
+void publish(const Options& options, const Globals& globals, const Json& json, const std::string& text) {
+  if (!options.report.empty()) write_report(options.report, json);
   if (globals.json) {
     print_json(json);
   } else {
@@ -95,66 +82,91 @@ void compare(const Options& options, const Globals& globals) {
            {"samples", options.samples},
            {"error", to_json(s.normal, contacts)},
            {"error_sideways", to_json(s.sideways, contacts)},
+           {"contacts", contacts_json(s)},
            {"held_out", to_json(contacts)}},
           table(s));
-  check_limit(options, s);
+  check_limits(options, s);
 }
 
-void solve(const Options& options, const Globals& globals) {
-  pipeline::Pipeline p = pipeline::prepare(options.input, {options.work, options.response});
-  pipeline::plan(p);
-  const ResponseInput input(p.paths.response);
-  const runtime::View& view = input.view();
+HeldOutSet solve_contacts(const Options& options, const Globals& globals, const pipeline::Pipeline& p,
+                          const runtime::View& view) {
   HeldOutOptions held;
   held.count = options.count;
   held.seed = options.seed;
   held.threads = static_cast<unsigned>(globals.threads);
   held.stop = [] { return interrupted(); };
   held.touchable = [&](const ContactFrame& frame, const Tool& tool, const ToolVertex& vertex, double depth) {
-    return !reaches_support(p.body, frame, contact_radius(vertex, depth)) &&
-           can_touch_first(p.body, tool, vertex, frame);
+    return !reaches_support(p.body, tool, vertex, frame, depth) && can_touch_first(p.body, tool, vertex, frame);
   };
   held.progress = [&](std::size_t done, std::size_t total) {
     if (!globals.quiet && (done == total || done % 10 == 0)) {
       note(globals, "held-out solves: " + std::to_string(done) + " of " + std::to_string(total));
     }
   };
-  const HeldOutSet set = solve_held_out(view, p.scene, p.body, p.tools, held);
+  const InterruptPolling polling;
+  HeldOutSet set = solve_held_out(view, p.scene, p.body, p.tools, held);
   if (set.stopped) throw Interrupted("held-out solves are not kept; run the command again");
-  const VerifyStatistics s = summarise(set.contacts);
-  if (s.normal.count == 0) {
-    throw Error(ExitCode::numerical, "every held-out solve was refused; the first: " + set.contacts.front().cause);
-  }
-  const Costs cost = costs(view);
-  const PairCounts pairs = count_pairs(p);
-  const double seconds = pipeline::bake_seconds(p);
-  nlohmann::ordered_json json{
-      {"file", p.paths.response.string()},
-      {"scene", options.input},
-      {"pairs", {{"planned", pairs.planned}, {"accepted", pairs.accepted}, {"refused", pairs.refused}}},
-      {"error", to_json(s.normal, set.contacts)},
-      {"error_sideways", to_json(s.sideways, set.contacts)},
-      {"tick_ns", cost.tick},
-      {"bytes_per_response", cost.response},
-      {"bake_seconds", seconds},
-      {"seed", options.seed},
-      {"contacts", {{"solved", s.accepted}, {"refused", s.refused}}},
-      {"untouchable_share", set.untouchable_share},
-      {"held_out", to_json(set.contacts)}};
+  return set;
+}
+
+std::string solved_text(const HeldOutSet& set, const VerifyStatistics& s, const PairCounts& pairs, const Costs& cost,
+                        double bake, double tolerance) {
   char text[512];
   std::snprintf(text, sizeof text,
                 "pairs: %zu planned, %zu accepted, %zu refused; held-out contacts: %zu solved, %zu refused "
                 "(%.1f %% of the draws lay at a support, in a fold narrower than the tool or outside the region)\n",
                 pairs.planned, pairs.accepted, pairs.refused, s.accepted, s.refused, 100 * set.untouchable_share);
   std::string out = text + table(s);
-  std::snprintf(text, sizeof text, "run time: %.0f ns a tick, %.0f bytes a response, %.0f s of bake\n", cost.tick,
-                cost.response, seconds);
+  std::snprintf(text, sizeof text,
+                "normal pushes %s the scene's tolerance: 95th percentile %.2f %%, asked %.2f %%\n"
+                "run time: %.0f ns a tick, %.0f bytes a response, %.0f s of bake\n",
+                s.normal.p95 <= tolerance ? "meet" : "do not meet", 100 * s.normal.p95, 100 * tolerance, cost.tick,
+                cost.response, bake);
   out += text;
   for (std::size_t k = 0; k < set.contacts.size(); ++k) {
     if (!set.contacts[k].accepted) out += "refused: contact " + std::to_string(k) + ": " + set.contacts[k].cause + "\n";
   }
-  publish(options, globals, json, out);
-  check_limit(options, s);
+  return out;
+}
+
+void solve(const Options& options, const Globals& globals) {
+  // Whatever can fail for another reason than a solve fails before the first one.
+  if (!options.report.empty()) check_writable(options.report);
+  pipeline::Pipeline p = pipeline::prepare(options.input, {options.work, options.response});
+  if (options.limits.p95_sideways && !(p.scene.friction > 0)) {
+    throw Error(ExitCode::usage, "--max-p95-sideways: the scene has no friction, and nothing sideways to compare");
+  }
+  check_baked(p);
+  pipeline::plan(p);
+  const PairCounts pairs = count_pairs(p);
+  const double bake = seconds_of_bake(p);
+  const ResponseInput input(p.paths.response);
+  check_same_plan(p, input.view());
+  const Costs cost = costs(input.view());
+
+  const HeldOutSet set = solve_contacts(options, globals, p, input.view());
+  const VerifyStatistics s = summarise(set.contacts);
+  const double tolerance = p.scene.response.tolerance;
+  publish(options, globals,
+          {{"file", p.paths.response.string()},
+           {"scene", options.input},
+           {"pairs", {{"planned", pairs.planned}, {"accepted", pairs.accepted}, {"refused", pairs.refused}}},
+           {"error", to_json(s.normal, set.contacts)},
+           {"error_sideways", to_json(s.sideways, set.contacts)},
+           {"tolerance", tolerance},
+           {"within_tolerance", s.normal.count > 0 && s.normal.p95 <= tolerance},
+           {"tick_ns", cost.tick},
+           {"bytes_per_response", cost.response},
+           {"bake_seconds", bake},
+           {"seed", options.seed},
+           {"contacts", contacts_json(s)},
+           {"untouchable_share", set.untouchable_share},
+           {"held_out", to_json(set.contacts)}},
+          solved_text(set, s, pairs, cost, bake, tolerance));
+  if (s.normal.count == 0) {
+    throw Error(ExitCode::numerical, "every held-out solve was refused; the first: " + set.contacts.front().cause);
+  }
+  check_limits(options, s);
 }
 
 void run(const Options& options, const Globals& globals) {
@@ -171,7 +183,7 @@ void run(const Options& options, const Globals& globals) {
 
 void add_verify(CLI::App& app, Globals& globals) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("verify", "Compares baked with solved forces; exit code 5 beyond --max-p95");
+  CLI::App* command = app.add_subcommand("verify", "Compares baked with solved forces; exit code 5 beyond a limit");
   command->add_option("input", options->input, "Scene (solves held-out contacts) or, with --samples, a response file")
       ->required();
   command->add_option("--count", options->count, "Held-out contacts")
@@ -179,8 +191,15 @@ void add_verify(CLI::App& app, Globals& globals) {
       ->capture_default_str();
   command->add_option("--seed", options->seed, "Seed of their places")->capture_default_str();
   command->add_option("--samples", options->samples, "Report of an earlier verify: compare without solving");
-  command->add_option("--max-p95", options->max_p95, "Largest 95th percentile of the relative normal force error")
-      ->check(CLI::PositiveNumber);
+  const CLI::Validator error = number_in(0, 1000);
+  command->add_option("--max-p95", options->limits.p95, "Largest 95th percentile of the relative normal force error")
+      ->check(error);
+  command->add_option("--max-p95-sideways", options->limits.p95_sideways, "The same of the sideways pushes' error")
+      ->check(error);
+  command
+      ->add_option("--max-refused-share", options->limits.refused_share,
+                   "Largest share of held-out contacts that no solve was accepted for; 0.1 where another limit is set")
+      ->check(number_in(0, 1));
   command->add_option("--report", options->report, "Also write the JSON report to this file (usable as --samples)");
   command->add_option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
   command->add_option("--response", options->response, "Response file (default: NAME.palp beside the scene)");

@@ -17,8 +17,8 @@
 // Rules: check numbers by number_in, since CLI::Range and CLI::PositiveNumber let NaN through; take files as plain
 // strings, without CLI::ExistingFile (a missing file is exit code 4, not wrong usage); throw palpate::Error, main turns
 // it into the message and the exit code; never call exit(). Results go to standard output by output.hpp, progress and
-// messages to standard error. Work that lasts polls interrupted() (interrupt.hpp), saves what it has and throws
-// Interrupted.
+// messages to standard error. Work that lasts and can be saved polls interrupted() under an InterruptPolling
+// (interrupt.hpp), saves what it has and throws Interrupted; anything else is ended by a signal at once.
 #pragma once
 
 #include <CLI/CLI.hpp>

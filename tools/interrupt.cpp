@@ -4,7 +4,6 @@
 
 #include <unistd.h>
 #include <atomic>
-#include <csignal>
 
 namespace palpate::cli {
 
@@ -19,13 +18,18 @@ extern "C" void on_signal(int signal) {
 
 }  // namespace
 
-void install_interrupt_handlers() {
+InterruptPolling::InterruptPolling() {
   struct sigaction action = {};
   action.sa_handler = on_signal;
   sigemptyset(&action.sa_mask);
   action.sa_flags = SA_RESTART;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  sigaction(SIGINT, &action, &interrupt_);
+  sigaction(SIGTERM, &action, &terminate_);
+}
+
+InterruptPolling::~InterruptPolling() {
+  sigaction(SIGINT, &interrupt_, nullptr);
+  sigaction(SIGTERM, &terminate_, nullptr);
 }
 
 bool interrupted() noexcept { return pending_signal.load(std::memory_order_relaxed) != 0; }

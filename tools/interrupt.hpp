@@ -1,14 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Ctrl-C and SIGTERM: the first asks the work to stop and save, the second ends the process at once.
+// Ctrl-C and SIGTERM: a command that polls is asked to stop and save by the first and ended at once by the second;
+// any other is ended by the first, as every program is.
 #pragma once
 
+#include <csignal>
 #include <stdexcept>
 #include <string>
 
 namespace palpate::cli {
 
-/// Installs the handlers for SIGINT and SIGTERM. Called once, by main.
-void install_interrupt_handlers();
+/// While it lives, SIGINT and SIGTERM only set interrupted(): for work that polls it. Before and after they do what
+/// they did. One at a time.
+class InterruptPolling {
+public:
+  InterruptPolling();
+  ~InterruptPolling();
+  InterruptPolling(const InterruptPolling&) = delete;
+  InterruptPolling& operator=(const InterruptPolling&) = delete;
+
+private:
+  struct sigaction interrupt_ = {}, terminate_ = {};  // what they did before
+};
 
 /// True once a signal asked the work to stop. Safe from any thread, costs one relaxed load.
 bool interrupted() noexcept;

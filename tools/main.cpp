@@ -8,6 +8,7 @@
 
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <new>
 #include <sstream>
 #include <thread>
@@ -74,7 +75,6 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   palpate::cli::use_right_blas_kernels(argv);
-  palpate::cli::install_interrupt_handlers();
   // A file that outgrows its limit is an I/O error with a message, not a death by signal.
   std::signal(SIGXFSZ, SIG_IGN);
   try {
@@ -84,6 +84,8 @@ int main(int argc, char** argv) {
   } catch (const palpate::cli::Interrupted& interruption) {
     std::fprintf(stderr, "palpate: %s\n", interruption.what());
     return palpate::cli::interrupt_exit_code();
+  } catch (const std::filesystem::filesystem_error& error) {
+    return report(ExitCode::io, error.what());
   } catch (const std::bad_alloc&) {
     return report(ExitCode::io, "out of memory");
   } catch (const std::exception& error) {

@@ -2,6 +2,7 @@
 // Progress and reports of bake and fit.
 #include "tools/pipeline_steps.hpp"
 
+#include "formats/error.hpp"
 #include "precompute/bake/progress.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/output.hpp"
@@ -31,7 +32,18 @@ std::string figures_text(const char* name, const ErrorFigures& f, const Plan& pl
 
 }  // namespace
 
+double seconds_of_bake(const pipeline::Pipeline& p) {
+  try {
+    return pipeline::bake_seconds(p);
+  } catch (const nlohmann::json::exception& error) {
+    throw Error(ExitCode::bad_input, p.paths.bake.string() + ": not an account of a bake: " + error.what() +
+                                         "; removing it loses the time spent, and nothing else");
+  }
+}
+
 BakeReport bake_with_progress(const pipeline::Pipeline& p, const Globals& globals) {
+  seconds_of_bake(p);  // a damaged account is found before the first solve
+  const InterruptPolling polling;
   ProgressPrinter printer(stderr);
   BakeOptions bake;
   bake.threads = static_cast<unsigned>(globals.threads);
@@ -51,7 +63,8 @@ BakeReport bake_with_progress(const pipeline::Pipeline& p, const Globals& global
     note(globals,
          "the journal ended in " + std::to_string(report.torn_bytes) + " bytes of an unfinished record: cut off");
   }
-  if (report.stopped) {
+  // A signal that came after the last solve had begun is obeyed, too.
+  if (report.stopped || interrupted()) {
     throw Interrupted(std::to_string(report.finished()) + " of " + std::to_string(report.total) +
                       " pairs are solved and kept; run the same command again to go on");
   }
@@ -67,7 +80,7 @@ nlohmann::ordered_json bake_json(const pipeline::Pipeline& p, const BakeReport& 
                               {"tangential_solves", report.tangential_solves},
                               {"factorisations", report.factorisations},
                               {"torn_bytes", report.torn_bytes},
-                              {"bake_seconds", pipeline::bake_seconds(p)},
+                              {"bake_seconds", seconds_of_bake(p)},
                               {"journal", p.paths.journal.string()},
                               {"refused", nlohmann::ordered_json::array()}};
   for (const RefusedPair& refused : report.refused) {
@@ -84,7 +97,7 @@ std::string bake_text(const pipeline::Pipeline& p, const BakeReport& report) {
   std::string text = std::to_string(report.accepted) + " of " + std::to_string(report.total) + " pairs accepted, " +
                      std::to_string(report.refused.size()) + " refused, " + std::to_string(report.normal_solves) +
                      " normal and " + std::to_string(report.tangential_solves) + " tangential solves, " +
-                     duration_text(pipeline::bake_seconds(p)) + " in all\n";
+                     duration_text(seconds_of_bake(p)) + " in all\n";
   for (const RefusedPair& refused : report.refused) {
     text += "refused: " + describe(refused.pair, p.plan.pairs[refused.pair]) + ": " + refused.cause + "\n";
   }

@@ -15,6 +15,7 @@ struct PlayedRow {
   runtime::Tick tick;
 };
 
+/// Over all ticks, those between two rows included.
 struct PlaySummary {
   std::size_t ticks = 0;
   bool starts_inside = false;               ///< the first pose overlaps the body: its contact starts at zero force
@@ -23,8 +24,8 @@ struct PlaySummary {
   double peak_depth = 0;                    ///< m
   double contact_time = 0, slide_time = 0;  ///< s
   std::size_t contacts = 0;                 ///< times that a contact began
-  std::size_t rows_beyond = 0;              ///< deeper than the pair was sampled
-  std::size_t rows_covered = 0;             ///< more than half from responses that were taken from neighbours
+  std::size_t rows_beyond = 0;              ///< deeper than the pair was sampled, there or on the way
+  std::size_t rows_covered = 0;             ///< more than half taken from neighbours, there or on the way
 };
 
 /// Ticks through the motion, with as many ticks between two rows as keep each below 1 % of the depth scale

@@ -40,7 +40,16 @@ struct Axis {
   double step;       ///< between ticks: 1, 2 or 5 times a power of ten
   double from, to;   ///< in pixels
   [[nodiscard]] double at(double value) const { return from + (value - low) / (high - low) * (to - from); }
+  /// Multiples of the step within the range. Counted, since a step may be too small to change a large number.
+  [[nodiscard]] std::vector<double> ticks() const {
+    constexpr int kMost = 50;
+    std::vector<double> values;
+    const double first = std::ceil(low / step - 1e-9);
+    for (int k = 0; k < kMost && (first + k) * step <= high + step * 1e-9; ++k) values.push_back((first + k) * step);
+    return values;
+  }
   [[nodiscard]] std::string tick_text(double value) const {
+    if (std::abs(value) >= 1e15) return number(value, "%.6g");
     const int digits = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 9);
     char text[40];
     std::snprintf(text, sizeof text, "%.*f", digits, std::abs(value) < step / 1e3 ? 0.0 : value);
@@ -102,11 +111,11 @@ std::string draw_panel(const PlotPanel& panel, const std::vector<double>& x, con
   }
   const Axis ay = make_axis(low, high, top + kPanel, top, 5, true);
   std::string svg;
-  for (double v = ay.low; v <= ay.high + ay.step / 2; v += ay.step) {
+  for (const double v : ay.ticks()) {
     svg += line(ax.from, ay.at(v), ax.to, ay.at(v), std::abs(v) < ay.step / 1e3 ? "#888888" : "#dddddd");
     svg += label(ax.from - 8, ay.at(v) + 4, "end", ay.tick_text(v));
   }
-  for (double v = ax.step * std::ceil(ax.low / ax.step - 1e-9); v <= ax.high + ax.step * 1e-9; v += ax.step) {
+  for (const double v : ax.ticks()) {
     svg += line(ax.at(v), top, ax.at(v), top + kPanel, "#dddddd");
     if (last) svg += label(ax.at(v), top + kPanel + 18, "middle", ax.tick_text(v));
   }

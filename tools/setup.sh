@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Set-up shared by test.sh and demo.sh: installs what is missing on Debian 12 or Ubuntu, configures and builds.
+# Set-up shared by test.sh and demo.sh: installs what is missing on Debian 12, configures and builds.
 # Sourced by them; run by itself it only installs.
 
 palpate_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -44,7 +44,7 @@ palpate_install() {
 
 palpate_ask() {
   printf 'palpate: missing packages: %s\n' "$*" >&2
-  printf 'palpate: on Debian 12 or Ubuntu, an administrator gets them by:\n' >&2
+  printf 'palpate: on Debian 12, an administrator gets them by:\n' >&2
   printf '  apt-get update && apt-get install --no-install-recommends %s\n' "$*" >&2
 }
 

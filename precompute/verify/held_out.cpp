@@ -81,7 +81,9 @@ ContactFrame frame_at(const runtime::View& view, const runtime::BodyPoint& at, c
   return frame;
 }
 
-PairPath held_out_path(const Scene& scene, double depth) {
+// `start`: of the sideways directions, in the frame at which the tool was baked. It leaves the bake's rays without
+// turning the tool, so that x, y and what lies between them are compared.
+PairPath held_out_path(const Scene& scene, double depth, double start) {
   PairPath path = bake_path(scene, depth);
   // Off the grid of the bake everywhere but at the deepest point.
   const int n = scene.sampling.normal_points;
@@ -90,22 +92,17 @@ PairPath held_out_path(const Scene& scene, double depth) {
   if (path.friction > 0) {
     path.tangential_depths = {path.normal_depths[2 * n / 3]};
     path.tangential_directions = 2;
+    path.tangential_start = start;
     path.tangential_points = 2;
   }
   return path;
 }
 
-void solve(const Scene& scene, const Body& body, const Tool& tool, HeldOut& contact, double turn) {
+void solve(const Scene& scene, const Body& body, const Tool& tool, HeldOut& contact, double start) {
   const ToolVertex vertex = interpolate(tool, static_cast<std::int32_t>(contact.tool_patch), contact.tool_weights);
-  const PairPath path = held_out_path(scene, contact.depth);
-  // Sideways directions start from the frame's x: turn it to leave the bake's rays. A tool that is not
-  // symmetric about the normal has to keep the spin at which it was baked.
-  ContactFrame frame = contact.frame;
-  if (tool.kind == ToolKind::point_sphere) {
-    frame.x = std::cos(turn) * contact.frame.x + std::sin(turn) * contact.frame.y;
-    frame.y = frame.n.cross(frame.x);
-  }
-  const PairResult result = solve_pair(body, tool, vertex, frame, path, pair_options(scene));
+  const ContactFrame& frame = contact.frame;
+  const PairResult result =
+      solve_pair(body, tool, vertex, frame, held_out_path(scene, contact.depth, start), pair_options(scene));
   contact.accepted = result.outcome.accepted;
   contact.cause = result.outcome.cause;
   if (!contact.accepted) return;
@@ -129,7 +126,7 @@ HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const B
   std::mt19937_64 engine(options.seed);
   const Surface& surface = body.query->surface();
   const std::vector<double> areas = running_areas(surface);
-  std::vector<double> turns;
+  std::vector<double> starts;
   std::size_t drawn = 0;
   const std::size_t most = 1000 + 100 * static_cast<std::size_t>(options.count);
   for (; set.contacts.size() < options.count && drawn < most; ++drawn) {
@@ -144,7 +141,7 @@ HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const B
     const double along = uniform(engine);
     if (tool.kind == ToolKind::profile) contact.tool_weights = {1 - along, along, 0};
     if (tool.kind == ToolKind::mesh) contact.tool_weights = random_weights(engine);
-    const double turn = 2 * std::numbers::pi * uniform(engine);
+    const double start = 2 * std::numbers::pi * uniform(engine);
     const runtime::Location at = runtime::locate(view, to_runtime(point));
     contact.frame = frame_at(view, at.at, body.query->closest(to_eigen(at.point)).point);
     contact.thickness = body.query->thickness(contact.frame.origin, contact.frame.n);
@@ -154,37 +151,48 @@ HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const B
     const ToolVertex vertex = interpolate(tool, static_cast<std::int32_t>(contact.tool_patch), contact.tool_weights);
     if (outside || (options.touchable && !options.touchable(contact.frame, tool, vertex, contact.depth))) continue;
     set.contacts.push_back(contact);
-    turns.push_back(turn);
+    starts.push_back(start);
   }
   if (set.contacts.empty())
     throw Error(ExitCode::bad_input, "no part of the body can be touched: the supports cover it");
   set.untouchable_share = 1 - static_cast<double>(set.contacts.size()) / static_cast<double>(drawn);
 
-  std::atomic<std::size_t> next{0}, done{0};
+  std::atomic<std::size_t> next{0};
+  std::size_t done = 0;
+  std::atomic<bool> halt{false};
   std::exception_ptr failure;
-  std::mutex guard;
+  std::mutex guard;  // of failure, set.stopped and the progress
   const auto work = [&] {
-    for (std::size_t k = next++; k < set.contacts.size(); k = next++) {
-      if (options.stop && options.stop()) {
-        set.stopped = true;
-        return;
-      }
-      try {
-        solve(scene, body, tools[set.contacts[k].tool], set.contacts[k], turns[k]);
-      } catch (...) {
+    try {
+      for (std::size_t k = next++; k < set.contacts.size() && !halt; k = next++) {
+        if (options.stop && options.stop()) {
+          halt = true;
+          const std::lock_guard lock(guard);
+          set.stopped = true;
+          return;
+        }
+        solve(scene, body, tools[set.contacts[k].tool], set.contacts[k], starts[k]);
         const std::lock_guard lock(guard);
-        failure = std::current_exception();
-        return;
+        ++done;
+        if (options.progress && !halt) options.progress(done, set.contacts.size());
       }
-      const std::size_t count = ++done;
+    } catch (...) {  // kept whole, rethrown by the calling thread; the others end after the solve they are in
+      halt = true;
       const std::lock_guard lock(guard);
-      if (options.progress) options.progress(count, set.contacts.size());
+      if (!failure) failure = std::current_exception();
     }
   };
-  std::vector<std::thread> threads;
-  for (unsigned k = 1; k < options.threads; ++k) threads.emplace_back(work);
-  work();
-  for (std::thread& t : threads) t.join();
+  {
+    std::vector<std::jthread> threads;
+    // Where a thread cannot be started, the ones that could are stopped and joined on the way out.
+    try {
+      for (unsigned k = 1; k < options.threads; ++k) threads.emplace_back(work);
+    } catch (...) {
+      halt = true;
+      throw;
+    }
+    work();
+  }
   if (failure) std::rethrow_exception(failure);
   compare_with_file(view, set.contacts);
   return set;

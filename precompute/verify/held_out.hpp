@@ -56,7 +56,8 @@ struct HeldOutSet {
 };
 
 /// Draws the contacts (uniform over the body's area; uniform over the length or area of the tool's patches)
-/// and solves them at depths off the bake's grid, sideways pushes in a turned frame where there is friction.
+/// and solves them at depths off the bake's grid, and sideways off its rays where there is friction.
+/// An exception, also of a callback, ends every thread after the solve it is in and is rethrown.
 HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const Body& body,
                           const std::vector<Tool>& tools, const HeldOutOptions& options);
 

@@ -3,17 +3,17 @@
 #include "precompute/verify/recorded.hpp"
 
 #include "formats/error.hpp"
+#include "formats/file.hpp"
 
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 
 namespace palpate {
 namespace {
 
 using Json = nlohmann::ordered_json;
 using Eigen::Vector3d;
+
+constexpr std::size_t kLargestReport = std::size_t{1} << 30;
 
 Json list(const Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
 
@@ -92,12 +92,18 @@ nlohmann::ordered_json to_json(const ErrorStatistics& s, const std::vector<HeldO
 }
 
 std::vector<HeldOut> read_recorded(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in) throw Error(ExitCode::io, file.string() + ": " + std::strerror(errno));
+  Json report;
+  try {
+    report = Json::parse(read_file(file, "report of a verify", kLargestReport));
+  } catch (const Json::exception& e) {
+    throw Error(ExitCode::bad_input, file.string() + ": not JSON: " + e.what());
+  }
+  if (!report.is_object() || !report.contains("held_out")) {
+    throw Error(ExitCode::bad_input, file.string() + ": not a report of palpate verify: it has no 'held_out'");
+  }
   std::vector<HeldOut> contacts;
   try {
-    const Json report = Json::parse(in);
-    for (const Json& j : report.at("held_out")) contacts.push_back(contact_from(j));
+    for (const Json& j : report["held_out"]) contacts.push_back(contact_from(j));
   } catch (const std::exception& e) {
     throw Error(ExitCode::bad_input,
                 file.string() + ": held-out contact " + std::to_string(contacts.size()) + ": " + e.what());

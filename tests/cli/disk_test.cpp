@@ -83,6 +83,20 @@ TEST_F(Disk, TracesCannotBeWritten) {
   }
 }
 
+TEST_F(Disk, AManifestThatCannotBeLookedAtIsAnInputOutputFailure) {
+  ASSERT_EQ(run({"synth", "slab", "--out", "."}).exit_code, 0);
+  std::filesystem::create_directory(folder() / "work");
+  std::filesystem::create_symlink("manifest.json", folder() / "work" / "manifest.json");  // to itself
+  expect_failure(run({"plan", "scene.toml", "--work", "work"}), 4, {"work/manifest.json"});
+}
+
+TEST_F(Disk, ADamagedAccountOfABakeIsBadInput) {
+  ASSERT_EQ(run({"synth", "slab", "--out", "."}).exit_code, 0);
+  std::filesystem::create_directory(folder() / "work");
+  write("work/bake.json", "{\"manifest\": 3}");
+  expect_failure(run({"bake", "scene.toml", "--work", "work"}), 2, {"work/bake.json"});
+}
+
 TEST_F(Disk, TheWorkFolderCannotBeMade) {
   ASSERT_EQ(run({"synth", "slab", "--out", "."}).exit_code, 0);
   write("file", "x");

@@ -80,6 +80,8 @@ TEST_F(Dataset, ToolsReadBack) {
   EXPECT_TRUE(capsule.tools[0].whole);
   options.instrument_as_mesh = true;
   EXPECT_EQ(read_scene(write_dataset(options, folder_)[0]).tools[0].shape, ToolScene::Shape::mesh);
+  options.instrument = Instrument::sphere;  // a mesh, too: with no key that only a capsule has
+  EXPECT_EQ(read_scene(write_dataset(options, folder_)[0]).tools[0].shape, ToolScene::Shape::mesh);
   options.instrument = Instrument::stylus;
   options.tool_radius = 0.001;
   const Scene stylus = read_scene(write_dataset(options, folder_)[0]);

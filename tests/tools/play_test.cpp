@@ -71,6 +71,23 @@ TEST_F(Play, RowsFarApartGiveTheForcesOfRowsCloseTogether) {
   EXPECT_GT(coarse.ticks, 100U);
 }
 
+// A bump between two rows far apart: the summary is of the ticks, not of the rows.
+TEST_F(Play, WhatHappensBetweenTwoRowsIsAccountedFor) {
+  // Diagonally across an upper edge of the box, 3 mm deep in the middle of the way, free at both ends.
+  const double edge = test::kBoxSize / 2, in = (test::kTipRadius - 0.003) / std::sqrt(2.0);
+  const runtime::Vec3 middle{edge + in, 0, kTop + in}, way{0.02, 0, -0.02};
+  PlaySummary s;
+  const std::vector<PlayedRow> rows =
+      cli::play(view_, 0, {{0, middle - way, {1, 0, 0, 0}}, {0.1, middle + way, {1, 0, 0, 0}}}, s);
+  for (const PlayedRow& row : rows) EXPECT_EQ(length(row.tick.force), 0);
+  EXPECT_EQ(s.contacts, 1U);
+  EXPECT_GT(s.contact_time, 0.01);
+  EXPECT_LT(s.contact_time, 0.1);
+  EXPECT_LE(s.slide_time, s.contact_time);
+  EXPECT_GT(s.peak_force, 0.01);
+  EXPECT_GT(s.peak_depth, 0.001);
+}
+
 TEST_F(Play, AStartInsideIsReported) {
   PlaySummary s;
   const std::vector<PlayedRow> rows = cli::play(view_, 0, {{0, {0, 0, kTop + 0.003}, {1, 0, 0, 0}}}, s);

@@ -79,9 +79,12 @@ TEST(Plot, SurvivesConstantsSinglePointsAndGaps) {
                              {{1, 2, 3}, {5, 5, 5}},
                              {{1, 2, 3}, {kNan, 1, kNan}},
                              {{1, 2}, {kNan, kNan}},
-                             {{0, 1e-9}, {1e-12, -1e12}}}) {
+                             {{0, 1e-9}, {1e-12, -1e12}},
+                             {{1e18, 1e18 + 1024}, {0, 1}},  // where a step of the axis does not change the number
+                             {{1.7e9, 1.7e9 + 1e-6}, {0, 1}}}) {
     const std::string svg = line_plot_svg("t", "x", x, {{"y", {{"y", y}}}});
     EXPECT_TRUE(well_formed(svg));
+    EXPECT_LT(svg.size(), 40000U);
     EXPECT_EQ(svg.find("nan"), std::string::npos);
     EXPECT_EQ(svg.find("inf"), std::string::npos);
   }

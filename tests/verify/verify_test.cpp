@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Statistics and recorded contacts.
+// Statistics, limits and recorded contacts.
 #include "precompute/verify/recorded.hpp"
 
 #include "formats/error.hpp"
+#include "precompute/verify/limits.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <filesystem>
@@ -56,8 +58,48 @@ TEST(Statistics, AForceThatIsNoNumberIsTheWorst) {
   EXPECT_EQ(s.normal.count, 3u);
 }
 
+VerifyStatistics measured(std::size_t solved, std::size_t refused, double normal, double sideways) {
+  VerifyStatistics s;
+  s.contacts = solved + refused;
+  s.accepted = solved;
+  s.refused = refused;
+  s.normal.count = 12 * solved;
+  s.normal.p95 = normal;
+  s.sideways.count = sideways > 0 ? 4 * solved : 0;
+  s.sideways.p95 = sideways;
+  return s;
+}
+
+TEST(Limits, NothingIsBrokenWhereNoneIsSet) {
+  EXPECT_FALSE(broken_limits(measured(1, 39, 0.9, 0.9), {}));
+  EXPECT_FALSE(broken_limits(measured(38, 2, 0.05, 0.2), {.p95 = 0.1, .p95_sideways = 0.3, .refused_share = 0.05}));
+}
+
+TEST(Limits, APercentileBeyondItsLimitIsNamed) {
+  EXPECT_NE(broken_limits(measured(40, 0, 0.11, 0), {.p95 = 0.1})->find("normal force error is 0.11, asked 0.1"),
+            std::string::npos);
+  const auto sideways = broken_limits(measured(40, 0, 0.11, 0.4), {.p95_sideways = 0.2});
+  EXPECT_EQ(*sideways, "95th percentile of the sideways force error is 0.4, asked 0.2");
+  EXPECT_TRUE(broken_limits(measured(40, 0, HUGE_VAL, 0), {.p95 = 0.1}));
+  EXPECT_TRUE(broken_limits(measured(40, 0, std::nan(""), 0), {.p95 = 0.1}));
+}
+
+TEST(Limits, WhatWasNotMeasuredMeetsNoLimit) {
+  EXPECT_TRUE(broken_limits(measured(40, 0, 0.01, 0), {.p95_sideways = 0.2}));
+  EXPECT_TRUE(broken_limits(measured(0, 40, 0, 0), {.p95 = 0.2}));
+}
+
+TEST(Limits, RefusedContactsCountWheneverALimitIsSet) {
+  EXPECT_FALSE(broken_limits(measured(36, 4, 0.01, 0), {.p95 = 0.1}));
+  EXPECT_NE(broken_limits(measured(35, 5, 0.01, 0), {.p95 = 0.1})->find("5 of 40 held-out contacts were refused"),
+            std::string::npos);
+  EXPECT_FALSE(broken_limits(measured(35, 5, 0.01, 0), {.p95 = 0.1, .refused_share = 0.2}));
+  EXPECT_TRUE(broken_limits(measured(39, 1, 0.01, 0), {.refused_share = 0.0}));
+}
+
 TEST(Recorded, RoundTripAndFaults) {
   const auto folder = std::filesystem::temp_directory_path() / "palpate-recorded-test";
+  std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   std::vector<HeldOut> contacts{contact_with({0.1, 0.2})};
   contacts[0].frame.origin = {0.1, 0.2, 0.3};
@@ -88,7 +130,22 @@ TEST(Recorded, RoundTripAndFaults) {
   EXPECT_EQ(code("none.json", "{\"held_out\": []}"), ExitCode::bad_input);
   EXPECT_EQ(code("garbage.json", "\x01\x02\x03"), ExitCode::bad_input);
   EXPECT_EQ(code("cut.json", report.dump().substr(0, 200)), ExitCode::bad_input);
-  EXPECT_THROW(read_recorded(folder / "missing.json"), Error);
+  const auto refusal = [&](const std::filesystem::path& file) -> std::pair<ExitCode, std::string> {
+    try {
+      read_recorded(file);
+    } catch (const Error& e) {
+      return {e.code(), e.what()};
+    }
+    return {ExitCode::done, ""};
+  };
+  EXPECT_EQ(refusal(folder / "missing.json").first, ExitCode::io);
+  EXPECT_EQ(refusal(folder).first, ExitCode::io);
+  // Nobody writes to it: it is refused, not waited for.
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_EQ(refusal(folder / "pipe").first, ExitCode::io);
+  EXPECT_NE(refusal(folder / "garbage.json").second.find("garbage.json: not JSON"), std::string::npos);
+  EXPECT_EQ(code("list.json", "[1]"), ExitCode::bad_input);
+  EXPECT_EQ(code("number.json", "{\"held_out\": 3}"), ExitCode::bad_input);
   std::filesystem::remove_all(folder);
 }
 

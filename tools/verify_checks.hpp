@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What verify makes sure of before it solves for minutes, and the report it writes after that.
+#pragma once
+
+#include "palpate/runtime.hpp"
+#include "precompute/bake/pipeline.hpp"
+
+#include <nlohmann/json_fwd.hpp>
+
+namespace palpate::cli {
+
+/// Throws Error(io) where no file of that name could be written.
+void check_writable(const std::filesystem::path& file);
+
+/// Throws Error(io) where the work folder holds no journal: a plan would only leave an empty folder behind.
+void check_baked(const pipeline::Pipeline& pipeline);
+
+/// Throws Error(bad_input) where the response file was not made from this plan. Needs plan().
+void check_same_plan(const pipeline::Pipeline& pipeline, const runtime::View& view);
+
+struct PairCounts {
+  std::size_t planned = 0, accepted = 0, refused = 0;
+};
+
+/// From plan and journal. Throws as read_journal.
+PairCounts count_pairs(const pipeline::Pipeline& pipeline);
+
+/// Writes the report whole or not at all. Throws Error(io).
+void write_report(const std::filesystem::path& file, const nlohmann::ordered_json& report);
+
+}  // namespace palpate::cli
