@@ -105,7 +105,7 @@ std::vector<GridVertex> subdivide_surface(ResponseFileContent& content, std::uin
 void add_search(ResponseFileContent& content);
 
 /// Triangles above which a scene that leaves the choice to Palpate gets a search section.
-inline constexpr std::size_t kSearchThreshold = 512;
+inline constexpr std::size_t kSearchThreshold = 1024;
 
 /// The file's bytes, opened once by the reader: no command will refuse them. The same content gives the same bytes.
 /// Throws Error that names the first element that breaks the specification: numerical where a fitted curve does,

@@ -96,18 +96,20 @@ double ElasticEnergy::gradient(const VectorXd& x, VectorXd& gradient) const {
   for (const Element& e : elements_) {
     const Nodes p = gather(e, x);
     double energy = 0, dilatation = 0;
-    Nodes deviatoric = Nodes::Zero(), volume = Nodes::Zero();
-    for (const Shape& g : e.gradients) {
-      const Matrix3d f = p * g, c = cofactor(f);
+    std::array<Matrix3d, kPoints> stress, cofactors;
+    for (int q = 0; q < kPoints; ++q) {
+      const Matrix3d f = p * e.gradients[q];
+      cofactors[q] = cofactor(f);
+      stress[q] = e.material.mu * f;
       energy += e.material.deviatoric(f) / kPoints;
-      dilatation += f.col(0).dot(c.col(0)) / kPoints;
-      deviatoric.noalias() += f * g.transpose();
-      volume.noalias() += c * g.transpose();
+      dilatation += f.col(0).dot(cofactors[q].col(0)) / kPoints;
     }
     sum += e.volume * (energy + e.material.volumetric(dilatation));
-    const double scale = e.volume / kPoints;
-    const Nodes force =
-        (scale * e.material.mu) * deviatoric + (scale * e.material.volumetric_slope(dilatation)) * volume;
+    const double scale = e.volume / kPoints, slope = e.material.volumetric_slope(dilatation);
+    Nodes force = Nodes::Zero();
+    for (int q = 0; q < kPoints; ++q) {
+      force.noalias() += (scale * (stress[q] + slope * cofactors[q])) * e.gradients[q].transpose();
+    }
     for (int n = 0; n < 10; ++n) gradient.segment<3>(3 * e.nodes[n]) += force.col(n);
   }
   return sum;

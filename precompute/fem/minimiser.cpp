@@ -2,22 +2,18 @@
 // L-BFGS on a stale CHOLMOD factor (two-loop recursion of Nocedal and Wright 2006, algorithm 7.4).
 #include "precompute/fem/minimiser.hpp"
 
-#include <Eigen/CholmodSupport>
+#include "precompute/fem/factor.hpp"
+
 #include <cmath>
 #include <deque>
-#include <mutex>
 
 namespace palpate {
 namespace {
 
 using Eigen::VectorXd;
 
-// METIS seeds and draws from the process's one rand(): two threads ordering at once would mix their draws, and
-// the order of elimination (so the last bits of every solve) would depend on the scheduler.
-std::mutex& ordering() {
-  static std::mutex mutex;
-  return mutex;
-}
+// Relative error up to which a solve in single precision preconditions as well as one in double.
+constexpr double kSingleError = 0.02;
 
 struct Correction {
   VectorXd s, y;
@@ -27,17 +23,10 @@ struct Correction {
 }  // namespace
 
 struct Minimiser::Impl {
-  Impl(const TetMesh& mesh, const std::vector<char>& fixed) : matrix(mesh, fixed) {
+  Impl(const TetMesh& mesh, const std::vector<char>& fixed) : matrix(mesh, fixed), factor(matrix.matrix()) {
     for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
       if (!fixed[n]) free.push_back(static_cast<std::int32_t>(n));
     }
-    // One ordering, no trial of several: the choice must not depend on anything but the mesh.
-    solver.cholmod().nmethods = 1;
-    solver.cholmod().method[0].ordering = CHOLMOD_METIS;
-    solver.cholmod().postorder = 1;
-    solver.cholmod().print = 0;
-    const std::scoped_lock lock(ordering());
-    solver.analyzePattern(matrix.matrix());
   }
 
   [[nodiscard]] VectorXd reduce(const VectorXd& full) const {
@@ -51,21 +40,26 @@ struct Minimiser::Impl {
   }
 
   // Exact Hessian first; where it is indefinite, the convex one, which always has a factor.
-  bool refactor(const EnergyProblem& problem, const VectorXd& x) {
+  // `g` is the right-hand side of the first solve.
+  bool refactor(const EnergyProblem& problem, const VectorXd& x, const VectorXd& g) {
     for (const HessianKind kind : {HessianKind::exact, HessianKind::convex}) {
       matrix.set_zero();
       problem.hessian(x, kind, matrix);
       if (!matrix.matrix().coeffs().isFinite().all()) return false;
-      solver.factorize(matrix.matrix());
-      if (solver.info() == Eigen::Success) return factored = true;
+      if (!factor.factorise(matrix.matrix())) continue;
+      single = factor.single_error(g) < kSingleError;
+      return factored = true;
     }
     return factored = false;
   }
 
+  [[nodiscard]] VectorXd solve(const VectorXd& b) const { return single ? factor.solve_single(b) : factor.solve(b); }
+
   BlockMatrix matrix;
   std::vector<std::int32_t> free;
-  Eigen::CholmodSupernodalLLT<Eigen::SparseMatrix<double>, Eigen::Lower> solver;
+  Factor factor;
   bool factored = false;
+  bool single = false;  // the factor is good enough in single precision
   // Kept from call to call with the factor: a tool that moved on meets much the same stiffness.
   std::deque<Correction> memory;
 };
@@ -92,7 +86,7 @@ MinimiserResult Minimiser::minimise(const EnergyProblem& problem, VectorXd& x, c
     memory.clear();
     on_factor = 0;
     ++result.factorisations;
-    return m.refactor(problem, x);
+    return m.refactor(problem, x, g);
   };
   const auto fail = [&](const std::string& cause) {
     result.cause = cause;
@@ -113,7 +107,7 @@ MinimiserResult Minimiser::minimise(const EnergyProblem& problem, VectorXd& x, c
       alpha[k] = memory[k].rho * memory[k].s.dot(d);
       d -= alpha[k] * memory[k].y;
     }
-    d = m.solver.solve(d).eval();
+    d = m.solve(d);
     for (std::size_t k = 0; k < memory.size(); ++k) {
       d += (alpha[k] - memory[k].rho * memory[k].y.dot(d)) * memory[k].s;
     }

@@ -32,6 +32,9 @@ struct Fault {
   bool sideways;  // the sideways gates see it too
 };
 
+// For the test's name and output; otherwise the bytes of the case are printed.
+[[maybe_unused]] void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.gate; }
+
 class Gates : public ::testing::TestWithParam<Fault> {};
 
 TEST(Gates, AGoodStatePasses) {
