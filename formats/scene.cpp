@@ -69,9 +69,14 @@ void name_all(std::vector<T>& items, const std::vector<const toml::table*>& tabl
 void read_regions(Scene& scene, const toml::table& root, const Place& place) {
   const auto tables = sections(root, "region", place);
   for (const toml::table* table : tables) {
-    read_table(scene.regions.emplace_back(), *table, region_keys(), place.below("region"));
-    if (!table->contains("surface")) {
-      fail(place.below("region.surface"), table, "missing; a region needs a closed surface inside the body");
+    RegionScene& region = scene.regions.emplace_back();
+    read_table(region, *table, region_keys(), place.below("region"));
+    check_material(region.material, *table, place.below("region"));
+    std::size_t shapes = 0;
+    for (const char* name : {"surface", "sphere", "ellipsoid", "box"}) shapes += table->contains(name) ? 1 : 0;
+    if (shapes != 1) {
+      fail(place.below("region"), table,
+           "got " + std::to_string(shapes) + " shapes; allowed exactly one of surface, sphere, ellipsoid, box");
     }
   }
   name_all(scene.regions, tables, "region", place);
@@ -80,26 +85,32 @@ void read_regions(Scene& scene, const toml::table& root, const Place& place) {
 void read_supports(Scene& scene, const toml::table& root, const Place& place) {
   for (const toml::table* table : sections(root, "support", place)) {
     const Place here = place.below("support");
-    if (table->size() > 1) {
-      // An unknown key is the likelier mistake and has the better message.
-      SupportScene unused;
-      read_table(unused, *table, support_keys(), here);
-    }
-    if (table->size() != 1) {
+    SupportScene& support = scene.supports.emplace_back();
+    // Before the count: an unknown key is the likelier mistake and has the better message.
+    read_table(support, *table, support_keys(), here);
+    std::size_t where = 0;
+    for (const char* name : {"mesh", "box", "half_space", "distance"}) where += table->contains(name) ? 1 : 0;
+    if (where != 1) {
       fail(here, table,
-           "got " + std::to_string(table->size()) + " keys; allowed exactly one of mesh, box, half_space, distance");
+           "got " + std::to_string(where) + " places; allowed exactly one of mesh, box, half_space, distance");
     }
-    read_table(scene.supports.emplace_back(), *table, support_keys(), here);
+    const bool spring = support.type == SupportScene::Type::spring;
+    if (spring && !table->contains("stiffness")) fail(here.below("stiffness"), table, "missing; a spring bed needs it");
+    if (!spring && table->contains("stiffness")) {
+      fail(here.below("stiffness"), table->get("stiffness"), "only a support of type \"spring\" has it");
+    }
   }
 }
 
 /// Keys of a tool that its shape has no use for are errors: they would look as if they did something.
 void check_tool(const ToolScene& tool, const toml::table& table, const Place& place) {
-  static const std::array<std::vector<std::string>, 4> used{{{"radius"},
+  static const std::array<std::vector<std::string>, 6> used{{{"radius"},
                                                              {"radius", "edge_radius", "length"},
                                                              {"radius", "length", "contacts"},
-                                                             {"surface", "meshes", "units", "spacing"}}};
-  static const std::array<const char*, 4> names{"sphere", "punch", "capsule", "mesh"};
+                                                             {"surface", "meshes", "units", "spacing"},
+                                                             {"radius", "half_angle", "length"},
+                                                             {"radius", "half_angle", "shaft_radius", "length"}}};
+  static const std::array<const char*, 6> names{"sphere", "punch", "capsule", "mesh", "cone", "needle"};
   const auto shape = static_cast<std::size_t>(tool.shape);
   for (const auto& [key, value] : table) {
     if (key == "name" || key == "shape") continue;
@@ -111,6 +122,10 @@ void check_tool(const ToolScene& tool, const toml::table& table, const Place& pl
   }
   if (tool.shape == ToolScene::Shape::mesh && !table.contains("surface")) {
     fail(place.below("surface"), &table, "missing; a tool of shape \"mesh\" needs a closed surface");
+  }
+  if (tool.shape == ToolScene::Shape::needle && tool.shaft_radius > 0 && tool.shaft_radius <= tool.radius) {
+    fail(place.below("shaft_radius"), table.get("shaft_radius"),
+         "got " + show(tool.shaft_radius) + "; allowed x > radius = " + show(tool.radius) + " m");
   }
   if (tool.shape != ToolScene::Shape::punch) return;
   if (tool.edge_radius >= tool.radius) {
@@ -180,6 +195,9 @@ Scene read_scene(const std::filesystem::path& file) {
 
   read_section(scene.body, root, "body", body_keys(), place);
   read_section(scene.material, root, "material", material_keys(), place);
+  if (const toml::table* table = section(root, "material", place)) {
+    check_material(scene.material, *table, place.below("material"));
+  }
   read_regions(scene, root, place);
   read_supports(scene, root, place);
   read_tools(scene, root, place);

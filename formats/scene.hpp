@@ -28,22 +28,43 @@ struct BodyScene {
   double wrap_offset = 0.0;  ///< m; 0 chooses wrap_alpha / 30
 };
 
-/// Isotropic neo-Hookean material (small-strain constants).
+/// A hyperelastic material. Laws with moduli of their own set `young` from them when they are read.
 struct MaterialScene {
-  double young = 5e3;     ///< Pa, > 0
-  double poisson = 0.49;  ///< [0, 0.4999]
+  enum class Law { neo_hookean, mooney_rivlin, ogden, veronda_westmann, holzapfel, st_venant, linear };
+  struct OgdenTerm {
+    double mu = 0.0;     ///< Pa
+    double alpha = 0.0;  ///< not 0
+  };
+  Law law = Law::neo_hookean;
+  std::string tissue;              ///< neo_hookean: what young was taken from; empty: the scene says it
+  double young = 5e3;              ///< Pa at small strain (of the matrix, where there are fibres), > 0
+  double poisson = 0.49;           ///< at small strain, [0, 0.4999]; linear and St. Venant: [0, 0.45]
+  double c10 = 0.0, c01 = 0.0;     ///< Pa; mooney_rivlin
+  std::vector<OgdenTerm> terms;    ///< ogden
+  double c1 = 0.0, beta = 0.0;     ///< Pa, 1; veronda_westmann
+  std::optional<double> c2;        ///< Pa; veronda_westmann; none: -c1 beta / 2
+  double k1 = 0.0, k2 = 1.0;       ///< Pa, 1; holzapfel
+  double dispersion = 0.0;         ///< holzapfel: [0, 1/3], from aligned fibres to none
+  Eigen::Vector3d fibre{0, 0, 0};  ///< holzapfel: unit direction
 };
 
-/// An inclusion: a closed inner surface with its own material.
+/// An inclusion with its own material: a closed inner surface, or a shape given by its measures.
 struct RegionScene {
+  enum class Shape { surface, ellipsoid, box };
   std::string name;
+  Shape shape = Shape::surface;
   SurfaceSource surface;
+  Eigen::Vector3d centre{0, 0, 0}, radii{0, 0, 0};     ///< m; ellipsoid (a sphere is one with equal radii)
+  Eigen::Vector3d box_min{0, 0, 0}, box_max{0, 0, 0};  ///< m; box
   MaterialScene material;
 };
 
 struct SupportScene {
   enum class Kind { mesh, box, half_space, distance };
+  enum class Type { fixed, spring, slider };
   Kind kind = Kind::half_space;
+  Type type = Type::fixed;
+  double stiffness = 0.0;                              ///< N/m^3; spring: of the bed, > 0
   std::string mesh;                                    ///< mesh: the part name that is held
   Eigen::Vector3d box_min{0, 0, 0}, box_max{0, 0, 0};  ///< box (m)
   Eigen::Vector3d point{0, 0, 0}, normal{0, 0, 1};     ///< half_space: held where (x - point) . normal <= 0 (m)
@@ -52,15 +73,17 @@ struct SupportScene {
 };
 
 struct ToolScene {
-  enum class Shape { sphere, punch, capsule, mesh };
+  enum class Shape { sphere, punch, capsule, mesh, cone, needle };
   std::string name = "tool";
   Shape shape = Shape::sphere;
-  double radius = 0.005;     ///< m; sphere, punch (outer radius), capsule
-  double edge_radius = 0.0;  ///< m; punch: rounding of its rim; 0 chooses radius / 10
-  double length = 0.03;      ///< m; capsule: distance between the two cap centres; punch: height
-  SurfaceSource surface;     ///< mesh: a closed surface, its frame is the tool frame
-  bool whole = true;         ///< capsule: contacts = "all" (every patch of the tool) or "tip" (one tool vertex)
-  double spacing = 0.0;      ///< m; mesh: edge length of the tool patches; 0 chooses a third of its size
+  double radius = 0.005;      ///< m; sphere, punch (outer radius), capsule; cone, needle: of the rounded tip
+  double edge_radius = 0.0;   ///< m; punch: rounding of its rim; 0 chooses radius / 10
+  double length = 0.03;       ///< m; capsule: distance between the two cap centres; punch, cone, needle: height
+  double half_angle = 0.5;    ///< rad; cone, needle: between axis and side, [0.02, 1.5]
+  double shaft_radius = 0.0;  ///< m; needle: above its point, > radius; 0 chooses 4 radii
+  SurfaceSource surface;      ///< mesh: a closed surface, its frame is the tool frame
+  bool whole = true;          ///< capsule: contacts = "all" (every patch of the tool) or "tip" (one tool vertex)
+  double spacing = 0.0;       ///< m; mesh: edge length of the tool patches; 0 chooses a third of its size
 };
 
 struct SamplingScene {

@@ -13,6 +13,7 @@ namespace {
 
 constexpr Range kLength{0, 10, true, "m"};
 constexpr Range kLengthOrAuto{0, 10, false, "m"};
+constexpr Range kBed{0, 1e15, true, "N/m^3"};
 constexpr std::size_t kLongestToolName = sizeof(layout::ToolRecord::name) - 1;
 
 /// Regions are written to files of their names.
@@ -60,6 +61,15 @@ void read_half_space(SupportScene& target, const toml::node& value, const Place&
   const double length = target.normal.norm();
   if (!(length > 1e-9)) fail_value(place.below("normal"), *table.get("normal"), "a vector of length > 1e-9");
   target.normal /= length;
+}
+
+// A table of these two keys and no others.
+const toml::table& two_of(const toml::node& value, const Place& place, const char* first, const char* second) {
+  const toml::table& table = to_table(place, value);
+  if (table.size() != 2 || !table.contains(first) || !table.contains(second)) {
+    fail(place, &value, std::string("needs '") + first + "' and '" + second + "', and nothing else");
+  }
+  return table;
 }
 
 void read_distance(SupportScene& target, const toml::node& value, const Place& place) {
@@ -126,25 +136,51 @@ const Keys<BodyScene>& body_keys() {
   return keys;
 }
 
-const Keys<MaterialScene>& material_keys() {
-  static const Keys<MaterialScene> keys{
-      number("young", &MaterialScene::young, {0, 1e12, true, "Pa"}, "Young's modulus at small strain."),
-      number("poisson", &MaterialScene::poisson, {0, 0.4999, false, ""}, "Poisson's ratio at small strain.")};
-  return keys;
-}
-
 const Keys<RegionScene>& region_keys() {
   static const Keys<RegionScene> keys = [] {
     Keys<RegionScene> all{text("name", &RegionScene::name, "Name; left out: region, region2, ...", "\"tumour\"",
                                "letters, digits, spaces and - _ . in any order, but no '.' at the beginning",
                                names_a_file)};
-    all = join(all, surface_keys(&RegionScene::surface, "Required. Closed surface strictly inside the body."));
+    all = join(all, surface_keys(&RegionScene::surface, "Closed surface strictly inside the body."));
+    all.push_back({"sphere", Affects::solves, "In place of a surface: a ball.",
+                   "{center = [x, y, z], radius = r}, 0 < r <= 10 m",
+                   [](RegionScene& region, const toml::node& value, const toml::table&, const Place& place) {
+                     const toml::table& table = two_of(value, place, "center", "radius");
+                     region.shape = RegionScene::Shape::ellipsoid;
+                     region.centre = to_vector(place.below("center"), *table.get("center"), kCoordinate);
+                     region.radii.setConstant(to_number(place.below("radius"), *table.get("radius"), kLength));
+                   },
+                   [](const RegionScene&) { return std::string(); }, "{center = [0, 0, 0.1], radius = 0.01}"});
+    all.push_back({"ellipsoid", Affects::solves, "In place of a surface: an ellipsoid along the axes.",
+                   "{center = [x, y, z], radii = [a, b, c]}, 0 < a, b, c <= 10 m",
+                   [](RegionScene& region, const toml::node& value, const toml::table&, const Place& place) {
+                     const toml::table& table = two_of(value, place, "center", "radii");
+                     region.shape = RegionScene::Shape::ellipsoid;
+                     region.centre = to_vector(place.below("center"), *table.get("center"), kCoordinate);
+                     region.radii = to_vector(place.below("radii"), *table.get("radii"), kLength);
+                   },
+                   [](const RegionScene& r) {
+                     return r.shape == RegionScene::Shape::ellipsoid
+                                ? "{center = " + show(r.centre) + ", radii = " + show(r.radii) + "}"
+                                : std::string();
+                   },
+                   "{center = [0, 0, 0.1], radii = [0.01, 0.02, 0.01]}"});
+    all.push_back({"box", Affects::solves, "In place of a surface: a box along the axes.",
+                   "{min = [x, y, z], max = [x, y, z]}, min < max, m",
+                   [](RegionScene& region, const toml::node& value, const toml::table&, const Place& place) {
+                     region.shape = RegionScene::Shape::box;
+                     std::tie(region.box_min, region.box_max) = to_box(place, value);
+                   },
+                   [](const RegionScene& r) {
+                     return r.shape == RegionScene::Shape::box ? show_box(r.box_min, r.box_max) : std::string();
+                   },
+                   "{min = [0, 0, 0.1], max = [0.02, 0.02, 0.12]}"});
     for (const Key<MaterialScene>& key : material_keys()) {
       all.push_back({key.name, key.affects, key.help, key.allowed,
                      [=](RegionScene& region, const toml::node& value, const toml::table& parent, const Place& place) {
                        key.read(region.material, value, parent, place);
                      },
-                     [=](const RegionScene& region) { return key.show(region.material); }, ""});
+                     [=](const RegionScene& region) { return key.show(region.material); }, key.example});
     }
     return all;
   }();
@@ -171,24 +207,38 @@ const Keys<SupportScene>& support_keys() {
           [](const SupportScene& s) { return "{point = " + show(s.point) + ", normal = " + show(s.normal) + "}"; }),
       support_kind("distance", Kind::distance, "Held: the surface within this distance of another surface.",
                    "{surface, meshes, units, within}, 0 < within <= 10 m", "{surface = \"FILE\", within = 0.002}",
-                   read_distance, show_distance)};
+                   read_distance, show_distance),
+      choice("type", &SupportScene::type, {"fixed", "spring", "slider"},
+             "fixed; an elastic bed; or free to slide along the surface and held across it."),
+      {"stiffness", Affects::solves, "spring: required, traction over displacement.", kBed.text(),
+       [](SupportScene& s, const toml::node& value, const toml::table&, const Place& place) {
+         s.stiffness = to_number(place, value, kBed);
+       },
+       [](const SupportScene& s) { return s.type == SupportScene::Type::spring ? show(s.stiffness) : std::string(); },
+       "1e5"}};
   return keys;
 }
 
 const Keys<ToolScene>& tool_keys() {
   // The response file has a field of fixed length for it: too long a name must not be found after the bake.
   static const Keys<ToolScene> keys = join<ToolScene>(
-      join<ToolScene>({text("name", &ToolScene::name, "Name; left out: tool, tool2, ...", "\"probe\"",
-                            "a text of at most " + std::to_string(kLongestToolName) + " bytes",
-                            [](const std::string& name) { return name.size() <= kLongestToolName; }),
-                       choice("shape", &ToolScene::shape, {"sphere", "punch", "capsule", "mesh"},
-                              "sphere tip, flat-ended punch, capsule (tip and stem), or a closed mesh."),
-                       number("radius", &ToolScene::radius, {0, 1, true, "m"}, "sphere, punch, capsule: radius."),
-                       number("edge_radius", &ToolScene::edge_radius, {0, 1, false, "m"},
-                              "punch: rounding of its rim, below the radius; 0: a tenth of the radius."),
-                       number("length", &ToolScene::length, kLength,
-                              "punch: height; capsule: distance between the centres of its caps.")},
-                      surface_keys(&ToolScene::surface, "mesh: required, a closed surface in the tool's frame.")),
+      join<ToolScene>(
+          {text("name", &ToolScene::name, "Name; left out: tool, tool2, ...", "\"probe\"",
+                "a text of at most " + std::to_string(kLongestToolName) + " bytes",
+                [](const std::string& name) { return name.size() <= kLongestToolName; }),
+           choice("shape", &ToolScene::shape, {"sphere", "punch", "capsule", "mesh", "cone", "needle"},
+                  "sphere tip, flat-ended punch, capsule (tip and stem), closed mesh, cone or needle."),
+           number("radius", &ToolScene::radius, {0, 1, true, "m"},
+                  "sphere, punch, capsule: radius; cone, needle: of the rounded tip, which is what touches."),
+           number("edge_radius", &ToolScene::edge_radius, {0, 1, false, "m"},
+                  "punch: rounding of its rim, below the radius; 0: a tenth of the radius."),
+           number("length", &ToolScene::length, kLength,
+                  "punch, cone, needle: height; capsule: distance between the centres of its caps."),
+           number("half_angle", &ToolScene::half_angle, {0.02, 1.5, false, "rad"},
+                  "cone, needle: between the axis and the side."),
+           number("shaft_radius", &ToolScene::shaft_radius, {0, 1, false, "m"},
+                  "needle: radius above its point, more than radius; 0: four times the radius.")},
+          surface_keys(&ToolScene::surface, "mesh: required, a closed surface in the tool's frame.")),
       {{"contacts", Affects::solves, "capsule: which of it touches, all of it or its tip only (one tool vertex).",
         show_choices({"all", "tip"}),
         [](ToolScene& tool, const toml::node& value, const toml::table&, const Place& place) {

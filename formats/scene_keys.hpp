@@ -36,7 +36,7 @@ using Keys = std::vector<Key<T>>;
 // One table of keys a section, in the order they are read and documented.
 const Keys<Scene>& scene_keys();  ///< keys outside any section
 const Keys<BodyScene>& body_keys();
-const Keys<MaterialScene>& material_keys();
+const Keys<MaterialScene>& material_keys();  ///< with check_material, in scene_material.cpp
 const Keys<RegionScene>& region_keys();
 const Keys<SupportScene>& support_keys();
 const Keys<ToolScene>& tool_keys();
@@ -44,6 +44,9 @@ const Keys<Scene>& contact_keys();
 const Keys<SamplingScene>& sampling_keys();
 const Keys<ResponseScene>& response_keys();
 const Keys<SolverScene>& solver_keys();
+
+/// What a material's keys must meet together; sets `young` where the law has moduli of its own.
+void check_material(MaterialScene& material, const toml::table& table, const Place& place);
 
 /// Names of the sections, as they stand in a scene.
 const std::vector<std::string>& section_names();

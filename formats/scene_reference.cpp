@@ -43,13 +43,14 @@ std::string scene_reference() {
       "# Lines that begin with '# ' are left out by default. Only [body] surface is required.\n\n";
   append_reference(text, "", "", scene_keys(), scene, true);
   append_reference(text, "[body]", "The organ.", body_keys(), scene.body, true);
-  append_reference(text, "[material]", "The organ's material: isotropic neo-Hookean.", material_keys(), scene.material,
-                   true);
+  append_reference(text, "[material]", "The organ's material; a law has the keys that name it, and no others.",
+                   material_keys(), scene.material, true);
   append_reference(text, "[[region]]", "An inclusion with its own material; any number of them.", region_keys(), {},
                    false);
-  append_reference(text, "[[support]]",
-                   "Where the organ is held, exactly one key each; any number of them. None: the lowest tenth along z.",
-                   support_keys(), {}, false);
+  append_reference(
+      text, "[[support]]",
+      "Where and how the organ is held, exactly one place each; any number of them. None: the lowest tenth along z.",
+      support_keys(), {}, false);
   append_reference(text, "[[tool]]",
                    "An instrument; any number of them. Keys that do not belong to its shape are errors.", tool_keys(),
                    {}, false);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// palpate scene: checks a scene file, or prints the reference of all keys.
+// palpate scene: checks a scene file, or prints the reference of all keys or the tissues that it may name.
 #include "formats/error.hpp"
 #include "formats/scene.hpp"
+#include "formats/tissues.hpp"
 #include "tools/output.hpp"
 
+#include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -23,6 +25,16 @@ void check_files(const Scene& scene) {
   for (const RegionScene& region : scene.regions) check(region.surface);
   for (const SupportScene& support : scene.supports) check(support.other);
   for (const ToolScene& tool : scene.tools) check(tool.surface);
+}
+
+std::string tissues_text() {
+  std::string text;
+  for (const Tissue& tissue : tissues()) {
+    char line[300];
+    std::snprintf(line, sizeof line, "%-14s shear modulus %6.0f Pa   %s\n", tissue.name, tissue.shear, tissue.source);
+    text += line;
+  }
+  return text;
 }
 
 void run(const std::string& file, const Globals& globals) {
@@ -48,16 +60,19 @@ void run(const std::string& file, const Globals& globals) {
 void add_scene(CLI::App& app, Globals& globals) {
   struct Arguments {
     std::string file;
-    bool reference = false;
+    bool reference = false, tissues = false;
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("scene", "Checks a scene file, or prints the reference of all its keys");
   CLI::Option* file = command->add_option("scene", arguments->file, "Scene file");
   CLI::Option* reference =
       command->add_flag("--reference", arguments->reference, "Print every key with default, range and help, as TOML");
-  file->excludes(reference);
+  CLI::Option* tissues =
+      command->add_flag("--tissues", arguments->tissues, "Print the tissues that a material may name, with sources");
+  file->excludes(reference)->excludes(tissues);
   command->callback([arguments, &globals] {
     if (arguments->reference) return print(scene_reference());
+    if (arguments->tissues) return print(tissues_text());
     if (arguments->file.empty()) throw CLI::RequiredError("scene");
     run(arguments->file, globals);
   });

@@ -35,9 +35,18 @@ Matrix3d skew(const Vector3d& v) {
   return m;  // m(i, k) = epsilon_ikm v_m
 }
 
+// dP/dF between two shape gradients: entry (i, k) = sum over a, b of left_a T(i a, k b) right_b.
+Matrix3d contracted(const Tangent& t, const Eigen::RowVector3d& left, const Eigen::RowVector3d& right) {
+  Matrix3d sum = Matrix3d::Zero();
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) sum.noalias() += left[a] * right[b] * t.block<3, 3>(3 * a, 3 * b);
+  }
+  return sum;
+}
+
 }  // namespace
 
-ElasticEnergy::ElasticEnergy(const TetMesh& mesh, const std::vector<NeoHookean>& materials) {
+ElasticEnergy::ElasticEnergy(const TetMesh& mesh, std::vector<Material> materials) : materials_(std::move(materials)) {
   // Four-point rule of degree 2: barycentric coordinates (a, b, b, b) and permutations, equal weights.
   const double a = (5 + 3 * std::sqrt(5.0)) / 20, b = (5 - std::sqrt(5.0)) / 20;
   elements_.reserve(mesh.tets.size());
@@ -65,7 +74,8 @@ ElasticEnergy::ElasticEnergy(const TetMesh& mesh, const std::vector<NeoHookean>&
         e.gradients[q].row(4 + n) = 4 * (l[i] * dl.row(j) + l[j] * dl.row(i));
       }
     }
-    e.material = materials.at(mesh.regions.empty() ? 0 : mesh.regions[t]);
+    e.material = mesh.regions.empty() ? 0 : mesh.regions[t];
+    materials_.at(static_cast<std::size_t>(e.material));  // throws where the region has none
     elements_.push_back(e);
   }
 }
@@ -79,14 +89,15 @@ ElasticEnergy::Nodes ElasticEnergy::gather(const Element& e, const VectorXd& x) 
 double ElasticEnergy::value(const VectorXd& x) const {
   double sum = 0;
   for (const Element& e : elements_) {
+    const Material& material = materials_[e.material];
     const Nodes p = gather(e, x);
     double energy = 0, dilatation = 0;
     for (const Shape& g : e.gradients) {
       const Matrix3d f = p * g;
-      energy += e.material.deviatoric(f) / kPoints;
+      energy += material.deviatoric(f) / kPoints;
       dilatation += f.determinant() / kPoints;
     }
-    sum += e.volume * (energy + e.material.volumetric(dilatation));
+    sum += e.volume * (energy + material.volumetric(dilatation));
   }
   return sum;
 }
@@ -94,18 +105,18 @@ double ElasticEnergy::value(const VectorXd& x) const {
 double ElasticEnergy::gradient(const VectorXd& x, VectorXd& gradient) const {
   double sum = 0;
   for (const Element& e : elements_) {
+    const Material& material = materials_[e.material];
     const Nodes p = gather(e, x);
     double energy = 0, dilatation = 0;
     std::array<Matrix3d, kPoints> stress, cofactors;
     for (int q = 0; q < kPoints; ++q) {
       const Matrix3d f = p * e.gradients[q];
       cofactors[q] = cofactor(f);
-      stress[q] = e.material.mu * f;
-      energy += e.material.deviatoric(f) / kPoints;
+      energy += material.stress(f, stress[q]) / kPoints;
       dilatation += f.col(0).dot(cofactors[q].col(0)) / kPoints;
     }
-    sum += e.volume * (energy + e.material.volumetric(dilatation));
-    const double scale = e.volume / kPoints, slope = e.material.volumetric_slope(dilatation);
+    sum += e.volume * (energy + material.volumetric(dilatation));
+    const double scale = e.volume / kPoints, slope = material.volumetric_slope(dilatation);
     Nodes force = Nodes::Zero();
     for (int q = 0; q < kPoints; ++q) {
       force.noalias() += (scale * (stress[q] + slope * cofactors[q])) * e.gradients[q].transpose();
@@ -117,8 +128,10 @@ double ElasticEnergy::gradient(const VectorXd& x, VectorXd& gradient) const {
 
 void ElasticEnergy::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& matrix) const {
   for (const Element& e : elements_) {
+    const Material& material = materials_[e.material];
     const Nodes p = gather(e, x);
     std::array<Matrix3d, kPoints> fs;
+    std::array<Tangent, kPoints> tangents;
     double dilatation = 0;
     Nodes volume = Nodes::Zero();
     Eigen::Matrix<double, 10, 10> laplace = Eigen::Matrix<double, 10, 10>::Zero();
@@ -129,9 +142,12 @@ void ElasticEnergy::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& ma
       dilatation += fs[q].col(0).dot(c.col(0)) / kPoints;
       volume.noalias() += c * g.transpose() / kPoints;
       laplace.noalias() += g * g.transpose() / kPoints;
+      if (material.laws.empty()) continue;
+      tangents[q] = material.law_tangent(fs[q]);
+      if (kind == HessianKind::convex) tangents[q] = positive_part(tangents[q]);
     }
-    const double mu = e.volume * e.material.mu, bulk = e.volume * e.material.volumetric_curvature();
-    const double slope = e.volume * e.material.volumetric_slope(dilatation) / kPoints;
+    const double mu = e.volume * material.mu, bulk = e.volume * material.volumetric_curvature();
+    const double slope = e.volume * material.volumetric_slope(dilatation) / kPoints;
     for (int a = 0; a < 10; ++a) {
       for (int b = 0; b <= a; ++b) {
         Matrix3d block = bulk * volume.col(a) * volume.col(b).transpose();
@@ -143,6 +159,11 @@ void ElasticEnergy::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& ma
             v.noalias() += fs[q] * g.row(a).transpose().cross(g.row(b).transpose());
           }
           block += slope * skew(v);
+        }
+        if (!material.laws.empty()) {
+          for (int q = 0; q < kPoints; ++q) {
+            block += e.volume / kPoints * contracted(tangents[q], e.gradients[q].row(a), e.gradients[q].row(b));
+          }
         }
         matrix.add(e.nodes[a], e.nodes[b], block);
       }

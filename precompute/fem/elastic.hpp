@@ -12,14 +12,14 @@
 
 namespace palpate {
 
-/// Which second derivative: exact, or without the indefinite geometric part of the volume term (then it is
-/// positive definite whatever the state).
+/// Which second derivative: exact, or without the indefinite geometric part of the volume term and with the positive
+/// part of the laws' tangents (then it is positive definite whatever the state).
 enum class HessianKind { exact, convex };
 
 class ElasticEnergy {
 public:
   /// `materials[region]`. The mesh's nodes are the stress-free state.
-  ElasticEnergy(const TetMesh& mesh, const std::vector<NeoHookean>& materials);
+  ElasticEnergy(const TetMesh& mesh, std::vector<Material> materials);
 
   /// Energy (J) at the node positions x (3 N, m).
   [[nodiscard]] double value(const Eigen::VectorXd& x) const;
@@ -31,19 +31,20 @@ public:
   [[nodiscard]] double min_jacobian(const Eigen::VectorXd& x) const;
 
 private:
-  static constexpr int kPoints = 4;  // degree 2: exact for the deviatoric part
+  static constexpr int kPoints = 4;  // degree 2: exact for mu/2 (F:F - 3)
   using Shape = Eigen::Matrix<double, 10, 3>;
 
   struct Element {
     std::array<std::int32_t, 10> nodes;
     std::array<Shape, kPoints> gradients;  // of the ten shape functions, 1/m
     double volume = 0.0;                   // m^3
-    NeoHookean material;
+    std::int32_t material = 0;
   };
 
   using Nodes = Eigen::Matrix<double, 3, 10>;
   [[nodiscard]] static Nodes gather(const Element& e, const Eigen::VectorXd& x);
 
+  std::vector<Material> materials_;
   std::vector<Element> elements_;
 };
 

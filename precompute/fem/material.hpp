@@ -1,32 +1,47 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Hyperelastic laws in the split form of the P2/P0 element: a deviatoric energy at quadrature points and a
-// volumetric energy of the element's mean dilatation.
+// A hyperelastic material as the elements see it.
 #pragma once
 
+#include "precompute/fem/law.hpp"
+
 #include <Eigen/Core>
+#include <memory>
+#include <vector>
 
 namespace palpate {
 
-/// Compressible neo-Hookean solid,
-///   psi(F) = mu/2 (F:F - 3) - mu (J - 1) + (lambda + mu)/2 (J - 1)^2,
-/// polynomial in F and hence defined for inverted elements too; its small-strain limit is Hooke's law with
-/// the Lame constants (mu, lambda) (the form of Smith, de Goes and Kim 2018, equation 14, up to a constant).
-struct NeoHookean {
-  double mu = 0.0;      ///< Pa
-  double lambda = 0.0;  ///< Pa
+/// Energy per volume of the stress-free state,
+///   psi(F) = mu/2 (F:F - 3) + sum of laws(F) + slope (j - 1) + bulk/2 (j - 1)^2,
+/// where j is the mean of det F over an element (no volumetric locking) and the slope makes F = I free of stress.
+/// Defined for inverted elements too. Without laws it is the compressible neo-Hookean solid of Smith, de Goes and Kim
+/// (2018, equation 14, up to a constant).
+struct Material {
+  double mu = 0.0;                               ///< Pa; what is left out of `laws`, for it costs next to nothing
+  std::vector<std::shared_ptr<const Law>> laws;  ///< evaluated at every quadrature point
+  Eigen::Vector3d fibre{0, 0, 0};                ///< unit direction in the stress-free state; 0: none
+  double slope = 0.0;                            ///< Pa
+  double bulk = 0.0;                             ///< Pa
 
   /// young > 0 (Pa), poisson in [0, 0.5).
-  static NeoHookean from_young(double young, double poisson) {
-    return {young / (2 * (1 + poisson)), young * poisson / ((1 + poisson) * (1 - 2 * poisson))};
-  }
+  static Material neo_hookean(double young, double poisson);
+  /// The energy mu/2 (F:F - 3) + laws with the volume term that gives this Poisson's ratio in [0, 0.5) at small strain.
+  /// Throws std::invalid_argument where its shear modulus there is not positive.
+  static Material of(double mu, std::vector<std::shared_ptr<const Law>> laws, double poisson);
+  /// The same with the volume term at the quadrature points, in no mean: the plain element of general packages.
+  [[nodiscard]] Material plain() const;
 
-  /// mu/2 (F:F - 3), evaluated at quadrature points (Pa); its gradient is mu F, its Hessian mu I.
-  [[nodiscard]] double deviatoric(const Eigen::Matrix3d& f) const { return 0.5 * mu * (f.squaredNorm() - 3.0); }
+  /// Small-strain shear modulus without fibres (Pa).
+  [[nodiscard]] double shear_modulus() const;
 
-  /// Energy of the mean dilatation j (Pa) and its derivatives.
-  [[nodiscard]] double volumetric(double j) const { return -mu * (j - 1) + 0.5 * (lambda + mu) * (j - 1) * (j - 1); }
-  [[nodiscard]] double volumetric_slope(double j) const { return -mu + (lambda + mu) * (j - 1); }
-  [[nodiscard]] double volumetric_curvature() const { return lambda + mu; }
+  [[nodiscard]] double deviatoric(const Eigen::Matrix3d& f) const;
+  /// Energy; sets the stress dW/dF (Pa) of everything but the volume term.
+  double stress(const Eigen::Matrix3d& f, Eigen::Matrix3d& stress) const;
+  /// Of the laws alone.
+  [[nodiscard]] Tangent law_tangent(const Eigen::Matrix3d& f) const;
+
+  [[nodiscard]] double volumetric(double j) const { return slope * (j - 1) + 0.5 * bulk * (j - 1) * (j - 1); }
+  [[nodiscard]] double volumetric_slope(double j) const { return slope + bulk * (j - 1); }
+  [[nodiscard]] double volumetric_curvature() const { return bulk; }
 };
 
 }  // namespace palpate

@@ -2,6 +2,8 @@
 // Stepping with extrapolation, halving on failure, and the sticking rule.
 #include "precompute/solve/push.hpp"
 
+#include "precompute/fem/scene_material.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -16,15 +18,16 @@ std::vector<char> fixed_nodes(const Body& body, const TetMesh& mesh) {
   for (const auto& face : mesh.faces) {
     for (const std::int32_t n : face) boundary[n] = 1;
   }
-  for (std::size_t n = 0; n < fixed.size(); ++n) fixed[n] = boundary[n] && body.held(mesh.nodes[n]);
+  for (std::size_t n = 0; n < fixed.size(); ++n) {
+    const SupportScene* support = boundary[n] ? body.support_at(mesh.nodes[n]) : nullptr;
+    fixed[n] = support != nullptr && support->type == SupportScene::Type::fixed;
+  }
   return fixed;
 }
 
-std::vector<NeoHookean> materials(const Body& body) {
-  std::vector<NeoHookean> all{NeoHookean::from_young(body.material.young, body.material.poisson)};
-  for (const Inclusion& i : body.inclusions) {
-    all.push_back(NeoHookean::from_young(i.material.young, i.material.poisson));
-  }
+std::vector<Material> materials(const Body& body) {
+  std::vector<Material> all{make_material(body.material)};
+  for (const Inclusion& i : body.inclusions) all.push_back(make_material(i.material));
   return all;
 }
 
@@ -42,24 +45,28 @@ Push::Push(const Body& body, const TetMesh& mesh, const ToolShape& shape, const 
       rest_(stacked(mesh)),
       fixed_(fixed_nodes(body, mesh)),
       elastic_(mesh, materials(body)),
+      bed_(body, mesh),
       contact_(mesh, fixed_, shape, pose),
       minimiser_(mesh, fixed_) {
   state_.x = rest_;
   state_.anchors = contact_.anchors();
   state_.translation = pose.translation();
   rest_energy_ = elastic_.value(rest_);
-  held_anywhere_ = std::any_of(fixed_.begin(), fixed_.end(), [](char f) { return f != 0; });
+  held_anywhere_ = !bed_.empty() || std::any_of(fixed_.begin(), fixed_.end(), [](char f) { return f != 0; });
 }
 
-double Push::value(const VectorXd& x) const { return elastic_.value(x) - rest_energy_ + contact_.value(x); }
+double Push::value(const VectorXd& x) const {
+  return elastic_.value(x) - rest_energy_ + bed_.value(x) + contact_.value(x);
+}
 
 double Push::gradient(const VectorXd& x, VectorXd& gradient) const {
   gradient.setZero();
-  return elastic_.gradient(x, gradient) - rest_energy_ + contact_.gradient(x, gradient);
+  return elastic_.gradient(x, gradient) - rest_energy_ + bed_.gradient(x, gradient) + contact_.gradient(x, gradient);
 }
 
 void Push::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& matrix) const {
   elastic_.hessian(x, kind, matrix);
+  bed_.hessian(matrix);
   contact_.hessian(x, kind, matrix);
 }
 

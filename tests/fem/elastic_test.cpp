@@ -47,7 +47,7 @@ TEST_F(Elastic, DerivativesMatchDifferencesAlsoWhereElementsDegenerate) {
   std::mt19937 engine(7);
   std::uniform_real_distribution<double> noise(-0.08, 0.08);
   for (const double poisson : {0.0, 0.3, 0.49, 0.4999}) {
-    const ElasticEnergy energy(mesh, {NeoHookean::from_young(5e3, poisson)});
+    const ElasticEnergy energy(mesh, {Material::neo_hookean(5e3, poisson)});
     const ElasticProblem problem(energy);
     for (const Vector3d& stretch : {Vector3d(1, 1, 1), Vector3d(1.4, 0.8, 0.9), Vector3d(1, 1, 0), Vector3d(1, 0.9, -1),
                                     Vector3d(0, 0, 1), Vector3d(0.01, 3, 1), Vector3d(0, 0, 0)}) {
@@ -60,7 +60,7 @@ TEST_F(Elastic, DerivativesMatchDifferencesAlsoWhereElementsDegenerate) {
 }
 
 TEST_F(Elastic, RigidMotionCostsNothingAndTheEnergyIsIndifferentToRotation) {
-  const ElasticEnergy energy(mesh, {NeoHookean::from_young(5e3, 0.49)});
+  const ElasticEnergy energy(mesh, {Material::neo_hookean(5e3, 0.49)});
   const Matrix3d turn = Eigen::AngleAxisd(1.1, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   EXPECT_NEAR(energy.value(mapped(rest, turn)), energy.value(rest), 1e-9 * 5e3);
   VectorXd g = VectorXd::Zero(rest.size());
@@ -73,7 +73,7 @@ TEST_F(Elastic, RigidMotionCostsNothingAndTheEnergyIsIndifferentToRotation) {
 
 TEST_F(Elastic, SmallStrainIsHookesLaw) {
   const double young = 5e3, poisson = 0.3, strain = 1e-5;
-  const ElasticEnergy energy(mesh, {NeoHookean::from_young(young, poisson)});
+  const ElasticEnergy energy(mesh, {Material::neo_hookean(young, poisson)});
   const Matrix3d f = Matrix3d::Identity() + strain * Vector3d(1, -poisson, -poisson).asDiagonal().toDenseMatrix();
   const double volume = 1.1 * 0.9;
   EXPECT_NEAR((energy.value(mapped(rest, f)) - energy.value(rest)) / (0.5 * young * strain * strain * volume), 1.0,
@@ -100,7 +100,7 @@ TEST_F(Elastic, PatchTestOnADistortedMesh) {
   Matrix3d f;
   f << 1.3, 0.2, -0.1, 0.05, 0.8, 0.1, 0.2, -0.15, 0.95;
   for (const double poisson : {0.3, 0.49, 0.4999}) {
-    const ElasticEnergy energy(block, {NeoHookean::from_young(1.0, poisson)});
+    const ElasticEnergy energy(block, {Material::neo_hookean(1.0, poisson)});
     VectorXd g = VectorXd::Zero(3 * static_cast<Eigen::Index>(block.nodes.size()));
     energy.gradient(mapped(test::stacked(block), f), g);
     const double scale = g.cwiseAbs().maxCoeff();

@@ -26,7 +26,7 @@ protected:
     for (std::size_t n = 0; n < fixed.size(); ++n) fixed[n] = mesh.nodes[n].z() < 1e-9;
     BlockMatrix matrix(mesh, fixed);
     matrix.set_zero();
-    ElasticEnergy(mesh, {NeoHookean::from_young(5e3, poisson)}).hessian(x, HessianKind::exact, matrix);
+    ElasticEnergy(mesh, {Material::neo_hookean(5e3, poisson)}).hessian(x, HessianKind::exact, matrix);
     return matrix.matrix();
   }
   static VectorXd load(Eigen::Index size) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Scenes that are right: defaults, every section, the reference and the canonical text.
 #include "formats/scene.hpp"
+#include "formats/tissues.hpp"
 
 #include "tests/support/temporary_folder.hpp"
 
@@ -50,6 +51,45 @@ TEST_F(SceneTest, OneLineIsEnoughToo) {
   const Scene scene = read("body = {surface = \"/abs/a.stl\"}");
   EXPECT_EQ(scene.body.surfaces[0].file, "/abs/a.stl");
   EXPECT_EQ(scene.tools.size(), 1U);
+}
+
+TEST_F(SceneTest, LawsWithModuliOfTheirOwnSetYoungsModulus) {
+  const Scene mooney = read(R"(body = {surface = "a.ply"}
+[material]
+law = "mooney-rivlin"
+c10 = 500
+c01 = 300
+poisson = 0.45
+)");
+  EXPECT_EQ(mooney.material.law, MaterialScene::Law::mooney_rivlin);
+  EXPECT_NEAR(mooney.material.young, 2 * 1600 * 1.45, 1e-9);
+  const Scene ogden = read(R"(body = {surface = "a.ply"}
+material = {law = "ogden", terms = [[200, 8], [-10, -2]]}
+region = {surface = "b.ply", law = "veronda-westmann", c1 = 100, beta = 4}
+)");
+  ASSERT_EQ(ogden.material.terms.size(), 2U);
+  EXPECT_NEAR(ogden.material.young, 2 * 810 * 1.49, 1e-9);
+  EXPECT_NEAR(ogden.regions[0].material.young, 2 * 400 * 1.49, 1e-9);
+  const Scene fibres = read(R"(body = {surface = "a.ply"}
+material = {law = "holzapfel-ogden", young = 9000, k1 = 2000, k2 = 0.8, fibre = [0, 3, 4]}
+)");
+  EXPECT_EQ(fibres.material.young, 9000);
+  EXPECT_LT((fibres.material.fibre - Eigen::Vector3d(0, 0.6, 0.8)).norm(), 1e-15);
+  // What another law reads changes nothing, what this one reads does.
+  Scene changed = fibres;
+  changed.material.c10 = 7;
+  EXPECT_EQ(canonical_text(changed), canonical_text(fibres));
+  changed.material.k1 = 7;
+  EXPECT_NE(canonical_text(changed), canonical_text(fibres));
+}
+
+TEST_F(SceneTest, TissuesSetYoungsModulusFromTheirPublications) {
+  for (const Tissue& tissue : tissues()) {
+    const Scene scene = read("body = {surface = \"a.ply\"}\nmaterial = {tissue = \"" + std::string(tissue.name) +
+                             "\", poisson = 0.45}\n");
+    EXPECT_NEAR(scene.material.young, 2.9 * tissue.shear, 1e-9);
+    EXPECT_GT(std::string(tissue.source).size(), 20U);
+  }
 }
 
 TEST_F(SceneTest, EverySection) {

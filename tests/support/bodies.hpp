@@ -15,7 +15,8 @@ inline Body block_body(double half, double young, double poisson) {
   body.query = std::make_shared<const SurfaceQuery>(surface);
   body.base_size = half / 6;
   body.base = remesh_uniform(surface, body.base_size);
-  body.material = {young, poisson};
+  body.material.young = young;
+  body.material.poisson = poisson;
   body.diagonal = 3 * half;
   SupportScene bottom;
   bottom.kind = SupportScene::Kind::half_space;

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The material that a scene asks for.
+#pragma once
+
+#include "formats/scene.hpp"
+#include "precompute/fem/material.hpp"
+
+namespace palpate {
+
+/// `scene` as read_scene leaves it: ranges and the shear modulus are checked there.
+Material make_material(const MaterialScene& scene);
+
+}  // namespace palpate
