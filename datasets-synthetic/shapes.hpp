@@ -2,22 +2,12 @@
 // Closed manifold surfaces of known shape: outward triangles, one named part.
 #pragma once
 
-#include "formats/surface.hpp"
+#include "precompute/geometry/solids.hpp"
 
 #include <string>
 #include <vector>
 
 namespace palpate::synth {
-
-/// Unit sphere: each edge of an icosahedron cut into `frequency` (>= 1) parts; 20 frequency^2 triangles.
-Surface geodesic_sphere(int frequency, const std::string& name);
-
-/// Frequency at which a surface of about `area` (m^2) gets edges of about `edge` (m).
-int geodesic_frequency(double area, double edge);
-
-/// Ellipsoid with semi-axes along x, y, z (m).
-Surface ellipsoid(const Eigen::Vector3d& centre, const Eigen::Vector3d& semi_axes, double edge,
-                  const std::string& name);
 
 /// Box from -size/2 to size/2 in x and y and from -size.z to 0 in z (its top lies in z = 0); edges about `edge` (m).
 Surface box(const Eigen::Vector3d& size, double edge, const std::string& name);

@@ -43,8 +43,9 @@ struct Body {
   SurfaceReport report;
   double diagonal = 0.0;  ///< m, of the bounding box
 
-  /// True when a point on the body's surface is held by a support.
-  [[nodiscard]] bool held(const Eigen::Vector3d& surface_point) const;
+  /// The first support that holds a point on the body's surface; null where none does.
+  [[nodiscard]] const SupportScene* support_at(const Eigen::Vector3d& surface_point) const;
+  [[nodiscard]] bool held(const Eigen::Vector3d& surface_point) const { return support_at(surface_point) != nullptr; }
 };
 
 /// Loads, validates, repairs and joins the scene's surfaces. Throws Error(bad_input) that names file and fault.

@@ -20,7 +20,8 @@ ResponseTool response_tool(const Tool& tool) {
   result.kind = static_cast<layout::ToolKind>(tool.kind);
   result.radius = tool.scene.radius;
   const bool capsule = tool.scene.shape == ToolScene::Shape::capsule;
-  if (capsule || tool.scene.shape == ToolScene::Shape::sphere) result.probe_radius = tool.scene.radius;
+  const bool faceted = tool.scene.shape == ToolScene::Shape::punch || tool.kind == ToolKind::mesh;
+  if (!faceted) result.probe_radius = tool.scene.radius;
   if (capsule && tool.kind == ToolKind::profile) result.axis_length = tool.scene.length;
   for (const ToolVertex& v : tool.vertices) {
     result.vertices.push_back({v.name, to_triple(v.point), to_triple(v.normal), to_triple(v.tangent), v.meridian});

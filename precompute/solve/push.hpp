@@ -5,6 +5,7 @@
 #include "precompute/body.hpp"
 #include "precompute/fem/elastic.hpp"
 #include "precompute/fem/minimiser.hpp"
+#include "precompute/solve/bed.hpp"
 #include "precompute/solve/contact.hpp"
 
 #include <string>
@@ -35,7 +36,7 @@ struct StepResult {
 
 class Push final : public EnergyProblem {
 public:
-  /// Nodes of the boundary that `body` holds are fixed. The tool stands at `pose`.
+  /// Nodes of the boundary that a fixed support of `body` holds stay. The tool stands at `pose`.
   Push(const Body& body, const TetMesh& mesh, const ToolShape& shape, const Eigen::Isometry3d& pose,
        const PushScale& scale);
 
@@ -53,7 +54,8 @@ public:
 
   [[nodiscard]] ContactReport report() const { return contact_.report(state_.x); }
   [[nodiscard]] const ContactEnergy& contact() const { return contact_; }
-  [[nodiscard]] double elastic_energy() const { return elastic_.value(state_.x) - rest_energy_; }
+  /// J stored in the body and in elastic supports.
+  [[nodiscard]] double elastic_energy() const { return elastic_.value(state_.x) - rest_energy_ + bed_.value(state_.x); }
   [[nodiscard]] double min_jacobian() const { return elastic_.min_jacobian(state_.x); }
   [[nodiscard]] std::uint32_t factorisations() const { return factorisations_; }
   [[nodiscard]] bool held_anywhere() const { return held_anywhere_; }
@@ -73,6 +75,7 @@ private:
   Eigen::VectorXd rest_;
   std::vector<char> fixed_;
   ElasticEnergy elastic_;
+  BedEnergy bed_;
   ContactEnergy contact_;
   Minimiser minimiser_;
   PushState state_;

@@ -4,6 +4,7 @@
 #include "formats/surface_io.hpp"
 #include "precompute/body.hpp"
 #include "precompute/geometry/intersections.hpp"
+#include "precompute/geometry/solids.hpp"
 #include "precompute/geometry/topology.hpp"
 #include "precompute/mesh/remesh.hpp"
 #include "precompute/surface/clean.hpp"
@@ -49,9 +50,25 @@ Surface coarse_copy(const Surface& surface, double& edge, const std::string& nam
   throw Error(ExitCode::numerical, name + ": no coarse copy of the surface keeps its shape: " + cause);
 }
 
+constexpr double region_edges = 12.0;  // of a region given by its measures, along its smallest extent
+
+Surface region_surface(const RegionScene& region) {
+  switch (region.shape) {
+    case RegionScene::Shape::surface:
+      break;
+    case RegionScene::Shape::ellipsoid:
+      return ellipsoid(region.centre, region.radii, 2 * region.radii.minCoeff() / region_edges, region.name);
+    case RegionScene::Shape::box:
+      return box_solid(region.box_min, region.box_max, (region.box_max - region.box_min).minCoeff() / region_edges,
+                       region.name);
+  }
+  return read_surface(region.surface);
+}
+
 Inclusion make_inclusion(const RegionScene& region, const Body& body, double& edge) {
-  const auto label = "region '" + region.name + "' (" + region.surface.file.string() + ")";
-  const auto cleaned = clean_surface(read_surface(region.surface), {}, label);
+  const std::string file = region.surface.file.empty() ? std::string() : " (" + region.surface.file.string() + ")";
+  const auto label = "region '" + region.name + "'" + file;
+  const auto cleaned = clean_surface(region_surface(region), {}, label);
   Inclusion inclusion;
   inclusion.name = region.name;
   inclusion.query = cleaned.query;

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <set>
@@ -53,12 +54,55 @@ bool holds(const Body& body, std::size_t k, const Eigen::Vector3d& point) {
   return false;
 }
 
+// How the supports resist rigid motions (translation, then rotation about `centre` times `length`): the sum over the
+// surface's triangles and corners of what one displacement there costs, over their area.
+Eigen::Matrix<double, 6, 6> resistance(const Body& body, const Surface& surface, const Eigen::Vector3d& centre,
+                                       double length) {
+  Eigen::Matrix<double, 6, 6> sum = Eigen::Matrix<double, 6, 6>::Zero();
+  const auto add = [&](const Eigen::Vector3d& at, const Eigen::Vector3d& area) {
+    const SupportScene* support = body.support_at(at);
+    if (support == nullptr) return;
+    const Eigen::Vector3d r = (at - centre) / length;
+    Eigen::Matrix<double, 3, 6> motion;
+    motion << Eigen::Matrix3d::Identity(), Eigen::Vector3d::UnitX().cross(r), Eigen::Vector3d::UnitY().cross(r),
+        Eigen::Vector3d::UnitZ().cross(r);
+    const Eigen::Vector3d n = area.normalized();
+    const Eigen::Matrix3d across =
+        support->type == SupportScene::Type::slider ? Eigen::Matrix3d(n * n.transpose()) : Eigen::Matrix3d::Identity();
+    sum += area.norm() * motion.transpose() * across * motion;
+  };
+  for (const auto& t : surface.triangles) {
+    const Eigen::Vector3d &a = surface.vertices[std::size_t(t[0])], &b = surface.vertices[std::size_t(t[1])],
+                          &c = surface.vertices[std::size_t(t[2])];
+    const Eigen::Vector3d area = (b - a).cross(c - a) / 8;
+    add((a + b + c) / 3, area);
+    // Corners count where they are fixed as nodes; beds and sliders hold faces.
+    for (const Eigen::Vector3d& corner : {a, b, c}) {
+      const SupportScene* support = body.support_at(corner);
+      if (support != nullptr && support->type == SupportScene::Type::fixed) add(corner, area);
+    }
+  }
+  return sum;
+}
+
+// The rigid motion that nothing resists, in words; empty where there is none.
+std::string free_motion(const Body& body, const Surface& surface) {
+  const auto box = bounds(surface);
+  const auto sum = resistance(body, surface, box.center(), box.diagonal().norm());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(sum);
+  if (eigen.eigenvalues()[0] > 1e-9 * eigen.eigenvalues()[5] && eigen.eigenvalues()[0] > 0) return {};
+  const Eigen::Matrix<double, 6, 1> motion = eigen.eigenvectors().col(0);
+  const bool slides = motion.head<3>().norm() > motion.tail<3>().norm();
+  return (slides ? "slide along " : "turn about the direction ") +
+         coordinates((slides ? motion.head<3>() : motion.tail<3>()).normalized());
+}
+
 // Every solid must be held somewhere. `held` is per triangle; a corner that is held counts as well.
 void check_components(const Body& body, const std::vector<bool>& held, const std::string& file) {
   const auto& surface = body.query->surface();
   const auto labels = triangle_components(surface, true);
   const auto count = *std::max_element(labels.begin(), labels.end()) + 1;
-  for (std::int32_t k = 0; count > 1 && k < count; ++k) {
+  for (std::int32_t k = 0; k < count; ++k) {
     std::vector<bool> in(labels.size());
     bool any = false;
     for (std::size_t t = 0; t < labels.size(); ++t) {
@@ -68,9 +112,14 @@ void check_components(const Body& body, const std::vector<bool>& held, const std
     const Surface component = keep_triangles(surface, in);
     const double volume = signed_volume(component);
     // The wall of a cavity faces inward and belongs to the solid round it.
-    if (any || volume < 0.0) continue;
-    if (std::any_of(component.vertices.begin(), component.vertices.end(), [&](const auto& v) { return body.held(v); }))
-      continue;
+    if (volume < 0.0) continue;
+    any = any || std::any_of(component.vertices.begin(), component.vertices.end(),
+                             [&](const auto& v) { return body.held(v); });
+    if (any) {
+      const std::string motion = free_motion(body, component);
+      if (motion.empty()) continue;
+      fail(fmt::format("{}: the supports leave component {} of {} of the body free to {}", file, k + 1, count, motion));
+    }
     fail(fmt::format("{}: no support holds component {} of {} of the body ({:.4g} mL round {} m): it would float away",
                      file, k + 1, count, volume * 1e6, coordinates(bounds(component).center())));
   }
@@ -122,11 +171,11 @@ void check_supports(const Body& body, const Scene& scene) {
   if (!scene.supports.empty()) check_components(body, held, scene.file.string());
 }
 
-bool Body::held(const Eigen::Vector3d& surface_point) const {
+const SupportScene* Body::support_at(const Eigen::Vector3d& surface_point) const {
   for (std::size_t k = 0; k < supports.size(); ++k) {
-    if (holds(*this, k, surface_point)) return true;
+    if (holds(*this, k, surface_point)) return &supports[k];
   }
-  return false;
+  return nullptr;
 }
 
 }  // namespace palpate

@@ -7,9 +7,11 @@
 #include "precompute/geometry/query.hpp"
 #include "precompute/mesh/remesh.hpp"
 #include "precompute/tool/shapes.hpp"
+#include "precompute/tool/taper.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 
@@ -54,6 +56,14 @@ void add_capsule(Tool& tool) {
   for (std::int32_t k = 0; k + 1 < static_cast<std::int32_t>(tool.vertices.size()); ++k) {
     tool.patches.push_back({k, k + 1, k + 1});
   }
+}
+
+ToolVertex& add_tip(Tool& tool) {
+  ToolVertex v;
+  v.name = "tip";
+  v.point = {0, 0, -tool.scene.radius};
+  v.curvature_radius = tool.scene.radius;
+  return tool.vertices.emplace_back(v);
 }
 
 void add_punch(Tool& tool) {
@@ -108,15 +118,10 @@ Tool make_tool(const ToolScene& scene) {
   tool.name = scene.name;
   tool.scene = scene;
   switch (scene.shape) {
-    case ToolScene::Shape::sphere: {
+    case ToolScene::Shape::sphere:
       tool.shape = make_sphere(scene.radius);
-      ToolVertex v;
-      v.name = "tip";
-      v.point = {0, 0, -scene.radius};
-      v.curvature_radius = scene.radius;
-      tool.vertices.push_back(v);
+      add_tip(tool);
       break;
-    }
     case ToolScene::Shape::punch:
       if (tool.scene.edge_radius <= 0) tool.scene.edge_radius = scene.radius / 10;
       tool.shape = make_punch(scene.radius, tool.scene.edge_radius, scene.length);
@@ -128,6 +133,14 @@ Tool make_tool(const ToolScene& scene) {
       tool.kind = ToolKind::profile;
       add_capsule(tool);
       break;
+    case ToolScene::Shape::cone:
+    case ToolScene::Shape::needle: {
+      const bool needle = scene.shape == ToolScene::Shape::needle;
+      const double widest = needle ? scene.shaft_radius : std::numeric_limits<double>::infinity();
+      tool.shape = make_taper(scene.radius, scene.half_angle, widest > 0 ? widest : 4 * scene.radius, scene.length);
+      add_tip(tool).cone_slope = std::tan(scene.half_angle);
+      break;
+    }
     case ToolScene::Shape::mesh:
       tool.kind = ToolKind::mesh;
       add_mesh(tool);
@@ -139,7 +152,8 @@ Tool make_tool(const ToolScene& scene) {
 
 double contact_radius(const ToolVertex& vertex, double depth) {
   if (vertex.flat_radius > 0) return vertex.flat_radius;
-  return std::min(vertex.curvature_radius, std::sqrt(vertex.curvature_radius * depth));
+  const double ball = std::min(vertex.curvature_radius, std::sqrt(vertex.curvature_radius * depth));
+  return std::max(ball, 2 / kPi * vertex.cone_slope * depth);
 }
 
 ToolVertex interpolate(const Tool& tool, std::int32_t patch, const Vector3d& weights) {

@@ -36,6 +36,7 @@ struct ToolVertex {
   Eigen::Vector3d tangent{1, 0, 0};  ///< unit, orthogonal to normal; laid along the contact frame's x
   double curvature_radius = 0.0;     ///< m, the smaller principal radius of the tool's surface here; 0: unknown
   double flat_radius = 0.0;          ///< m, radius of a flat face; 0 where the tool is curved
+  double cone_slope = 0.0;           ///< tangent of the half angle of a cone behind the tip; 0: none
   double meridian = 0.0;             ///< m, arc length from the tip's pole (profile tools)
 };
 
@@ -50,7 +51,7 @@ enum class ToolKind : std::uint32_t { point_sphere = 0, profile = 1, mesh = 2 };
 
 /// A tool as scene, shape and contact vertices. Tool frame: the tip points along -z, the handle along +z.
 /// sphere: centre at the origin. punch: end face in the plane z = 0. capsule: tip cap's centre at the
-/// origin, the axis along +z to (0, 0, length).
+/// origin, the axis along +z to (0, 0, length). cone, needle: the rounded tip's centre at the origin.
 struct Tool {
   std::string name;
   ToolKind kind = ToolKind::point_sphere;
@@ -62,7 +63,8 @@ struct Tool {
   std::vector<ToolEdgePoint> edges;
 };
 
-/// Radius of the contact that `vertex` makes at `depth` (m): sqrt(R depth) up to R (Hertz), or the flat face's.
+/// Radius of the contact that `vertex` makes at `depth` (m): sqrt(R depth) up to R (Hertz), the flat face's, or of a
+/// cone 2/pi tan(half angle) depth (Sneddon 1965).
 double contact_radius(const ToolVertex& vertex, double depth);
 
 /// Builds a tool. Throws Error(bad_input) for a mesh that is not closed.

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace palpate {
 namespace {
@@ -51,6 +52,27 @@ TEST(Sneddon, FlatPunchForce) {
   ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
   const Sample& s = r.samples.back();
   EXPECT_NEAR(s.force.z() / (2 * kYoung / (1 - kPoisson * kPoisson) * punch.radius * s.deflection.z()), 1.0, 0.02);
+}
+
+// A blunt cone whose rounded tip is small beside the contact.
+TEST(Sneddon, ConeForce) {
+  ToolScene cone;
+  cone.shape = ToolScene::Shape::cone;
+  cone.half_angle = 80 * std::numbers::pi / 180;
+  cone.radius = 2e-5;
+  const double depth = 0.0004, slope = std::tan(cone.half_angle), a = 2 / std::numbers::pi * slope * depth;
+  const Body body = test::block_body(40 * a, kYoung, kPoisson);
+  PairPath path;
+  path.normal_depths = {0.25 * depth, 0.5 * depth, 0.75 * depth, depth};
+  PairOptions options;
+  options.mesh_size = 0.25;
+  const PairResult r = press(body, cone, path, options);
+  ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
+  const double factor = 2 / std::numbers::pi * kYoung / (1 - kPoisson * kPoisson) * slope;
+  for (const Sample& s : r.samples) {
+    if (s.deflection.z() < 0.4 * depth) continue;
+    EXPECT_NEAR(s.force.z() / (factor * s.deflection.z() * s.deflection.z()), 1.0, 0.02);
+  }
 }
 
 // Mindlin's law is linear: at a depth of a thousandth of the radius the pressure stiffens the surface by less than

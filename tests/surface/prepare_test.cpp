@@ -3,11 +3,13 @@
 #include "formats/surface_io.hpp"
 #include "precompute/body.hpp"
 #include "precompute/geometry/intersections.hpp"
+#include "precompute/geometry/topology.hpp"
 #include "precompute/surface/examine.hpp"
 #include "tests/surface/faulty_shapes.hpp"
 
 #include <cstdlib>
 #include <filesystem>
+#include <numbers>
 
 namespace palpate::test {
 namespace {
@@ -39,12 +41,20 @@ protected:
     return scene_.supports.back();
   }
 
+  RegionScene& add_region(const std::string& name, const SurfaceSource& surface) {
+    RegionScene& region = scene_.regions.emplace_back();
+    region.name = name;
+    region.surface = surface;
+    return region;
+  }
+
   std::filesystem::path folder_;
   Scene scene_;
 };
 
 TEST_F(Prepare, PlainCubeWithTheDefaultSupport) {
-  scene_.material = {1234, 0.3};
+  scene_.material.young = 1234;
+  scene_.material.poisson = 0.3;
   const Body body = prepare_body(scene_);
   EXPECT_EQ(body.report.action, "used as it is");
   EXPECT_NEAR(body.report.volume, 0.008, 1e-8);
@@ -133,9 +143,28 @@ TEST_F(Prepare, EveryComponentMustBeHeld) {
   EXPECT_NO_THROW(prepare_body(scene_));
 }
 
+TEST_F(Prepare, SupportsMustLeaveNoRigidMotionFree) {
+  const auto slider = [&](const Eigen::Vector3d& normal) {
+    auto& half = support(SupportScene::Kind::half_space);
+    half.type = SupportScene::Type::slider;
+    half.point = 0.001 * normal;
+    half.normal = normal;
+  };
+  slider({0, 0, 1});
+  expect_refused({"scene.toml", "component 1 of 1", "free to slide along"});
+  slider({0, 1, 0});
+  expect_refused({"free to slide along", "0, 0)"});
+  slider({1, 0, 0});
+  EXPECT_NO_THROW(prepare_body(scene_));
+  scene_.supports.resize(1);
+  scene_.supports[0].type = SupportScene::Type::spring;
+  scene_.supports[0].stiffness = 1e4;
+  EXPECT_NO_THROW(prepare_body(scene_));
+}
+
 TEST_F(Prepare, Inclusions) {
-  scene_.regions = {{"tumour", file("a", sphere_surface({0.06, 0.1, 0.1}, 0.03)), {5e4, 0.45}},
-                    {"vessel", file("b", inside_out()), {1e4, 0.4}}};
+  add_region("tumour", file("a", sphere_surface({0.06, 0.1, 0.1}, 0.03))).material.young = 5e4;
+  add_region("vessel", file("b", inside_out()));
   // An inside-out inclusion is turned; scaled to a sixth it fits beside the first.
   scene_.regions[1].surface.unit = 1.0;
   Surface small = inside_out();
@@ -155,8 +184,30 @@ TEST_F(Prepare, Inclusions) {
   EXPECT_EQ(crossings(body.inclusions[0].base, body.inclusions[1].base), 0U);
 }
 
+TEST_F(Prepare, RegionsByTheirMeasures) {
+  scene_.regions.reserve(2);
+  RegionScene& ball = add_region("ball", {});
+  ball.shape = RegionScene::Shape::ellipsoid;
+  ball.centre = {0.06, 0.06, 0.06};
+  ball.radii = {0.02, 0.03, 0.02};
+  RegionScene& block = add_region("block", {});
+  block.shape = RegionScene::Shape::box;
+  block.box_min = {0.12, 0.12, 0.12};
+  block.box_max = {0.15, 0.16, 0.17};
+  const Body body = prepare_body(scene_);
+  ASSERT_EQ(body.inclusions.size(), 2U);
+  const double exact = 4.0 / 3 * std::numbers::pi * 0.02 * 0.03 * 0.02;
+  EXPECT_NEAR(signed_volume(body.inclusions[0].query->surface()) / exact, 1.0, 0.05);
+  EXPECT_NEAR(signed_volume(body.inclusions[1].query->surface()), 0.03 * 0.04 * 0.05, 1e-12);
+  scene_.regions[0].centre.x() = 0.015;
+  expect_refused({"region 'ball'", "intersects the body's surface"});
+}
+
 TEST_F(Prepare, InclusionsThatDoNotFit) {
-  const auto place = [&](const Surface& s) { scene_.regions = {{"tumour", file("tumour", s), {}}}; };
+  const auto place = [&](const Surface& s) {
+    scene_.regions.clear();
+    add_region("tumour", file("tumour", s));
+  };
   place(sphere_surface({0.0, 0.1, 0.1}, 0.03));
   expect_refused({"'tumour'", "tumour.ply", "intersects the body"});
   place(sphere_surface({0.5, 0.1, 0.1}, 0.03));
@@ -164,7 +215,7 @@ TEST_F(Prepare, InclusionsThatDoNotFit) {
   place(sphere_surface({0.1, 0.1, 0.1}, 0.5));
   expect_refused({"'tumour'", "outside"});
   place(sphere_surface({0.1, 0.1, 0.1}, 0.03));
-  scene_.regions.push_back({"second", file("second", sphere_surface({0.12, 0.1, 0.1}, 0.03)), {}});
+  add_region("second", file("second", sphere_surface({0.12, 0.1, 0.1}, 0.03)));
   expect_refused({"'second'", "intersects region 'tumour'"});
   scene_.regions[1].surface = file("second", sphere_surface({0.1, 0.1, 0.1}, 0.01));
   expect_refused({"'second'", "inside region 'tumour'"});

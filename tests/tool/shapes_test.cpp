@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Signed distances of the tools and the poses of their contact vertices.
 #include "precompute/tool/shapes.hpp"
+#include "precompute/tool/taper.hpp"
 
 #include "precompute/tool/tool.hpp"
 
@@ -17,7 +18,8 @@ using Eigen::Vector3d;
 TEST(Shapes, GradientAndHessianMatchDifferences) {
   std::mt19937 engine(5);
   std::uniform_real_distribution<double> coordinate(-1.6, 1.6);
-  for (const auto& shape : {make_sphere(0.7), make_capsule(0.5, 0.8), make_punch(0.8, 0.2, 1.5)}) {
+  for (const auto& shape : {make_sphere(0.7), make_capsule(0.5, 0.8), make_punch(0.8, 0.2, 1.5),
+                            make_taper(0.15, 0.5, 0.5, 1.2), make_taper(0.1, 1.2, HUGE_VAL, 0.4)}) {
     int checked = 0;
     for (int k = 0; k < 400; ++k) {
       const Vector3d p(coordinate(engine), coordinate(engine), coordinate(engine));
@@ -47,6 +49,14 @@ TEST(Shapes, KnownDistances) {
   EXPECT_NEAR(make_capsule(0.5, 2)->distance({0, 0, 3}).value, 0.5, 1e-15);
   EXPECT_NEAR(make_punch(1, 0.1, 3)->distance({0.3, 0.2, -0.25}).value, 0.25, 1e-15);
   EXPECT_NEAR(make_punch(1, 0.1, 3)->distance({2, 0, 1}).value, 1.0, 1e-15);
+  const auto needle = make_taper(0.1, 0.5, 0.4, 3);  // its point ends at z = 0.3 / tan 0.5 = 0.549
+  EXPECT_NEAR(needle->distance({0, 0, -1}).value, 0.9, 1e-15);
+  EXPECT_NEAR(needle->distance({1, 0, 2}).value, 0.6, 1e-15);
+  EXPECT_NEAR(needle->distance({0, 0, 2}).value, -0.4, 1e-15);
+  const Eigen::Vector3d side(std::cos(0.5), 0, -std::sin(0.5));
+  EXPECT_NEAR(needle->distance(Vector3d(0.1, 0, 0.1 / std::tan(0.5)) + 0.3 * side).value, 0.2, 1e-15);
+  EXPECT_LT((needle->distance(Vector3d(0.1, 0, 0.1 / std::tan(0.5)) + 0.3 * side).gradient - side).norm(), 1e-14);
+  EXPECT_NEAR(needle->distance({0, 0, 4}).value, 0.9, 1e-15);
 }
 
 // Every contact vertex lies on the tool's surface, its normal is the distance's gradient, and the touching
@@ -57,7 +67,8 @@ TEST(Tools, ContactVerticesTouchWithOppositeNormals) {
   frame.n = Vector3d(1, 2, 2) / 3;
   frame.x = Vector3d(2, 1, -2) / 3;
   frame.y = frame.n.cross(frame.x);
-  for (const auto kind : {ToolScene::Shape::sphere, ToolScene::Shape::punch, ToolScene::Shape::capsule}) {
+  for (const auto kind : {ToolScene::Shape::sphere, ToolScene::Shape::punch, ToolScene::Shape::capsule,
+                          ToolScene::Shape::cone, ToolScene::Shape::needle}) {
     ToolScene scene;
     scene.shape = kind;
     const Tool tool = make_tool(scene);
