@@ -12,15 +12,6 @@ namespace palpate::synth {
 /// Box from -size/2 to size/2 in x and y and from -size.z to 0 in z (its top lies in z = 0); edges about `edge` (m).
 Surface box(const Eigen::Vector3d& size, double edge, const std::string& name);
 
-/// A point of a profile that is turned about the z axis.
-struct ProfilePoint {
-  double radius = 0.0;  ///< m; 0 at the first and the last point only
-  double z = 0.0;       ///< m
-};
-
-/// Surface of revolution. The profile runs from the pole below to the pole above, counter-clockwise about the solid.
-Surface revolved(const std::vector<ProfilePoint>& profile, int segments, const std::string& name);
-
 /// Sphere tip as a tool mesh: centre at the origin.
 Surface sphere_tool(double radius);
 /// Capsule as a tool mesh: the tip cap's centre at the origin, the other at (0, 0, length).

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Generators by subdivision; shared vertices by construction, not by welding.
+// Generators by subdivision and revolution; shared vertices by construction, not by welding.
 #include "precompute/geometry/solids.hpp"
 
 #include <algorithm>
@@ -157,6 +157,31 @@ Surface box_solid(const Eigen::Vector3d& low, const Eigen::Vector3d& high, doubl
         }
       }
     }
+  }
+  finish(s, name);
+  return s;
+}
+
+Surface revolved(const std::vector<ProfilePoint>& profile, int segments, const std::string& name) {
+  Surface s;
+  const auto n = static_cast<std::int32_t>(segments);
+  const std::int32_t bottom = add_vertex(s, {0, 0, profile.front().z});
+  for (std::size_t ring = 1; ring + 1 < profile.size(); ++ring) {
+    for (int k = 0; k < segments; ++k) {
+      const double angle = 2 * pi * k / segments;
+      add_vertex(s, {profile[ring].radius * std::cos(angle), profile[ring].radius * std::sin(angle), profile[ring].z});
+    }
+  }
+  const std::int32_t top = add_vertex(s, {0, 0, profile.back().z});
+  const auto rings = static_cast<std::int32_t>(profile.size()) - 2;
+  const auto at = [&](std::int32_t ring, std::int32_t k) { return 1 + ring * n + k % n; };
+  for (std::int32_t k = 0; k < n; ++k) {
+    s.triangles.push_back({bottom, at(0, k + 1), at(0, k)});
+    for (std::int32_t ring = 0; ring + 1 < rings; ++ring) {
+      s.triangles.push_back({at(ring, k), at(ring, k + 1), at(ring + 1, k + 1)});
+      s.triangles.push_back({at(ring, k), at(ring + 1, k + 1), at(ring + 1, k)});
+    }
+    s.triangles.push_back({at(rings - 1, k), at(rings - 1, k + 1), top});
   }
   finish(s, name);
   return s;
