@@ -26,6 +26,7 @@ struct BodyScene {
   RepairMode repair = RepairMode::automatic;
   double wrap_alpha = 0.0;   ///< m; 0 chooses the smallest tool's radius, within 1/50 to 1/20 of the diagonal
   double wrap_offset = 0.0;  ///< m; 0 chooses wrap_alpha / 30
+  int smooth = 0;            ///< rounds of interpolating subdivision of the clean surface, [0, 3]
 };
 
 /// A hyperelastic material. Laws with moduli of their own set `young` from them when they are read.

@@ -132,7 +132,10 @@ const Keys<BodyScene>& body_keys() {
            "Smallest opening that a wrap enters; 0: the smallest tool's radius, but at least 1/50 and at most 1/20 of "
            "the bounding box's diagonal."),
        number("wrap_offset", &BodyScene::wrap_offset, kLengthOrAuto,
-              "Distance of a wrap to the surface; 0: wrap_alpha / 30.")});
+              "Distance of a wrap to the surface; 0: wrap_alpha / 30."),
+       integer("smooth", &BodyScene::smooth, {0, 3, false, ""},
+               "Rounds of subdivision through the clean surface's vertices, for files whose facets a small tip would "
+               "feel; sharp edges become round.")});
   return keys;
 }
 

@@ -31,6 +31,12 @@ struct SurfaceReport {
   bool thin_bag = false;  ///< looks like a thin closed shell rather than a solid
 };
 
+/// Where the held part of the surface ends, and the edge length (m) that resolves it; see support_rim.hpp.
+struct SupportRim {
+  std::vector<Eigen::Vector3d> points;
+  double size = 0.0;
+};
+
 /// Immutable after preparation; shared by all threads.
 struct Body {
   std::shared_ptr<const SurfaceQuery> query;  ///< the clean surface (query->surface()), parts kept per triangle
@@ -40,6 +46,7 @@ struct Body {
   std::vector<Inclusion> inclusions;
   std::vector<SupportScene> supports;
   std::vector<std::shared_ptr<const SurfaceQuery>> support_surfaces;  ///< per support; null unless kind is distance
+  SupportRim support_rim;
   SurfaceReport report;
   double diagonal = 0.0;  ///< m, of the bounding box
 

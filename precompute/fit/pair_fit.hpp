@@ -14,7 +14,7 @@ namespace palpate::fit {
 struct ModelScales {
   double depth = 0.0;     ///< Z, m, > 0
   double sideways = 0.0;  ///< X, m; 0: no sideways pushes were solved (frictionless)
-  int normal_coefs = 10, lateral_coefs = 6, growth_coefs = 5, sideways_coefs = 7, friction_coefs = 4;
+  int normal_coefs = 10, lateral_coefs = 5, growth_coefs = 5, sideways_coefs = 7, friction_coefs = 5;
 
   [[nodiscard]] bool friction() const noexcept { return sideways > 0; }
 };

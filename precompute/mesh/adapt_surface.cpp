@@ -29,6 +29,10 @@ void insert_anchors(SurfaceAdapter& adapter, const Task& task, AdaptedSurface& r
 // True when `result` got a surface that does not cross itself.
 bool adapt_from(const Surface& start, const Task& task, AdaptedSurface& result) {
   SurfaceAdapter adapter(start, task.original, task.size, task.options.chord);
+  // An anchor on the original may lie far off a coarse base: put into it at once, it would be a spike that folds.
+  adapter.split_long();
+  adapter.flip();
+  adapter.relax();
   insert_anchors(adapter, task, result);
   const auto round = [&] {
     adapter.split_long();

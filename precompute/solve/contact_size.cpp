@@ -89,6 +89,8 @@ SizeField contact_size(const Body& body, const Tool& tool, const ToolVertex& ver
   }
   for (const ToolEdgePoint& e : tool.edges) sources.push_back({touching * e.point, e.size * scale});
 
+  for (const Vector3d& p : body.support_rim.points) sources.push_back({p, body.support_rim.size * scale});
+
   const double growth = options.growth;
   return [sources = std::move(sources), growth, largest, size](const Vector3d& x) {
     double h = largest;

@@ -208,6 +208,7 @@ private:
 
   bool tangential_pushes(Push& push) {
     std::uint16_t index = 0;
+    moved_.resize(std::size_t(path_.tangential_directions) * std::size_t(path_.tangential_points));
     for (const double wanted : path_.tangential_depths) {
       // A shallow point may have been too small a contact to believe: then the next deeper one is pushed sideways.
       const auto at = std::find_if(curve_.begin(), curve_.end(),
@@ -220,7 +221,8 @@ private:
         if (path_.form_frictionless) push.stick();
         for (int k = 1; k <= path_.tangential_points; ++k) {
           const double reach = path_.tangential_reach * at->depth * k / path_.tangential_points;
-          const auto failure = sideways(push, *at, base, local, reach, index++);
+          const int slot = d * path_.tangential_points + k - 1;
+          const auto failure = sideways(push, *at, base, local, reach, slot, index++);
           if (!failure) continue;
           if (k == 1 || !last_) {
             refuse(*failure);
@@ -235,15 +237,28 @@ private:
     return true;
   }
 
-  // The cause of a failure, or nothing when the sample was taken.
+  // Where a sideways push may end: moved as by the same one at the last depth, or against the opposite one here.
+  std::vector<Eigen::VectorXd> sideways_starts(const CurvePoint& at, double reach, int slot) const {
+    std::vector<Eigen::VectorXd> starts;
+    if (moved_[slot].size() > 0) starts.emplace_back(at.state.x + reach * moved_[slot]);
+    const int half = path_.tangential_directions / 2 * path_.tangential_points;
+    if (path_.tangential_directions % 2 == 0 && slot >= half && moved_[slot - half].size() > 0) {
+      starts.emplace_back(at.state.x - reach * moved_[slot - half]);
+    }
+    return starts;
+  }
+
+  // The cause of a failure, or nothing when the sample was taken. `slot` numbers direction and point.
   std::optional<std::string> sideways(Push& push, const CurvePoint& at, const Sample& base, const Vector3d& local,
-                                      double reach, std::uint16_t index) {
+                                      double reach, int slot, std::uint16_t index) {
     const Vector3d target = at.state.translation + reach * frame_.to_world(local);
-    const StepResult step = push.move_to(target, contact_radius(vertex_, at.depth), work_scale(at.depth), true);
+    const StepResult step = push.move_to(target, contact_radius(vertex_, at.depth), work_scale(at.depth), true,
+                                         sideways_starts(at, reach, slot));
     ++result_->outcome.tangential_solves;
     const auto where = " in the push of " + std::to_string(1e3 * reach) + " mm sideways at depth " +
                        std::to_string(1e3 * at.depth) + " mm";
     if (!step.converged) return step.cause + where;
+    moved_[slot] = (push.state().x - at.state.x) / reach;
     Sample s = base_sample(push, step.iterations);
     s.kind = SampleKind::tangential;
     s.index = index;
@@ -274,6 +289,7 @@ private:
   bool last_ = false;
   Vector3d start_{0, 0, 0};
   std::vector<CurvePoint> curve_;
+  std::vector<Eigen::VectorXd> moved_;  // by sideways pushes (direction, point) at the last depth, per metre pushed
 };
 
 }  // namespace

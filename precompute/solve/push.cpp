@@ -96,19 +96,27 @@ void Push::stick() {
   state_.anchors = contact_.anchors();
 }
 
-StepResult Push::step(const Vector3d& target, double contact_radius, double work_scale, bool sticking) {
+StepResult Push::step(const Vector3d& target, double contact_radius, double work_scale, bool sticking,
+                      const std::vector<VectorXd>& starts) {
   StepResult result;
   const PushState before = state_;
   contact_.set_translation(target);
   state_.penalty = scale_.penalty * scale_.young / contact_radius;
   contact_.set_penalty(state_.penalty);
   VectorXd x = state_.x;
+  double least = value(x);
+  const auto consider = [&](const VectorXd& start) {
+    const double energy = value(start);
+    if (!(energy < least)) return;
+    least = energy;
+    x = start;
+  };
   if (can_extrapolate_) {
     const Vector3d last = state_.translation - previous_translation_, next = target - state_.translation;
     const double ratio = last.squaredNorm() > 0 ? next.dot(last) / last.squaredNorm() : 0.0;
-    const VectorXd guess = x + std::clamp(ratio, 0.0, 2.0) * (x - previous_x_);
-    if (value(guess) < value(x)) x = guess;
+    consider(state_.x + std::clamp(ratio, 0.0, 2.0) * (state_.x - previous_x_));
   }
+  for (const VectorXd& start : starts) consider(start);
   MinimiserOptions options;
   // A tool between integration points meets no load: residuals are then compared with a small one.
   load_floor_ = 0.1 * work_scale / contact_radius;
@@ -139,13 +147,15 @@ StepResult Push::step(const Vector3d& target, double contact_radius, double work
   return result;
 }
 
-StepResult Push::move_to(const Vector3d& target, double contact_radius, double work_scale, bool sticking) {
+StepResult Push::move_to(const Vector3d& target, double contact_radius, double work_scale, bool sticking,
+                         const std::vector<VectorXd>& starts) {
   const Vector3d start = state_.translation;
   StepResult total;
   double done = 0.0, part = 1.0;
   while (done < 1.0) {
     const double next = std::min(1.0, done + part);
-    const StepResult s = step(start + next * (target - start), contact_radius, work_scale, sticking);
+    const StepResult s = step(start + next * (target - start), contact_radius, work_scale, sticking,
+                              part == 1.0 ? starts : std::vector<VectorXd>{});
     total.iterations += s.iterations;
     total.cause = s.cause;
     if (s.converged) {

@@ -42,8 +42,10 @@ public:
 
   /// Moves the tool's translation to `target` and finds equilibrium, in up to 2^3 parts where one step fails.
   /// `contact_radius` (m) sets the penalty, `work_scale` (J) the tolerance. With `sticking`, points anchor as
-  /// they touch and let go as they leave.
-  StepResult move_to(const Eigen::Vector3d& target, double contact_radius, double work_scale, bool sticking);
+  /// they touch and let go as they leave. `starts` are guesses of the node positions at the target: the search
+  /// begins at the one of least energy, if that is below where the body is.
+  StepResult move_to(const Eigen::Vector3d& target, double contact_radius, double work_scale, bool sticking,
+                     const std::vector<Eigen::VectorXd>& starts = {});
 
   [[nodiscard]] const PushState& state() const { return state_; }
   /// Goes back to a state of this mesh; the next step extrapolates from nothing.
@@ -69,7 +71,8 @@ public:
   [[nodiscard]] double load(const Eigen::VectorXd& x) const override;
 
 private:
-  StepResult step(const Eigen::Vector3d& target, double contact_radius, double work_scale, bool sticking);
+  StepResult step(const Eigen::Vector3d& target, double contact_radius, double work_scale, bool sticking,
+                  const std::vector<Eigen::VectorXd>& starts);
 
   PushScale scale_;
   Eigen::VectorXd rest_;

@@ -6,6 +6,7 @@
 #include "precompute/surface/examine.hpp"
 #include "precompute/surface/kernel.hpp"
 #include "precompute/surface/report.hpp"
+#include "precompute/surface/smooth.hpp"
 #include "precompute/surface/weld.hpp"
 
 #include <fmt/format.h>
@@ -106,6 +107,15 @@ CleanSurface clean_surface(const Surface& input, const CleanOptions& options, co
     label_parts(surface, original, true);
   } else {
     label_parts(surface, original, false);
+  }
+  if (options.smooth > 0) {
+    const SurfaceQuery facets(surface);
+    surface = smooth(surface, options.smooth);
+    const auto left = examine(surface);
+    if (!left.clean())
+      fail("smooth = " + std::to_string(options.smooth) + " spoils the surface: " + joined(left.lines()));
+    label_parts(surface, facets, true);
+    report.action += ", smoothed";
   }
   if (report.action != "used as it is") std::tie(report.largest_move, report.mean_move) = distances(surface, original);
   result.query = std::make_shared<const SurfaceQuery>(surface);

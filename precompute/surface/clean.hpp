@@ -13,6 +13,7 @@ struct CleanOptions {
   RepairMode mode = RepairMode::automatic;
   double wrap_alpha = 0.0;   ///< m; 0 chooses 1/50 of the diagonal
   double wrap_offset = 0.0;  ///< m; 0 chooses wrap_alpha / 30
+  int smooth = 0;            ///< rounds of interpolating subdivision afterwards
 };
 
 struct CleanSurface {

@@ -9,6 +9,7 @@
 #include "precompute/mesh/remesh.hpp"
 #include "precompute/surface/clean.hpp"
 #include "precompute/surface/examine.hpp"
+#include "precompute/surface/support_rim.hpp"
 #include "precompute/surface/supports.hpp"
 #include "precompute/surface/weld.hpp"
 
@@ -138,7 +139,8 @@ Body prepare_body(const Scene& scene) {
   for (const auto& source : scene.body.surfaces) surfaces.push_back(read_surface(source));
   const Surface joint = join(surfaces);
   const double alpha = scene.body.wrap_alpha > 0 ? scene.body.wrap_alpha : wrap_alpha(scene, diagonal(joint));
-  const auto cleaned = clean_surface(joint, {scene.body.repair, alpha, scene.body.wrap_offset}, name);
+  const auto cleaned =
+      clean_surface(joint, {scene.body.repair, alpha, scene.body.wrap_offset, scene.body.smooth}, name);
 
   Body body;
   body.query = cleaned.query;
@@ -164,6 +166,7 @@ Body prepare_body(const Scene& scene) {
                                              : nullptr);
   }
   check_supports(body, scene);
+  body.support_rim = support_rim(body);
   return body;
 }
 

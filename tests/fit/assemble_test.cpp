@@ -63,7 +63,7 @@ TEST(Assemble, FileWithFrictionPassesTheWritersChecks) {
   const ResponseFileContent content = Ball(0.4).content();
   EXPECT_EQ(content.growth_coefs, 5U);
   EXPECT_EQ(content.sideways_coefs, 7U);
-  EXPECT_EQ(content.friction_coefs, 4U);
+  EXPECT_EQ(content.friction_coefs, 5U);
   EXPECT_NEAR(content.sideways_scale, 0.4 * 0.005, 1e-12);
   EXPECT_EQ(encode(content), encode(Ball(0.4).content())) << "the same inputs, the same bytes";
 }

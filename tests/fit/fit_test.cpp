@@ -165,7 +165,7 @@ TEST(Fit, SectionsThatAreNotNeededAreLeftOut) {
   GridPlan skewed = grid_plan(3, Z, 0.0, [](int k) { return k == 4 ? hertz_with_friction(500) : power_law(500, 1.5); });
   fitted = fit_grid(skewed, settings(false));
   EXPECT_TRUE(fitted.report.lateral);
-  EXPECT_EQ(fitted.responses[0].lateral_x.size(), 6U);
+  EXPECT_EQ(fitted.responses[0].lateral_x.size(), 5U);
 }
 
 TEST(Fit, FiguresAreThoseOfTheSamples) {

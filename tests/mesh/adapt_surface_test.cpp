@@ -4,6 +4,7 @@
 
 #include "formats/error.hpp"
 #include "precompute/geometry/intersections.hpp"
+#include "precompute/geometry/solids.hpp"
 #include "tests/mesh/bodies.hpp"
 
 #include <gtest/gtest.h>
@@ -125,6 +126,26 @@ TEST(AdaptSurface, SeveralAnchorsAllBecomeVertices) {
   }
   const SizeField size = [](const Vector3d&) { return 0.01; };
   expect_sound(adapt_surface(ball.base, *ball.query, size, anchors), anchors);
+}
+
+// A coarse base cuts the margin of a lens off, so that a site on the margin lies outside of it.
+TEST(AdaptSurface, AnAnchorFarFromACoarseBaseMakesNoSpike) {
+  const Surface lens = ellipsoid({0, 0, 0}, {0.03, 0.03, 0.004}, 0.0008, "lens");
+  const SurfaceQuery query(lens);
+  const Surface base = remesh_uniform(lens, 0.006);
+  for (const double angle : {0.1, 0.2, 0.3, 0.4, 0.5}) {
+    const Vector3d site = query.closest({0.03 * std::cos(angle), 0.03 * std::sin(angle), 0}).point;
+    const AdaptedSurface a = adapt_surface(base, query, test::size_round(site, 0.0003, 0.01), {site});
+    expect_sound(a, {site});
+    // Next to the site every triangle is on the lens, and faces outwards.
+    for (const auto& t : a.surface.triangles) {
+      const Vector3d &u = a.surface.vertices[t[0]], &v = a.surface.vertices[t[1]], &w = a.surface.vertices[t[2]];
+      const Vector3d middle = (u + v + w) / 3;
+      if ((middle - site).norm() > 0.002) continue;
+      EXPECT_LT(query.closest(middle).distance, 2e-4);
+      EXPECT_GT((v - u).cross(w - u).dot(query.normal(middle, 0.0)), 0);
+    }
+  }
 }
 
 TEST(AdaptSurface, WrongInputsAreNamed) {

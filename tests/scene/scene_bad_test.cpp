@@ -39,6 +39,7 @@ std::vector<Case> cases() {
       bad("body", "meshes", "[\"\"]", "not empty"),
       bad("body", "wrap_alpha", "-1", "0 <= x <= 10 m"),
       bad("body", "wrap_offset", "nan", "0 <= x <= 10 m"),
+      bad("body", "smooth", "4", "0 <= x <= 3"),
       bad("material", "law", "\"rubber\"", "\"neo-hookean\" | \"mooney-rivlin\""),
       bad("material", "k2", "0", "0 < x <= 1000"),
       bad("material", "dispersion", "0.4", "0 <= x <= 0.333"),

@@ -102,6 +102,7 @@ units = "cm"
 repair = "wrap"
 wrap_alpha = 0.002
 wrap_offset = 1e-4
+smooth = 2
 [material]
 young = 4000
 poisson = 0
@@ -164,6 +165,7 @@ time_limit = 60
   EXPECT_EQ(scene.body.surfaces[0].meshes, (std::vector<std::string>{"capsule", "bare_area"}));
   EXPECT_EQ(scene.body.repair, RepairMode::wrap);
   EXPECT_EQ(scene.body.wrap_offset, 1e-4);
+  EXPECT_EQ(scene.body.smooth, 2);
   EXPECT_EQ(scene.material.poisson, 0.0);
   ASSERT_EQ(scene.regions.size(), 2U);
   EXPECT_EQ(scene.regions[0].name, "region");

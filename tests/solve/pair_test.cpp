@@ -2,10 +2,14 @@
 // One pair end to end: determinism, what frictionless scenes leave out, refusals that name their cause.
 #include "precompute/solve/pair.hpp"
 
+#include "precompute/geometry/solids.hpp"
+#include "precompute/surface/support_rim.hpp"
+#include "precompute/surface/supports.hpp"
 #include "tests/support/bodies.hpp"
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <thread>
 #include <vector>
 
@@ -103,6 +107,33 @@ TEST_F(Pair, FrictionLimitIsTheCoefficientOnAFlatContactAndMoreOnADeepOne) {
   ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
   EXPECT_NEAR(r.samples.front().friction_limit / 0.3, 1.0, 0.03);
   EXPECT_GT(deepest(r).friction_limit, r.samples.front().friction_limit);
+}
+
+// A small body bends on its support: how much of the surface is held must not be a matter of the mesh.
+TEST_F(Pair, ABallOnItsSupportAnswersAlikeOnEveryMesh) {
+  const Surface ball = ellipsoid({0, 0, 0}, {0.006, 0.006, 0.006}, 0.0008, "ball");
+  body.query = std::make_shared<const SurfaceQuery>(ball);
+  body.base_size = 0.001;
+  body.base = remesh_uniform(ball, body.base_size);
+  body.diagonal = 0.012 * std::sqrt(3.0);
+  body.supports = {default_support(ball)};
+  body.support_rim = support_rim(body);
+  sphere.radius = 0.002;
+  scene.sampling.normal_points = 4;
+  const Tool tool = make_tool(sphere);
+  std::vector<double> forces;
+  for (const double turn : {0.0, 0.5, 1.0}) {
+    ContactFrame frame;
+    frame.n = Eigen::Vector3d::UnitX();
+    frame.origin = body.query->closest(0.006 * frame.n).point;
+    frame.x = {0, std::cos(turn), std::sin(turn)};
+    frame.y = frame.n.cross(frame.x);
+    const PairResult r = solve_pair(body, tool, tool.vertices[0], frame, bake_path(scene, 0.001), pair_options(scene));
+    ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
+    forces.push_back(deepest(r).force.norm());
+  }
+  EXPECT_NEAR(forces[1] / forces[0], 1, 0.03);
+  EXPECT_NEAR(forces[2] / forces[0], 1, 0.03);
 }
 
 TEST_F(Pair, NoSupportIsRefusedByName) {

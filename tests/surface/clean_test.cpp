@@ -192,6 +192,49 @@ TEST(Clean, RandomSoups) {
   EXPECT_EQ(cleaned + refused, 50);
 }
 
+// The facets of a coarse ball go, its vertices and its labels stay.
+TEST(Clean, SmoothingRoundsABallOff) {
+  Surface ball = sphere_surface({0, 0, 0}, 0.01, 2);
+  ball.part_names = {"south", "north"};
+  for (std::size_t t = 0; t < ball.triangles.size(); ++t) {
+    const auto& c = ball.triangles[t];
+    ball.parts[t] = ball.vertices[c[0]].z() + ball.vertices[c[1]].z() + ball.vertices[c[2]].z() > 0 ? 1 : 0;
+  }
+  CleanOptions options;
+  options.smooth = 2;
+  const auto result = clean_surface(ball, options, "ball");
+  const Surface& smooth = result.query->surface();
+  EXPECT_EQ(result.report.action, "used as it is, smoothed");
+  EXPECT_EQ(smooth.triangles.size(), 16 * ball.triangles.size());
+  for (const auto& v : ball.vertices) EXPECT_LT(result.query->closest(v).distance, 1e-12);
+  const auto deepest = [](const Surface& s) {
+    double least = 1;
+    for (const auto& t : s.triangles) {
+      least = std::min(least, (s.vertices[t[0]] + s.vertices[t[1]] + s.vertices[t[2]]).norm() / 3);
+    }
+    return 0.01 - least;
+  };
+  EXPECT_LT(deepest(smooth), deepest(ball) / 3);
+  for (std::size_t t = 0; t < smooth.triangles.size(); ++t) {
+    const auto& c = smooth.triangles[t];
+    const double z = (smooth.vertices[c[0]].z() + smooth.vertices[c[1]].z() + smooth.vertices[c[2]].z()) / 3;
+    if (std::abs(z) < 2e-3) continue;  // a triangle that straddled the border
+    EXPECT_EQ(smooth.part_names[smooth.parts[t]], z > 0 ? "north" : "south");
+  }
+}
+
+TEST(Clean, SmoothingThatMakesTheSurfaceCrossItselfIsRefused) {
+  // Two sheets 0.2 mm apart, one of them dented: what is rounded overshoots into the other.
+  Surface thin = box_surface({0, 0, 0}, {0.04, 0.04, 0.0002}, 4);
+  for (auto& v : thin.vertices) {
+    if (v.z() > 1e-4 && std::abs(v.x() - 0.02) < 1e-9 && std::abs(v.y() - 0.02) < 1e-9) v.z() = 0.02;
+  }
+  CleanOptions options;
+  options.smooth = 2;
+  expect_error([&] { clean_surface(thin, options, "sheet"); }, ExitCode::bad_input,
+               {"sheet", "smooth = 2", "self-intersecting"});
+}
+
 TEST(Clean, SameResultEveryTime) {
   for (const auto& s : {overlapping(), fin(), with_degenerate()}) {
     const auto a = clean_surface(s, {}, "organ.ply"), b = clean_surface(s, {}, "organ.ply");

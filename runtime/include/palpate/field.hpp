@@ -15,8 +15,8 @@ struct DepthTerms {
   double normal_force = 0;  ///< N along n(c)
   double limit = 0;         ///< N, largest tangential force: mu(depth) Fn; infinite in a frictionless file
   Vec3 straight;            ///< N, sideways force of the straight push, across n(c)
-  double growth[9][2] = {};
-  bool beyond = false;  ///< deeper than this pair was sampled
+  double growth[9][2];      ///< set for the field's pairs where depth > 0
+  bool beyond = false;      ///< deeper than this pair was sampled
 };
 
 struct FieldForce {
@@ -86,23 +86,30 @@ public:
     const double extra = share < 1 ? 0 : 0.5 * (share - 1);  // linear in z beyond Z: ds/dz = 1 / (2 Z) there
     terms.depth = z;
     terms.beyond = z > limit_ * kLimitSlack;
-    const auto curve = [&](const spline::Basis& b, const auto* coefs, std::uint32_t count) {
-      const double inside = spline::combine(b, coefs);
-      return extra > 0 ? inside + extra * spline::slope_at_1(coefs, static_cast<int>(count)) : inside;
+    // Curves of as many coefficients have one basis.
+    spline::Basis basis = spline::basis(static_cast<int>(m.normal_coefs), s);
+    std::uint32_t basis_of = m.normal_coefs;
+    const auto choose = [&](std::uint32_t count) {
+      if (count != basis_of) basis = spline::basis(static_cast<int>(count), s);
+      basis_of = count;
     };
-    terms.normal_force = curve(spline::basis(static_cast<int>(m.normal_coefs), s), push_, m.normal_coefs);
+    const auto curve = [&](const auto* coefs) {
+      const double inside = spline::combine(basis, coefs);
+      return extra > 0 ? inside + extra * spline::slope_at_1(coefs, static_cast<int>(basis_of)) : inside;
+    };
+    terms.normal_force = curve(push_);
     if (m.lateral_coefs > 0) {
-      const spline::Basis b = spline::basis(static_cast<int>(m.lateral_coefs), s);
-      terms.straight =
-          curve(b, lateral_x_, m.lateral_coefs) * basis_x_ + curve(b, lateral_y_, m.lateral_coefs) * basis_y_;
+      choose(m.lateral_coefs);
+      terms.straight = curve(lateral_x_) * basis_x_ + curve(lateral_y_) * basis_y_;
     }
     terms.limit = HUGE_VAL;
     if (m.friction_coefs == 0) return terms;
-    terms.limit = spline::combine(spline::basis(static_cast<int>(m.friction_coefs), s), mu_) * terms.normal_force;
-    const spline::Basis g = spline::basis(static_cast<int>(m.growth_coefs), s);
+    choose(m.friction_coefs);
+    terms.limit = spline::combine(basis, mu_) * terms.normal_force;
+    choose(m.growth_coefs);
     for (int j = 0; j < pairs_; ++j) {
       for (std::uint32_t axis = 0; axis < 2; ++axis) {
-        const double value = curve(g, pair_[j].coefs + axis * m.growth_coefs, m.growth_coefs);
+        const double value = curve(pair_[j].coefs + axis * m.growth_coefs);
         terms.growth[j][axis] = value > 0 ? pair_[j].weight * value : 0;
       }
     }
@@ -113,7 +120,7 @@ public:
   [[nodiscard]] Vec3 sideways(const DepthTerms& terms, const Vec3& deflection) const {
     Vec3 force;
     const layout::Meta& m = *view_->meta;
-    if (m.sideways_coefs == 0) return force;
+    if (m.sideways_coefs == 0 || !(terms.depth > 0)) return force;
     const int count = static_cast<int>(m.sideways_coefs);
     for (int i = 0; i < bodies_; ++i) {
       const Body& body = body_[i];

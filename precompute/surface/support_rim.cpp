@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Marching triangles over the clean surface, split where it is coarse, with the ends of each piece found by bisection.
+#include "precompute/surface/support_rim.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector3d;
+
+struct Corner {
+  Vector3d at;
+  bool held;
+};
+
+class Rim {
+public:
+  explicit Rim(const Body& body) : body_(body), longest_(body.diagonal / 32) {}
+
+  void add(const Corner& a, const Corner& b, const Corner& c) {
+    const std::array<Corner, 3> corners{a, b, c};
+    const double edges[3] = {(b.at - a.at).norm(), (c.at - b.at).norm(), (a.at - c.at).norm()};
+    const std::size_t k = std::size_t(std::max_element(edges, edges + 3) - edges);
+    if (edges[k] > longest_) {
+      const Corner &from = corners[k], &to = corners[(k + 1) % 3], &across = corners[(k + 2) % 3];
+      const Vector3d middle = (from.at + to.at) / 2;
+      const Corner half{middle, body_.held(middle)};
+      add(from, half, across);
+      add(half, to, across);
+      return;
+    }
+    const int count = a.held + b.held + c.held;
+    area_ += (b.at - a.at).cross(c.at - a.at).norm() / 2 * count / 3;
+    if (count == 0 || count == 3) return;
+    Vector3d ends[2];
+    int found = 0;
+    for (std::size_t e = 0; e < 3; ++e) {
+      const Corner &from = corners[e], &to = corners[(e + 1) % 3];
+      if (from.held != to.held) ends[found++] = crossing(from, to);
+    }
+    length_ += (ends[1] - ends[0]).norm();
+    points_.push_back((ends[0] + ends[1]) / 2);
+  }
+
+  [[nodiscard]] SupportRim result() const {
+    SupportRim rim;
+    if (points_.empty()) return rim;
+    rim.size = std::clamp(length_ > 0 ? area_ / (2 * length_) : 0.0, body_.diagonal / 64, body_.diagonal / 8);
+    std::set<std::array<long, 3>> taken;
+    for (const Vector3d& p : points_) {
+      const std::array<long, 3> cell{std::lround(p.x() / rim.size), std::lround(p.y() / rim.size),
+                                     std::lround(p.z() / rim.size)};
+      if (taken.insert(cell).second) rim.points.push_back(p);
+    }
+    return rim;
+  }
+
+private:
+  [[nodiscard]] Vector3d crossing(const Corner& from, const Corner& to) const {
+    Vector3d a = from.at, b = to.at;
+    for (int k = 0; k < 8; ++k) {
+      const Vector3d middle = (a + b) / 2;
+      (body_.held(middle) == from.held ? a : b) = middle;
+    }
+    return (a + b) / 2;
+  }
+
+  const Body& body_;
+  double longest_;
+  double area_ = 0.0, length_ = 0.0;
+  std::vector<Vector3d> points_;
+};
+
+}  // namespace
+
+SupportRim support_rim(const Body& body) {
+  const Surface& surface = body.query->surface();
+  std::vector<char> held;
+  for (const Vector3d& v : surface.vertices) held.push_back(body.held(v));
+  Rim rim(body);
+  for (const auto& t : surface.triangles) {
+    const auto corner = [&](int k) { return Corner{surface.vertices[t[k]], held[t[k]] != 0}; };
+    rim.add(corner(0), corner(1), corner(2));
+  }
+  return rim.result();
+}
+
+}  // namespace palpate
