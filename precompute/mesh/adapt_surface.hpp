@@ -19,14 +19,14 @@ struct AdaptOptions {
 struct AdaptedSurface {
   Surface surface;                    ///< closed, manifold, does not cross itself; vertices on the original; one part
   std::vector<std::int32_t> anchors;  ///< the vertex of each anchor, at exactly its coordinates
-  bool refined_base = false;          ///< last resort: the base only split, since every adaptation crossed itself
 };
 
 /// Adapts `base` (closed, manifold, near `original`) to `size`. The feature lines of `original`
 /// stay; their ends and branchings (corners) do not move. `anchors` are points on `original`; each becomes a
 /// vertex. Deterministic; safe to call from several threads.
 /// Throws Error(bad_input) for a base that is not a closed manifold, Error(numerical) where the size field gives
-/// a length that is not finite and positive, or asks for more than 300 000 triangles.
+/// a length that is not finite and positive, or asks for more than 300 000 triangles, and where every adaptation strays
+/// from the original or crosses itself.
 AdaptedSurface adapt_surface(const Surface& base, const SurfaceQuery& original, const SizeField& size,
                              const std::vector<Eigen::Vector3d>& anchors, const AdaptOptions& options = {});
 

@@ -116,7 +116,6 @@ Vector3d SurfaceAdapter::face_cross(Face f) const {
 }
 
 std::optional<Vector3d> SurfaceAdapter::project(const Vector3d& p, bool feature, const Vector3d& normal) const {
-  if (!project_) return p;
   if (feature) return original_.closest_on_feature(p);
   const ClosestPoint on = original_.closest(p);
   const auto& t = original_.surface().triangles[on.triangle];
@@ -147,6 +146,20 @@ bool SurfaceAdapter::shorten_where_coarse() {
   }
   for (const Vertex v : mesh_.vertices()) target_[v.idx()] = std::min(target_[v.idx()], cap_[v.idx()]);
   return any;
+}
+
+double SurfaceAdapter::largest_stray() const {
+  double largest = 0;
+  for (const Face f : mesh_.faces()) {
+    Vector3d middle = Vector3d::Zero();
+    double finest = std::numeric_limits<double>::infinity();
+    for (const Vertex v : mesh_.fv_range(f)) {
+      middle += mesh_.point(v) / 3;
+      finest = std::min(finest, target_[v.idx()]);
+    }
+    largest = std::max(largest, original_.closest(middle).distance / finest);
+  }
+  return largest;
 }
 
 void SurfaceAdapter::shorten(const std::vector<std::int32_t>& triangles, double factor) {

@@ -43,10 +43,10 @@ public:
   void relax();
   /// Asks for shorter edges where the middle of a triangle is too far from the original; true when any was.
   bool shorten_where_coarse();
+  /// Largest distance of a triangle's middle to the original, in target lengths.
+  [[nodiscard]] double largest_stray() const;
   /// Asks for shorter edges at triangles (numbers of the last surface()).
   void shorten(const std::vector<std::int32_t>& triangles, double factor);
-  /// New vertices stay where the edge was, so that no triangle leaves the base's planes.
-  void keep_planes() { project_ = false; }
 
   /// Closes gaps in the numbering and copies the mesh out; `anchors` are renumbered.
   Surface surface(std::vector<std::int32_t>& anchors);
@@ -81,7 +81,6 @@ private:
   const SurfaceQuery& original_;
   SizeField size_;
   double chord_;
-  bool project_ = true;
   std::vector<Kind> kind_;      // per vertex
   std::vector<double> target_;  // per vertex, size there (m)
   std::vector<double> cap_;     // per vertex, longest size allowed (m)

@@ -46,6 +46,34 @@ struct WallFace {
 
 const char* kOutside = "the boundary of the tetrahedra is not the surface";
 
+// Beside the regions' own numbers: not known yet, and on the outer side of the surface (inside a cavity).
+constexpr std::int32_t kUnknown = -1, kVoid = -2;
+
+// Takes the tetrahedra of cavities out, and the points that only they had.
+void drop_voids(LinearTets& mesh) {
+  if (std::find(mesh.regions.begin(), mesh.regions.end(), kVoid) == mesh.regions.end()) return;
+  std::size_t kept = 0;
+  std::vector<std::int32_t> number(mesh.points.size(), kUnknown);
+  for (std::size_t i = 0; i < mesh.tets.size(); ++i) {
+    if (mesh.regions[i] == kVoid) continue;
+    for (const std::int32_t v : mesh.tets[i]) number[v] = 0;
+    mesh.tets[kept] = mesh.tets[i];
+    mesh.regions[kept++] = mesh.regions[i];
+  }
+  mesh.tets.resize(kept);
+  mesh.regions.resize(kept);
+  std::int32_t points = 0;
+  for (std::size_t v = 0; v < number.size(); ++v) {
+    if (number[v] == kUnknown) continue;
+    mesh.points[points] = mesh.points[v];
+    number[v] = points++;
+  }
+  mesh.points.resize(points);
+  for (auto& t : mesh.tets) {
+    for (std::int32_t& v : t) v = number[v];
+  }
+}
+
 }  // namespace
 
 std::string orient_tets(LinearTets& mesh) {
@@ -91,7 +119,7 @@ std::string find_regions(LinearTets& mesh, const SurfaceTriangles& outer, const 
 
   // Neighbours across faces that are no wall; what a wall says about the tetrahedra at it.
   std::vector<std::array<std::int32_t, 2>> joined;
-  mesh.regions.assign(mesh.tets.size(), -1);
+  mesh.regions.assign(mesh.tets.size(), kUnknown);
   for (std::size_t i = 0; i < faces.size();) {
     std::size_t end = i + 1;
     while (end < faces.size() && faces[end].key == faces[i].key) ++end;
@@ -103,14 +131,13 @@ std::string find_regions(LinearTets& mesh, const SurfaceTriangles& outer, const 
       if (!is_wall || wall->surface != 0 || wall->even != faces[i].even) return kOutside;
     } else if (!is_wall) {
       joined.push_back({faces[i].tet, faces[i + 1].tet});
-    } else if (wall->surface == 0) {
-      return kOutside;
     }
     if (is_wall) {
       for (std::size_t j = i; j < end; ++j) {
-        const std::int32_t region = faces[j].even == wall->even ? wall->surface : 0;
+        const std::int32_t beyond = wall->surface == 0 ? kVoid : 0;
+        const std::int32_t region = faces[j].even == wall->even ? wall->surface : beyond;
         std::int32_t& known = mesh.regions[faces[j].tet];
-        if (known >= 0 && known != region) return "a tetrahedron lies in two regions";
+        if (known != kUnknown && known != region) return "a tetrahedron lies in two regions";
         known = region;
       }
     }
@@ -128,13 +155,13 @@ std::string find_regions(LinearTets& mesh, const SurfaceTriangles& outer, const 
   }
   std::vector<std::int32_t> front;
   for (std::size_t i = 0; i < mesh.tets.size(); ++i) {
-    if (mesh.regions[i] >= 0) front.push_back(static_cast<std::int32_t>(i));
+    if (mesh.regions[i] != kUnknown) front.push_back(static_cast<std::int32_t>(i));
   }
   while (!front.empty()) {
     const std::int32_t at = front.back();
     front.pop_back();
     for (const std::int32_t next : neighbours[at]) {
-      if (mesh.regions[next] < 0) {
+      if (mesh.regions[next] == kUnknown) {
         mesh.regions[next] = mesh.regions[at];
         front.push_back(next);
       } else if (mesh.regions[next] != mesh.regions[at]) {
@@ -142,10 +169,11 @@ std::string find_regions(LinearTets& mesh, const SurfaceTriangles& outer, const 
       }
     }
   }
-  if (std::find(mesh.regions.begin(), mesh.regions.end(), -1) != mesh.regions.end()) {
+  if (std::find(mesh.regions.begin(), mesh.regions.end(), kUnknown) != mesh.regions.end()) {
     return "tetrahedra that touch no surface";
   }
-  return {};
+  drop_voids(mesh);
+  return mesh.tets.empty() ? kOutside : std::string();
 }
 
 double min_dihedral(const LinearTets& mesh) {

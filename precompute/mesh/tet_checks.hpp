@@ -13,8 +13,9 @@ std::string orient_tets(LinearTets& mesh);
 /// Surfaces as triangles of the mesh's own points: the outer one, then the inclusions, all seen from outside.
 using SurfaceTriangles = std::vector<std::array<std::int32_t, 3>>;
 
-/// Sets the regions of a mesh that should fill `outer` and keep every triangle of `inner`. Gives a cause where
-/// the boundary is not exactly `outer`, an inner triangle is missing, or an inclusion is empty.
+/// Sets the regions of a mesh that should fill `outer` and keep every triangle of `inner`, and takes out what fills the
+/// cavities of `outer`. Gives a cause where the boundary is not exactly `outer`, an inner triangle is missing, or an
+/// inclusion is empty.
 std::string find_regions(LinearTets& mesh, const SurfaceTriangles& outer, const std::vector<SurfaceTriangles>& inner);
 
 /// Smallest angle between two faces of a tetrahedron (degrees).

@@ -173,7 +173,14 @@ void try_tetgen(const Body& body, const SizeField& size, const std::vector<Vecto
   for (const Rung& rung : kRungs) {
     const SizeField scaled = [&](const Vector3d& p) { return rung.scale * size(p); };
     if (last == nullptr || last->scale != rung.scale || last->cap != rung.cap) {
-      adapted = adapt_body(body, scaled, anchors, rung.cap * body.diagonal);
+      try {
+        adapted = adapt_body(body, scaled, anchors, rung.cap * body.diagonal);
+      } catch (const Error& error) {
+        if (error.code() != ExitCode::numerical) throw;
+        last = nullptr;
+        add_cause(result.cause, error.what());
+        continue;
+      }
     }
     last = &rung;
     MesherAnswer answer = mesh_by_tetgen(adapted, scaled, options, rung.bound_dihedral);

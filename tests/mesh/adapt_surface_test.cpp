@@ -33,7 +33,6 @@ std::pair<double, double> relative_edges(const Surface& s, const SizeField& size
 void expect_sound(const AdaptedSurface& adapted, const std::vector<Vector3d>& anchors) {
   EXPECT_TRUE(test::closed_and_oriented(adapted.surface));
   EXPECT_FALSE(self_intersects(adapted.surface));
-  EXPECT_FALSE(adapted.refined_base);
   ASSERT_EQ(adapted.anchors.size(), anchors.size());
   for (std::size_t k = 0; k < anchors.size(); ++k) {
     EXPECT_EQ(adapted.surface.vertices[adapted.anchors[k]], anchors[k]);

@@ -83,6 +83,15 @@ TEST(TetChecks, RegionInsideIsFlooded) {
   EXPECT_EQ(m.regions, (std::vector<std::int32_t>{1, 1, 1, 1, 0, 0, 0, 0}));
   const std::vector<double> volumes = region_volumes(m, 1);
   EXPECT_NEAR(volumes[1], 8.0 / 3, 1e-12);
+  // The same walls, the inner one facing inward: a cavity, whose filling and centre point go.
+  LinearTets hollow = m;
+  SurfaceTriangles both = outer;
+  for (const auto& t : inner) both.push_back({t[0], t[2], t[1]});
+  EXPECT_EQ(find_regions(hollow, both, {}), "");
+  EXPECT_EQ(hollow.tets.size(), 4U);
+  EXPECT_EQ(hollow.regions, (std::vector<std::int32_t>{0, 0, 0, 0}));
+  EXPECT_EQ(hollow.points.size(), 8U);
+  EXPECT_NEAR(region_volumes(hollow, 0)[0], volumes[0], 1e-12);
   SurfaceTriangles missing = inner;
   missing[0] = {0, 1, 5};
   EXPECT_NE(find_regions(m, outer, {missing}), "");

@@ -123,6 +123,23 @@ TEST(VolumeMesh, InclusionHasItsVolumeByEitherBackend) {
   }
 }
 
+TEST(VolumeMesh, HollowBallIsNotFilled) {
+  const double outside = 0.01, inside = 0.008;
+  Surface shell = test::sphere_surface({0, 0, 0}, outside, 4);
+  const Surface wall = test::sphere_surface({0, 0, 0}, inside, 4);
+  const auto first = static_cast<std::int32_t>(shell.vertices.size());
+  shell.vertices.insert(shell.vertices.end(), wall.vertices.begin(), wall.vertices.end());
+  for (const auto& t : wall.triangles) shell.triangles.push_back({t[0] + first, t[2] + first, t[1] + first});
+  shell.parts.assign(shell.triangles.size(), 0);
+  const Body body = test::body_of(shell, 0.002);
+  const Vector3d site = body.query->closest({0, 0, outside}).point;
+  const VolumeMeshResult r = mesh_volume(body, test::size_round(site, 0.0006, 0.004), {site}, with(Backend::tetgen));
+  expect_sound(r, site);
+  const double volume = test::surface_volume(shell);
+  EXPECT_NEAR(region_volume(r.mesh, 0) / volume, 1, 0.08);
+  for (std::int32_t v = 0; v < r.mesh.corner_count; ++v) EXPECT_GT(r.mesh.nodes[v].norm(), 0.95 * inside);
+}
+
 TEST(VolumeMesh, SmallDeepInclusionIsNotMissed) {
   Body body = test::body_of(test::sphere_surface({0, 0, 0}, 0.05, 4), 0.006);
   test::add_inclusion(body, test::sphere_surface({0.01, -0.01, -0.02}, 0.003, 3), 0.001);
