@@ -149,6 +149,14 @@ void read_tools(Scene& scene, const toml::table& root, const Place& place) {
   if (scene.tools.empty()) scene.tools.emplace_back();
 }
 
+void check_capsule(const BodyScene& body, const toml::table& root, const Place& place) {
+  const auto missing = [&](const char* key, const char* why) {
+    fail(place.below("body").below(key), root["body"].node(), std::string("missing; ") + why);
+  };
+  if (body.capsule_thickness > 0 && !(body.capsule_young > 0)) missing("capsule_young", "a capsule needs a modulus");
+  if (body.capsule_young > 0 && !(body.capsule_thickness > 0)) missing("capsule_thickness", "a capsule needs one");
+}
+
 void check_sampling(const SamplingScene& sampling, const toml::table& root, const Place& place) {
   if (sampling.margin_spacing > sampling.spacing) {
     fail(place.below("sampling.margin_spacing"), root["sampling"]["margin_spacing"].node(),
@@ -194,6 +202,7 @@ Scene read_scene(const std::filesystem::path& file) {
   if (scene.name.empty()) scene.name = file.stem().string();
 
   read_section(scene.body, root, "body", body_keys(), place);
+  check_capsule(scene.body, root, place);
   read_section(scene.material, root, "material", material_keys(), place);
   if (const toml::table* table = section(root, "material", place)) {
     check_material(scene.material, *table, place.below("material"));

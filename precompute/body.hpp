@@ -28,7 +28,8 @@ struct SurfaceReport {
   double largest_move = 0.0, mean_move = 0.0;                               ///< m, from the result to the input surface
   double volume = 0.0, area = 0.0;                                          ///< m^3, m^2
   double thickness_min = 0.0, thickness_median = 0.0, thickness_p05 = 0.0;  ///< m
-  bool thin_bag = false;  ///< looks like a thin closed shell rather than a solid
+  double facet_depth = 0.0;  ///< m, mean distance of the facets' middles to the round surface that they stand for
+  bool thin_bag = false;     ///< looks like a thin closed shell rather than a solid
 };
 
 /// Where the held part of the surface ends, and the edge length (m) that resolves it; see support_rim.hpp.
@@ -43,6 +44,7 @@ struct Body {
   Surface base;                               ///< coarse remeshed copy, edge about base_size
   double base_size = 0.0;                     ///< m
   MaterialScene material;
+  double capsule_thickness = 0.0, capsule_young = 0.0;  ///< m, Pa; of a thin sheet on the surface, 0: none
   std::vector<Inclusion> inclusions;
   std::vector<SupportScene> supports;
   std::vector<std::shared_ptr<const SurfaceQuery>> support_surfaces;  ///< per support; null unless kind is distance
@@ -57,5 +59,7 @@ struct Body {
 
 /// Loads, validates, repairs and joins the scene's surfaces. Throws Error(bad_input) that names file and fault.
 Body prepare_body(const Scene& scene);
+/// The same of a surface (m) that is in memory already.
+Body prepare_body(const Scene& scene, const Surface& surface);
 
 }  // namespace palpate

@@ -45,6 +45,7 @@ Push::Push(const Body& body, const TetMesh& mesh, const ToolShape& shape, const 
       rest_(stacked(mesh)),
       fixed_(fixed_nodes(body, mesh)),
       elastic_(mesh, materials(body)),
+      membrane_(mesh, fixed_, {body.capsule_thickness, body.capsule_young}),
       bed_(body, mesh),
       contact_(mesh, fixed_, shape, pose),
       minimiser_(mesh, fixed_) {
@@ -56,16 +57,18 @@ Push::Push(const Body& body, const TetMesh& mesh, const ToolShape& shape, const 
 }
 
 double Push::value(const VectorXd& x) const {
-  return elastic_.value(x) - rest_energy_ + bed_.value(x) + contact_.value(x);
+  return elastic_.value(x) - rest_energy_ + membrane_.value(x) + bed_.value(x) + contact_.value(x);
 }
 
 double Push::gradient(const VectorXd& x, VectorXd& gradient) const {
   gradient.setZero();
-  return elastic_.gradient(x, gradient) - rest_energy_ + bed_.gradient(x, gradient) + contact_.gradient(x, gradient);
+  return elastic_.gradient(x, gradient) - rest_energy_ + membrane_.gradient(x, gradient) + bed_.gradient(x, gradient) +
+         contact_.gradient(x, gradient);
 }
 
 void Push::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& matrix) const {
   elastic_.hessian(x, kind, matrix);
+  membrane_.hessian(x, kind, matrix);
   bed_.hessian(matrix);
   contact_.hessian(x, kind, matrix);
 }

@@ -4,6 +4,7 @@
 
 #include "precompute/body.hpp"
 #include "precompute/fem/elastic.hpp"
+#include "precompute/fem/membrane.hpp"
 #include "precompute/fem/minimiser.hpp"
 #include "precompute/solve/bed.hpp"
 #include "precompute/solve/contact.hpp"
@@ -56,8 +57,10 @@ public:
 
   [[nodiscard]] ContactReport report() const { return contact_.report(state_.x); }
   [[nodiscard]] const ContactEnergy& contact() const { return contact_; }
-  /// J stored in the body and in elastic supports.
-  [[nodiscard]] double elastic_energy() const { return elastic_.value(state_.x) - rest_energy_ + bed_.value(state_.x); }
+  /// J stored in the body, its capsule and elastic supports.
+  [[nodiscard]] double elastic_energy() const {
+    return elastic_.value(state_.x) - rest_energy_ + membrane_.value(state_.x) + bed_.value(state_.x);
+  }
   [[nodiscard]] double min_jacobian() const { return elastic_.min_jacobian(state_.x); }
   [[nodiscard]] std::uint32_t factorisations() const { return factorisations_; }
   [[nodiscard]] bool held_anywhere() const { return held_anywhere_; }
@@ -78,6 +81,7 @@ private:
   Eigen::VectorXd rest_;
   std::vector<char> fixed_;
   ElasticEnergy elastic_;
+  MembraneEnergy membrane_;
   BedEnergy bed_;
   ContactEnergy contact_;
   Minimiser minimiser_;

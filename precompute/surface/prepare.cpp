@@ -120,32 +120,56 @@ void separate_bases(Body& body, const std::vector<double>& edges, const std::str
               name + ": a region lies too close to the body's surface or to another region to be meshed");
 }
 
-// What no tool can enter need not be open: crevices that a wrap follows in vain make bad meshes.
-double wrap_alpha(const Scene& scene, double diagonal) {
+// m; 0 where every tool is a mesh.
+double smallest_tip(const Scene& scene) {
   double radius = 0.0;
   for (const ToolScene& tool : scene.tools) {
     if (tool.shape == ToolScene::Shape::mesh) continue;
     radius = radius > 0 ? std::min(radius, tool.radius) : tool.radius;
   }
-  return std::clamp(radius, diagonal / 50.0, diagonal / 20.0);
+  return radius;
+}
+
+// What no tool can enter need not be open: crevices that a wrap follows in vain make bad meshes.
+double wrap_alpha(const Scene& scene, double diagonal) {
+  return std::clamp(smallest_tip(scene), diagonal / 50.0, diagonal / 20.0);
+}
+
+// Facets this share of the tip's radius below the round surface make a shallow touch an accident of where it falls.
+constexpr double kFeltFacet = 0.02;
+
+void warn_of_facets(const Scene& scene, SurfaceReport& report) {
+  const double tip = smallest_tip(scene);
+  if (tip > 0 && report.facet_depth > kFeltFacet * tip) {
+    report.findings.push_back(
+        fmt::format("facets {:.3g} mm deep on average: a tip of {:.3g} mm feels them; smooth = 2 "
+                    "in [body] rounds them off",
+                    1e3 * report.facet_depth, 1e3 * tip));
+  }
 }
 
 }  // namespace
 
 Body prepare_body(const Scene& scene) {
   if (scene.body.surfaces.empty()) fail(scene.file.string() + ": the body has no surface");
-  const auto name = file_names(scene.body.surfaces);
   std::vector<Surface> surfaces;
   for (const auto& source : scene.body.surfaces) surfaces.push_back(read_surface(source));
-  const Surface joint = join(surfaces);
-  const double alpha = scene.body.wrap_alpha > 0 ? scene.body.wrap_alpha : wrap_alpha(scene, diagonal(joint));
+  return prepare_body(scene, join(surfaces));
+}
+
+Body prepare_body(const Scene& scene, const Surface& surface) {
+  const auto name = scene.body.surfaces.empty() ? std::string("the body") : file_names(scene.body.surfaces);
+  const double alpha = scene.body.wrap_alpha > 0 ? scene.body.wrap_alpha : wrap_alpha(scene, diagonal(surface));
   const auto cleaned =
-      clean_surface(joint, {scene.body.repair, alpha, scene.body.wrap_offset, scene.body.smooth}, name);
+      clean_surface(surface, {scene.body.repair, alpha, scene.body.wrap_offset, scene.body.smooth}, name);
 
   Body body;
   body.query = cleaned.query;
   body.report = cleaned.report;
+  warn_of_facets(scene, body.report);
   body.material = scene.material;
+  body.capsule_thickness = scene.body.capsule_thickness;
+  body.capsule_young = scene.body.capsule_young;
   body.diagonal = diagonal(body.query->surface());
   body.base_size = std::min(body.diagonal / 25.0, edge_for(body.report.area, base_triangles));
   body.base = coarse_copy(body.query->surface(), body.base_size, name);

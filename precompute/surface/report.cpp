@@ -2,6 +2,7 @@
 // Measures of a prepared surface and their text.
 #include "precompute/surface/report.hpp"
 
+#include "precompute/geometry/feature_normals.hpp"
 #include "precompute/geometry/topology.hpp"
 #include "precompute/surface/kernel.hpp"
 
@@ -10,6 +11,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numbers>
 
 namespace palpate {
 namespace {
@@ -19,6 +22,32 @@ constexpr std::size_t thickness_points = 500;
 // The largest of the lowest `share` of sorted values.
 double quantile(const std::vector<double>& sorted, double share) {
   return sorted[std::min(sorted.size() - 1, static_cast<std::size_t>(share * double(sorted.size())))];
+}
+
+// Two facets whose middles are c apart and that turn by an angle stand for a surface of radius c / angle; the middle of
+// an equilateral facet lies c^2 / 2 over that radius below it. The mean over smooth edges, weighted by their length.
+double mean_facet_depth(const Surface& surface) {
+  std::map<std::pair<std::int32_t, std::int32_t>, std::size_t> seen;
+  double sum = 0.0, total = 0.0;
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const auto middle = [&](std::size_t triangle) {
+      Eigen::Vector3d m = Eigen::Vector3d::Zero();
+      for (const auto c : surface.triangles[triangle]) m += surface.vertices[std::size_t(c)] / 3;
+      return m;
+    };
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto a = surface.triangles[t][k], b = surface.triangles[t][(k + 1) % 3];
+      const auto [other, first] = seen.try_emplace(std::minmax(a, b), t);
+      if (first) continue;
+      const Eigen::Vector3d n = triangle_normal(surface, t), m = triangle_normal(surface, other->second);
+      const double turn = std::atan2(n.cross(m).norm(), n.dot(m));
+      if (turn > kFeatureAngle * std::numbers::pi / 180) continue;
+      const double length = (surface.vertices[std::size_t(b)] - surface.vertices[std::size_t(a)]).norm();
+      sum += length * (middle(t) - middle(other->second)).norm() * turn / 2;
+      total += length;
+    }
+  }
+  return total > 0 ? sum / total : 0.0;
 }
 
 }  // namespace
@@ -55,6 +84,7 @@ void measure(const SurfaceQuery& query, SurfaceReport& report) {
   report.triangles = surface.triangles.size();
   report.volume = signed_volume(surface);
   report.area = area(surface);
+  report.facet_depth = mean_facet_depth(surface);
   std::vector<double> thickness;
   for (const auto& p : spread_points(surface, thickness_points))
     thickness.push_back(query.thickness(p.point, p.normal));

@@ -98,6 +98,8 @@ std::vector<Case> cases() {
       {"unknown_dotted", "[contact]\nfriction.static = 0.1\n", 4, {"contact.friction: got a table"}},
       {"section_is_value", "[x]\n[response]\nmodel=\"separable\"\n", 3, {"x: unknown key"}},
       {"array_section", "[[sampling]]\ndepth = 0.1\n", 3, {"sampling: got", "a table"}},
+      {"capsule_without_modulus", "capsule_thickness = 1e-4\n", 1, {"body.capsule_young: missing"}},
+      {"capsule_without_thickness", "capsule_young = 1e6\n", 1, {"body.capsule_thickness: missing"}},
       {"punch_edge",
        "[tool]\nshape = \"punch\"\nradius = 0.004\nedge_radius = 0.004\n",
        6,

@@ -103,6 +103,8 @@ repair = "wrap"
 wrap_alpha = 0.002
 wrap_offset = 1e-4
 smooth = 2
+capsule_thickness = 1e-4
+capsule_young = 1e6
 [material]
 young = 4000
 poisson = 0
@@ -166,6 +168,8 @@ time_limit = 60
   EXPECT_EQ(scene.body.repair, RepairMode::wrap);
   EXPECT_EQ(scene.body.wrap_offset, 1e-4);
   EXPECT_EQ(scene.body.smooth, 2);
+  EXPECT_EQ(scene.body.capsule_thickness, 1e-4);
+  EXPECT_EQ(scene.body.capsule_young, 1e6);
   EXPECT_EQ(scene.material.poisson, 0.0);
   ASSERT_EQ(scene.regions.size(), 2U);
   EXPECT_EQ(scene.regions[0].name, "region");

@@ -136,6 +136,20 @@ TEST_F(Pair, ABallOnItsSupportAnswersAlikeOnEveryMesh) {
   EXPECT_NEAR(forces[2] / forces[0], 1, 0.03);
 }
 
+// A stiff skin spreads the push; one that is soft as nothing changes nothing.
+TEST_F(Pair, ACapsuleStiffensTheBody) {
+  scene.sampling.normal_points = 4;
+  const PairResult bare = solve(0.0, 0.003);
+  body.capsule_thickness = 1e-4;
+  body.capsule_young = 1e-3;
+  const PairResult soft = solve(0.0, 0.003);
+  body.capsule_young = 1e6;
+  const PairResult stiff = solve(0.0, 0.003);
+  for (const PairResult* r : {&bare, &soft, &stiff}) ASSERT_TRUE(r->outcome.accepted) << r->outcome.cause;
+  EXPECT_NEAR(deepest(soft).force.z() / deepest(bare).force.z(), 1, 1e-3);
+  EXPECT_GT(deepest(stiff).force.z() / deepest(bare).force.z(), 1.2);
+}
+
 TEST_F(Pair, NoSupportIsRefusedByName) {
   body.supports.clear();
   body.support_surfaces.clear();

@@ -14,6 +14,21 @@ SurfaceReport measured(const Surface& s) {
   return report;
 }
 
+// Of a ball it is what the facets' middles lack; sharp edges of a box are none.
+TEST(Report, FacetsOfABallAndOfABox) {
+  const Surface ball = sphere_surface({0, 0, 0}, 0.01, 2);
+  double lacking = 0;
+  for (const auto& t : ball.triangles) {
+    lacking += 0.01 - (ball.vertices[t[0]] + ball.vertices[t[1]] + ball.vertices[t[2]]).norm() / 3;
+  }
+  lacking /= double(ball.triangles.size());
+  SurfaceReport report;
+  measure(SurfaceQuery(ball), report);
+  EXPECT_NEAR(report.facet_depth / lacking, 1, 0.1);
+  measure(SurfaceQuery(box_surface({0, 0, 0}, {0.1, 0.1, 0.1}, 3)), report);
+  EXPECT_LT(report.facet_depth, 1e-12);
+}
+
 TEST(Report, SlabThickness) {
   const auto report = measured(box_surface({0, 0, 0}, {0.2, 0.3, 0.02}, 8));
   EXPECT_NEAR(report.volume, 0.2 * 0.3 * 0.02, 1e-15);

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The capsule's membrane: derivatives through large and flat states, closed forms of stretch, rigid motion.
+#include "precompute/fem/membrane.hpp"
+
+#include "tests/support/block_mesh.hpp"
+#include "tests/support/finite_difference.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+TetMesh cube(const std::vector<double>& cuts) { return test::block_mesh(cuts, cuts, cuts); }
+
+class Sheet final : public EnergyProblem {
+public:
+  explicit Sheet(const TetMesh& mesh, double young = 3e4, double thickness = 1e-3)
+      : membrane_(mesh, std::vector<char>(mesh.nodes.size(), 0), {thickness, young}) {}
+  double value(const VectorXd& x) const override { return membrane_.value(x); }
+  double gradient(const VectorXd& x, VectorXd& g) const override {
+    g.setZero();
+    return membrane_.gradient(x, g);
+  }
+  void hessian(const VectorXd& x, HessianKind kind, BlockMatrix& m) const override { membrane_.hessian(x, kind, m); }
+  double load(const VectorXd&) const override { return 1; }
+
+private:
+  MembraneEnergy membrane_;
+};
+
+VectorXd mapped(const TetMesh& mesh, const Eigen::Matrix3d& f) {
+  VectorXd x = test::stacked(mesh);
+  for (Eigen::Index n = 0; n < x.size() / 3; ++n) x.segment<3>(3 * n) = f * x.segment<3>(3 * n);
+  return x;
+}
+
+TEST(Membrane, DerivativesAgreeWithDifferences) {
+  const TetMesh mesh = cube({0, 0.45, 1});
+  const Sheet sheet(mesh);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> within(-1, 1);
+  for (const double amplitude : {0.0, 0.02, 0.1}) {
+    for (const double squeeze : {1.0, 0.4, 1.8}) {
+      VectorXd x = mapped(mesh, Eigen::Vector3d(squeeze, 1 / std::sqrt(squeeze), 1).asDiagonal());
+      for (Eigen::Index k = 0; k < x.size(); ++k) x[k] += amplitude * within(random);
+      if (amplitude > 0 || squeeze != 1) {
+        EXPECT_LT(test::gradient_error(sheet, x, 1e-6), 1e-6);
+      }
+      EXPECT_LT(test::hessian_error(sheet, mesh, x, 1e-6), 1e-6);
+    }
+  }
+}
+
+// Of a closed block's six unit faces: the two across z see the stretches of x and y, and so on.
+TEST(Membrane, EnergyOfAStretchIsTheClosedForm) {
+  const TetMesh mesh = cube({0, 0.45, 1});
+  const double young = 3e4, thickness = 1e-3;
+  const Sheet sheet(mesh, young, thickness);
+  const Vector3d s(1.3, 0.8, 1.1);
+  const auto density = [&](double a, double b) { return a * a + b * b + 1 / (a * a * b * b) - 3; };
+  const double expected =
+      young / 6 * thickness * 2 * (density(s.x(), s.y()) + density(s.y(), s.z()) + density(s.z(), s.x()));
+  EXPECT_NEAR(sheet.value(mapped(mesh, s.asDiagonal())) / expected, 1, 1e-10);
+}
+
+TEST(Membrane, RigidMotionCostsNothing) {
+  const TetMesh mesh = cube({0, 0.45, 1});
+  const Sheet sheet(mesh);
+  const VectorXd x = mapped(mesh, Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()).toRotationMatrix());
+  VectorXd g(x.size());
+  EXPECT_NEAR(sheet.gradient(x, g), 0, 1e-12);
+  EXPECT_LT(g.cwiseAbs().maxCoeff(), 1e-10);
+}
+
+// A face without area is refused by an infinite energy, not by a NaN.
+TEST(Membrane, CollapsedFaceIsInfinite) {
+  const TetMesh mesh = cube({0, 1});
+  const Sheet sheet(mesh);
+  VectorXd x = mapped(mesh, Eigen::Vector3d(0, 1, 1).asDiagonal());
+  EXPECT_EQ(sheet.value(x), HUGE_VAL);
+  VectorXd g(x.size());
+  EXPECT_EQ(sheet.gradient(x, g), HUGE_VAL);
+}
+
+// The convex Hessian has a Cholesky factor where the exact one has none: under compression.
+TEST(Membrane, ConvexHessianIsNotIndefinite) {
+  const TetMesh mesh = cube({0, 1});
+  const Sheet sheet(mesh);
+  const VectorXd x = mapped(mesh, Eigen::Vector3d(0.7, 0.7, 0.7).asDiagonal());
+  for (const HessianKind kind : {HessianKind::exact, HessianKind::convex}) {
+    BlockMatrix matrix(mesh, std::vector<char>(mesh.nodes.size(), 0));
+    matrix.set_zero();
+    sheet.hessian(x, kind, matrix);
+    const Eigen::MatrixXd lower = matrix.matrix();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(Eigen::MatrixXd(lower.selfadjointView<Eigen::Lower>()),
+                                                               Eigen::EigenvaluesOnly);
+    const double least = eigen.eigenvalues().minCoeff(), most = eigen.eigenvalues().maxCoeff();
+    if (kind == HessianKind::convex) {
+      EXPECT_GT(least, -1e-9 * most);
+    } else {
+      EXPECT_LT(least, -1e-3 * most);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpate
