@@ -9,6 +9,7 @@
 #include "tools/pipeline_steps.hpp"
 #include "tools/response_input.hpp"
 #include "tools/tick_bench.hpp"
+#include "tools/verify_battery.hpp"
 #include "tools/verify_checks.hpp"
 
 #include <cstdio>
@@ -22,7 +23,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string input, work, response, report, samples;
+  std::string input, work, response, report, samples, battery, family;
   std::uint32_t count = 40;
   std::uint64_t seed = 1;
   VerifyLimits limits;
@@ -170,6 +171,11 @@ void solve(const Options& options, const Globals& globals) {
 }
 
 void run(const Options& options, const Globals& globals) {
+  if (!options.battery.empty()) {
+    if (!options.input.empty()) throw Error(ExitCode::usage, "--battery makes its own bodies; leave the scene out");
+    return run_battery_command({options.report, options.family, options.seed}, globals);
+  }
+  if (options.input.empty()) throw Error(ExitCode::usage, "verify needs a scene, a response file or --battery stiff");
   if (!options.samples.empty()) return compare(options, globals);
   if (options.input.ends_with(".palp")) {
     throw Error(ExitCode::usage, options.input +
@@ -184,8 +190,10 @@ void run(const Options& options, const Globals& globals) {
 void add_verify(CLI::App& app, Globals& globals) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("verify", "Compares baked with solved forces; exit code 5 beyond a limit");
-  command->add_option("input", options->input, "Scene (solves held-out contacts) or, with --samples, a response file")
-      ->required();
+  command->add_option("input", options->input, "Scene (solves held-out contacts) or, with --samples, a response file");
+  command->add_option("--battery", options->battery, "Instead of a scene: the cells of the stability table")
+      ->check(CLI::IsMember({"stiff"}));
+  command->add_option("--family", options->family, "Only this family of the battery");
   command->add_option("--count", options->count, "Held-out contacts")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();

@@ -4,15 +4,13 @@
 
 #include "formats/error.hpp"
 #include "precompute/solve/pair.hpp"
+#include "precompute/verify/parallel.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
 #include <mutex>
 #include <numbers>
 #include <random>
-#include <thread>
 
 namespace palpate {
 namespace {
@@ -157,43 +155,14 @@ HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const B
     throw Error(ExitCode::bad_input, "no part of the body can be touched: the supports cover it");
   set.untouchable_share = 1 - static_cast<double>(set.contacts.size()) / static_cast<double>(drawn);
 
-  std::atomic<std::size_t> next{0};
   std::size_t done = 0;
-  std::atomic<bool> halt{false};
-  std::exception_ptr failure;
-  std::mutex guard;  // of failure, set.stopped and the progress
-  const auto work = [&] {
-    try {
-      for (std::size_t k = next++; k < set.contacts.size() && !halt; k = next++) {
-        if (options.stop && options.stop()) {
-          halt = true;
-          const std::lock_guard lock(guard);
-          set.stopped = true;
-          return;
-        }
-        solve(scene, body, tools[set.contacts[k].tool], set.contacts[k], starts[k]);
-        const std::lock_guard lock(guard);
-        ++done;
-        if (options.progress && !halt) options.progress(done, set.contacts.size());
-      }
-    } catch (...) {  // kept whole, rethrown by the calling thread; the others end after the solve they are in
-      halt = true;
-      const std::lock_guard lock(guard);
-      if (!failure) failure = std::current_exception();
-    }
-  };
-  {
-    std::vector<std::jthread> threads;
-    // Where a thread cannot be started, the ones that could are stopped and joined on the way out.
-    try {
-      for (unsigned k = 1; k < options.threads; ++k) threads.emplace_back(work);
-    } catch (...) {
-      halt = true;
-      throw;
-    }
-    work();
-  }
-  if (failure) std::rethrow_exception(failure);
+  std::mutex guard;  // of the progress
+  set.stopped = !parallel_for(set.contacts.size(), options.threads, options.stop, [&](std::size_t k) {
+    solve(scene, body, tools[set.contacts[k].tool], set.contacts[k], starts[k]);
+    const std::lock_guard lock(guard);
+    ++done;
+    if (options.progress) options.progress(done, set.contacts.size());
+  });
   compare_with_file(view, set.contacts);
   return set;
 }

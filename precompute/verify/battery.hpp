@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Runs stiff cells and checks a seeded share of the converged ones against finer meshes.
+#pragma once
+
+#include "formats/samples.hpp"
+#include "precompute/verify/stiff_cells.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+struct BatteryOptions {
+  std::uint64_t seed = 1;
+  double verified_share = 0.2;  ///< of the converged cells of every family, [0, 1]
+  double tolerance = 0.05;      ///< largest relative difference to the finer mesh, over the deeper half of the curve
+  unsigned threads = 1;
+  std::function<bool()> stop;  ///< polled between cells
+  std::function<void(std::size_t done, std::size_t total)> progress;
+};
+
+struct CellResult {
+  enum class End { converged, refused };
+  End end = End::refused;
+  std::string cause;                 ///< of a refusal
+  std::vector<Sample> samples;       ///< of a converged cell
+  double seconds = 0.0;              ///< of the solve, check aside
+  std::uint32_t nodes = 0;           ///< of its mesh
+  std::optional<double> difference;  ///< to the finer mesh; none: not drawn, or the finer solve was refused
+  std::string check_cause;           ///< why the finer solve was refused
+};
+
+struct BatteryResult {
+  std::vector<CellResult> cells;  ///< as many as were given
+  bool stopped = false;
+};
+
+/// Bake's own entry point for every cell (pair.hpp); the check has elements 0.6 times as large that grow slower.
+/// A cell whose force is not finite counts as refused by name.
+BatteryResult run_battery(const std::vector<StiffCell>& cells, const BatteryOptions& options);
+
+/// What a table says of a set of cells.
+struct BatteryFigures {
+  std::size_t cells = 0, converged = 0, verified = 0, wrong = 0, core = 0, core_converged = 0;
+  double slowest = 0.0;  ///< s
+};
+
+/// `family` empty: of all.
+BatteryFigures battery_figures(const std::vector<StiffCell>& cells, const BatteryResult& result, double tolerance,
+                               const std::string& family = {});
+
+}  // namespace palpate

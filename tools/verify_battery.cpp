@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/verify_battery.hpp"
+
+#include "formats/error.hpp"
+#include "precompute/verify/battery.hpp"
+#include "tools/interrupt.hpp"
+#include "tools/output.hpp"
+#include "tools/tick_bench.hpp"
+#include "tools/verify_checks.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <nlohmann/json.hpp>
+
+namespace palpate::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kCore = 0.9, kOverall = 0.7;
+
+std::vector<std::string> families_of(const std::vector<StiffCell>& cells) {
+  std::vector<std::string> names;
+  for (const StiffCell& cell : cells) {
+    if (std::find(names.begin(), names.end(), cell.family) == names.end()) names.push_back(cell.family);
+  }
+  return names;
+}
+
+// The gate's name: what a refusal has before its figures.
+std::string gate_of(const std::string& cause) {
+  std::string gate = cause.substr(0, cause.find_first_of(":("));
+  for (const char* place : {" at depth", " in the push", " in 100 iterations"}) gate = gate.substr(0, gate.find(place));
+  return gate;
+}
+
+Json to_json(const BatteryFigures& f) {
+  return {{"cells", f.cells},       {"converged", f.converged},
+          {"core", f.core},         {"core_converged", f.core_converged},
+          {"verified", f.verified}, {"wrong", f.wrong},
+          {"slowest_s", f.slowest}};
+}
+
+Json to_json(const StiffCell& cell, const CellResult& result) {
+  Json json{{"family", cell.family},
+            {"cell", cell.name},
+            {"core", cell.core},
+            {"converged", result.end == CellResult::End::converged}};
+  if (!result.cause.empty()) json["cause"] = result.cause;
+  if (!result.samples.empty()) {
+    double force = 0;
+    for (const Sample& s : result.samples) {
+      if (s.kind == SampleKind::normal) force = s.force.z();
+    }
+    json["force_N"] = force;
+  }
+  json["seconds"] = result.seconds;
+  json["nodes"] = result.nodes;
+  if (result.difference) json["difference"] = *result.difference;
+  if (!result.check_cause.empty()) json["check_cause"] = result.check_cause;
+  return json;
+}
+
+std::string row(const std::string& name, const BatteryFigures& f) {
+  char text[200];
+  std::snprintf(text, sizeof text, "| %s | %zu | %zu | %zu of %zu | %zu | %zu | %.1f |\n", name.c_str(), f.cells,
+                f.converged, f.core_converged, f.core, f.verified, f.wrong, f.slowest);
+  return text;
+}
+
+}  // namespace
+
+void run_battery_command(const BatteryCommand& command, const Globals& globals) {
+  if (!command.report.empty()) check_writable(command.report);
+  std::vector<StiffCell> cells = stiff_cells();
+  const std::vector<std::string> families = families_of(cells);
+  if (!command.family.empty()) {
+    std::erase_if(cells, [&](const StiffCell& cell) { return cell.family != command.family; });
+    std::string known;
+    for (const std::string& name : families) known += (known.empty() ? "" : ", ") + name;
+    if (cells.empty()) throw Error(ExitCode::usage, "--family " + command.family + ": there are: " + known);
+  }
+  BatteryOptions options;
+  options.seed = command.seed;
+  options.threads = static_cast<unsigned>(globals.threads);
+  options.stop = [] { return interrupted(); };
+  options.progress = [&](std::size_t done, std::size_t total) {
+    if (done == total || done % 10 == 0)
+      note(globals, "cells: " + std::to_string(done) + " of " + std::to_string(total));
+  };
+  const InterruptPolling polling;
+  const BatteryResult result = run_battery(cells, options);
+  if (result.stopped) throw Interrupted("cells are not kept; run the command again");
+
+  const BatteryFigures all = battery_figures(cells, result, options.tolerance);
+  Json json{{"battery", "stiff"},   {"machine", machine_name()},
+            {"seed", command.seed}, {"tolerance", options.tolerance},
+            {"all", to_json(all)},  {"families", Json::object()}};
+  char head[256];
+  std::snprintf(head, sizeof head,
+                "Stiff battery, seed %llu: %zu cells; verified: within %.0f %% of elements 0.6 times as large.\n\n",
+                static_cast<unsigned long long>(command.seed), all.cells, 100 * options.tolerance);
+  std::string text = head;
+  text +=
+      "| family | cells | converged | of the core range | verified | wrong | slowest, s "
+      "|\n|---|---|---|---|---|---|---|\n";
+  for (const std::string& name : families) {
+    const BatteryFigures f = battery_figures(cells, result, options.tolerance, name);
+    if (f.cells == 0) continue;
+    json["families"][name] = to_json(f);
+    text += row(name, f);
+  }
+  text += row("all", all) + "\n| refused by | cells |\n|---|---|\n";
+  std::map<std::string, int> causes;
+  std::string wrong;
+  json["cells"] = Json::array();
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    const CellResult& cell = result.cells[k];
+    json["cells"].push_back(to_json(cells[k], cell));
+    if (cell.end == CellResult::End::refused) ++causes[gate_of(cell.cause)];
+    if (!cell.difference || *cell.difference <= options.tolerance) continue;
+    char off[64];
+    std::snprintf(off, sizeof off, ": off by %.1f %%\n", 100 * *cell.difference);
+    wrong += "- " + cells[k].family + ", " + cells[k].name + off;
+  }
+  for (const auto& [cause, count] : causes) text += "| " + cause + " | " + std::to_string(count) + " |\n";
+  if (!wrong.empty()) text += "\nWrong:\n" + wrong;
+  if (!command.report.empty()) write_report(command.report, json);
+  if (globals.json) {
+    print_json(json);
+  } else {
+    print(text);
+  }
+  if (all.wrong > 0) throw Error(ExitCode::tolerance, std::to_string(all.wrong) + " cells differ from finer meshes");
+  const bool few =
+      double(all.core_converged) < kCore * double(all.core) || double(all.converged) < kOverall * double(all.cells);
+  if (command.family.empty() && few) {
+    throw Error(ExitCode::tolerance, "fewer than 90 % of the core range or 70 % of all cells converged");
+  }
+}
+
+}  // namespace palpate::cli
