@@ -51,6 +51,9 @@ struct MaterialScene {
   Eigen::Vector3d fibre{0, 0, 0};  ///< holzapfel: unit direction
 };
 
+/// Young's modulus at small strain (Pa): of the law's own moduli, or `young` where it has none.
+double small_strain_young(const MaterialScene& material);
+
 /// An inclusion with its own material: a closed inner surface, or a shape given by its measures.
 struct RegionScene {
   enum class Shape { surface, ellipsoid, box };

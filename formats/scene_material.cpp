@@ -180,7 +180,16 @@ void check_material(MaterialScene& m, const toml::table& table, const Place& pla
     fail(place.below(mine.names.front()), &table,
          "the shear modulus at small strain is " + show(shear) + " Pa; allowed x > 0");
   }
-  if (has_own_moduli(m.law)) m.young = 2 * shear * (1 + m.poisson);
+  m.young = small_strain_young(m);
 }
 
 }  // namespace palpate::scene_io
+
+namespace palpate {
+
+double small_strain_young(const MaterialScene& material) {
+  return scene_io::has_own_moduli(material.law) ? 2 * scene_io::shear_modulus(material) * (1 + material.poisson)
+                                                : material.young;
+}
+
+}  // namespace palpate

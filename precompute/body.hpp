@@ -22,8 +22,8 @@ struct Inclusion {
 
 /// What surface preparation did and found, for the user to see before a bake.
 struct SurfaceReport {
-  std::string action;                 ///< "used as it is" | "repaired" | "wrapped"
-  std::vector<std::string> findings;  ///< what validation found wrong with the input, one line each
+  std::string action;                 ///< "used as it is" | "repaired" | "wrapped", then ", smoothed"
+  std::vector<std::string> findings;  ///< what validation found of the input, one line each
   std::size_t vertices = 0, triangles = 0;
   double largest_move = 0.0, mean_move = 0.0;                               ///< m, from the result to the input surface
   double volume = 0.0, area = 0.0;                                          ///< m^3, m^2
@@ -34,7 +34,7 @@ struct SurfaceReport {
 
 /// Where the held part of the surface ends, and the edge length (m) that resolves it; see support_rim.hpp.
 struct SupportRim {
-  std::vector<Eigen::Vector3d> points;
+  std::vector<Eigen::Vector3d> points;  ///< m
   double size = 0.0;
 };
 

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// palpate bench: nanoseconds a tick and bytes a response of a file, on this machine.
+// palpate bench: nanoseconds a tick and bytes a response of a file, or what the solver's curves cost, on this machine.
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "formats/error.hpp"
 #include "tools/commands.hpp"
 #include "tools/output.hpp"
 #include "tools/response_input.hpp"
 #include "tools/tick_bench.hpp"
+#ifdef PALPATE_SOLVER_BENCH
+#include "tools/bench_solver.hpp"
+#endif
 
 namespace palpate::cli {
 namespace {
@@ -16,6 +20,7 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   std::string file, tool;
+  bool solver = false;
   TickBenchOptions bench;
 };
 
@@ -31,6 +36,10 @@ std::string times_text(const char* name, const TickTimes& times) {
 }
 
 void run(Options options, const Globals& globals) {
+#ifdef PALPATE_SOLVER_BENCH
+  if (options.solver) return run_solver_bench({options.file, options.bench.contacts}, globals);
+#endif
+  if (options.file.empty()) throw Error(ExitCode::usage, "bench needs a response file");
   const ResponseInput input(options.file);
   options.bench.tool = input.tool(options.tool);
   const std::string tool = input.view().tools[options.bench.tool].name;
@@ -60,16 +69,25 @@ void run(Options options, const Globals& globals) {
 void add_bench(CLI::App& app, Globals& globals) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("bench", "Times the ticks of a response file");
-  command->add_option("file", options->file, "Response file (.palp)")->required();
+  command->add_option("file", options->file, "Response file (.palp); with --solver a scene, or nothing for a block");
+#ifdef PALPATE_SOLVER_BENCH
+  command->add_flag("--solver", options->solver, "Curve sets an hour against their error, in place of ticks");
+#endif
   command->add_option("--tool", options->tool, "Name of the tool; default: the file's first");
-  command->add_option("--contacts", options->bench.contacts, "Random contacts")
+  command
+      ->add_option("--contacts", options->bench.contacts,
+                   "Random contacts; with --solver (8 unless told) spread evenly over the scene's plan")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   command->add_option("--seed", options->bench.seed, "Of the random contacts")->capture_default_str();
   command->add_option("--seconds", options->bench.seconds, "Measured for each contact and state")
       ->check(number_in(0.001, 10.0))
       ->capture_default_str();
-  command->callback([options, &globals] { run(*options, globals); });
+  command->callback([options, command, &globals] {
+    constexpr int kSolved = 8;  // of a solve of seconds fewer are asked for than of a tick of nanoseconds
+    if (options->solver && command->count("--contacts") == 0) options->bench.contacts = kSolved;
+    run(*options, globals);
+  });
 }
 
 }  // namespace palpate::cli

@@ -173,8 +173,10 @@ void solve(const Options& options, const Globals& globals) {
 void run(const Options& options, const Globals& globals) {
   if (!options.battery.empty()) {
     if (!options.input.empty()) throw Error(ExitCode::usage, "--battery makes its own bodies; leave the scene out");
+    if (!options.samples.empty()) throw Error(ExitCode::usage, "--battery and --samples exclude each other");
     return run_battery_command({options.report, options.family, options.seed}, globals);
   }
+  if (!options.family.empty()) throw Error(ExitCode::usage, "--family belongs to --battery");
   if (options.input.empty()) throw Error(ExitCode::usage, "verify needs a scene, a response file or --battery stiff");
   if (!options.samples.empty()) return compare(options, globals);
   if (options.input.ends_with(".palp")) {
@@ -197,7 +199,7 @@ void add_verify(CLI::App& app, Globals& globals) {
   command->add_option("--count", options->count, "Held-out contacts")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "Seed of their places")->capture_default_str();
+  command->add_option("--seed", options->seed, "Seed of their places, or of the battery's draw")->capture_default_str();
   command->add_option("--samples", options->samples, "Report of an earlier verify: compare without solving");
   const CLI::Validator error = number_in(0, 1000);
   command->add_option("--max-p95", options->limits.p95, "Largest 95th percentile of the relative normal force error")

@@ -32,12 +32,14 @@ void insert_anchors(SurfaceAdapter& adapter, const Task& task, AdaptedSurface& r
 }
 
 // True when `result` got a surface that stays near the original and does not cross itself.
-bool adapt_from(const Surface& start, const Task& task, AdaptedSurface& result) {
+bool adapt_from(const Surface& start, bool coarse, const Task& task, AdaptedSurface& result) {
   SurfaceAdapter adapter(start, task.original, task.size, task.options.chord);
-  // An anchor on the original may lie far off a coarse base: put into it at once, it would be a spike that folds.
-  adapter.split_long();
-  adapter.flip();
-  adapter.relax();
+  if (coarse) {
+    // An anchor on the original may lie far off the base: put into it at once, it would be a spike that folds.
+    adapter.split_long();
+    adapter.flip();
+    adapter.relax();
+  }
   insert_anchors(adapter, task, result);
   const auto round = [&] {
     adapter.split_long();
@@ -74,8 +76,8 @@ AdaptedSurface adapt_surface(const Surface& base, const SurfaceQuery& original, 
   AdaptedSurface result;
   // A coarse base is quick; where it cuts off a sharp fold, points project to the wrong side of it. Coming down
   // from the original costs several times as much and never has to guess.
-  if (adapt_from(base, task, result) || adapt_from(original.surface(), task, result)) return result;
-  throw Error(ExitCode::numerical, "the surface adapted to the contact strays from the body's or crosses itself");
+  if (adapt_from(base, true, task, result) || adapt_from(original.surface(), false, task, result)) return result;
+  throw Error(ExitCode::numerical, "the remeshed surface strays from the one it stands for, or crosses itself");
 }
 
 }  // namespace palpate

@@ -127,6 +127,22 @@ void subdivide(const Body& body, int k, HapticMesh& mesh) {
   }
 }
 
+// Patches too wide for a body's folds may cross: then they are made smaller all over.
+AdaptedSurface adapt_to_sites(const SamplingScene& sampling, const Body& body, AdaptOptions options) {
+  for (int halvings = 0;; ++halvings) {
+    try {
+      return adapt_surface(body.base, *body.query, site_spacing(sampling, body), {}, options);
+    } catch (const Error& error) {
+      if (error.code() != ExitCode::numerical) throw;
+      if (halvings == 2) {
+        throw Error(ExitCode::numerical, "sampling.spacing " + std::to_string(sampling.spacing) +
+                                             " m and a quarter of it: " + error.what() + "; try a smaller one");
+      }
+    }
+    options.largest = sampling.spacing / (2 << halvings);
+  }
+}
+
 }  // namespace
 
 HapticMesh make_haptic_mesh(const Scene& scene, const Body& body) {
@@ -134,7 +150,7 @@ HapticMesh make_haptic_mesh(const Scene& scene, const Body& body) {
   AdaptOptions options;
   options.rounds = 8;
   options.chord = 0.35;  // the spacing rules; the fine surface follows the shape
-  const AdaptedSurface adapted = adapt_surface(body.base, *body.query, site_spacing(sampling, body), {}, options);
+  const AdaptedSurface adapted = adapt_to_sites(sampling, body, options);
   HapticMesh mesh;
   mesh.triangles = adapted.surface.triangles;
   if (mesh.triangles.size() < 4) {

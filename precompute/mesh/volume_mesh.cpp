@@ -170,19 +170,21 @@ void try_tetgen(const Body& body, const SizeField& size, const std::vector<Vecto
                 const VolumeMeshOptions& options, VolumeMeshResult& result) {
   AdaptedBody adapted;
   const Rung* last = nullptr;
+  bool surfaces_fit = false;
   for (const Rung& rung : kRungs) {
     const SizeField scaled = [&](const Vector3d& p) { return rung.scale * size(p); };
     if (last == nullptr || last->scale != rung.scale || last->cap != rung.cap) {
+      surfaces_fit = false;
       try {
         adapted = adapt_body(body, scaled, anchors, rung.cap * body.diagonal);
+        surfaces_fit = true;
       } catch (const Error& error) {
         if (error.code() != ExitCode::numerical) throw;
-        last = nullptr;
         add_cause(result.cause, error.what());
-        continue;
       }
     }
     last = &rung;
+    if (!surfaces_fit) continue;
     MesherAnswer answer = mesh_by_tetgen(adapted, scaled, options, rung.bound_dihedral);
     if (answer.cause.empty()) answer.cause = judge(body, anchors, options, answer.tets, result);
     if (result.usable) {

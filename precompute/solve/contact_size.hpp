@@ -10,7 +10,7 @@
 namespace palpate {
 
 /// Edge length for a push of `vertex` at `frame` down to `depth` (m) with options.mesh_size * `scale` of
-/// the contact radius over the footprint.
+/// the contact radius over the footprint, and the supports' rims resolved.
 SizeField contact_size(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
                        double depth, double scale, const PairOptions& options);
 

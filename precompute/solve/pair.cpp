@@ -328,7 +328,7 @@ PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vert
   std::string causes;
   for (const double scale : {1.0, 0.8, 0.6}) {
     PairSolve solve(body, tool, vertex, frame, path, options);
-    result = solve.attempt(scale, scale == 0.6);
+    result = solve.attempt(options.refine * scale, scale == 0.6);
     if (result.outcome.accepted) break;
     if (!causes.empty()) causes += "; finer: ";
     causes += result.outcome.cause;

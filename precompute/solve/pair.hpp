@@ -30,6 +30,7 @@ struct PairPath {
 PairPath bake_path(const Scene& scene, double depth);
 
 struct PairOptions {
+  double refine = 1.0;      ///< factor of every element size, the tools' edges and the supports' rim included
   double mesh_size = 0.35;  ///< see SolverScene
   double growth = 0.7;
   double max_size = 0.0;   ///< m; 0 chooses 1/8 of the body's diagonal
@@ -47,7 +48,7 @@ using SampleSink = std::function<void(const Sample&)>;
 
 /// Part of a plan's identity: raise it whenever the same inputs give other samples, so that a journal never mixes
 /// solves of two programs.
-inline constexpr int kSolverRevision = 4;
+inline constexpr int kSolverRevision = 5;
 
 /// Solves `plan` along `path`. Never throws for a numerical failure: the outcome names its cause.
 /// Deterministic: the same inputs give the same bits.

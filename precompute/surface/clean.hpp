@@ -21,7 +21,8 @@ struct CleanSurface {
   SurfaceReport report;
 };
 
-/// Throws Error(bad_input) naming `name` and what is wrong, when the mode does not lead to a clean surface.
+/// Throws Error(bad_input) naming `name` and what is wrong, when the mode does not lead to a clean surface or smoothing
+/// spoils it.
 CleanSurface clean_surface(const Surface& input, const CleanOptions& options, const std::string& name);
 
 }  // namespace palpate

@@ -140,7 +140,7 @@ constexpr double kFeltFacet = 0.02;
 
 void warn_of_facets(const Scene& scene, SurfaceReport& report) {
   const double tip = smallest_tip(scene);
-  if (tip > 0 && report.facet_depth > kFeltFacet * tip) {
+  if (tip > 0 && scene.body.smooth == 0 && report.facet_depth > kFeltFacet * tip) {
     report.findings.push_back(
         fmt::format("facets {:.3g} mm deep on average: a tip of {:.3g} mm feels them; smooth = 2 "
                     "in [body] rounds them off",

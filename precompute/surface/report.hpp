@@ -19,7 +19,7 @@ struct SurfacePoint {
 /// `count` points spread evenly by area, always the same ones.
 std::vector<SurfacePoint> spread_points(const Surface& surface, std::size_t count);
 
-/// Fills sizes, volume, area, thickness and thin_bag for a closed outward surface.
+/// Fills sizes, volume, area, thickness, facet_depth and thin_bag for a closed outward surface.
 ///
 /// thin_bag: median thickness below a twentieth of the diagonal, the surface a sheet rather than a rod
 /// (thickness x area / volume below 3: 2 for a plate, 4 for a rod, 6 for a ball) that is bent round

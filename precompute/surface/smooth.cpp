@@ -26,7 +26,7 @@ Surface smooth(const Surface& surface, int rounds) {
   std::size_t valence = 0;
   for (const auto v : mesh.vertices()) valence = std::max(valence, std::size_t(mesh.valence(v)));
   OpenMesh::Subdivider::Uniform::ModifiedButterflyT<Mesh, double> subdivider;
-  subdivider.init_weights(std::max<std::size_t>(valence + 1, 7));  // its table ends at 29 and is not checked
+  subdivider.init_weights(std::max<std::size_t>(valence + 1, 7));  // older versions do not check their table's end
   subdivider.attach(mesh);
   subdivider(std::size_t(rounds));
   subdivider.detach();

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "precompute/verify/battery.hpp"
 
+#include "formats/error.hpp"
 #include "precompute/solve/pair.hpp"
 #include "precompute/verify/parallel.hpp"
+#include "precompute/verify/sample_difference.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -10,6 +12,7 @@
 #include <exception>
 #include <map>
 #include <mutex>
+#include <new>
 #include <random>
 
 namespace palpate {
@@ -18,7 +21,7 @@ namespace {
 using Eigen::Vector3d;
 using End = CellResult::End;
 
-PairResult solve(const StiffCell& cell, const Body& body, bool finer) {
+PairResult solve(const StiffCell& cell, const Body& body, double refine) {
   const Tool tool = make_tool(cell.scene.tools.at(0));
   ContactFrame frame;
   frame.origin = body.query->closest(cell.site).point;
@@ -26,8 +29,8 @@ PairResult solve(const StiffCell& cell, const Body& body, bool finer) {
   frame.x = frame.n.unitOrthogonal();
   frame.y = frame.n.cross(frame.x);
   PairOptions options = pair_options(cell.scene);
-  if (finer) {
-    options.mesh_size *= 0.6;
+  if (refine < 1) {
+    options.refine = refine;
     options.growth *= 0.7;
     options.max_size = body.diagonal / 12;
   }
@@ -39,38 +42,23 @@ bool finite(const std::vector<Sample>& samples) {
                      [](const Sample& s) { return s.force.allFinite() && s.deflection.allFinite(); });
 }
 
-// Straight pushes, the deepest first: of shallow points one of two curves may have fewer.
-std::vector<const Sample*> straight(const std::vector<Sample>& samples) {
-  std::vector<const Sample*> all;
-  for (const Sample& s : samples) {
-    if (s.kind == SampleKind::normal) all.push_back(&s);
+// A refusal is what a cell is; a missing worker or no memory left is the machine's fault, and ends the battery.
+void rethrow_if_unsound() {
+  try {
+    throw;
+  } catch (const Error& error) {
+    if (error.code() == ExitCode::io) throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (...) {
   }
-  std::reverse(all.begin(), all.end());
-  return all;
-}
-
-// Largest relative difference over the deeper half of the straight push and over the sideways ones.
-double difference(const std::vector<Sample>& coarse, const std::vector<Sample>& fine) {
-  double worst = 0.0;
-  const auto compare = [&](const Sample& a, const Sample& b) {
-    worst = std::max(worst, (a.force - b.force).norm() / b.force.norm());
-  };
-  const auto a = straight(coarse), b = straight(fine);
-  for (std::size_t k = 0; 2 * k < std::min(a.size(), b.size()); ++k) compare(*a[k], *b[k]);
-  for (const Sample& s : coarse) {
-    for (const Sample& other : fine) {
-      const bool same = s.kind == SampleKind::tangential && other.kind == s.kind && other.index == s.index;
-      if (same) compare(s, other);
-    }
-  }
-  return worst;
 }
 
 CellResult run(const StiffCell& cell) {
   CellResult result;
   const auto start = std::chrono::steady_clock::now();
   try {
-    PairResult solved = solve(cell, prepare_body(cell.scene, cell.surface), false);
+    PairResult solved = solve(cell, prepare_body(cell.scene, cell.surface), 1.0);
     result.nodes = solved.outcome.nodes;
     result.cause = solved.outcome.cause;
     if (solved.outcome.accepted && finite(solved.samples)) {
@@ -80,18 +68,38 @@ CellResult run(const StiffCell& cell) {
       result.cause = "a force or a deflection is not finite";
     }
   } catch (const std::exception& error) {
+    rethrow_if_unsound();
     result.cause = error.what();
   }
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }
 
+// Elements at most 0.6 times as large; a cell that converged on a finer rung of the ladder needs smaller ones still.
 void check(const StiffCell& cell, CellResult& result) {
-  const PairResult fine = solve(cell, prepare_body(cell.scene, cell.surface), true);
-  if (fine.outcome.accepted) {
-    result.difference = difference(result.samples, fine.samples);
-  } else {
-    result.check_cause = fine.outcome.cause;
+  constexpr double kMoreNodes = 1.3;
+  try {
+    const Body body = prepare_body(cell.scene, cell.surface);
+    for (const double refine : {0.6, 0.36}) {
+      const PairResult fine = solve(cell, body, refine);
+      result.check_cause = fine.outcome.cause;
+      if (!fine.outcome.accepted) return;
+      if (fine.outcome.nodes < kMoreNodes * result.nodes) {
+        result.check_cause = "the check's mesh is hardly finer";
+        continue;
+      }
+      const SampleDifference d = sample_difference(result.samples, fine.samples);
+      if (d.compared == 0) {
+        result.check_cause = "no sample of the check matches";
+        return;
+      }
+      result.difference = std::max(d.straight, d.sideways);
+      result.check_cause.clear();
+      return;
+    }
+  } catch (const std::exception& error) {
+    rethrow_if_unsound();
+    result.check_cause = error.what();
   }
 }
 
@@ -148,6 +156,7 @@ BatteryFigures battery_figures(const std::vector<StiffCell>& cells, const Batter
     f.converged += converged;
     f.core += cells[k].core;
     f.core_converged += cells[k].core && converged;
+    f.unchecked += !cell.check_cause.empty();
     f.verified += cell.difference && *cell.difference <= tolerance;
     f.wrong += cell.difference && !(*cell.difference <= tolerance);
     f.slowest = std::max(f.slowest, cell.seconds);

@@ -29,8 +29,8 @@ struct CellResult {
   std::vector<Sample> samples;       ///< of a converged cell
   double seconds = 0.0;              ///< of the solve, check aside
   std::uint32_t nodes = 0;           ///< of its mesh
-  std::optional<double> difference;  ///< to the finer mesh; none: not drawn, or the finer solve was refused
-  std::string check_cause;           ///< why the finer solve was refused
+  std::optional<double> difference;  ///< to the finer mesh; none: not drawn, or not checked
+  std::string check_cause;           ///< why a drawn cell could not be checked
 };
 
 struct BatteryResult {
@@ -38,14 +38,16 @@ struct BatteryResult {
   bool stopped = false;
 };
 
-/// Bake's own entry point for every cell (pair.hpp); the check has elements 0.6 times as large that grow slower.
-/// A cell whose force is not finite counts as refused by name.
+/// Bake's own entry point for every cell (pair.hpp); the check has elements at most 0.6 times as large that grow
+/// slower, and at least 1.3 times the nodes. A cell whose force is not finite counts as refused by name. Throws
+/// Error(io) where the installation is broken.
 BatteryResult run_battery(const std::vector<StiffCell>& cells, const BatteryOptions& options);
 
 /// What a table says of a set of cells.
 struct BatteryFigures {
-  std::size_t cells = 0, converged = 0, verified = 0, wrong = 0, core = 0, core_converged = 0;
-  double slowest = 0.0;  ///< s
+  std::size_t cells = 0, converged = 0, core = 0, core_converged = 0;
+  std::size_t verified = 0, wrong = 0, unchecked = 0;  ///< of the drawn ones
+  double slowest = 0.0;                                ///< s
 };
 
 /// `family` empty: of all.

@@ -11,6 +11,7 @@
 #include <mutex>
 #include <numbers>
 #include <random>
+#include <utility>
 
 namespace palpate {
 namespace {
@@ -156,12 +157,15 @@ HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const B
   set.untouchable_share = 1 - static_cast<double>(set.contacts.size()) / static_cast<double>(drawn);
 
   std::size_t done = 0;
-  std::mutex guard;  // of the progress
+  bool telling = false;
+  std::mutex guard;  // of the two and the progress
   set.stopped = !parallel_for(set.contacts.size(), options.threads, options.stop, [&](std::size_t k) {
     solve(scene, body, tools[set.contacts[k].tool], set.contacts[k], starts[k]);
     const std::lock_guard lock(guard);
-    ++done;
-    if (options.progress) options.progress(done, set.contacts.size());
+    // A callback that threw is not called again by the other threads.
+    if (!options.progress || std::exchange(telling, true)) return;
+    options.progress(++done, set.contacts.size());
+    telling = false;
   });
   compare_with_file(view, set.contacts);
   return set;

@@ -147,6 +147,7 @@ MaterialScene material(Law law) {
   m.dispersion = 0.1;
   m.fibre = {1, 0, 0};
   if (law == Law::linear || law == Law::st_venant) m.poisson = 0.4;
+  m.young = small_strain_young(m);
   return m;
 }
 
@@ -167,7 +168,7 @@ void law(std::vector<StiffCell>& cells) {
   }
 }
 
-// A fan of needles: the top's corners joined to points along one edge.
+// Needles: the triangles at one corner of the top are cut close to it.
 void sliver(std::vector<StiffCell>& cells) {
   for (const double aspect : {10.0, 100.0, 1e3, 1e4}) {
     for (const double share : {0.2, 0.5, 1.0}) {
@@ -281,11 +282,15 @@ void margin(std::vector<StiffCell>& cells) {
         s.parts.assign(s.triangles.size(), 0);
         s.part_names = {"wedge"};
         cell.scene.supports = {half_space({0.9 * length, 0, 0}, {-1, 0, 0})};
-        const double x = from_edge * kRadius;
-        const double thickness = square ? length : std::max(x * std::tan(angle), 0.2 * kRadius);
+        // At the very edge there is no wall to speak of: beyond the core range, a fifth of the tip's radius is asked
+        // for.
+        const double x = from_edge * kRadius, wall = square ? length : x * std::tan(angle);
+        const double thickness = std::max(wall, 0.2 * kRadius);
+        cell.core = wall >= 0.2 * kRadius;
         cell.site = {x, 0, 0};
-        add(cells, cell, std::min(share * thickness, kRadius), thickness,
-            fmt::format("{:g} degrees, {:g} R from the edge, depth {:g} of the thickness", degrees, from_edge, share));
+        const double depth = share * std::min(thickness, 2 * kRadius);
+        add(cells, cell, depth, thickness,
+            fmt::format("{:g} degrees, {:g} R from the edge, depth {:.3g} mm", degrees, from_edge, 1e3 * depth));
       }
     }
   }

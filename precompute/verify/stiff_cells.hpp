@@ -19,7 +19,8 @@ struct StiffCell {
   Eigen::Vector3d site{0, 0, 0};
   Eigen::Vector3d normal{0, 0, 1};
   double depth = 0.0;  ///< m
-  /// E 10 Pa to 10 MPa, nu to 0.4999, contrast 1e-3 to 1e3, depth to 60 % of the thickness, tip radius from 0.3 mm.
+  /// E 10 Pa to 10 MPa, nu to 0.4999, contrast 1e-3 to 1e3, depth to 60 % of the thickness, tip radius from 0.3 mm
+  /// (a punch is flat: its radius is free).
   bool core = true;
 };
 

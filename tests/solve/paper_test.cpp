@@ -99,6 +99,8 @@ double skew(const std::vector<Sample>& samples) {
     if (s.deflection.x() > 0.98 * reach) right = base - s.force.x();
     if (s.deflection.x() < -0.98 * reach) left = s.force.x() - base;
   }
+  EXPECT_GT(right, 0);
+  EXPECT_GT(left, 0);
   return right / left;
 }
 

@@ -4,11 +4,14 @@
 #include "precompute/verify/battery.hpp"
 
 #include "precompute/verify/parallel.hpp"
+#include "precompute/verify/sample_difference.hpp"
+#include "precompute/verify/solver_bench.hpp"
 #include "tests/support/shapes.hpp"
 
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -85,6 +88,56 @@ TEST(Battery, ConvergesChecksAndRefusesByName) {
   EXPECT_EQ(all.wrong, 0U);
   EXPECT_EQ(battery_figures(cells, result, 1e-9).wrong, 1U);
   EXPECT_EQ(battery_figures(cells, result, options.tolerance, "open").cells, 1U);
+}
+
+Sample sample(SampleKind kind, std::uint16_t index, const Eigen::Vector3d& deflection, const Eigen::Vector3d& force) {
+  Sample s;
+  s.kind = kind;
+  s.index = index;
+  s.deflection = deflection;
+  s.force = force;
+  return s;
+}
+
+TEST(SampleDifference, MatchesFromFullDepthAndByDirection) {
+  using K = SampleKind;
+  const std::vector<Sample> reference{
+      sample(K::normal, 0, {0, 0, 1e-4}, {0, 0, 1}),          sample(K::normal, 1, {0, 0, 5e-4}, {0, 0, 5}),
+      sample(K::normal, 2, {0, 0, 1e-3}, {0, 0, 10}),         sample(K::tangential, 0, {1e-4, 0, 1e-3}, {-1, 0, 10}),
+      sample(K::tangential, 1, {2e-4, 0, 1e-3}, {-2, 0, 10}), sample(K::tangential, 2, {0, 1e-4, 1e-3}, {0, -1, 10})};
+  std::vector<Sample> other(reference.begin() + 1, reference.end());  // without the shallowest
+  EXPECT_EQ(sample_difference(other, reference).straight, 0);
+  EXPECT_EQ(sample_difference(other, reference).stiffness, 0);
+  other[1].force = {0, 0, 10.2};
+  for (std::size_t k = 2; k < other.size(); ++k) other[k].force.z() = 10.2;
+  other[4].force.y() = -1.1;  // the push along y
+  const SampleDifference d = sample_difference(other, reference);
+  EXPECT_NEAR(d.straight, 0.02, 1e-12);
+  EXPECT_NEAR(d.stiffness, 0.1, 1e-9);
+  EXPECT_NEAR(d.sideways, std::hypot(0.1, 0.2) / std::hypot(1, 10), 1e-12);
+}
+
+TEST(SolverBench, RowsComeNearerToTheReference) {
+  std::vector<StiffCell> cells = stiff_cells();
+  StiffCell& cell = cells.front();
+  cell.scene.material.young = 5e3;
+  cell.scene.material.poisson = 0.45;
+  cell.scene.sampling.normal_points = 4;
+  const Body body = prepare_body(cell.scene, cell.surface);
+  SolverBenchOptions options;
+  options.settings = {{0.9, 1.0}, {0.4, 0.6}};
+  options.reference = {0.3, 0.5};
+  const auto rows = bench_solver(cell.scene, body, make_tool(cell.scene.tools[0]), {{ContactFrame{}, 0.003}}, options);
+  ASSERT_EQ(rows.size(), 2U);
+  for (const SolverBenchRow& row : rows) {
+    EXPECT_EQ(row.solved, 1U);
+    EXPECT_GT(row.seconds, 0);
+    EXPECT_GT(row.difference.straight, 0);
+    EXPECT_LT(row.difference.straight, 0.2);
+    EXPECT_EQ(row.difference.sideways, 0);  // a frictionless scene has no sideways pushes
+  }
+  EXPECT_LT(rows[1].difference.straight, rows[0].difference.straight);
+  EXPECT_GT(rows[1].nodes, rows[0].nodes);
 }
 
 TEST(ParallelFor, DoesEachPieceOnceAndStopsWhenAsked) {

@@ -15,8 +15,8 @@ struct DepthTerms {
   double normal_force = 0;  ///< N along n(c)
   double limit = 0;         ///< N, largest tangential force: mu(depth) Fn; infinite in a frictionless file
   Vec3 straight;            ///< N, sideways force of the straight push, across n(c)
-  double growth[9][2];      ///< set for the field's pairs where depth > 0
-  bool beyond = false;      ///< deeper than this pair was sampled
+  double growth[9][2] = {};
+  bool beyond = false;  ///< deeper than this pair was sampled
 };
 
 struct FieldForce {

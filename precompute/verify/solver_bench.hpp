@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a curve set costs and how wrong it is, over the mesh sizes that a scene may ask for.
+#pragma once
+
+#include "precompute/solve/pair.hpp"
+#include "precompute/verify/sample_difference.hpp"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+/// One contact to be solved at every mesh size.
+struct BenchContact {
+  ContactFrame frame;
+  double depth = 0.0;  ///< m
+};
+
+struct MeshSetting {
+  double mesh_size = 0.35, growth = 0.7;  ///< see SolverScene
+};
+
+struct SolverBenchRow {
+  MeshSetting setting;
+  std::size_t solved = 0, refused = 0;  ///< contacts
+  double nodes = 0.0;                   ///< mean
+  double seconds = 0.0;                 ///< mean of a solved contact, meshing included, on the calling thread
+  SampleDifference difference;          ///< to the reference: median over the contacts, member by member
+};
+
+struct SolverBenchOptions {
+  std::vector<MeshSetting> settings{{0.7, 1.0}, {0.5, 0.85}, {0.35, 0.7}, {0.25, 0.5}, {0.18, 0.4}};
+  MeshSetting reference{0.12, 0.3};
+  std::function<bool()> stop;  ///< polled between solves; a stopped bench has fewer rows
+};
+
+/// Solves every contact by the bake's own entry point and path, on one thread, first at the reference's size.
+std::vector<SolverBenchRow> bench_solver(const Scene& scene, const Body& body, const Tool& tool,
+                                         const std::vector<BenchContact>& contacts, const SolverBenchOptions& options);
+
+}  // namespace palpate

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/bench_solver.hpp"
+
+#include "formats/error.hpp"
+#include "precompute/bake/pipeline.hpp"
+#include "precompute/geometry/solids.hpp"
+#include "precompute/verify/solver_bench.hpp"
+#include "tools/interrupt.hpp"
+#include "tools/output.hpp"
+#include "tools/tick_bench.hpp"
+
+#include <sys/resource.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace palpate::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Case {
+  std::string name;
+  Scene scene;
+  Body body;
+  Tool tool;
+  std::vector<BenchContact> contacts;
+};
+
+Case block_case() {
+  Case c;
+  c.name = "block of 60 x 60 x 30 mm, sphere of 5 mm, 5 mm deep, friction 0.3";
+  c.scene.friction = 0.3;
+  c.scene.tools.resize(1);
+  SupportScene bottom;
+  bottom.point = {0, 0, -0.03 * (1 - 1e-6)};
+  c.scene.supports = {bottom};
+  c.body = prepare_body(c.scene, box_solid({-0.03, -0.03, -0.03}, {0.03, 0.03, 0}, 0.03, "block"));
+  c.tool = make_tool(c.scene.tools[0]);
+  c.contacts = {{ContactFrame{}, 0.005}};
+  return c;
+}
+
+// Contacts of the first tool's first vertex, spread evenly over the plan.
+Case scene_case(const SolverBenchCommand& command) {
+  pipeline::Pipeline p = pipeline::prepare(command.scene);
+  const Plan plan = make_plan(p.scene, p.body, p.mesh, p.tools);
+  Case c{command.scene, p.scene, p.body, p.tools.at(0), {}};
+  std::vector<BenchContact> all;
+  for (const PairPlan& pair : plan.pairs) {
+    if (pair.tool == 0 && pair.tool_vertex == 0) all.push_back({pair.frame, pair.depth});
+  }
+  if (all.empty()) throw Error(ExitCode::bad_input, command.scene + ": its plan has no pair of the first tool's tip");
+  const auto count = std::min(std::size_t(command.contacts), all.size());
+  for (std::size_t k = 0; k < count; ++k) c.contacts.push_back(all[(2 * k + 1) * all.size() / (2 * count)]);
+  return c;
+}
+
+double peak_megabytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+}  // namespace
+
+void run_solver_bench(const SolverBenchCommand& command, const Globals& globals) {
+  const Case c = command.scene.empty() ? block_case() : scene_case(command);
+  SolverBenchOptions options;
+  options.stop = [] { return interrupted(); };
+  const InterruptPolling polling;
+  note(globals, "solving " + std::to_string(c.contacts.size()) + " contacts at " +
+                    std::to_string(options.settings.size() + 1) + " mesh sizes on one thread");
+  const std::vector<SolverBenchRow> rows = bench_solver(c.scene, c.body, c.tool, c.contacts, options);
+  if (rows.size() < options.settings.size()) throw Interrupted("times are not kept; run the command again");
+
+  const PairPath path = bake_path(c.scene, c.contacts[0].depth);
+  const std::size_t sideways =
+      path.tangential_depths.size() * std::size_t(path.tangential_directions) * std::size_t(path.tangential_points);
+  char line[256];
+  std::snprintf(
+      line, sizeof line,
+      "%s\n%s; %zu contacts, one thread\na set: %zu points of the straight push, %zu sideways; errors against "
+      "elements of %.2g contact radii\n\n",
+      machine_name().c_str(), c.name.c_str(), c.contacts.size(), path.normal_depths.size(), sideways,
+      options.reference.mesh_size);
+  std::string text = line;
+  text +=
+      "| elements | growth | nodes | s a set | sets an hour | force | sideways force | sideways stiffness | refused |\n"
+      "|---|---|---|---|---|---|---|---|---|\n";
+  Json json{{"machine", machine_name()}, {"case", c.name}, {"contacts", c.contacts.size()}, {"rows", Json::array()}};
+  for (const SolverBenchRow& row : rows) {
+    const double per_hour = row.seconds > 0 ? 3600 / row.seconds : 0;
+    std::snprintf(line, sizeof line, "| %.2g a | %.2g | %.0f | %.2f | %.0f | %.2f %% | %.2f %% | %.2f %% | %zu |\n",
+                  row.setting.mesh_size, row.setting.growth, row.nodes, row.seconds, per_hour,
+                  100 * row.difference.straight, 100 * row.difference.sideways, 100 * row.difference.stiffness,
+                  row.refused);
+    text += line;
+    json["rows"].push_back({{"mesh_size", row.setting.mesh_size},
+                            {"growth", row.setting.growth},
+                            {"nodes", row.nodes},
+                            {"seconds", row.seconds},
+                            {"sets_per_hour", per_hour},
+                            {"force_error", row.difference.straight},
+                            {"sideways_error", row.difference.sideways},
+                            {"stiffness_error", row.difference.stiffness},
+                            {"refused", row.refused}});
+  }
+  // The reference's mesh is the largest, and counts in it.
+  std::snprintf(line, sizeof line, "\npeak memory of the process, reference included: %.0f MB\n", peak_megabytes());
+  text += line;
+  json["peak_megabytes"] = peak_megabytes();
+  if (globals.json) {
+    print_json(json);
+  } else {
+    print(text);
+  }
+}
+
+}  // namespace palpate::cli
