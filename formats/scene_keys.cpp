@@ -136,8 +136,10 @@ const Keys<BodyScene>& body_keys() {
        integer("smooth", &BodyScene::smooth, {0, 3, false, ""},
                "Rounds of subdivision through the clean surface's vertices, for files whose facets a small tip would "
                "feel; sharp edges become round."),
-       number("capsule_thickness", &BodyScene::capsule_thickness, kLengthOrAuto,
-              "Of a thin sheet on the surface that stretches and does not bend (an organ's capsule); 0: none."),
+       number(
+           "capsule_thickness", &BodyScene::capsule_thickness, kLengthOrAuto,
+           "Of a thin sheet on the surface, walls of cavities included, that stretches and does not bend (an organ's "
+           "capsule); 0: none."),
        number("capsule_young", &BodyScene::capsule_young, {0, 1e12, false, "Pa"},
               "Of that sheet, incompressible neo-Hookean.")});
   return keys;

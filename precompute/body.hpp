@@ -48,12 +48,17 @@ struct Body {
   std::vector<Inclusion> inclusions;
   std::vector<SupportScene> supports;
   std::vector<std::shared_ptr<const SurfaceQuery>> support_surfaces;  ///< per support; null unless kind is distance
+  std::vector<char> cavity;  ///< per triangle of the clean surface: on a wall that faces inward; empty: none is
   SupportRim support_rim;
   SurfaceReport report;
   double diagonal = 0.0;  ///< m, of the bounding box
 
   /// The first support that holds a point on the body's surface; null where none does.
   [[nodiscard]] const SupportScene* support_at(const Eigen::Vector3d& surface_point) const;
+  /// True where the closest part of the surface is the wall of a cavity, which no tool reaches from outside.
+  [[nodiscard]] bool in_cavity(const Eigen::Vector3d& point) const {
+    return !cavity.empty() && cavity[std::size_t(query->closest(point).triangle)] != 0;
+  }
   [[nodiscard]] bool held(const Eigen::Vector3d& surface_point) const { return support_at(surface_point) != nullptr; }
 };
 

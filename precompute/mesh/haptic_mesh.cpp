@@ -168,8 +168,9 @@ HapticMesh make_haptic_mesh(const Scene& scene, const Body& body) {
     mesh.depth.push_back(std::min(sampling.depth, sampling.depth_fraction * mesh.thickness.back()));
     mesh.held.push_back(body.held(point) ? 1 : 0);
     const auto& box = sampling.within_box;
-    mesh.selected.push_back(
-        !box || ((point.array() >= box->first.array()).all() && (point.array() <= box->second.array()).all()) ? 1 : 0);
+    const bool inside =
+        !box || ((point.array() >= box->first.array()).all() && (point.array() <= box->second.array()).all());
+    mesh.selected.push_back(inside && !body.in_cavity(point) ? 1 : 0);
   }
   mesh.edges = edge_lengths(mesh);
   const double tolerance = chord_tolerance(mesh);

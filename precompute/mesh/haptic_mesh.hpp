@@ -32,7 +32,7 @@ struct HapticMesh {
   std::vector<double> thickness;          ///< m
   std::vector<double> depth;              ///< m: min(scene depth, depth_fraction * thickness)
   std::vector<std::uint8_t> held;         ///< on a support
-  std::vector<std::uint8_t> selected;     ///< inside sampling.within_box, or no box given
+  std::vector<std::uint8_t> selected;     ///< inside sampling.within_box (or no box given) and not in a cavity
   std::vector<std::array<std::int32_t, 3>> triangles;
 
   std::int32_t subdivision = 1;              ///< k in [1, 8]

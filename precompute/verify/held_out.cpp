@@ -35,12 +35,16 @@ std::size_t pick(const std::vector<double>& running, double u) {
   return std::min<std::size_t>(static_cast<std::size_t>(at - running.begin()), running.size() - 1);
 }
 
-std::vector<double> running_areas(const Surface& surface) {
+// Of the triangles that a tool can reach from outside.
+std::vector<double> running_areas(const Body& body) {
+  const Surface& surface = body.query->surface();
   std::vector<double> sums;
   double sum = 0;
-  for (const auto& t : surface.triangles) {
+  for (std::size_t k = 0; k < surface.triangles.size(); ++k) {
+    const auto& t = surface.triangles[k];
+    const bool reached = body.cavity.empty() || body.cavity[k] == 0;
     const Vector3d &a = surface.vertices[t[0]], &b = surface.vertices[t[1]], &c = surface.vertices[t[2]];
-    sums.push_back(sum += 0.5 * (b - a).cross(c - a).norm());
+    sums.push_back(sum += reached ? 0.5 * (b - a).cross(c - a).norm() : 0.0);
   }
   return sums;
 }
@@ -124,7 +128,7 @@ HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const B
   HeldOutSet set;
   std::mt19937_64 engine(options.seed);
   const Surface& surface = body.query->surface();
-  const std::vector<double> areas = running_areas(surface);
+  const std::vector<double> areas = running_areas(body);
   std::vector<double> starts;
   std::size_t drawn = 0;
   const std::size_t most = 1000 + 100 * static_cast<std::size_t>(options.count);

@@ -4,6 +4,7 @@
 #include "precompute/body.hpp"
 #include "precompute/geometry/intersections.hpp"
 #include "precompute/geometry/topology.hpp"
+#include "precompute/mesh/haptic_mesh.hpp"
 #include "precompute/surface/examine.hpp"
 #include "tests/surface/faulty_shapes.hpp"
 
@@ -136,7 +137,18 @@ TEST_F(Prepare, EveryComponentMustBeHeld) {
   EXPECT_NO_THROW(prepare_body(scene_));
   // The wall of a cavity is a component of the surface, not of the body.
   scene_.body.surfaces = {file("cube", cube()), file("hollow", sphere_surface({0.1, 0.1, 0.1}, 0.03))};
-  EXPECT_NO_THROW(prepare_body(scene_));
+  const Body hollow = prepare_body(scene_);
+  EXPECT_TRUE(hollow.in_cavity({0.1, 0.1, 0.125}));
+  EXPECT_FALSE(hollow.in_cavity({0.1, 0.1, 0.19}));
+  scene_.sampling.spacing = 0.03;
+  const HapticMesh sites = make_haptic_mesh(scene_, hollow);
+  std::size_t inner = 0;
+  for (std::size_t k = 0; k < sites.points.size(); ++k) {
+    const bool in_wall = (sites.points[k] - Eigen::Vector3d(0.1, 0.1, 0.1)).norm() < 0.035;
+    inner += in_wall;
+    EXPECT_EQ(sites.selected[k] != 0, !in_wall);
+  }
+  EXPECT_GT(inner, 3U);
   // The default support is what it is.
   scene_.body.surfaces = {file("cube", cube()), file("ball", ball)};
   scene_.supports.clear();
