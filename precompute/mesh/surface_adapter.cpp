@@ -126,16 +126,20 @@ std::optional<Vector3d> SurfaceAdapter::project(const Vector3d& p, bool feature,
   return on.point;
 }
 
+SurfaceAdapter::Stray SurfaceAdapter::stray(Face f) const {
+  Vector3d middle = Vector3d::Zero();
+  double finest = std::numeric_limits<double>::infinity();
+  for (const Vertex v : mesh_.fv_range(f)) {
+    middle += mesh_.point(v) / 3;
+    finest = std::min(finest, target_[v.idx()]);
+  }
+  return {original_.closest(middle).distance, finest};
+}
+
 bool SurfaceAdapter::shorten_where_coarse() {
   bool any = false;
   for (const Face f : mesh_.faces()) {
-    Vector3d middle = Vector3d::Zero();
-    double finest = std::numeric_limits<double>::infinity();
-    for (const Vertex v : mesh_.fv_range(f)) {
-      middle += mesh_.point(v) / 3;
-      finest = std::min(finest, target_[v.idx()]);
-    }
-    const double away = original_.closest(middle).distance;
+    const auto [away, finest] = stray(f);
     if (away <= chord_ * finest) continue;
     any = true;
     // The distance goes with the square of the edge length.
@@ -151,13 +155,8 @@ bool SurfaceAdapter::shorten_where_coarse() {
 double SurfaceAdapter::largest_stray() const {
   double largest = 0;
   for (const Face f : mesh_.faces()) {
-    Vector3d middle = Vector3d::Zero();
-    double finest = std::numeric_limits<double>::infinity();
-    for (const Vertex v : mesh_.fv_range(f)) {
-      middle += mesh_.point(v) / 3;
-      finest = std::min(finest, target_[v.idx()]);
-    }
-    largest = std::max(largest, original_.closest(middle).distance / finest);
+    const auto [away, finest] = stray(f);
+    largest = std::max(largest, away / finest);
   }
   return largest;
 }

@@ -68,6 +68,10 @@ private:
   /// How many target lengths fit along an edge.
   [[nodiscard]] double metric_length(Edge e) const;
   [[nodiscard]] Eigen::Vector3d face_cross(Face f) const;
+  struct Stray {
+    double away, finest;  // m: of the triangle's middle to the original; smallest target at its corners
+  };
+  [[nodiscard]] Stray stray(Face f) const;
   /// Onto the original (its feature lines) where that faces like `normal`.
   [[nodiscard]] std::optional<Eigen::Vector3d> project(const Eigen::Vector3d& p, bool feature,
                                                        const Eigen::Vector3d& normal) const;
