@@ -18,8 +18,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-// Edges that carry the nodes 4 to 9.
-constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
+constexpr int kPoints = kElementPoints;
 
 Matrix3d cofactor(const Matrix3d& f) {
   Matrix3d c;
@@ -47,8 +46,6 @@ Matrix3d contracted(const Tangent& t, const Eigen::RowVector3d& left, const Eige
 }  // namespace
 
 ElasticEnergy::ElasticEnergy(const TetMesh& mesh, std::vector<Material> materials) : materials_(std::move(materials)) {
-  // Four-point rule of degree 2: barycentric coordinates (a, b, b, b) and permutations, equal weights.
-  const double a = (5 + 3 * std::sqrt(5.0)) / 20, b = (5 - std::sqrt(5.0)) / 20;
   elements_.reserve(mesh.tets.size());
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
     Element e;
@@ -62,81 +59,76 @@ ElasticEnergy::ElasticEnergy(const TetMesh& mesh, std::vector<Material> material
                                            std::to_string(e.volume) + " m^3; it must be positive");
     }
     const Matrix3d inverse = edges.inverse();
-    Eigen::Matrix<double, 4, 3> dl;  // gradients of the barycentric coordinates
-    dl.bottomRows<3>() = inverse;
-    dl.row(0) = -inverse.colwise().sum();
-    for (int q = 0; q < kPoints; ++q) {
-      Eigen::Vector4d l = Eigen::Vector4d::Constant(b);
-      l[q] = a;
-      for (int n = 0; n < 4; ++n) e.gradients[q].row(n) = (4 * l[n] - 1) * dl.row(n);
-      for (int n = 0; n < 6; ++n) {
-        const auto [i, j] = kEdges[n];
-        e.gradients[q].row(4 + n) = 4 * (l[i] * dl.row(j) + l[j] * dl.row(i));
-      }
-    }
+    e.slopes.bottomRows<3>() = inverse;
+    e.slopes.row(0) = -inverse.colwise().sum();
     e.material = mesh.regions.empty() ? 0 : mesh.regions[t];
     materials_.at(static_cast<std::size_t>(e.material));  // throws where the region has none
     elements_.push_back(e);
   }
+  make_batches();
 }
 
-ElasticEnergy::Nodes ElasticEnergy::gather(const Element& e, const VectorXd& x) {
-  Nodes p;
-  for (int n = 0; n < 10; ++n) p.col(n) = x.segment<3>(3 * e.nodes[n]);
-  return p;
-}
-
-double ElasticEnergy::value(const VectorXd& x) const {
-  double sum = 0;
-  for (const Element& e : elements_) {
-    const Material& material = materials_[e.material];
-    const Nodes p = gather(e, x);
-    double energy = 0, dilatation = 0;
-    for (const Shape& g : e.gradients) {
-      const Matrix3d f = p * g;
-      energy += material.deviatoric(f) / kPoints;
-      dilatation += f.determinant() / kPoints;
+// Elements without laws first: a batch has either none or all of its lanes with laws.
+void ElasticEnergy::make_batches() {
+  for (const bool laws : {false, true}) {
+    std::vector<const Element*> chosen;
+    for (const Element& e : elements_) {
+      if (materials_[e.material].laws.empty() != laws) chosen.push_back(&e);
     }
-    sum += e.volume * (energy + material.volumetric(dilatation));
+    for (std::size_t first = 0; first < chosen.size(); first += ElementBatch::kLanes) {
+      ElementBatch batch;
+      batch.count = static_cast<int>(std::min<std::size_t>(ElementBatch::kLanes, chosen.size() - first));
+      for (int lane = 0; lane < ElementBatch::kLanes; ++lane) {
+        const Element& e = *chosen[first + std::size_t(std::min(lane, batch.count - 1))];
+        const Material& material = materials_[e.material];
+        for (int n = 0; n < 10; ++n) batch.nodes[n][lane] = e.nodes[n];
+        for (int k = 0; k < 4; ++k) {
+          for (int i = 0; i < 3; ++i) batch.slopes[k][i][lane] = e.slopes(k, i);
+        }
+        batch.volume[lane] = e.volume;
+        batch.mu[lane] = material.mu;
+        batch.slope[lane] = material.slope;
+        batch.bulk[lane] = material.bulk;
+        if (laws) batch.laws[lane] = &material;
+      }
+      batches_.push_back(batch);
+    }
   }
-  return sum;
 }
+
+ElasticEnergy::Shape ElasticEnergy::shape_gradients(const Element& e, int point) {
+  Eigen::Vector4d l = Eigen::Vector4d::Constant(kFarCorner);
+  l[point] = kNearCorner;
+  Shape g;
+  for (int n = 0; n < 4; ++n) g.row(n) = (4 * l[n] - 1) * e.slopes.row(n);
+  for (int n = 0; n < 6; ++n) {
+    const auto [i, j] = kElementEdges[n];
+    g.row(4 + n) = 4 * (l[i] * e.slopes.row(j) + l[j] * e.slopes.row(i));
+  }
+  return g;
+}
+
+double ElasticEnergy::value(const VectorXd& x) const { return batch_energy(batches_, x); }
 
 double ElasticEnergy::gradient(const VectorXd& x, VectorXd& gradient) const {
-  double sum = 0;
-  for (const Element& e : elements_) {
-    const Material& material = materials_[e.material];
-    const Nodes p = gather(e, x);
-    double energy = 0, dilatation = 0;
-    std::array<Matrix3d, kPoints> stress, cofactors;
-    for (int q = 0; q < kPoints; ++q) {
-      const Matrix3d f = p * e.gradients[q];
-      cofactors[q] = cofactor(f);
-      energy += material.stress(f, stress[q]) / kPoints;
-      dilatation += f.col(0).dot(cofactors[q].col(0)) / kPoints;
-    }
-    sum += e.volume * (energy + material.volumetric(dilatation));
-    const double scale = e.volume / kPoints, slope = material.volumetric_slope(dilatation);
-    Nodes force = Nodes::Zero();
-    for (int q = 0; q < kPoints; ++q) {
-      force.noalias() += (scale * (stress[q] + slope * cofactors[q])) * e.gradients[q].transpose();
-    }
-    for (int n = 0; n < 10; ++n) gradient.segment<3>(3 * e.nodes[n]) += force.col(n);
-  }
-  return sum;
+  return batch_gradient(batches_, x, gradient);
 }
+
+double ElasticEnergy::min_jacobian(const VectorXd& x) const { return batch_min_jacobian(batches_, x); }
 
 void ElasticEnergy::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& matrix) const {
   for (const Element& e : elements_) {
     const Material& material = materials_[e.material];
-    const Nodes p = gather(e, x);
+    Eigen::Matrix<double, 3, 10> p;
+    for (int n = 0; n < 10; ++n) p.col(n) = x.segment<3>(3 * e.nodes[n]);
+    std::array<Shape, kPoints> gradients;
     std::array<Matrix3d, kPoints> fs;
     std::array<Tangent, kPoints> tangents;
     double dilatation = 0;
-    Nodes volume = Nodes::Zero();
+    Eigen::Matrix<double, 3, 10> volume = Eigen::Matrix<double, 3, 10>::Zero();
     Eigen::Matrix<double, 10, 10> laplace = Eigen::Matrix<double, 10, 10>::Zero();
     for (int q = 0; q < kPoints; ++q) {
-      const Shape& g = e.gradients[q];
+      const Shape& g = gradients[q] = shape_gradients(e, q);
       fs[q] = p * g;
       const Matrix3d c = cofactor(fs[q]);
       dilatation += fs[q].col(0).dot(c.col(0)) / kPoints;
@@ -155,29 +147,20 @@ void ElasticEnergy::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& ma
         if (kind == HessianKind::exact && a != b) {
           Vector3d v = Vector3d::Zero();
           for (int q = 0; q < kPoints; ++q) {
-            const Shape& g = e.gradients[q];
+            const Shape& g = gradients[q];
             v.noalias() += fs[q] * g.row(a).transpose().cross(g.row(b).transpose());
           }
           block += slope * skew(v);
         }
         if (!material.laws.empty()) {
           for (int q = 0; q < kPoints; ++q) {
-            block += e.volume / kPoints * contracted(tangents[q], e.gradients[q].row(a), e.gradients[q].row(b));
+            block += e.volume / kPoints * contracted(tangents[q], gradients[q].row(a), gradients[q].row(b));
           }
         }
         matrix.add(e.nodes[a], e.nodes[b], block);
       }
     }
   }
-}
-
-double ElasticEnergy::min_jacobian(const VectorXd& x) const {
-  double smallest = std::numeric_limits<double>::max();
-  for (const Element& e : elements_) {
-    const Nodes p = gather(e, x);
-    for (const Shape& g : e.gradients) smallest = std::min(smallest, Matrix3d(p * g).determinant());
-  }
-  return smallest;
 }
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "precompute/fem/block_matrix.hpp"
+#include "precompute/fem/element_batch.hpp"
 #include "precompute/fem/material.hpp"
 #include "precompute/mesh/tet_mesh.hpp"
 
@@ -20,6 +21,8 @@ class ElasticEnergy {
 public:
   /// `materials[region]`. The mesh's nodes are the stress-free state.
   ElasticEnergy(const TetMesh& mesh, std::vector<Material> materials);
+  ElasticEnergy(const ElasticEnergy&) = delete;
+  ElasticEnergy& operator=(const ElasticEnergy&) = delete;
 
   /// Energy (J) at the node positions x (3 N, m).
   [[nodiscard]] double value(const Eigen::VectorXd& x) const;
@@ -31,21 +34,19 @@ public:
   [[nodiscard]] double min_jacobian(const Eigen::VectorXd& x) const;
 
 private:
-  static constexpr int kPoints = 4;  // degree 2: exact for mu/2 (F:F - 3)
   using Shape = Eigen::Matrix<double, 10, 3>;
-
   struct Element {
     std::array<std::int32_t, 10> nodes;
-    std::array<Shape, kPoints> gradients;  // of the ten shape functions, 1/m
-    double volume = 0.0;                   // m^3
+    Eigen::Matrix<double, 4, 3> slopes;  // gradients of the barycentric coordinates, 1/m
+    double volume = 0.0;                 // m^3
     std::int32_t material = 0;
   };
-
-  using Nodes = Eigen::Matrix<double, 3, 10>;
-  [[nodiscard]] static Nodes gather(const Element& e, const Eigen::VectorXd& x);
+  void make_batches();
+  [[nodiscard]] static Shape shape_gradients(const Element& e, int point);
 
   std::vector<Material> materials_;
   std::vector<Element> elements_;
+  std::vector<ElementBatch> batches_;  // of the same elements
 };
 
 }  // namespace palpate

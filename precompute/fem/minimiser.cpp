@@ -88,6 +88,8 @@ MinimiserResult Minimiser::minimise(const EnergyProblem& problem, VectorXd& x, c
     ++result.factorisations;
     return m.refactor(problem, x, g);
   };
+  // Over the load, which costs a pass over the contact.
+  const auto residual = [&] { return result.residual = g.norm() / std::max(problem.load(x), 1e-300); };
   const auto fail = [&](const std::string& cause) {
     result.cause = cause;
     result.energy = energy;
@@ -114,13 +116,12 @@ MinimiserResult Minimiser::minimise(const EnergyProblem& problem, VectorXd& x, c
     d = -d;
     const double slope = g.dot(d);
     result.decrement = -slope;
-    result.residual = g.norm() / std::max(problem.load(x), 1e-300);
     if (!(slope <= 0) || !d.allFinite()) {
       if (on_factor == 0) return fail("no direction of descent");
       if (!fresh_factor()) return fail("the Hessian could not be factorised");
       continue;
     }
-    if (0.5 * result.decrement <= options.energy_tolerance && result.residual <= options.residual_tolerance) {
+    if (0.5 * result.decrement <= options.energy_tolerance && residual() <= options.residual_tolerance) {
       result.converged = true;
       break;
     }
@@ -147,10 +148,10 @@ MinimiserResult Minimiser::minimise(const EnergyProblem& problem, VectorXd& x, c
       if (on_factor == 0) {
         // Round-off floor: the step is too small to change the energy.
         if (0.5 * result.decrement <= 1e-13 * std::abs(energy) + options.energy_tolerance) {
-          result.converged = result.residual <= options.residual_tolerance;
+          result.converged = residual() <= options.residual_tolerance;
           if (result.converged) break;
         }
-        return fail("the line search found no decrease (residual " + std::to_string(result.residual) + ")");
+        return fail("the line search found no decrease (residual " + std::to_string(residual()) + ")");
       }
       if (!fresh_factor()) return fail("the Hessian could not be factorised");
       continue;
@@ -170,7 +171,7 @@ MinimiserResult Minimiser::minimise(const EnergyProblem& problem, VectorXd& x, c
   result.energy = energy;
   if (!result.converged && result.cause.empty()) {
     result.cause = "no convergence in " + std::to_string(result.iterations) + " iterations (residual " +
-                   std::to_string(result.residual) + " of the load)";
+                   std::to_string(residual()) + " of the load)";
   }
   return result;
 }

@@ -27,11 +27,11 @@ public:
 
 struct MinimiserOptions {
   double energy_tolerance = 1e-12;   ///< J; converged when half the Newton decrement squared is below it ...
-  double residual_tolerance = 1e-3;  ///< ... and the residual's norm is below this share of the load
+  double residual_tolerance = 2e-3;  ///< ... and the residual's norm is below this share of the load
   int refresh = 30;                  ///< L-BFGS iterations of one call before a new factor is made
   int newton_after = 2;              ///< beyond this many new factors in one call every iteration is a Newton one
   int max_iterations = 100;
-  int memory = 12;  ///< L-BFGS pairs
+  int memory = 8;  ///< L-BFGS pairs
 };
 
 struct MinimiserResult {

@@ -114,6 +114,14 @@ double ContactEnergy::gradient(const VectorXd& x, VectorXd& gradient) const {
 }
 
 void ContactEnergy::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& matrix) const {
+  const Face* last = nullptr;
+  std::array<Matrix3d, 21> blocks;  // of the face, lower triangle by rows
+  const auto flush = [&] {
+    if (last == nullptr) return;
+    for (int a = 0, k = 0; a < 6; ++a) {
+      for (int b = 0; b <= a; ++b, ++k) matrix.add(last->nodes[a], last->nodes[b], blocks[k]);
+    }
+  };
   for_each_near(x, [&](const Face& face, std::size_t k, const auto& shape, const Vector3d& at) {
     const DistanceSample s = shape_.distance(at);
     if (s.value >= 0 && !anchors_.held[k]) return;
@@ -127,10 +135,16 @@ void ContactEnergy::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& ma
       h += anchor_stiffness_ * face.weight * (Matrix3d::Identity() - normal * normal.transpose());
     }
     const Matrix3d world = pose_.linear() * h * pose_.linear().transpose();
-    for (int a = 0; a < 6; ++a) {
-      for (int b = 0; b <= a; ++b) matrix.add(face.nodes[a], face.nodes[b], shape[a] * shape[b] * world);
+    if (last != &face) {
+      flush();
+      last = &face;
+      blocks.fill(Matrix3d::Zero());
+    }
+    for (int a = 0, place = 0; a < 6; ++a) {
+      for (int b = 0; b <= a; ++b, ++place) blocks[place] += shape[a] * shape[b] * world;
     }
   });
+  flush();
 }
 
 ContactReport ContactEnergy::report(const VectorXd& x) const {

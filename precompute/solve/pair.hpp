@@ -37,7 +37,7 @@ struct PairOptions {
   double rim_size = 0.0;   ///< element edge at the rim of the deepest contact, in contact radii; 0: no ring of its own.
                            ///< The traction of a contact that is sheared after it stuck is singular there
   double penalty = 300.0;  ///< contact penalty in units of E / a (a the current contact radius)
-  double tolerance = 5e-4;  ///< a step has converged when its energy error is below its square times E a d^2
+  double tolerance = 1e-3;  ///< a step has converged when its energy error is below its square times E a d^2
   VolumeMeshOptions mesh;
 };
 
@@ -48,7 +48,7 @@ using SampleSink = std::function<void(const Sample&)>;
 
 /// Part of a plan's identity: raise it whenever the same inputs give other samples, so that a journal never mixes
 /// solves of two programs.
-inline constexpr int kSolverRevision = 5;
+inline constexpr int kSolverRevision = 6;
 
 /// Solves `plan` along `path`. Never throws for a numerical failure: the outcome names its cause.
 /// Deterministic: the same inputs give the same bits.

@@ -117,7 +117,7 @@ StepResult Push::step(const Vector3d& target, double contact_radius, double work
   if (can_extrapolate_) {
     const Vector3d last = state_.translation - previous_translation_, next = target - state_.translation;
     const double ratio = last.squaredNorm() > 0 ? next.dot(last) / last.squaredNorm() : 0.0;
-    consider(state_.x + std::clamp(ratio, 0.0, 2.0) * (state_.x - previous_x_));
+    consider(state_.x + std::clamp(ratio, 0.0, 4.0) * (state_.x - previous_x_));
   }
   for (const VectorXd& start : starts) consider(start);
   MinimiserOptions options;

@@ -19,6 +19,7 @@ struct BenchContact {
 
 struct MeshSetting {
   double mesh_size = 0.35, growth = 0.7;  ///< see SolverScene
+  double max_size = 0.0;                  ///< longest edge over the body's diagonal; 0: as the scene says
 };
 
 struct SolverBenchRow {
@@ -30,8 +31,9 @@ struct SolverBenchRow {
 };
 
 struct SolverBenchOptions {
-  std::vector<MeshSetting> settings{{0.7, 1.0}, {0.5, 0.85}, {0.35, 0.7}, {0.25, 0.5}, {0.18, 0.4}};
-  MeshSetting reference{0.12, 0.3};
+  std::vector<MeshSetting> settings{{0.7, 1.0, 0.25}, {0.35, 1.0, 0.25},  {0.35, 0.7, 0.25}, {0.25, 0.7, 0.25},
+                                    {0.35, 0.7, 0.0}, {0.25, 0.5, 0.125}, {0.18, 0.4, 0.125}};
+  MeshSetting reference{0.12, 0.3, 0.125};
   std::function<bool()> stop;  ///< polled between solves; a stopped bench has fewer rows
 };
 
