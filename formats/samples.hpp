@@ -29,7 +29,9 @@ struct PairPlan {
   double depth = 0.0;             ///< m; deepest push at this site
 };
 
-enum class SampleKind : std::uint8_t { normal = 0, tangential = 1 };
+/// normal: straight push; tangential: sideways push of a contact that sticks; slipping: of one that slips where
+/// Coulomb's law lets it.
+enum class SampleKind : std::uint8_t { normal = 0, tangential = 1, slipping = 2 };
 
 /// One equilibrium that passed its gates.
 struct Sample {
@@ -38,7 +40,8 @@ struct Sample {
   /// p - c in the contact frame: (x, y) sideways (m) and, third, the depth along the INWARD normal (m, >= 0).
   Eigen::Vector3d deflection{0, 0, 0};
   Eigen::Vector3d force{0, 0, 0};    ///< N on the tool, components (x, y, n); a push answers with n > 0
-  double friction_limit = 0.0;       ///< mu(depth): gross-slip tangential force over force.z, normal samples only
+  double friction_limit = 0.0;       ///< mu(depth): gross-slip tangential force over force.z; of normal samples
+                                     ///< foretold, of slipping ones solved (0 while a part still sticks)
   double contact_area = 0.0;         ///< m^2, undeformed area of the surface in contact
   double penetration = 0.0;          ///< m, largest overlap of tool and tissue that the penalty left
   double min_jacobian = 1.0;         ///< smallest det F over the quadrature points

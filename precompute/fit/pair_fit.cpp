@@ -59,6 +59,7 @@ PairData sort_samples(const std::vector<Sample>& samples, const ModelScales& sca
     if (!sample.force.allFinite() || !sample.deflection.allFinite() || !std::isfinite(sample.friction_limit)) {
       throw Error(ExitCode::numerical, what + ": sample " + std::to_string(sample.index) + " is not finite");
     }
+    if (sample.kind == SampleKind::slipping) continue;  // no field of the contact's deflection alone
     (sample.kind == SampleKind::normal ? data.normal : data.tangential).push_back(&sample);
   }
   std::stable_sort(data.normal.begin(), data.normal.end(),
@@ -246,6 +247,7 @@ FitErrors fit_errors(const PairCurves& curves, const ModelScales& scales, const 
     if (sample.kind == SampleKind::normal) peak = std::max(peak, sample.force.norm());
   }
   for (const Sample& sample : samples) {
+    if (sample.kind == SampleKind::slipping) continue;
     const double error = (evaluate(curves, scales, sample.deflection) - sample.force).norm() * weight(sample, peak);
     (sample.kind == SampleKind::normal ? errors.normal : errors.tangential).push_back(error);
   }

@@ -204,6 +204,15 @@ bool ContactEnergy::release(const VectorXd& x) {
   return any;
 }
 
+std::vector<ContactPoint> ContactEnergy::touching(const VectorXd& x) const {
+  std::vector<ContactPoint> points;
+  for_each_near(x, [&](const Face& face, std::size_t k, const auto& shape, const Vector3d& at) {
+    const DistanceSample s = shape_.distance(at);
+    if (s.value < 0) points.push_back({k, face.nodes, shape, face.weight, at, s});
+  });
+  return points;
+}
+
 double ContactEnergy::gap(const VectorXd& x) const {
   double smallest = std::numeric_limits<double>::max();
   const Matrix3d to_tool = pose_.linear().transpose();

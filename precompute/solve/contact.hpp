@@ -3,11 +3,11 @@
 // normal contact at 16 points a face, and sticking anchors at the points that have touched.
 #pragma once
 
-#include "precompute/fem/block_matrix.hpp"
-#include "precompute/fem/elastic.hpp"
+#include "precompute/solve/energy_term.hpp"
 #include "precompute/tool/tool.hpp"
 
 #include <Eigen/Geometry>
+#include <array>
 #include <vector>
 
 namespace palpate {
@@ -23,7 +23,17 @@ struct ContactReport {
   std::uint32_t points = 0;        ///< integration points in contact
 };
 
-class ContactEnergy {
+/// An integration point of a face: what friction and bonds act on.
+struct ContactPoint {
+  std::size_t index = 0;  ///< of all the contact's points
+  std::array<std::int32_t, 6> nodes{};
+  std::array<double, 6> shape{};  ///< values of the face's shape functions
+  double weight = 0.0;            ///< m^2, undeformed
+  Eigen::Vector3d at{0, 0, 0};    ///< m, in the tool's frame
+  DistanceSample distance;        ///< of the tool there
+};
+
+class ContactEnergy final : public EnergyTerm {
 public:
   /// Faces with all nodes fixed take no part; the report tells when the tool reaches them. `pose` carries the tool
   /// frame into the body's.
@@ -32,14 +42,18 @@ public:
 
   void set_translation(const Eigen::Vector3d& translation) { pose_.translation() = translation; }
   [[nodiscard]] const Eigen::Vector3d translation() const { return pose_.translation(); }
+  void set_rotation(const Eigen::Matrix3d& rotation) { pose_.linear() = rotation; }
+  [[nodiscard]] const Eigen::Isometry3d& pose() const { return pose_; }
+  [[nodiscard]] const ToolShape& shape() const { return shape_; }
   /// Pressure per overlap (Pa/m) of the normal penalty.
   void set_penalty(double stiffness) { penalty_ = stiffness; }
+  [[nodiscard]] double penalty() const { return penalty_; }
   /// The same for the anchors.
   void set_anchor_stiffness(double stiffness) { anchor_stiffness_ = stiffness; }
 
-  double value(const Eigen::VectorXd& x) const;
-  double gradient(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) const;
-  void hessian(const Eigen::VectorXd& x, HessianKind kind, BlockMatrix& matrix) const;
+  [[nodiscard]] double value(const Eigen::VectorXd& x) const override;
+  double gradient(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) const override;
+  void hessian(const Eigen::VectorXd& x, HessianKind kind, BlockMatrix& matrix) const override;
   [[nodiscard]] ContactReport report(const Eigen::VectorXd& x) const;
 
   /// Tangential force at gross slip towards unit `direction` over the normal force along `normal`, for a
@@ -51,6 +65,9 @@ public:
   void stick(const Eigen::VectorXd& x);
   /// Lets go of anchored points that have left the contact. True when any did.
   bool release(const Eigen::VectorXd& x);
+
+  /// The points that overlap the tool, by index.
+  [[nodiscard]] std::vector<ContactPoint> touching(const Eigen::VectorXd& x) const;
 
   /// Smallest signed distance of the surface's integration points and corners to the tool (m).
   [[nodiscard]] double gap(const Eigen::VectorXd& x) const;

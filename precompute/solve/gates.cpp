@@ -38,6 +38,15 @@ std::optional<std::string> failed_contact(const GateState& s, const GateLimits& 
   return std::nullopt;
 }
 
+// Work that is not stored means a jump to another branch, or contact lost and found.
+std::optional<std::string> failed_balance(const GateState& s, double imbalance, const GateLimits& limits) {
+  const double scale = s.work + 0.01 / limits.energy_balance * s.energy_scale;
+  if (std::abs(imbalance) > limits.energy_balance * scale) {
+    return say("energy balance", imbalance / scale, limits.energy_balance, s.depth);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<std::string> failed_gate(const GateState& s, const GateLimits& limits) {
@@ -45,12 +54,7 @@ std::optional<std::string> failed_gate(const GateState& s, const GateLimits& lim
   if (s.force < limits.force_drop * s.previous_force) {
     return say("force growth", s.force / s.previous_force, limits.force_drop, s.depth);
   }
-  // Work that is not stored means a jump to another branch, or contact lost and found.
-  const double imbalance = std::abs(s.stored - s.work), scale = s.work + 0.01 / limits.energy_balance * s.energy_scale;
-  if (imbalance > limits.energy_balance * scale) {
-    return say("energy balance", (s.stored - s.work) / scale, limits.energy_balance, s.depth);
-  }
-  return std::nullopt;
+  return failed_balance(s, s.stored - s.work, limits);
 }
 
 std::optional<std::string> failed_sideways_gate(const GateState& s, double answer, const GateLimits& limits) {
@@ -60,6 +64,13 @@ std::optional<std::string> failed_sideways_gate(const GateState& s, double answe
     return say("contact resolution (points)", s.contact.points, limits.resolved_points, s.depth);
   }
   return std::nullopt;
+}
+
+std::optional<std::string> failed_slip_gate(const GateState& s, double answer, double dissipated,
+                                            const GateLimits& limits) {
+  if (auto failed = failed_sideways_gate(s, answer, limits)) return failed;
+  if (!std::isfinite(s.work) || !(dissipated >= 0)) return say("dissipated energy (J)", dissipated, 0.0, s.depth);
+  return failed_balance(s, s.stored + dissipated - s.work, limits);
 }
 
 }  // namespace palpate

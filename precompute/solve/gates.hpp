@@ -38,4 +38,9 @@ std::optional<std::string> failed_gate(const GateState& state, const GateLimits&
 /// and work are not asked for, a resolved contact is: a contact that peels ends in a few points.
 std::optional<std::string> failed_sideways_gate(const GateState& state, double answer, const GateLimits& limits);
 
+/// The same with Coulomb friction, where work and stored energy are known from the start of the sideways push: what the
+/// tool did is stored or was `dissipated` (J, >= 0).
+std::optional<std::string> failed_slip_gate(const GateState& state, double answer, double dissipated,
+                                            const GateLimits& limits);
+
 }  // namespace palpate

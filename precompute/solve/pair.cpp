@@ -6,6 +6,7 @@
 #include "precompute/solve/contact_size.hpp"
 #include "precompute/solve/gates.hpp"
 #include "precompute/solve/push.hpp"
+#include "precompute/solve/slip_push.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -84,6 +85,7 @@ private:
     push.set_anchor_stiffness(options_.penalty * body_.material.young / full_radius);
     if (!normal_curve(push, stick_while_pushing)) return;
     if (path_.tangential_directions > 0 && !tangential_pushes(push)) return;
+    if (path_.slip_points > 0 && !slipping_pushes(push)) return;
     result_->outcome.accepted = true;
   }
 
@@ -206,14 +208,18 @@ private:
     return s;
   }
 
+  // A shallow point may have been too small a contact to believe: then the next deeper one is pushed sideways.
+  const CurvePoint& point_from(double wanted) const {
+    return *std::find_if(curve_.begin(), curve_.end(),
+                         [&](const CurvePoint& p) { return p.depth >= wanted * (1 - 1e-9); });
+  }
+
   bool tangential_pushes(Push& push) {
     std::uint16_t index = 0;
     moved_.resize(std::size_t(path_.tangential_directions) * std::size_t(path_.tangential_points));
     for (const double wanted : path_.tangential_depths) {
-      // A shallow point may have been too small a contact to believe: then the next deeper one is pushed sideways.
-      const auto at = std::find_if(curve_.begin(), curve_.end(),
-                                   [&](const CurvePoint& p) { return p.depth >= wanted * (1 - 1e-9); });
-      const Sample base = result_->samples[at - curve_.begin()];
+      const CurvePoint* const at = &point_from(wanted);
+      const Sample base = result_->samples[at - curve_.data()];
       for (int d = 0; d < path_.tangential_directions; ++d) {
         const double angle = path_.tangential_start + 2 * kPi * d / path_.tangential_directions;
         const Vector3d local(std::cos(angle), std::sin(angle), 0);
@@ -232,6 +238,41 @@ private:
           index = static_cast<std::uint16_t>(index + path_.tangential_points - k);
           break;
         }
+      }
+    }
+    return true;
+  }
+
+  bool slipping_pushes(Push& push) {
+    std::uint16_t index = 0;
+    for (const double wanted : path_.tangential_depths) {
+      const CurvePoint& at = point_from(wanted);
+      SlipPush plan;
+      plan.from = at.state;
+      plan.depth = at.depth;
+      plan.corrected_depth = result_->samples[std::size_t(&at - curve_.data())].deflection.z();
+      plan.reach = path_.slip_reach * at.depth;
+      plan.points = path_.slip_points;
+      plan.contact_radius = contact_radius(vertex_, at.depth);
+      plan.work_scale = work_scale(at.depth);
+      plan.friction.coefficient = path_.friction;
+      plan.friction.stiffness = at.state.penalty;
+      plan.sample = [&](std::uint32_t iterations) { return base_sample(push, iterations); };
+      for (int d = 0; d < path_.tangential_directions; ++d) {
+        const double angle = path_.tangential_start + 2 * kPi * d / path_.tangential_directions;
+        plan.direction = std::cos(angle) * frame_.x + std::sin(angle) * frame_.y;
+        SlipPushResult slip = slip_push(push, frame_, plan);
+        result_->outcome.tangential_solves += slip.solves;
+        if (slip.samples.empty() || (!slip.cause.empty() && !last_)) {
+          refuse(slip.cause);
+          return false;
+        }
+        if (!slip.cause.empty()) result_->outcome.cause = "stopped short: " + slip.cause;
+        for (Sample& s : slip.samples) {
+          s.index = static_cast<std::uint16_t>(index + (&s - slip.samples.data()));
+          result_->samples.push_back(s);
+        }
+        index = static_cast<std::uint16_t>(index + path_.slip_points);
       }
     }
     return true;

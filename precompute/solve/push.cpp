@@ -57,13 +57,17 @@ Push::Push(const Body& body, const TetMesh& mesh, const ToolShape& shape, const 
 }
 
 double Push::value(const VectorXd& x) const {
-  return elastic_.value(x) - rest_energy_ + membrane_.value(x) + bed_.value(x) + contact_.value(x);
+  double sum = elastic_.value(x) - rest_energy_ + membrane_.value(x) + bed_.value(x) + contact_.value(x);
+  for (const EnergyTerm* term : terms_) sum += term->value(x);
+  return sum;
 }
 
 double Push::gradient(const VectorXd& x, VectorXd& gradient) const {
   gradient.setZero();
-  return elastic_.gradient(x, gradient) - rest_energy_ + membrane_.gradient(x, gradient) + bed_.gradient(x, gradient) +
-         contact_.gradient(x, gradient);
+  double sum = elastic_.gradient(x, gradient) - rest_energy_ + membrane_.gradient(x, gradient) +
+               bed_.gradient(x, gradient) + contact_.gradient(x, gradient);
+  for (const EnergyTerm* term : terms_) sum += term->gradient(x, gradient);
+  return sum;
 }
 
 void Push::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& matrix) const {
@@ -71,6 +75,7 @@ void Push::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& matrix) con
   membrane_.hessian(x, kind, matrix);
   bed_.hessian(matrix);
   contact_.hessian(x, kind, matrix);
+  for (const EnergyTerm* term : terms_) term->hessian(x, kind, matrix);
 }
 
 double Push::load(const VectorXd& x) const {

@@ -51,9 +51,14 @@ public:
   [[nodiscard]] const PushState& state() const { return state_; }
   /// Goes back to a state of this mesh; the next step extrapolates from nothing.
   void restore(const PushState& state);
+  /// Turns the tool about its own origin; it stays turned, restore() or not.
+  void set_rotation(const Eigen::Matrix3d& rotation) { contact_.set_rotation(rotation); }
   void set_anchor_stiffness(double stiffness) { contact_.set_anchor_stiffness(stiffness); }
   /// Anchors everything that touches now.
   void stick();
+  /// A further part of the energy, from the next step on; it must outlive the push or be taken out before.
+  void add(const EnergyTerm& term) { terms_.push_back(&term); }
+  void remove(const EnergyTerm& term) { std::erase(terms_, &term); }
 
   [[nodiscard]] ContactReport report() const { return contact_.report(state_.x); }
   [[nodiscard]] const ContactEnergy& contact() const { return contact_; }
@@ -84,6 +89,7 @@ private:
   MembraneEnergy membrane_;
   BedEnergy bed_;
   ContactEnergy contact_;
+  std::vector<const EnergyTerm*> terms_;
   Minimiser minimiser_;
   PushState state_;
   Eigen::VectorXd previous_x_;  // state before the last step, for extrapolation

@@ -176,6 +176,21 @@ TEST(PairFit, SidewaysAnswerOfAShallowSite) {
   EXPECT_LT(*std::max_element(errors.tangential.begin(), errors.tangential.end()), 0.01);
 }
 
+TEST(PairFit, SlippingSamplesArePassedOver) {
+  ModelScales scales = frictionless();
+  scales.sideways = 0.4 * Z;
+  std::vector<Sample> samples = samples_of(skewed_sideways(), Z);
+  const PairCurves without = fit_pair(samples, scales, "pair");
+  const FitErrors errors = fit_errors(without, scales, samples);
+  samples.push_back(samples.back());
+  samples.back().kind = SampleKind::slipping;
+  samples.back().force *= 0.5;
+  const PairCurves with = fit_pair(samples, scales, "pair");
+  EXPECT_EQ(evaluate(with, scales, {0.1 * Z, 0.2 * Z, 0.8 * Z}),
+            evaluate(without, scales, {0.1 * Z, 0.2 * Z, 0.8 * Z}));
+  EXPECT_EQ(fit_errors(with, scales, samples).tangential, errors.tangential);
+}
+
 TEST(PairFit, SameSamplesSameBits) {
   ModelScales scales = frictionless();
   scales.sideways = 0.4 * Z;

@@ -14,20 +14,22 @@ TEST_F(JournalFiles, RoundTripKeepsEveryBit) {
     EXPECT_TRUE(journal.content().pairs.empty());
     journal.append(3, make_sample(3, 1));
     journal.append(3, make_sample(3, 0));
+    journal.append(3, make_sample(3, 2, SampleKind::slipping));
     journal.append(3, make_sample(3, 0, SampleKind::tangential));
     journal.append(3, make_outcome(true));
     journal.append(0, make_outcome(false, "penetration 0.4 of the contact radius"));
     journal.sync();
   }
   const JournalContent content = read_journal(file_, manifest_);
-  EXPECT_EQ(content.records, 5U);
+  EXPECT_EQ(content.records, 6U);
   EXPECT_EQ(content.torn_bytes, 0U);
   ASSERT_EQ(content.pairs.size(), 2U);
   const JournalPair& pair = content.pairs.at(3);
-  ASSERT_EQ(pair.samples.size(), 3U);
+  ASSERT_EQ(pair.samples.size(), 4U);
   EXPECT_TRUE(same_bits(pair.samples[0], make_sample(3, 0)));
   EXPECT_TRUE(same_bits(pair.samples[1], make_sample(3, 1)));
   EXPECT_TRUE(same_bits(pair.samples[2], make_sample(3, 0, SampleKind::tangential)));
+  EXPECT_TRUE(same_bits(pair.samples[3], make_sample(3, 2, SampleKind::slipping)));
   ASSERT_TRUE(pair.outcome.has_value());
   EXPECT_TRUE(pair.outcome->accepted);
   EXPECT_EQ(pair.outcome->tangential_solves, 24U);

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Closed forms of partial and full slip, through the entry point that the bake uses.
+#include "precompute/solve/pair.hpp"
+#include "precompute/solve/slip_push.hpp"
+#include "tests/support/bodies.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+constexpr double kYoung = 5e3, kPoisson = 0.49;
+
+PairResult slide(const Body& body, const ToolScene& scene, const PairPath& path, const PairOptions& options) {
+  const Tool tool = make_tool(scene);
+  return solve_pair(body, tool, tool.vertices[0], ContactFrame{}, path, options);
+}
+
+// The contact is formed without friction and then pushed sideways at its depth: at nu = 0.49 pressures hardly change.
+// The tractions that slip relieves at the rim are not singular, and need no ring of small elements.
+TEST(CattaneoMindlin, PartialSlipThenFullSlip) {
+  const double radius = 0.01, depth = 0.001 * radius, a = std::sqrt(radius * depth), mu = 0.3;
+  const Body body = test::block_body(60 * a, kYoung, kPoisson);
+  PairPath path;
+  path.normal_depths = {0.25 * depth, 0.5 * depth, 0.75 * depth, depth};
+  path.tangential_depths = {depth};
+  path.tangential_directions = 2;
+  path.tangential_points = 0;
+  path.friction = mu;
+  path.form_frictionless = true;
+  path.slip_points = 4;
+  path.slip_reach = 1.2 * gross_slip_reach(mu, kPoisson);
+  PairOptions options;
+  options.mesh_size = 0.2;
+  ToolScene sphere;
+  sphere.radius = radius;
+  const PairResult r = slide(body, sphere, path, options);
+  ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
+  EXPECT_EQ(r.outcome.cause, "");
+  const double shear = kYoung / (2 * (1 + kPoisson));
+  int partial = 0, full = 0;
+  for (const Sample& s : r.samples) {
+    if (s.kind != SampleKind::slipping) continue;
+    const double limit = mu * s.force.z(), q = s.force.head<2>().norm();
+    const double furthest = 3 * limit * (2 - kPoisson) / (16 * shear * a);
+    const double share = s.deflection.head<2>().norm() / furthest;
+    const double expected = share < 1 ? 1 - std::pow(1 - share, 1.5) : 1.0;
+    EXPECT_NEAR(q / limit / expected, 1.0, share < 1 ? 0.05 : 0.02) << "at " << share << " of the way to full slip";
+    EXPECT_EQ(s.friction_limit > 0, share > 1) << share;
+    (share < 1 ? partial : full) += 1;
+  }
+  EXPECT_EQ(partial, 6);
+  EXPECT_EQ(full, 2);
+}
+
+// A path that asks for slipping pushes as well gets the samples that it would get without. On a deep contact the solved
+// limit passes the one foretold from the slopes of the straight push, which passes mu: tissue piles up before the tool.
+TEST(SlippingPushes, ChangeNothingElse) {
+  const Body body = test::block_body(0.03, kYoung, kPoisson);
+  Scene scene;
+  scene.friction = 0.3;
+  const ToolScene sphere;
+  PairPath path = bake_path(scene, 0.004);
+  path.normal_depths = {0.001, 0.0025, 0.004};
+  path.tangential_depths = {0.004};
+  path.tangential_directions = 2;
+  path.tangential_points = 1;
+  const PairResult plain = slide(body, sphere, path, pair_options(scene));
+  path.slip_points = 2;
+  path.slip_reach = 1.3 * gross_slip_reach(scene.friction, kPoisson);
+  const PairResult more = slide(body, sphere, path, pair_options(scene));
+  ASSERT_TRUE(more.outcome.accepted) << more.outcome.cause;
+  ASSERT_EQ(plain.samples.size(), 3U + 2U);
+  ASSERT_EQ(more.samples.size(), plain.samples.size() + 2U * 2U);
+  for (std::size_t k = 0; k < plain.samples.size(); ++k) {
+    EXPECT_EQ(more.samples[k].force, plain.samples[k].force);
+    EXPECT_EQ(more.samples[k].deflection, plain.samples[k].deflection);
+  }
+  const double foretold = plain.samples[2].friction_limit;
+  for (std::size_t k = plain.samples.size(); k < more.samples.size(); ++k) {
+    const Sample& s = more.samples[k];
+    EXPECT_EQ(s.kind, SampleKind::slipping);
+    EXPECT_EQ(s.index, k - plain.samples.size());
+    EXPECT_EQ(s.friction_limit > 0, s.index % 2 == 1);
+    if (s.index % 2 == 1) {
+      EXPECT_NEAR(s.friction_limit / foretold, 1.15, 0.15);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpate
