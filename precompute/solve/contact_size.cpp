@@ -63,31 +63,37 @@ std::vector<Vector3d> footprint(const Body& body, const Tool& tool, const Eigen:
 }  // namespace
 
 SizeField contact_size(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
-                       double depth, double scale, const PairOptions& options) {
+                       double depth, double scale, const PairOptions& options, const std::vector<Vector3d>& further) {
   const double radius = contact_radius(vertex, depth);
   const double size = options.mesh_size * scale * radius;
   const double largest = (options.max_size > 0 ? options.max_size : body.diagonal / 8) * std::sqrt(scale);
-  const Eigen::Isometry3d touching = touching_pose(vertex, frame);
-  Eigen::Isometry3d deepest = touching;
-  deepest.translation() -= depth * frame.n;
 
   std::vector<Source> sources;
   // A curved tool's overlap is wider than the contact it makes (by sqrt 2 in Hertz' limit): shrink it.
   const double shrink = vertex.flat_radius > 0 ? 1.0 : 0.75;
-  for (const Vector3d& p : footprint(body, tool, deepest, frame, radius)) {
-    sources.push_back({frame.origin + shrink * (p - frame.origin), size});
+  std::vector<Vector3d> places{Vector3d::Zero()};
+  places.insert(places.end(), further.begin(), further.end());
+  for (const Vector3d& place : places) {
+    ContactFrame here = frame;
+    here.origin += place;
+    const Eigen::Isometry3d touching = touching_pose(vertex, here);
+    Eigen::Isometry3d deepest = touching;
+    deepest.translation() -= depth * here.n;
+    for (const Vector3d& p : footprint(body, tool, deepest, here, radius)) {
+      sources.push_back({here.origin + shrink * (p - here.origin), size});
+    }
+    if (options.rim_size > 0) {
+      const int count = static_cast<int>(std::ceil(2 * std::numbers::pi / options.rim_size));
+      for (int k = 0; k < count; ++k) {
+        const double angle = 2 * std::numbers::pi * k / count;
+        const Vector3d rim = here.origin + radius * (std::cos(angle) * here.x + std::sin(angle) * here.y);
+        sources.push_back({body.query->closest(rim).point, options.rim_size * scale * radius});
+      }
+    }
+    for (const ToolEdgePoint& e : tool.edges) sources.push_back({touching * e.point, e.size * scale});
   }
   // A curved tool touches at a point first: the shallow contact needs elements of its own scale.
-  if (vertex.flat_radius == 0) sources.push_back({frame.origin, kTouch * size});
-  if (options.rim_size > 0) {
-    const int count = static_cast<int>(std::ceil(2 * std::numbers::pi / options.rim_size));
-    for (int k = 0; k < count; ++k) {
-      const double angle = 2 * std::numbers::pi * k / count;
-      const Vector3d rim = frame.origin + radius * (std::cos(angle) * frame.x + std::sin(angle) * frame.y);
-      sources.push_back({body.query->closest(rim).point, options.rim_size * scale * radius});
-    }
-  }
-  for (const ToolEdgePoint& e : tool.edges) sources.push_back({touching * e.point, e.size * scale});
+  if (vertex.flat_radius == 0 && further.empty()) sources.push_back({frame.origin, kTouch * size});
 
   for (const Vector3d& p : body.support_rim.points) sources.push_back({p, body.support_rim.size * scale});
 

@@ -7,11 +7,15 @@
 #include "precompute/solve/pair.hpp"
 #include "precompute/tool/tool.hpp"
 
+#include <vector>
+
 namespace palpate {
 
 /// Edge length for a push of `vertex` at `frame` down to `depth` (m) with options.mesh_size * `scale` of
-/// the contact radius over the footprint, and the supports' rims resolved.
+/// the contact radius over the footprint, and the supports' rims resolved. `further` are places (m, from frame.origin)
+/// that the tool goes to at that depth: where there are any, the first touch gets no smaller elements of its own.
 SizeField contact_size(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
-                       double depth, double scale, const PairOptions& options);
+                       double depth, double scale, const PairOptions& options,
+                       const std::vector<Eigen::Vector3d>& further = {});
 
 }  // namespace palpate

@@ -68,6 +68,7 @@ public:
   }
   [[nodiscard]] double min_jacobian() const { return elastic_.min_jacobian(state_.x); }
   [[nodiscard]] std::uint32_t factorisations() const { return factorisations_; }
+  [[nodiscard]] const std::vector<char>& fixed() const { return fixed_; }  ///< per node
   [[nodiscard]] bool held_anywhere() const { return held_anywhere_; }
   /// Smallest signed distance of the undeformed surface to the tool at a translation (m).
   [[nodiscard]] double rest_gap(const Eigen::Vector3d& translation);

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where a tool stands at a given depth in a body that is not yet deformed.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <optional>
+
+namespace palpate {
+
+/// `translation` shifted along the unit `normal` so that the smallest signed distance of tool and surface, which `gap`
+/// gives (m), is -`depth`, to `resolution` (m). Nothing where that takes a shift beyond `reach` (m): no surface is
+/// there.
+std::optional<Eigen::Vector3d> at_depth(const std::function<double(const Eigen::Vector3d&)>& gap,
+                                        Eigen::Vector3d translation, const Eigen::Vector3d& normal, double depth,
+                                        double resolution, double reach);
+
+}  // namespace palpate
