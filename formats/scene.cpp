@@ -185,6 +185,7 @@ void check_outside(const toml::table& root, const Place& place) {
   look("material", material_keys());
   look("contact", contact_keys());
   look("sampling", sampling_keys());
+  look("prestress", prestress_keys());
   look("tool", tool_keys());
   look("response", response_keys());
   look("solver", solver_keys());
@@ -209,6 +210,10 @@ Scene read_scene(const std::filesystem::path& file) {
   }
   read_regions(scene, root, place);
   read_supports(scene, root, place);
+  read_section(scene.prestress, root, "prestress", prestress_keys(), place);
+  if (const toml::table* table = section(root, "prestress", place)) {
+    check_prestress(scene.prestress, *table, place.below("prestress"));
+  }
   read_tools(scene, root, place);
   read_section(scene, root, "contact", contact_keys(), place);
   read_section(scene.sampling, root, "sampling", sampling_keys(), place);

@@ -78,6 +78,17 @@ struct SupportScene {
   double within = 0.0;                                 ///< m
 };
 
+/// Loads that the body bears before any tool touches it.
+struct PrestressScene {
+  Eigen::Vector3d gravity{0, 0, 0};  ///< m/s^2, [-1000, 1000]
+  double density = 1060.0;           ///< kg/m^3 of body and regions, stress-free, (0, 1e5]; gravity acts on it
+  double pressure = 0.0;             ///< Pa inside cavities over that outside, [0, 1e9]; 0: none
+  std::string cavity;                ///< only in the cavity whose wall came from this mesh; empty: in every one
+  Eigen::Vector3d stretch{1, 1, 1};  ///< along the axes, of where supports hold the body, [0.2, 5]
+
+  [[nodiscard]] bool any() const { return !gravity.isZero(0) || pressure > 0 || !stretch.isOnes(0); }
+};
+
 struct ToolScene {
   enum class Shape { sphere, punch, capsule, mesh, cone, needle };
   std::string name = "tool";
@@ -129,6 +140,7 @@ struct Scene {
   MaterialScene material;
   std::vector<RegionScene> regions;
   std::vector<SupportScene> supports;  ///< none given: the lowest tenth of the body along z is held
+  PrestressScene prestress;            ///< none given: the body starts free of stress
   std::vector<ToolScene> tools;        ///< none given: one sphere tip of radius 5 mm
   double friction = 0.0;               ///< Coulomb coefficient, [0, 2]; 0: a frictionless scene
   SamplingScene sampling;

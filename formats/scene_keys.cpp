@@ -91,8 +91,8 @@ std::string show_distance(const SupportScene& support) {
 }  // namespace
 
 const std::vector<std::string>& section_names() {
-  static const std::vector<std::string> names{"body",    "material", "region",   "support", "tool",
-                                              "contact", "sampling", "response", "solver"};
+  static const std::vector<std::string> names{"body", "material", "region",   "support",  "prestress",
+                                              "tool", "contact",  "sampling", "response", "solver"};
   return names;
 }
 

@@ -39,6 +39,7 @@ const Keys<BodyScene>& body_keys();
 const Keys<MaterialScene>& material_keys();  ///< with check_material, in scene_material.cpp
 const Keys<RegionScene>& region_keys();
 const Keys<SupportScene>& support_keys();
+const Keys<PrestressScene>& prestress_keys();  ///< with check_prestress, in scene_prestress.cpp
 const Keys<ToolScene>& tool_keys();
 const Keys<Scene>& contact_keys();
 const Keys<SamplingScene>& sampling_keys();
@@ -47,6 +48,9 @@ const Keys<SolverScene>& solver_keys();
 
 /// What a material's keys must meet together; sets `young` where the law has moduli of its own.
 void check_material(MaterialScene& material, const toml::table& table, const Place& place);
+
+/// Keys that would change nothing without another one are errors.
+void check_prestress(const PrestressScene& prestress, const toml::table& table, const Place& place);
 
 /// Names of the sections, as they stand in a scene.
 const std::vector<std::string>& section_names();

@@ -51,6 +51,10 @@ std::string scene_reference() {
       text, "[[support]]",
       "Where and how the organ is held, exactly one place each; any number of them. None: the lowest tenth along z.",
       support_keys(), {}, false);
+  append_reference(text, "[prestress]",
+                   "Loads that the organ bears before an instrument touches it: they are solved first, and contact "
+                   "starts from there.",
+                   prestress_keys(), scene.prestress, true);
   append_reference(text, "[[tool]]",
                    "An instrument; any number of them. Keys that do not belong to its shape are errors.", tool_keys(),
                    {}, false);
@@ -81,6 +85,7 @@ std::string canonical_text(const Scene& scene, CanonicalScope scope) {
     without_path.other.file.clear();
     append_canonical(text, "support", support_keys(), without_path, only_solves);
   }
+  append_canonical(text, "prestress", prestress_keys(), scene.prestress, only_solves);
   for (const ToolScene& tool : scene.tools) {
     text += "[tool]\n";
     append_canonical(text, "tool", tool_keys(), tool, only_solves);

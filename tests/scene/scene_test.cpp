@@ -202,6 +202,32 @@ time_limit = 60
   EXPECT_EQ(scene.solver.time_limit, 60.0);
 }
 
+TEST_F(SceneTest, Prestress) {
+  const std::string body = "body = {surface = \"a\"}\n";
+  const PrestressScene none = read(body + "[prestress]\n").prestress;
+  EXPECT_FALSE(none.any());
+  EXPECT_EQ(canonical_text(read(body + "[prestress]\npressure = 0\nstretch = [1, 1, 1]\n")),
+            canonical_text(read(body)));
+  const PrestressScene all = read(body + R"([prestress]
+gravity = [0, -9.81, 0]
+density = 1040
+pressure = 800
+cavity = "lumen"
+stretch = [1.1, 1, 0.9]
+)")
+                                 .prestress;
+  EXPECT_TRUE(all.any());
+  EXPECT_EQ(all.gravity, Eigen::Vector3d(0, -9.81, 0));
+  EXPECT_EQ(all.density, 1040);
+  EXPECT_EQ(all.pressure, 800);
+  EXPECT_EQ(all.cavity, "lumen");
+  EXPECT_EQ(all.stretch, Eigen::Vector3d(1.1, 1, 0.9));
+  // Every key that acts is in the text that solves are known by.
+  const std::string text = canonical_text(read(body + "[prestress]\ngravity = [0, 0, -1]\npressure = 1\n"));
+  EXPECT_NE(text, canonical_text(read(body + "[prestress]\ngravity = [0, 0, -1]\ndensity = 1061\npressure = 1\n")));
+  EXPECT_NE(text, canonical_text(read(body + "[prestress]\ngravity = [0, 0, -1]\npressure = 1\ncavity = \"c\"\n")));
+}
+
 TEST_F(SceneTest, SeveralFilesEachWithItsOwn) {
   const Scene scene = read(R"([body]
 units = "mm"
@@ -242,7 +268,8 @@ TEST_F(SceneTest, CanonicalTextFollowsResultsNotPathsNorNames) {
   for (const char* more :
        {"[sampling]\ndepth = 0.00500001\n", "[material]\nyoung = 5001\n", "[[support]]\nmesh = \"x\"\n",
         "[solver]\ngrowth = 0.71\n", "[solver]\nrim_size = 0.1\n", "[response]\ntolerance = 0.04\n",
-        "[tool]\nradius = 0.0051\n", "[[region]]\nsurface = \"r.ply\"\n"}) {
+        "[tool]\nradius = 0.0051\n", "[[region]]\nsurface = \"r.ply\"\n", "[prestress]\ngravity = [0, 0, -1]\n",
+        "[prestress]\npressure = 10\n", "[prestress]\nstretch = [1, 1.01, 1]\n"}) {
     EXPECT_NE(text, canonical_text(read(base + more))) << more;
   }
   const auto solves = [&](const std::string& more) {
