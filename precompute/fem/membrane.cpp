@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "precompute/fem/membrane.hpp"
 
+#include "precompute/fem/face_shape.hpp"
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -16,14 +18,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 using Deformation = Eigen::Matrix<double, 3, 2>;
-
-// Derivatives of the six shape functions by the barycentric coordinates a and b (c = 1 - a - b).
-Eigen::Matrix<double, 6, 2> reference_gradients(double a, double b) {
-  const double c = 1 - a - b;
-  Eigen::Matrix<double, 6, 2> d;
-  d << 4 * a - 1, 0, 0, 4 * b - 1, 1 - 4 * c, 1 - 4 * c, 4 * b, 4 * a, -4 * b, 4 * (c - b), 4 * (c - a), -4 * a;
-  return d;
-}
 
 // The state at one point, over mu: C^-1, 1 / det C and the second Piola-Kirchhoff stress.
 struct Strain {
@@ -71,7 +65,7 @@ MembraneEnergy::MembraneEnergy(const TetMesh& mesh, const std::vector<char>& fix
     Face face{nodes, {}, options.young / 3 * options.thickness * jacobian.determinant() / 2 / kPoints};
     int q = 0;
     for (const auto& [at_a, at_b] : {std::pair{0.5, 0.5}, {0.5, 0.0}, {0.0, 0.5}}) {
-      face.gradients[q++] = reference_gradients(at_a, at_b) * jacobian.inverse();
+      face.gradients[q++] = face_gradients(at_a, at_b) * jacobian.inverse();
     }
     faces_.push_back(face);
   }

@@ -2,6 +2,8 @@
 // Integration of the contact energy over quadratic faces.
 #include "precompute/solve/contact.hpp"
 
+#include "precompute/fem/face_shape.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -18,10 +20,7 @@ using Weights = std::array<std::array<double, 6>, ContactEnergy::kPoints>;
 Weights make_weights() {
   Weights all{};
   int q = 0;
-  const auto add = [&](double a, double b) {
-    const double c = 1 - a - b;
-    all[q++] = {a * (2 * a - 1), b * (2 * b - 1), c * (2 * c - 1), 4 * a * b, 4 * b * c, 4 * c * a};
-  };
+  const auto add = [&](double a, double b) { all[q++] = face_values(a, b); };
   for (int i = 0; i < 4; ++i) {
     for (int j = 0; i + j < 4; ++j) {
       add((i + 1.0 / 3) / 4, (j + 1.0 / 3) / 4);
@@ -40,10 +39,7 @@ ContactEnergy::ContactEnergy(const TetMesh& mesh, const std::vector<char>& fixed
     : shape_(shape), pose_(pose) {
   for (const auto& nodes : mesh.faces) {
     if (std::all_of(nodes.begin(), nodes.end(), [&](std::int32_t n) { return fixed[n] != 0; })) {
-      for (const auto& w : kShape) {
-        held_points_.push_back(Vector3d::Zero());
-        for (int n = 0; n < 6; ++n) held_points_.back() += w[n] * mesh.nodes[nodes[n]];
-      }
+      held_.push_back(nodes);
       continue;
     }
     const Vector3d a = mesh.nodes[nodes[0]], b = mesh.nodes[nodes[1]], c = mesh.nodes[nodes[2]];
@@ -167,8 +163,13 @@ ContactReport ContactEnergy::report(const VectorXd& x) const {
     }
   });
   const Eigen::Isometry3d to_tool = pose_.inverse();
-  for (const Vector3d& at : held_points_)
-    r.held_overlap = std::max(r.held_overlap, -shape_.distance(to_tool * at).value);
+  for (const auto& nodes : held_) {
+    for (const auto& w : kShape) {
+      Vector3d at = Vector3d::Zero();
+      for (int n = 0; n < 6; ++n) at += w[n] * x.segment<3>(3 * nodes[n]);
+      r.held_overlap = std::max(r.held_overlap, -shape_.distance(to_tool * at).value);
+    }
+  }
   return r;
 }
 

@@ -90,7 +90,7 @@ private:
   void for_each_near(const Eigen::VectorXd& x, Visit&& visit) const;
 
   std::vector<Face> faces_;
-  std::vector<Eigen::Vector3d> held_points_;  // of faces that take no part
+  std::vector<std::array<std::int32_t, 6>> held_;  // faces that take no part
   const ToolShape& shape_;
   Eigen::Isometry3d pose_;
   double penalty_ = 0.0, anchor_stiffness_ = 0.0;
