@@ -17,6 +17,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
+using Nodes = Eigen::Matrix<double, 3, 10>;
 
 constexpr int kPoints = kElementPoints;
 
@@ -89,6 +90,7 @@ void ElasticEnergy::make_batches() {
         batch.mu[lane] = material.mu;
         batch.slope[lane] = material.slope;
         batch.bulk[lane] = material.bulk;
+        batch.local[lane] = material.local;
         if (laws) batch.laws[lane] = &material;
       }
       batches_.push_back(batch);
@@ -119,38 +121,45 @@ double ElasticEnergy::min_jacobian(const VectorXd& x) const { return batch_min_j
 void ElasticEnergy::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& matrix) const {
   for (const Element& e : elements_) {
     const Material& material = materials_[e.material];
-    Eigen::Matrix<double, 3, 10> p;
+    Nodes p;
     for (int n = 0; n < 10; ++n) p.col(n) = x.segment<3>(3 * e.nodes[n]);
     std::array<Shape, kPoints> gradients;
     std::array<Matrix3d, kPoints> fs;
     std::array<Tangent, kPoints> tangents;
     double dilatation = 0;
-    Eigen::Matrix<double, 3, 10> volume = Eigen::Matrix<double, 3, 10>::Zero();
+    std::array<double, kPoints> j;
+    std::array<Nodes, kPoints> volumes;  // derivatives of j
+    Nodes volume = Nodes::Zero();
     Eigen::Matrix<double, 10, 10> laplace = Eigen::Matrix<double, 10, 10>::Zero();
     for (int q = 0; q < kPoints; ++q) {
       const Shape& g = gradients[q] = shape_gradients(e, q);
       fs[q] = p * g;
       const Matrix3d c = cofactor(fs[q]);
-      dilatation += fs[q].col(0).dot(c.col(0)) / kPoints;
-      volume.noalias() += c * g.transpose() / kPoints;
+      j[q] = fs[q].col(0).dot(c.col(0));
+      dilatation += j[q] / kPoints;
+      volumes[q].noalias() = c * g.transpose();
+      volume += volumes[q] / kPoints;
       laplace.noalias() += g * g.transpose() / kPoints;
       if (material.laws.empty()) continue;
       tangents[q] = material.law_tangent(fs[q]);
       if (kind == HessianKind::convex) tangents[q] = positive_part(tangents[q]);
     }
-    const double mu = e.volume * material.mu, bulk = e.volume * material.volumetric_curvature();
+    const double mu = e.volume * material.mu, bulk = e.volume * (material.volumetric_curvature() - material.local);
+    const double local = e.volume * material.local / kPoints;
     const double slope = e.volume * material.volumetric_slope(dilatation) / kPoints;
     for (int a = 0; a < 10; ++a) {
       for (int b = 0; b <= a; ++b) {
         Matrix3d block = bulk * volume.col(a) * volume.col(b).transpose();
+        for (const Nodes& v : volumes) block.noalias() += local * v.col(a) * v.col(b).transpose();
         block.diagonal().array() += mu * laplace(a, b);
         if (kind == HessianKind::exact && a != b) {
           Vector3d v = Vector3d::Zero();
           for (int q = 0; q < kPoints; ++q) {
             const Shape& g = gradients[q];
-            v.noalias() += fs[q] * g.row(a).transpose().cross(g.row(b).transpose());
+            const double pressure = slope + local * (j[q] - dilatation);
+            v.noalias() += pressure * (fs[q] * g.row(a).transpose().cross(g.row(b).transpose()));
           }
-          block += slope * skew(v);
+          block += skew(v);
         }
         if (!material.laws.empty()) {
           for (int q = 0; q < kPoints; ++q) {

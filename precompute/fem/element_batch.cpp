@@ -105,10 +105,14 @@ void add_laws(const ElementBatch& batch, const Matrix& f, Lanes& energy, Matrix*
   dilatation /= double(kPoints);
 }
 
-// Sum over the lanes in use (J).
-[[gnu::always_inline]] inline double total(const ElementBatch& batch, const Lanes& energy, const Lanes& dilatation) {
+// Energy (J) of the lanes in use.
+[[gnu::always_inline]] inline double total(const ElementBatch& batch, const Deformation& d, const Lanes& energy,
+                                           const Lanes& dilatation) {
   const Lanes change = dilatation - 1.0;
-  const Lanes all = batch.volume * (energy + (batch.slope + 0.5 * batch.bulk * change) * change);
+  Lanes variance{};
+  for (const Lanes& det : d.det) variance += (det - dilatation) * (det - dilatation);
+  const Lanes all = batch.volume * (energy + (batch.slope + 0.5 * batch.bulk * change) * change +
+                                    batch.local * variance * (0.5 / kPoints));
   double sum = 0;
   for (int lane = 0; lane < batch.count; ++lane) sum += all[lane];
   return sum;
@@ -124,12 +128,13 @@ void add_laws(const ElementBatch& batch, const Matrix& f, Lanes& energy, Matrix*
     Lanes energy, dilatation;
     Matrix stress[kPoints] = {};
     distortion(batch, d, energy, dilatation, gradient != nullptr ? stress : nullptr);
-    sum += total(batch, energy, dilatation);
+    sum += total(batch, d, energy, dilatation);
     if (gradient == nullptr) continue;
 
     const Lanes scale = batch.volume / double(kPoints), push = batch.slope + batch.bulk * (dilatation - 1.0);
     for (int q = 0; q < kPoints; ++q) {
-      for (int k = 0; k < 9; ++k) stress[q][k] = scale * (stress[q][k] + push * d.cofactor[q][k]);
+      const Lanes pressure = push + batch.local * (d.det[q] - dilatation);
+      for (int k = 0; k < 9; ++k) stress[q][k] = scale * (stress[q][k] + pressure * d.cofactor[q][k]);
     }
     Nodes force = {};
     for (int k = 0; k < 4; ++k) {

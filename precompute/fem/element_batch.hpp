@@ -26,7 +26,7 @@ struct ElementBatch {
   std::array<std::array<std::int32_t, kLanes>, 10> nodes;
   Lanes slopes[4][3];                          ///< gradients of the barycentric coordinates, 1/m
   Lanes volume;                                ///< m^3
-  Lanes mu, slope, bulk;                       ///< Pa, see Material
+  Lanes mu, slope, bulk, local;                ///< Pa, see Material
   std::array<const Material*, kLanes> laws{};  ///< materials with laws to be evaluated at every point; null: none
   int count = 0;                               ///< lanes in use; what is in the others is finite and ignored
 };

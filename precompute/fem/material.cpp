@@ -4,6 +4,7 @@
 
 #include "precompute/fem/invariant_law.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -41,14 +42,16 @@ Material Material::of(double mu, std::vector<std::shared_ptr<const Law>> laws, d
   if (!(shear > 0) || !std::isfinite(shear)) throw std::invalid_argument("the shear modulus at rest is not positive");
   const double wanted = 2 * shear * (1 + poisson) / (3 * (1 - 2 * poisson));
   // Of F = (1 + e) I the second derivative of psi is 9 times the bulk modulus, j'' = 6 and j' = 3.
-  m.bulk = wanted + (6 * pressure - curvature_at_rest(m, Matrix3d::Identity())) / 9;
+  const double missing = (6 * pressure - curvature_at_rest(m, Matrix3d::Identity())) / 9;
+  m.bulk = wanted + missing;
+  m.local = std::max(missing, 0.0);
   return m;
 }
 
 Material Material::plain() const {
   Material m = *this;
   m.laws.push_back(std::make_shared<Volume>(slope, bulk));
-  m.slope = m.bulk = 0;
+  m.slope = m.bulk = m.local = 0;
   return m;
 }
 

@@ -11,16 +11,19 @@
 namespace palpate {
 
 /// Energy per volume of the stress-free state,
-///   psi(F) = mu/2 (F:F - 3) + sum of laws(F) + slope (j - 1) + bulk/2 (j - 1)^2,
-/// where j is the mean of det F over an element (no volumetric locking) and the slope makes F = I free of stress.
-/// Defined for inverted elements too. Without laws it is the compressible neo-Hookean solid of Smith, de Goes and Kim
-/// (2018, equation 14, up to a constant).
+///   psi(F) = mu/2 (F:F - 3) + sum of laws(F) + slope (j - 1) + bulk/2 (j - 1)^2 + local/2 (det F - j)^2,
+/// where j is the mean of det F over an element (no volumetric locking) and the slope makes F = I free of stress. The
+/// last term is for changes of volume that have no mean: the other terms would pay for them with a negative energy,
+/// -mu/6 of their square for the neo-Hookean solid, and elements at free surfaces take that offer. With it they cost
+/// nothing. Defined for inverted elements too. Without laws it is the compressible neo-Hookean solid of Smith, de Goes
+/// and Kim (2018, equation 14, up to a constant).
 struct Material {
   double mu = 0.0;                               ///< Pa; what is left out of `laws`, for it costs next to nothing
   std::vector<std::shared_ptr<const Law>> laws;  ///< evaluated at every quadrature point
   Eigen::Vector3d fibre{0, 0, 0};                ///< unit direction in the stress-free state; 0: none
   double slope = 0.0;                            ///< Pa
   double bulk = 0.0;                             ///< Pa
+  double local = 0.0;                            ///< Pa
 
   /// young > 0 (Pa), poisson in [0, 0.5).
   static Material neo_hookean(double young, double poisson);
