@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every law: derivatives through degenerate states, indifference, moduli at rest, and closed forms of one stretch.
+// Every law: derivatives through degenerate states, indifference, moduli at rest.
 #include "precompute/fem/scene_material.hpp"
 
 #include "precompute/fem/invariant_law.hpp"
+#include "tests/support/laws.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cmath>
-#include <functional>
 #include <random>
 
 namespace palpate {
@@ -17,30 +17,13 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using Choice = MaterialScene::Law;
+using Choice = test::LawChoice;
 
 Matrix3d diagonal(double a, double b, double c) { return Vector3d(a, b, c).asDiagonal(); }
 
-MaterialScene scene_of(Choice law, double poisson) {
-  MaterialScene s;
-  s.law = law;
-  s.poisson = poisson;
-  s.c10 = 700;
-  s.c01 = 300;
-  s.terms = {{630, 1.3}, {1.2, 5.0}, {-10, -2.0}};  // Ogden's own three terms for rubber, a thousandth of each
-  s.c1 = 300;
-  s.beta = 2;
-  s.k1 = 2363;
-  s.k2 = 0.84;
-  s.dispersion = 0.1;
-  s.fibre = Vector3d(1, 2, -0.5).normalized();
-  return s;
-}
-
 class Laws : public ::testing::TestWithParam<Choice> {
 protected:
-  Material material =
-      make_material(scene_of(GetParam(), GetParam() == Choice::linear || GetParam() == Choice::st_venant ? 0.3 : 0.49));
+  Material material = make_material(test::law_scene(GetParam(), test::usual_poisson(GetParam())));
 
   // Pa, of the modulus
   static double scale() { return 2000; }
@@ -114,7 +97,7 @@ TEST_P(Laws, RotationsCostNothing) {
 
 // Energy of small strains against Hooke's law with the scene's moduli.
 TEST_P(Laws, SmallStrainsAreHookes) {
-  MaterialScene s = scene_of(GetParam(), 0.3);
+  MaterialScene s = test::law_scene(GetParam(), 0.3);
   s.fibre = {0, 0, 1};
   s.dispersion = 0;
   const Material m = make_material(s);
@@ -137,77 +120,7 @@ TEST_P(Laws, SmallStrainsAreHookes) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, Laws,
-                         ::testing::Values(Choice::neo_hookean, Choice::mooney_rivlin, Choice::ogden,
-                                           Choice::veronda_westmann, Choice::holzapfel, Choice::st_venant,
-                                           Choice::linear));
-
-// Nominal stress along z of a bar with free sides.
-double uniaxial(const Material& m, double stretch) {
-  const auto sideways = [&](double b) {
-    const Matrix3d f = diagonal(b, b, stretch);
-    Matrix3d p;
-    m.stress(f, p);
-    return p(0, 0) + m.volumetric_slope(f.determinant()) * b * stretch;
-  };
-  double low = 0.5 / std::sqrt(stretch), high = 2 / std::sqrt(stretch);
-  for (int k = 0; k < 100; ++k) (sideways((low + high) / 2) < 0 ? low : high) = (low + high) / 2;
-  const Matrix3d f = diagonal(low, low, stretch);
-  Matrix3d p;
-  m.stress(f, p);
-  return p(2, 2) + m.volumetric_slope(f.determinant()) * low * low;
-}
-
-struct Closed {
-  const char* name;
-  Choice law;
-  std::function<double(const MaterialScene&, double)> stress;  ///< incompressible, nominal
-};
-
-// For the test's output; otherwise the bytes of the case are printed.
-[[maybe_unused]] void PrintTo(const Closed& closed, std::ostream* out) { *out << closed.name; }
-
-class Uniaxial : public ::testing::TestWithParam<Closed> {};
-
-TEST_P(Uniaxial, StressOfAnIncompressibleBarIsTheClosedForm) {
-  MaterialScene s = scene_of(GetParam().law, 0.4999);
-  s.fibre = {0, 0, 1};
-  s.dispersion = 0;
-  const Material m = make_material(s);
-  for (const double stretch : {0.6, 0.8, 1.2, 1.6}) {
-    // At nu 0.4999 the volume still changes a little, to which a stiff exponential answers most.
-    const double tolerance = GetParam().law == Choice::veronda_westmann ? 0.02 : 3e-3;
-    EXPECT_NEAR(uniaxial(m, stretch) / GetParam().stress(s, stretch), 1.0, tolerance) << "stretch " << stretch;
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(Laws, Uniaxial,
-                         ::testing::Values(Closed{"mooney", Choice::mooney_rivlin,
-                                                  [](const MaterialScene& s, double l) {
-                                                    return 2 * (s.c10 + s.c01 / l) * (l - 1 / (l * l));
-                                                  }},
-                                           Closed{"ogden", Choice::ogden,
-                                                  [](const MaterialScene& s, double l) {
-                                                    double sum = 0;
-                                                    for (const auto& term : s.terms)
-                                                      sum += term.mu * (std::pow(l, term.alpha - 1) -
-                                                                        std::pow(l, -term.alpha / 2 - 1));
-                                                    return sum;
-                                                  }},
-                                           Closed{"veronda", Choice::veronda_westmann,
-                                                  [](const MaterialScene& s, double l) {
-                                                    const double i1 = l * l + 2 / l, c2 = -0.5 * s.c1 * s.beta;
-                                                    return 2 * (s.c1 * s.beta * std::exp(s.beta * (i1 - 3)) + c2 / l) *
-                                                           (l - 1 / (l * l));
-                                                  }},
-                                           Closed{"holzapfel", Choice::holzapfel,
-                                                  [](const MaterialScene& s, double l) {
-                                                    const double e = l * l - 1, mu = s.young / (2 * (1 + s.poisson));
-                                                    const double fibres =
-                                                        e > 0 ? 2 * s.k1 * e * std::exp(s.k2 * e * e) * l : 0.0;
-                                                    return mu * (l - 1 / (l * l)) + fibres;
-                                                  }}),
-                         [](const auto& closed) { return std::string(closed.param.name); });
+INSTANTIATE_TEST_SUITE_P(Each, Laws, ::testing::ValuesIn(test::kEveryLaw));
 
 // The comparison element's energies, as general packages write them.
 TEST(Isochoric, DistortionAndVolumeAreSeparate) {

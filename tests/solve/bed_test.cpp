@@ -7,6 +7,7 @@
 #include "tests/support/block_mesh.hpp"
 #include "tests/support/bodies.hpp"
 #include "tests/support/finite_difference.hpp"
+#include "tests/support/loaded.hpp"
 
 #include <gtest/gtest.h>
 
@@ -17,30 +18,6 @@ namespace {
 
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-
-// A body on supports under a dead force on each node.
-class Held final : public EnergyProblem {
-public:
-  Held(const Body& body, const TetMesh& mesh, VectorXd force)
-      : elastic_(mesh, {Material::neo_hookean(body.material.young, body.material.poisson)}),
-        bed_(body, mesh),
-        force_(std::move(force)) {}
-  double value(const VectorXd& x) const override { return elastic_.value(x) + bed_.value(x) - force_.dot(x); }
-  double gradient(const VectorXd& x, VectorXd& g) const override {
-    g = -force_;
-    return elastic_.gradient(x, g) + bed_.gradient(x, g) - force_.dot(x);
-  }
-  void hessian(const VectorXd& x, HessianKind kind, BlockMatrix& m) const override {
-    elastic_.hessian(x, kind, m);
-    bed_.hessian(m);
-  }
-  double load(const VectorXd&) const override { return force_.norm(); }
-
-private:
-  ElasticEnergy elastic_;
-  BedEnergy bed_;
-  VectorXd force_;
-};
 
 SupportScene half_space(SupportScene::Type type, const Vector3d& point, const Vector3d& normal) {
   SupportScene s;
@@ -54,13 +31,9 @@ SupportScene half_space(SupportScene::Type type, const Vector3d& point, const Ve
 
 // Traction (Pa) along z on the faces in the plane z = 1.
 VectorXd top_load(const TetMesh& mesh, double traction) {
-  VectorXd force = VectorXd::Zero(3 * static_cast<Eigen::Index>(mesh.nodes.size()));
-  for (const auto& f : mesh.faces) {
-    const Vector3d &a = mesh.nodes[f[0]], &b = mesh.nodes[f[1]], &c = mesh.nodes[f[2]];
-    if (a.z() + b.z() + c.z() < 3 - 1e-9) continue;
-    for (int k = 3; k < 6; ++k) force[3 * f[k] + 2] += traction * 0.5 * (b - a).cross(c - a).norm() / 3;
-  }
-  return force;
+  return test::face_loads(mesh, [&](const Vector3d& middle, const Vector3d&, const Vector3d&) {
+    return Vector3d(0, 0, middle.z() > 1 - 1e-9 ? traction : 0);
+  });
 }
 
 class Beds : public ::testing::Test {
@@ -69,8 +42,14 @@ protected:
   VectorXd rest = test::stacked(mesh);
   Body body;
 
+  ElasticEnergy elastic_energy() const {
+    return {mesh, {Material::neo_hookean(body.material.young, body.material.poisson)}};
+  }
+
   VectorXd solve(const VectorXd& force) const {
-    const Held problem(body, mesh, force);
+    const ElasticEnergy elastic = elastic_energy();
+    const BedEnergy bed(body, mesh);
+    const test::Loaded problem(elastic, force, &bed);
     Minimiser minimiser(mesh, std::vector<char>(mesh.nodes.size(), 0));
     VectorXd x = rest;
     MinimiserOptions options;
@@ -87,7 +66,9 @@ TEST_F(Beds, DerivativesMatchDifferences) {
   body.supports = {half_space(SupportScene::Type::spring, {0, 0, 1e-6}, {0, 0, 1}),
                    half_space(SupportScene::Type::slider, {1e-6, 0, 0}, {1, 0, 0})};
   body.support_surfaces.resize(2);
-  const Held problem(body, mesh, VectorXd::Zero(rest.size()));
+  const ElasticEnergy elastic = elastic_energy();
+  const BedEnergy bed(body, mesh);
+  const test::Loaded problem(elastic, VectorXd::Zero(rest.size()), &bed);
   std::mt19937 engine(5);
   std::uniform_real_distribution<double> noise(-0.1, 0.1);
   VectorXd x = rest;
