@@ -82,6 +82,52 @@ TEST_P(ContactOfTool, DerivativesMatchDifferences) {
     EXPECT_NEAR(-(up - down) / 2e-6, force[k], 1e-5 * force.norm());
   }
 }
+// Body and tool turned and carried together: what does not touch still gives no force, and a stuck contact the same
+// one.
+TEST_P(ContactOfTool, MovedAsARigidBodyWithTheBodyItGivesNoNewForce) {
+  const Case c = make(GetParam());
+  const TetMesh mesh = test::block_mesh({0, 0.5, 1}, {0, 0.5, 1}, {0, 1});
+  const std::vector<char> fixed(mesh.nodes.size(), 0);
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity(), motion = pose;
+  motion.linear() = Eigen::AngleAxisd(1.3, Vector3d(-1, 0.4, 2).normalized()).toRotationMatrix();
+  motion.translation() = Vector3d(2, -3, 0.7);
+  const auto carried = [&](const VectorXd& x) {
+    VectorXd y(x.size());
+    for (Eigen::Index n = 0; n < x.size() / 3; ++n) y.segment<3>(3 * n) = motion * Vector3d(x.segment<3>(3 * n));
+    return y;
+  };
+  const auto contact_at = [&](const Eigen::Isometry3d& at) {
+    ContactEnergy contact(mesh, fixed, *c.shape, at);
+    contact.set_penalty(1e4);
+    contact.set_anchor_stiffness(5e3);
+    return contact;
+  };
+  VectorXd x = test::stacked(mesh);
+  pose.translation() = c.at;
+  ContactEnergy here = contact_at(pose);
+  // Lifted until it touches and no more, a nanometre off.
+  for (int k = 0; k < 100 && here.gap(x) < 1e-9; ++k) {
+    pose.translation().z() += 1e-9 - here.gap(x);
+    here.set_translation(pose.translation());
+  }
+  ASSERT_NEAR(here.gap(x), 1e-9, 1e-10);
+  const ContactReport apart = contact_at(motion * pose).report(carried(x));
+  EXPECT_EQ(apart.force.norm(), 0.0);
+  EXPECT_EQ(apart.points, 0U);
+
+  pose.translation() = c.at;
+  here.set_translation(c.at);
+  here.stick(x);
+  for (Eigen::Index k = 0; k < x.size(); ++k) x[k] += 0.01 * std::sin(3.0 * static_cast<double>(k));
+  ContactEnergy there = contact_at(motion * pose);
+  there.set_anchors(here.anchors());
+  const ContactReport before = here.report(x), after = there.report(carried(x));
+  ASSERT_GT(before.force.norm(), 1.0);
+  EXPECT_GT(before.tangential_energy, 0.0);
+  EXPECT_LT((after.force - motion.linear() * before.force).norm(), 1e-11 * before.force.norm());
+  EXPECT_NEAR(there.value(carried(x)), here.value(x), 1e-12 * here.value(x));
+}
+
 INSTANTIATE_TEST_SUITE_P(Tools, ContactOfTool, ::testing::Range(0, 4));
 
 TEST(Contact, UniformOverlapOfAFlatPunchIsPressureTimesArea) {

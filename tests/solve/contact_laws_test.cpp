@@ -2,7 +2,6 @@
 // Closed-form contact laws, through the entry point that the bake uses. The block is at least 40 contact radii
 // wide and deep; the displacement it holds back at its bottom is about 0.4 a / L = 1 % of the depth, part of the 2 %.
 #include "precompute/solve/pair.hpp"
-
 #include "tests/support/bodies.hpp"
 
 #include <gtest/gtest.h>
@@ -37,6 +36,31 @@ TEST(Hertz, SphereForce) {
     EXPECT_NEAR(s.force.z() / (stiffness * std::pow(s.deflection.z(), 1.5)), 1.0, 0.02) << "depth " << s.deflection.z();
     EXPECT_LT(s.force.head<2>().norm(), 0.01 * s.force.z());
   }
+  const Sample& deepest = r.samples.back();
+  EXPECT_NEAR(std::sqrt(deepest.contact_area / (std::numbers::pi * radius * deepest.deflection.z())), 1.0, 0.05);
+}
+
+// The block's share of the error goes with a / L: twice the block takes half of it away, and two blocks say what is
+// left of it without any.
+TEST(Hertz, TwiceTheBlockTakesHalfOfItsErrorAway) {
+  const double radius = 0.01, depth = 0.01 * radius, a = std::sqrt(radius * depth);
+  PairPath path;
+  path.normal_depths = {0.5 * depth, depth};
+  PairOptions options;
+  options.mesh_size = 0.15;
+  ToolScene sphere;
+  sphere.radius = radius;
+  double over_hertz[2];
+  for (const int k : {0, 1}) {
+    const PairResult r = press(test::block_body((k == 0 ? 20 : 40) * a, kYoung, kPoisson), sphere, path, options);
+    ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
+    const Sample& s = r.samples.back();
+    over_hertz[k] = s.force.z() / (4.0 / 3 * kYoung / (1 - kPoisson * kPoisson) * std::sqrt(radius) *
+                                   std::pow(s.deflection.z(), 1.5));
+  }
+  EXPECT_GT(over_hertz[0] - over_hertz[1], 0.005);
+  EXPECT_LT(over_hertz[0] - over_hertz[1], 0.025);
+  EXPECT_NEAR(2 * over_hertz[1] - over_hertz[0], 1.0, 0.015);
 }
 
 TEST(Sneddon, FlatPunchForce) {
