@@ -104,11 +104,32 @@ void limit(const std::string& program, pid_t pid, decltype(RLIMIT_CPU) what, dou
   if (!done && errno != ESRCH) fail(program + ": cannot be limited", errno);
 }
 
+std::vector<char*> pointers(std::vector<std::string>& words) {
+  std::vector<char*> all;
+  for (std::string& word : words) all.push_back(word.data());
+  all.push_back(nullptr);
+  return all;
+}
+
+// Ours, and in the place of some its own.
+std::vector<std::string> variables_of(const ChildStart& start) {
+  std::vector<std::string> all = start.environment;
+  for (char** ours = environ; *ours != nullptr; ++ours) {
+    const std::string variable = *ours, name = variable.substr(0, variable.find('=') + 1);
+    const bool given = std::any_of(start.environment.begin(), start.environment.end(),
+                                   [&](const std::string& v) { return v.compare(0, name.size(), name) == 0; });
+    if (!given) all.push_back(variable);
+  }
+  return all;
+}
+
 // A started program; it ends with this object at the latest.
 class Child {
 public:
-  Child(const std::filesystem::path& program, int socket, int error, const ChildLimits& limits) {
+  Child(const std::filesystem::path& program, int socket, int error, const ChildLimits& limits,
+        const ChildStart& start) {
     SpawnSettings settings;
+    if (!start.folder.empty()) posix_spawn_file_actions_addchdir_np(&settings.actions, start.folder.c_str());
     posix_spawn_file_actions_adddup2(&settings.actions, socket, STDIN_FILENO);
     posix_spawn_file_actions_adddup2(&settings.actions, socket, STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&settings.actions, error, STDERR_FILENO);
@@ -120,9 +141,12 @@ public:
     posix_spawnattr_setpgroup(&settings.attributes, 0);
     posix_spawnattr_setflags(&settings.attributes,
                              POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-    std::string path = program.string();
-    char* const arguments[] = {path.data(), nullptr};
-    const int failed = posix_spawn(&pid_, path.c_str(), &settings.actions, &settings.attributes, arguments, environ);
+    const std::string path = program.string();
+    std::vector<std::string> words{path};
+    words.insert(words.end(), start.arguments.begin(), start.arguments.end());
+    std::vector<std::string> variables = variables_of(start);
+    const int failed = posix_spawn(&pid_, path.c_str(), &settings.actions, &settings.attributes, pointers(words).data(),
+                                   pointers(variables).data());
     if (failed != 0) {
       pid_ = -1;
       fail(path + ": cannot be started", failed);
@@ -153,10 +177,11 @@ public:
   }
 
   // Waits for its end and gives the cause of a bad one.
-  std::string reap(Patience& patience) {
+  std::string reap(Patience& patience, double& cpu_time) {
     int status = 0;
+    rusage used{};
     for (pid_t got = 0; got != pid_;) {
-      got = ::waitpid(pid_, &status, WNOHANG);
+      got = ::wait4(pid_, &status, WNOHANG, &used);
       if (got < 0 && errno != EINTR) fail("waitpid", errno);
       if (got == pid_) continue;
       if (patience.over()) {
@@ -166,6 +191,8 @@ public:
       std::this_thread::sleep_for(std::chrono::microseconds(200));
     }
     pid_ = -1;
+    const auto seconds = [](const timeval& t) { return double(t.tv_sec) + 1e-6 * double(t.tv_usec); };
+    cpu_time = seconds(used.ru_utime) + seconds(used.ru_stime);
     if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) return kTimeLimit;
     if (WIFSIGNALED(status)) return "ended by signal " + std::to_string(WTERMSIG(status));
     if (WEXITSTATUS(status) != 0) return "exit status " + std::to_string(WEXITSTATUS(status));
@@ -227,7 +254,8 @@ std::string converse(Descriptor& socket, Descriptor& error, const std::vector<ch
 
 }  // namespace
 
-ChildResult run_child(const std::filesystem::path& program, const std::vector<char>& input, const ChildLimits& limits) {
+ChildResult run_child(const std::filesystem::path& program, const std::vector<char>& input, const ChildLimits& limits,
+                      const ChildStart& start) {
   int pair[2], tube[2];
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0) fail(program.string() + ": socketpair", errno);
   Descriptor socket(pair[0]), far(pair[1]);
@@ -235,12 +263,12 @@ ChildResult run_child(const std::filesystem::path& program, const std::vector<ch
   Descriptor error(tube[0]), far_error(tube[1]);
 
   Patience patience(kPatience * limits.cpu_time);
-  Child child(program, far.get(), far_error.get(), limits);
+  Child child(program, far.get(), far_error.get(), limits, start);
   far.close();
   far_error.close();
   ChildResult result;
   result.cause = converse(socket, error, input, patience, limits.output, result);
-  if (result.cause.empty()) result.cause = child.reap(patience);
+  if (result.cause.empty()) result.cause = child.reap(patience, result.cpu_time);
   result.finished = result.cause.empty();
   return result;
 }

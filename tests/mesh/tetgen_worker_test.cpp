@@ -50,6 +50,27 @@ TEST(ChildProcess, OutputAndMessagesComeBack) {
   EXPECT_EQ(std::string(r.output.begin(), r.output.end()), "to and fro");
 }
 
+TEST(ChildProcess, StartsWithArgumentsInAFolderWithVariables) {
+  const test::TemporaryFolder folder;
+  ChildStart start;
+  start.arguments = {"one two", "three"};
+  start.folder = folder.path();
+  start.environment = {"HOME=/elsewhere"};
+  const ChildResult r = run_child(script(folder, "echo \"$#,$1,$(pwd -P),$HOME\""), {}, at_most(10), start);
+  EXPECT_EQ(std::string(r.output.begin(), r.output.end()),
+            "2,one two," + std::filesystem::canonical(folder.path()).string() + ",/elsewhere\n");
+}
+
+TEST(ChildProcess, ProcessorTimeIsTold) {
+  const test::TemporaryFolder folder;
+  const ChildResult r =
+      run_child(script(folder, "i=0; while [ $i -lt 300000 ]; do i=$((i+1)); done; sleep 1"), {}, at_most(30));
+  EXPECT_TRUE(r.finished) << r.cause;
+  EXPECT_GT(r.cpu_time, 0.05);
+  EXPECT_LT(r.cpu_time, 20);
+  EXPECT_LT(run_child(script(folder, "sleep 1"), {}, at_most(10)).cpu_time, 0.5);
+}
+
 TEST(ChildProcess, MoreThanAPipeHoldsGoesBothWays) {
   const std::vector<char> much(5 << 20, 'x');
   const ChildResult r = run_child("/bin/cat", much, at_most(20));
