@@ -47,22 +47,18 @@ public:
             const PairPath& path, const PairOptions& options)
       : body_(body), tool_(tool), vertex_(vertex), frame_(frame), path_(path), options_(options) {}
 
-  // One attempt with elements `scale` times as large; the outcome says whether to try again. The last attempt
-  // keeps what a sideways push answered before it failed.
-  PairResult attempt(double scale, bool last) {
+  // One attempt; the outcome says whether to try again on a finer mesh. The last attempt keeps what a sideways push
+  // answered before it failed.
+  PairResult attempt(const TetMesh& mesh, bool last) {
     PairResult result;
     result_ = &result;
     last_ = last;
-    const double deepest = path_.normal_depths.back();
-    const SizeField size = contact_size(body_, tool_, vertex_, frame_, deepest, scale, options_);
-    const VolumeMeshResult mesh = mesh_volume(body_, size, {frame_.origin}, options_.mesh);
-    if (!mesh.usable) return refuse("mesh: " + mesh.cause);
-    result.outcome.nodes = static_cast<std::uint32_t>(mesh.mesh.nodes.size());
+    result.outcome.nodes = static_cast<std::uint32_t>(mesh.nodes.size());
     try {
-      Push push(body_, mesh.mesh, *tool_.shape, touching_pose(vertex_, frame_),
-                {body_.material.young, options_.penalty, options_.tolerance});
+      Push push(body_, mesh, *tool_.shape, touching_pose(vertex_, frame_),
+                {body_.material.young, options_.penalty, options_.tolerance}, options_.materials);
       if (!push.held_anywhere()) return refuse("support: no node of the mesh is held");
-      run(push, deepest);
+      run(push, path_.normal_depths.back());
       result.outcome.factorisations = push.factorisations();
     } catch (const Error& e) {
       return refuse(e.what());
@@ -363,13 +359,25 @@ PairOptions pair_options(const Scene& scene) {
   return options;
 }
 
+PairResult solve_on_mesh(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
+                         const PairPath& path, const PairOptions& options, const TetMesh& mesh) {
+  return PairSolve(body, tool, vertex, frame, path, options).attempt(mesh, true);
+}
+
 PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
                       const PairPath& path, const PairOptions& options, const SampleSink& sink) {
   PairResult result;
   std::string causes;
   for (const double scale : {1.0, 0.8, 0.6}) {
-    PairSolve solve(body, tool, vertex, frame, path, options);
-    result = solve.attempt(options.refine * scale, scale == 0.6);
+    const SizeField size =
+        contact_size(body, tool, vertex, frame, path.normal_depths.back(), options.refine * scale, options);
+    const VolumeMeshResult mesh = mesh_volume(body, size, {frame.origin}, options.mesh);
+    result = {};
+    if (mesh.usable) {
+      result = PairSolve(body, tool, vertex, frame, path, options).attempt(mesh.mesh, scale == 0.6);
+    } else {
+      result.outcome.cause = "mesh: " + mesh.cause;
+    }
     if (result.outcome.accepted) break;
     if (!causes.empty()) causes += "; finer: ";
     causes += result.outcome.cause;

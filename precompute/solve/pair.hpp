@@ -5,6 +5,7 @@
 
 #include "formats/samples.hpp"
 #include "precompute/body.hpp"
+#include "precompute/fem/material.hpp"
 #include "precompute/mesh/volume_mesh.hpp"
 #include "precompute/tool/tool.hpp"
 
@@ -42,6 +43,7 @@ struct PairOptions {
   double penalty = 300.0;  ///< contact penalty in units of E / a (a the current contact radius)
   double tolerance = 1e-3;  ///< a step has converged when its energy error is below its square times E a d^2
   VolumeMeshOptions mesh;
+  std::vector<Material> materials;  ///< per region, for comparisons; empty: the body's
 };
 
 PairOptions pair_options(const Scene& scene);
@@ -57,5 +59,9 @@ inline constexpr int kSolverRevision = 7;
 /// Deterministic: the same inputs give the same bits.
 PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
                       const PairPath& path, const PairOptions& options, const SampleSink& sink = {});
+
+/// solve_pair on this one mesh of the body: a refusal is not tried again on another.
+PairResult solve_on_mesh(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
+                         const PairPath& path, const PairOptions& options, const TetMesh& mesh);
 
 }  // namespace palpate

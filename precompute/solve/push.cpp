@@ -13,18 +13,6 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-std::vector<char> fixed_nodes(const Body& body, const TetMesh& mesh) {
-  std::vector<char> boundary(mesh.nodes.size(), 0), fixed(mesh.nodes.size(), 0);
-  for (const auto& face : mesh.faces) {
-    for (const std::int32_t n : face) boundary[n] = 1;
-  }
-  for (std::size_t n = 0; n < fixed.size(); ++n) {
-    const SupportScene* support = boundary[n] ? body.support_at(mesh.nodes[n]) : nullptr;
-    fixed[n] = support != nullptr && support->type == SupportScene::Type::fixed;
-  }
-  return fixed;
-}
-
 std::vector<Material> materials(const Body& body) {
   std::vector<Material> all{make_material(body.material)};
   for (const Inclusion& i : body.inclusions) all.push_back(make_material(i.material));
@@ -39,12 +27,24 @@ VectorXd stacked(const TetMesh& mesh) {
 
 }  // namespace
 
+std::vector<char> fixed_nodes(const Body& body, const TetMesh& mesh) {
+  std::vector<char> boundary(mesh.nodes.size(), 0), fixed(mesh.nodes.size(), 0);
+  for (const auto& face : mesh.faces) {
+    for (const std::int32_t n : face) boundary[n] = 1;
+  }
+  for (std::size_t n = 0; n < fixed.size(); ++n) {
+    const SupportScene* support = boundary[n] ? body.support_at(mesh.nodes[n]) : nullptr;
+    fixed[n] = support != nullptr && support->type == SupportScene::Type::fixed;
+  }
+  return fixed;
+}
+
 Push::Push(const Body& body, const TetMesh& mesh, const ToolShape& shape, const Eigen::Isometry3d& pose,
-           const PushScale& scale)
+           const PushScale& scale, const std::vector<Material>& given)
     : scale_(scale),
       rest_(stacked(mesh)),
       fixed_(fixed_nodes(body, mesh)),
-      elastic_(mesh, materials(body)),
+      elastic_(mesh, given.empty() ? materials(body) : given),
       membrane_(mesh, fixed_, {body.capsule_thickness, body.capsule_young}),
       bed_(body, mesh),
       contact_(mesh, fixed_, shape, pose),

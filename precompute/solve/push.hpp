@@ -35,11 +35,15 @@ struct StepResult {
   std::uint32_t iterations = 0;
 };
 
+/// Per node of the mesh: a fixed support of `body` holds it.
+std::vector<char> fixed_nodes(const Body& body, const TetMesh& mesh);
+
 class Push final : public EnergyProblem {
 public:
-  /// Nodes of the boundary that a fixed support of `body` holds stay. The tool stands at `pose`.
+  /// Nodes of the boundary that a fixed support of `body` holds stay. The tool stands at `pose`. `materials` per
+  /// region; empty: the body's.
   Push(const Body& body, const TetMesh& mesh, const ToolShape& shape, const Eigen::Isometry3d& pose,
-       const PushScale& scale);
+       const PushScale& scale, const std::vector<Material>& materials = {});
 
   /// Moves the tool's translation to `target` and finds equilibrium, in up to 2^3 parts where one step fails.
   /// `contact_radius` (m) sets the penalty, `work_scale` (J) the tolerance. With `sticking`, points anchor as
