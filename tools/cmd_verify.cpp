@@ -10,6 +10,7 @@
 #include "tools/response_input.hpp"
 #include "tools/tick_bench.hpp"
 #include "tools/verify_battery.hpp"
+#include "tools/verify_ccx.hpp"
 #include "tools/verify_checks.hpp"
 
 #include <cstdio>
@@ -23,7 +24,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string input, work, response, report, samples, battery, family;
+  std::string input, work, response, report, samples, battery, family, other, cases;
   std::uint32_t count = 40;
   std::uint64_t seed = 1;
   VerifyLimits limits;
@@ -171,13 +172,21 @@ void solve(const Options& options, const Globals& globals) {
 }
 
 void run(const Options& options, const Globals& globals) {
+  if (!options.other.empty()) {
+    if (!options.input.empty() || !options.samples.empty() || !options.battery.empty() || !options.family.empty()) {
+      throw Error(ExitCode::usage, "--compare makes its own bodies; leave scene, --samples, --battery, --family out");
+    }
+    return run_ccx_command({options.report, options.cases}, globals);
+  }
+  if (!options.cases.empty()) throw Error(ExitCode::usage, "--case belongs to --compare");
   if (!options.battery.empty()) {
     if (!options.input.empty()) throw Error(ExitCode::usage, "--battery makes its own bodies; leave the scene out");
     if (!options.samples.empty()) throw Error(ExitCode::usage, "--battery and --samples exclude each other");
     return run_battery_command({options.report, options.family, options.seed}, globals);
   }
   if (!options.family.empty()) throw Error(ExitCode::usage, "--family belongs to --battery");
-  if (options.input.empty()) throw Error(ExitCode::usage, "verify needs a scene, a response file or --battery stiff");
+  if (options.input.empty())
+    throw Error(ExitCode::usage, "verify needs a scene, a response file, --battery stiff or --compare ccx");
   if (!options.samples.empty()) return compare(options, globals);
   if (options.input.ends_with(".palp")) {
     throw Error(ExitCode::usage, options.input +
@@ -196,6 +205,9 @@ void add_verify(CLI::App& app, Globals& globals) {
   command->add_option("--battery", options->battery, "Instead of a scene: the cells of the stability table")
       ->check(CLI::IsMember({"stiff"}));
   command->add_option("--family", options->family, "Only this family of the battery");
+  command->add_option("--compare", options->other, "Instead of a scene: forces and times beside another program's")
+      ->check(CLI::IsMember({"ccx"}));
+  command->add_option("--case", options->cases, "Only the cases of the comparison with this in their name");
   command->add_option("--count", options->count, "Held-out contacts")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();

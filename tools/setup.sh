@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Set-up shared by test.sh and demo.sh: installs what is missing on Debian 12, configures and builds.
-# Sourced by them; run by itself it only installs.
+# Sourced by them; run by itself it only installs, what is named or what the build needs.
 
 palpate_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
@@ -12,11 +12,12 @@ palpate_packages=(
   libusb-1.0-0-dev libgtest-dev libbenchmark-dev
 )
 
-# Installs the packages that are missing, or says exactly which are and how to get them. Returns 1 when some stay
-# missing.
+# palpate_install [PACKAGE...]: installs those of them (or of all that the build needs) that are missing, or says exactly
+# which are and how to get them. Returns 1 when some stay missing.
 palpate_install() {
+  [ $# -gt 0 ] || set -- "${palpate_packages[@]}"
   local missing=() package
-  for package in "${palpate_packages[@]}"; do
+  for package; do
     # A package that was removed is still known: only "installed" will do.
     [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
   done
@@ -70,6 +71,6 @@ palpate_build() {
 
 if [ "${BASH_SOURCE[0]}" = "$0" ]; then
   set -euo pipefail
-  palpate_install
+  palpate_install "$@"
   echo "palpate: everything is installed"
 fi
