@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/bench_solver.hpp"
 
-#include "formats/error.hpp"
-#include "precompute/bake/pipeline.hpp"
-#include "precompute/geometry/solids.hpp"
-#include "precompute/verify/solver_bench.hpp"
+#include "tools/contact_case.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/output.hpp"
 #include "tools/tick_bench.hpp"
@@ -19,43 +16,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Case {
-  std::string name;
-  Scene scene;
-  Body body;
-  Tool tool;
-  std::vector<BenchContact> contacts;
-};
-
-Case block_case() {
-  Case c;
-  c.name = "block of 60 x 60 x 30 mm, sphere of 5 mm, 5 mm deep, friction 0.3";
-  c.scene.friction = 0.3;
-  c.scene.tools.resize(1);
-  SupportScene bottom;
-  bottom.point = {0, 0, -0.03 * (1 - 1e-6)};
-  c.scene.supports = {bottom};
-  c.body = prepare_body(c.scene, box_solid({-0.03, -0.03, -0.03}, {0.03, 0.03, 0}, 0.03, "block"));
-  c.tool = make_tool(c.scene.tools[0]);
-  c.contacts = {{ContactFrame{}, 0.005}};
-  return c;
-}
-
-// Contacts of the first tool's first vertex, spread evenly over the plan.
-Case scene_case(const SolverBenchCommand& command) {
-  pipeline::Pipeline p = pipeline::prepare(command.scene);
-  const Plan plan = make_plan(p.scene, p.body, p.mesh, p.tools);
-  Case c{command.scene, p.scene, p.body, p.tools.at(0), {}};
-  std::vector<BenchContact> all;
-  for (const PairPlan& pair : plan.pairs) {
-    if (pair.tool == 0 && pair.tool_vertex == 0) all.push_back({pair.frame, pair.depth});
-  }
-  if (all.empty()) throw Error(ExitCode::bad_input, command.scene + ": its plan has no pair of the first tool's tip");
-  const auto count = std::min(std::size_t(command.contacts), all.size());
-  for (std::size_t k = 0; k < count; ++k) c.contacts.push_back(all[(2 * k + 1) * all.size() / (2 * count)]);
-  return c;
-}
-
 double peak_megabytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -65,7 +25,8 @@ double peak_megabytes() {
 }  // namespace
 
 void run_solver_bench(const SolverBenchCommand& command, const Globals& globals) {
-  const Case c = command.scene.empty() ? block_case() : scene_case(command);
+  const ContactCase c =
+      command.scene.empty() ? block_contact(0.03, 0.005, 0.005, 0.3) : scene_contacts(command.scene, command.contacts);
   SolverBenchOptions options;
   options.stop = [] { return interrupted(); };
   const InterruptPolling polling;

@@ -12,6 +12,7 @@
 #include "tools/verify_battery.hpp"
 #include "tools/verify_ccx.hpp"
 #include "tools/verify_checks.hpp"
+#include "tools/verify_contacts.hpp"
 
 #include <cstdio>
 #include <memory>
@@ -27,6 +28,9 @@ struct Options {
   std::string input, work, response, report, samples, battery, family, other, cases;
   std::uint32_t count = 40;
   std::uint64_t seed = 1;
+  bool slide = false, two_tips = false;
+  int contacts = 3;
+  double radii = 3.5;
   VerifyLimits limits;
 };
 
@@ -179,6 +183,13 @@ void run(const Options& options, const Globals& globals) {
     return run_ccx_command({options.report, options.cases}, globals);
   }
   if (!options.cases.empty()) throw Error(ExitCode::usage, "--case belongs to --compare");
+  if (options.slide || options.two_tips) {
+    if (!options.samples.empty() || !options.battery.empty() || (options.slide && options.two_tips)) {
+      throw Error(ExitCode::usage, "--slide, --two-tips, --battery and --samples exclude each other");
+    }
+    const ContactsCommand command{options.input, options.report, options.contacts, options.radii};
+    return options.slide ? run_slide(command, globals) : run_two_tips(command, globals);
+  }
   if (!options.battery.empty()) {
     if (!options.input.empty()) throw Error(ExitCode::usage, "--battery makes its own bodies; leave the scene out");
     if (!options.samples.empty()) throw Error(ExitCode::usage, "--battery and --samples exclude each other");
@@ -208,6 +219,14 @@ void add_verify(CLI::App& app, Globals& globals) {
   command->add_option("--compare", options->other, "Instead of a scene: forces and times beside another program's")
       ->check(CLI::IsMember({"ccx"}));
   command->add_option("--case", options->cases, "Only the cases of the comparison with this in their name");
+  command->add_flag("--slide", options->slide, "Slides the tool over a few contacts of the scene, or over a block");
+  command->add_flag("--two-tips", options->two_tips, "Two tips at once at a few contacts of the scene, or on a block");
+  command->add_option("--contacts", options->contacts, "Of --slide and --two-tips, spread evenly over the scene's plan")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command->add_option("--radii", options->radii, "Length of a slide in contact radii")
+      ->check(number_in(0.1, 100))
+      ->capture_default_str();
   command->add_option("--count", options->count, "Held-out contacts")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();

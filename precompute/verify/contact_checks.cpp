@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "precompute/verify/contact_checks.hpp"
+
+#include "precompute/verify/parallel.hpp"
+
+#include <chrono>
+#include <mutex>
+#include <numbers>
+
+namespace palpate {
+namespace {
+
+constexpr int kDirections = 4;
+
+// Calls work(k) for each, with its time and the progress.
+template <class Work>
+void each(std::size_t count, const ContactCheckOptions& options, Work&& work) {
+  std::size_t done = 0;
+  std::mutex guard;
+  parallel_for(count, options.threads, options.stop, [&](std::size_t k) {
+    const auto start = std::chrono::steady_clock::now();
+    auto& result = work(k);
+    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const std::lock_guard lock(guard);
+    ++done;
+    if (options.progress) options.progress(done, count);
+  });
+}
+
+// `solve(angle)` in the first direction whose cause does not begin with `off_surface`: those are refused unmeshed.
+template <class Solve>
+auto first_free(double& angle, const char* off_surface, Solve&& solve) {
+  auto result = solve(angle = 0.0);
+  for (int k = 1; k < kDirections && result.cause.rfind(off_surface, 0) == 0; ++k) {
+    result = solve(angle = 2 * std::numbers::pi * k / kDirections);
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<CheckedSlide> check_slides(const Scene& scene, const Body& body, const Tool& tool,
+                                       const std::vector<BenchContact>& contacts, const ContactCheckOptions& options) {
+  std::vector<CheckedSlide> all(contacts.size());
+  each(all.size(), options, [&](std::size_t k) -> CheckedSlide& {
+    SlidePath path;
+    path.depth = contacts[k].depth;
+    path.friction = scene.friction;
+    path.radii = options.radii;
+    all[k].result = first_free(all[k].angle, "path:", [&](double angle) {
+      path.angle = angle;
+      return solve_slide(body, tool, tool.vertices.at(0), contacts[k].frame, path, pair_options(scene), options.stop);
+    });
+    return all[k];
+  });
+  return all;
+}
+
+std::vector<CheckedTips> check_two_tips(const Scene& scene, const Body& body, const Tool& tool,
+                                        const std::vector<BenchContact>& contacts, const ContactCheckOptions& options) {
+  std::vector<CheckedTips> all(contacts.size() * options.spacings.size());
+  each(all.size(), options, [&](std::size_t k) -> CheckedTips& {
+    all[k].contact = k / options.spacings.size();
+    all[k].spacing = options.spacings[k % options.spacings.size()];
+    const BenchContact& contact = contacts[all[k].contact];
+    TwoTipsPath path;
+    path.depth = contact.depth;
+    path.spacing = all[k].spacing * contact_radius(tool.vertices.at(0), contact.depth);
+    all[k].result = first_free(path.angle, "second tip:", [&](double) {
+      return solve_two_tips(body, tool, tool.vertices.at(0), contact.frame, path, pair_options(scene));
+    });
+    return all[k];
+  });
+  return all;
+}
+
+}  // namespace palpate

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Solves beyond what a bake solves, at a few contacts: gross sliding, and two tips beside each other.
+#pragma once
+
+#include "precompute/solve/slide.hpp"
+#include "precompute/solve/two_tips.hpp"
+#include "precompute/verify/solver_bench.hpp"
+
+#include <functional>
+#include <vector>
+
+namespace palpate {
+
+struct ContactCheckOptions {
+  double radii = 3.5;                        ///< length of a slide in contact radii
+  std::vector<double> spacings{1, 2, 4, 8};  ///< of two tips, in contact radii
+  unsigned threads = 1;
+  std::function<bool()> stop;  ///< polled between steps of a slide and between pairs of tips; fewer results then
+  std::function<void(std::size_t done, std::size_t total)> progress;
+};
+
+/// One slide, in the first of four directions that stays on free surface.
+struct CheckedSlide {
+  double angle = 0.0;    ///< rad, in the contact's frame
+  double seconds = 0.0;  ///< meshing included, on one thread
+  SlideResult result;
+};
+
+struct CheckedTips {
+  std::size_t contact = 0;  ///< index
+  double spacing = 0.0;     ///< contact radii
+  double seconds = 0.0;
+  TwoTipsResult result;
+};
+
+/// A slide of the tool's first vertex at every contact and its depth, with the scene's friction (> 0).
+std::vector<CheckedSlide> check_slides(const Scene& scene, const Body& body, const Tool& tool,
+                                       const std::vector<BenchContact>& contacts, const ContactCheckOptions& options);
+
+/// Two tips at every contact, at every spacing: by contact, then by spacing. The same four directions.
+std::vector<CheckedTips> check_two_tips(const Scene& scene, const Body& body, const Tool& tool,
+                                        const std::vector<BenchContact>& contacts, const ContactCheckOptions& options);
+
+}  // namespace palpate
