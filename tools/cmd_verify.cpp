@@ -13,6 +13,7 @@
 #include "tools/verify_ccx.hpp"
 #include "tools/verify_checks.hpp"
 #include "tools/verify_contacts.hpp"
+#include "tools/verify_paper.hpp"
 
 #include <cstdio>
 #include <memory>
@@ -25,7 +26,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string input, work, response, report, samples, battery, family, other, cases;
+  std::string input, work, response, report, samples, battery, family, other, cases, paper;
   std::uint32_t count = 40;
   std::uint64_t seed = 1;
   bool slide = false, two_tips = false;
@@ -175,29 +176,42 @@ void solve(const Options& options, const Globals& globals) {
   check_limits(options, s);
 }
 
+// What is verified, one thing at a time; keys that belong to another are errors.
+void check_usage(const Options& options) {
+  const std::pair<const char*, bool> kinds[] = {{"--battery", !options.battery.empty()},
+                                                {"--compare", !options.other.empty()},
+                                                {"--paper", !options.paper.empty()},
+                                                {"--samples", !options.samples.empty()},
+                                                {"--slide", options.slide},
+                                                {"--two-tips", options.two_tips}};
+  const char* chosen = nullptr;
+  for (const auto& [name, given] : kinds) {
+    if (!given) continue;
+    if (chosen != nullptr) throw Error(ExitCode::usage, std::string(chosen) + " and " + name + " exclude each other");
+    chosen = name;
+  }
+  const bool own = !options.battery.empty() || !options.other.empty() || !options.paper.empty();
+  if (own && !options.input.empty()) {
+    throw Error(ExitCode::usage, std::string(chosen) + " makes its own bodies; leave the scene out");
+  }
+  if (!options.family.empty() && options.battery.empty()) {
+    throw Error(ExitCode::usage, "--family belongs to --battery");
+  }
+  if (!options.cases.empty() && options.other.empty()) throw Error(ExitCode::usage, "--case belongs to --compare");
+  if (options.input.empty() && !own && !options.slide && !options.two_tips) {
+    throw Error(ExitCode::usage,
+                "verify needs a scene, a response file, or --battery, --compare, --paper, --slide, --two-tips");
+  }
+}
+
 void run(const Options& options, const Globals& globals) {
-  if (!options.other.empty()) {
-    if (!options.input.empty() || !options.samples.empty() || !options.battery.empty() || !options.family.empty()) {
-      throw Error(ExitCode::usage, "--compare makes its own bodies; leave scene, --samples, --battery, --family out");
-    }
-    return run_ccx_command({options.report, options.cases}, globals);
-  }
-  if (!options.cases.empty()) throw Error(ExitCode::usage, "--case belongs to --compare");
-  if (options.slide || options.two_tips) {
-    if (!options.samples.empty() || !options.battery.empty() || (options.slide && options.two_tips)) {
-      throw Error(ExitCode::usage, "--slide, --two-tips, --battery and --samples exclude each other");
-    }
-    const ContactsCommand command{options.input, options.report, options.contacts, options.radii};
-    return options.slide ? run_slide(command, globals) : run_two_tips(command, globals);
-  }
-  if (!options.battery.empty()) {
-    if (!options.input.empty()) throw Error(ExitCode::usage, "--battery makes its own bodies; leave the scene out");
-    if (!options.samples.empty()) throw Error(ExitCode::usage, "--battery and --samples exclude each other");
-    return run_battery_command({options.report, options.family, options.seed}, globals);
-  }
-  if (!options.family.empty()) throw Error(ExitCode::usage, "--family belongs to --battery");
-  if (options.input.empty())
-    throw Error(ExitCode::usage, "verify needs a scene, a response file, --battery stiff or --compare ccx");
+  check_usage(options);
+  const ContactsCommand contacts{options.input, options.report, options.contacts, options.radii};
+  if (options.slide) return run_slide(contacts, globals);
+  if (options.two_tips) return run_two_tips(contacts, globals);
+  if (!options.battery.empty()) return run_battery_command({options.report, options.family, options.seed}, globals);
+  if (!options.other.empty()) return run_ccx_command({options.report, options.cases}, globals);
+  if (!options.paper.empty()) return run_paper_command({options.paper, options.report}, globals);
   if (!options.samples.empty()) return compare(options, globals);
   if (options.input.ends_with(".palp")) {
     throw Error(ExitCode::usage, options.input +
@@ -227,6 +241,9 @@ void add_verify(CLI::App& app, Globals& globals) {
   command->add_option("--radii", options->radii, "Length of a slide in contact radii")
       ->check(number_in(0.1, 100))
       ->capture_default_str();
+  command->add_option("--paper", options->paper,
+                      "Instead of a scene: figures 2 and 4 of Hayward and Mahvash (2004); scenes and plots (SVG) go to "
+                      "this folder");
   command->add_option("--count", options->count, "Held-out contacts")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
