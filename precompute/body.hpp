@@ -38,6 +38,12 @@ struct SupportRim {
   double size = 0.0;
 };
 
+/// A point of a body's surface where its stress-free surface had it.
+struct MaterialPoint {
+  Eigen::Vector3d point{0, 0, 0};  ///< m, on the stress-free surface
+  double stretch = 1.0;            ///< of lengths in the surface round it, by prestress: the root of the ratio of areas
+};
+
 /// Immutable after preparation; shared by all threads.
 struct Body {
   std::shared_ptr<const SurfaceQuery> query;  ///< the clean surface (query->surface()), parts kept per triangle
@@ -52,7 +58,14 @@ struct Body {
   SupportRim support_rim;
   SurfaceReport report;
   double diagonal = 0.0;  ///< m, of the bounding box
+  PrestressScene prestress;
+  /// Of a body that bears its prestress: the same without it, of which volume meshes are made. `query` and `base` then
+  /// are the surfaces as the loads leave them, triangle by triangle those of the stress-free body; inclusions, supports
+  /// and their rim stay where that one has them. Null: the body is free of stress.
+  std::shared_ptr<const Body> stress_free;
 
+  /// Where the closest point of the surface comes from; the point itself where the body is free of stress.
+  [[nodiscard]] MaterialPoint material_point(const Eigen::Vector3d& point) const;
   /// The first support that holds a point on the body's surface; null where none does.
   [[nodiscard]] const SupportScene* support_at(const Eigen::Vector3d& surface_point) const;
   /// True where the closest part of the surface is the wall of a cavity, which no tool reaches from outside.

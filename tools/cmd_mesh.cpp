@@ -3,6 +3,7 @@
 #include "formats/file.hpp"
 #include "formats/surface_io.hpp"
 #include "precompute/body.hpp"
+#include "precompute/solve/prestress.hpp"
 #include "precompute/surface/report.hpp"
 #include "tools/output.hpp"
 
@@ -34,19 +35,21 @@ nlohmann::ordered_json to_json(const SurfaceReport& report) {
 
 void run(const Arguments& arguments, const Globals& globals) {
   const Scene scene = read_scene(arguments.scene);
-  const Body body = prepare_body(scene);
+  const Body loaded = apply_prestress(prepare_body(scene));
+  const Body& body = loaded.stress_free ? *loaded.stress_free : loaded;
   std::vector<std::filesystem::path> files;
   if (!arguments.out.empty()) {
     const std::filesystem::path folder = arguments.out;
     make_folder(folder);
     write_surface(body.query->surface(), files.emplace_back(folder / "body.ply"));
     write_surface(body.base, files.emplace_back(folder / "base.ply"));
+    if (loaded.stress_free) write_surface(loaded.query->surface(), files.emplace_back(folder / "prestressed.ply"));
     for (const Inclusion& inclusion : body.inclusions) {
       write_surface(inclusion.query->surface(), files.emplace_back(folder / ("region-" + inclusion.name + ".ply")));
     }
   }
   if (globals.json) {
-    nlohmann::ordered_json document{{"scene", arguments.scene}, {"surface", to_json(body.report)}};
+    nlohmann::ordered_json document{{"scene", arguments.scene}, {"surface", to_json(loaded.report)}};
     document["inclusions"] = body.inclusions.size();
     document["base_size"] = body.base_size;
     document["files"] = nlohmann::ordered_json::array();
@@ -54,7 +57,7 @@ void run(const Arguments& arguments, const Globals& globals) {
     print_json(document);
     return;
   }
-  std::string result = text(body.report);
+  std::string result = text(loaded.report);
   for (const auto& file : files) result += file.string() + "\n";
   print(result);
   if (body.report.thin_bag) {

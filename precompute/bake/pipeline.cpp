@@ -8,6 +8,7 @@
 #include "formats/error.hpp"
 #include "formats/file.hpp"
 #include "precompute/fit/assemble.hpp"
+#include "precompute/solve/prestress.hpp"
 
 namespace palpate::pipeline {
 namespace {
@@ -39,7 +40,7 @@ Pipeline prepare(const std::filesystem::path& scene_file, const Options& options
   p.paths.journal = p.paths.work / "samples.journal";
   p.paths.bake = p.paths.work / "bake.json";
   for (const ToolScene& tool : p.scene.tools) p.tools.push_back(make_tool(tool));
-  p.body = prepare_body(p.scene);
+  p.body = apply_prestress(prepare_body(p.scene));
   p.mesh = make_haptic_mesh(p.scene, p.body);
   return p;
 }

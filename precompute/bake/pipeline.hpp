@@ -32,14 +32,15 @@ struct Options {
 struct Pipeline {
   Paths paths;
   Scene scene;
-  Body body;
+  Body body;  ///< as its prestress leaves it
   std::vector<Tool> tools;
   HapticMesh mesh;
   Plan plan;         ///< filled by plan()
   Hash128 manifest;  ///< filled by plan()
 };
 
-/// Reads the scene; prepares body, tools and haptic mesh. Throws as read_scene, prepare_body and make_tool do.
+/// Reads the scene; prepares body (its prestress is solved), tools and haptic mesh. Throws as read_scene, prepare_body,
+/// apply_prestress and make_tool do.
 Pipeline prepare(const std::filesystem::path& scene_file, const Options& options = {});
 
 /// Makes the plan and writes the manifest (creating the work folder). Where a manifest of other inputs is there and

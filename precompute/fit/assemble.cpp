@@ -82,6 +82,13 @@ std::string provenance(const Scene& scene, const Plan& plan, const Hash128& mani
     json["regions"].push_back(
         {{"name", region.name}, {"young", region.material.young}, {"poisson", region.material.poisson}});
   }
+  if (scene.prestress.any()) {
+    const PrestressScene& p = scene.prestress;
+    json["prestress"] = {{"gravity", to_triple(p.gravity)},
+                         {"density", p.density},
+                         {"pressure", p.pressure},
+                         {"stretch", to_triple(p.stretch)}};
+  }
   json["friction"] = scene.friction;
   json["sampling"] = {{"spacing", scene.sampling.spacing},
                       {"depth", scene.sampling.depth},

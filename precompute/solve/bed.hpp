@@ -19,6 +19,8 @@ public:
   BedEnergy(const Body& body, const TetMesh& mesh);
 
   [[nodiscard]] bool empty() const { return faces_.empty(); }
+  /// Displacements count from these node positions (3 N, m); those of the mesh at first.
+  void set_foundation(const Eigen::VectorXd& x) { rest_ = x; }
   double value(const Eigen::VectorXd& x) const;
   double gradient(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) const;
   void hessian(BlockMatrix& matrix) const;

@@ -95,6 +95,13 @@ SizeField contact_size(const Body& body, const Tool& tool, const ToolVertex& ver
   // A curved tool touches at a point first: the shallow contact needs elements of its own scale.
   if (vertex.flat_radius == 0 && further.empty()) sources.push_back({frame.origin, kTouch * size});
 
+  if (body.stress_free) {
+    // The mesh is made free of stress: where prestress stretches it there are finer elements before.
+    for (Source& s : sources) {
+      const MaterialPoint from = body.material_point(s.point);
+      s = {from.point + (s.point - body.query->closest(s.point).point), s.size / from.stretch};
+    }
+  }
   for (const Vector3d& p : body.support_rim.points) sources.push_back({p, body.support_rim.size * scale});
 
   const double growth = options.growth;

@@ -19,6 +19,11 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kPi = std::numbers::pi;
+// How far apart, in contact radii at full depth, the meshes of body and pair may carry a site by prestress.
+constexpr double kCarried = 0.5;
+
+// Meshes are made of the body free of stress, whatever it has to bear.
+const Body& stress_free(const Body& body) { return body.stress_free ? *body.stress_free : body; }
 
 struct CurvePoint {
   double depth = 0.0;  // m moved by the tool
@@ -55,9 +60,10 @@ public:
     last_ = last;
     result.outcome.nodes = static_cast<std::uint32_t>(mesh.nodes.size());
     try {
-      Push push(body_, mesh, *tool_.shape, touching_pose(vertex_, frame_),
+      Push push(stress_free(body_), mesh, *tool_.shape, touching_pose(vertex_, frame_),
                 {body_.material.young, options_.penalty, options_.tolerance}, options_.materials);
       if (!push.held_anywhere()) return refuse("support: no node of the mesh is held");
+      if (body_.prestress.any() && !settle(push, mesh)) return result;
       run(push, path_.normal_depths.back());
       result.outcome.factorisations = push.factorisations();
     } catch (const Error& e) {
@@ -85,9 +91,34 @@ private:
     result_->outcome.accepted = true;
   }
 
+  // Prestress acts before the tool comes near. It carries the site's node a little elsewhere than on the mesh that the
+  // site's frame is from: the tool goes for the node.
+  bool settle(Push& push, const TetMesh& mesh) {
+    if (!body_.stress_free) {
+      refuse("prestress: the site is of a surface that has not borne it yet");
+      return false;
+    }
+    const Settled settled = push.settle(std::pow(options_.tolerance, 2) * work_scale(path_.normal_depths.front()));
+    if (!settled.reached) {
+      refuse("prestress: " + settled.cause);
+      return false;
+    }
+    const Vector3d site = body_.material_point(frame_.origin).point;
+    Eigen::Index node = 0;
+    for (Eigen::Index k = 1; k < mesh.corner_count; ++k) {
+      if ((mesh.nodes[std::size_t(k)] - site).norm() < (mesh.nodes[std::size_t(node)] - site).norm()) node = k;
+    }
+    carried_ = push.state().x.segment<3>(3 * node) - frame_.origin;
+    const double most = kCarried * contact_radius(vertex_, path_.normal_depths.back());
+    if (carried_.norm() <= most) return true;
+    refuse("prestress: carries the site " + std::to_string(1e3 * carried_.norm()) +
+           " mm from where it was found to stand, allowed " + std::to_string(1e3 * most) + " mm");
+    return false;
+  }
+
   // The tool starts where it first touches the meshed surface on its way along -n.
   bool first_touch(Push& push) {
-    start_ = push.state().translation;
+    start_ = push.state().translation + carried_;
     const double limit = 2 * std::max(vertex_.curvature_radius, path_.normal_depths.back());
     double lift = 0.0, gap = push.rest_gap(start_);
     const double resolution = 1e-9 + 1e-6 * path_.normal_depths.back();
@@ -325,6 +356,7 @@ private:
   PairResult* result_ = nullptr;
   bool last_ = false;
   Vector3d start_{0, 0, 0};
+  Vector3d carried_{0, 0, 0};  // m, by prestress, from the frame's origin
   std::vector<CurvePoint> curve_;
   std::vector<Eigen::VectorXd> moved_;  // by sideways pushes (direction, point) at the last depth, per metre pushed
 };
@@ -371,7 +403,8 @@ PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vert
   for (const double scale : {1.0, 0.8, 0.6}) {
     const SizeField size =
         contact_size(body, tool, vertex, frame, path.normal_depths.back(), options.refine * scale, options);
-    const VolumeMeshResult mesh = mesh_volume(body, size, {frame.origin}, options.mesh);
+    const Vector3d site = body.material_point(frame.origin).point;
+    const VolumeMeshResult mesh = mesh_volume(stress_free(body), size, {site}, options.mesh);
     result = {};
     if (mesh.usable) {
       result = PairSolve(body, tool, vertex, frame, path, options).attempt(mesh.mesh, scale == 0.6);

@@ -2,78 +2,48 @@
 // Stepping with extrapolation, halving on failure, and the sticking rule.
 #include "precompute/solve/push.hpp"
 
-#include "precompute/fem/scene_material.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 namespace palpate {
-namespace {
 
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-std::vector<Material> materials(const Body& body) {
-  std::vector<Material> all{make_material(body.material)};
-  for (const Inclusion& i : body.inclusions) all.push_back(make_material(i.material));
-  return all;
-}
-
-VectorXd stacked(const TetMesh& mesh) {
-  VectorXd x(3 * static_cast<Eigen::Index>(mesh.nodes.size()));
-  for (std::size_t n = 0; n < mesh.nodes.size(); ++n) x.segment<3>(3 * n) = mesh.nodes[n];
-  return x;
-}
-
-}  // namespace
-
-std::vector<char> fixed_nodes(const Body& body, const TetMesh& mesh) {
-  std::vector<char> boundary(mesh.nodes.size(), 0), fixed(mesh.nodes.size(), 0);
-  for (const auto& face : mesh.faces) {
-    for (const std::int32_t n : face) boundary[n] = 1;
-  }
-  for (std::size_t n = 0; n < fixed.size(); ++n) {
-    const SupportScene* support = boundary[n] ? body.support_at(mesh.nodes[n]) : nullptr;
-    fixed[n] = support != nullptr && support->type == SupportScene::Type::fixed;
-  }
-  return fixed;
-}
-
 Push::Push(const Body& body, const TetMesh& mesh, const ToolShape& shape, const Eigen::Isometry3d& pose,
            const PushScale& scale, const std::vector<Material>& given)
     : scale_(scale),
-      rest_(stacked(mesh)),
-      fixed_(fixed_nodes(body, mesh)),
-      elastic_(mesh, given.empty() ? materials(body) : given),
-      membrane_(mesh, fixed_, {body.capsule_thickness, body.capsule_young}),
-      bed_(body, mesh),
-      contact_(mesh, fixed_, shape, pose),
-      minimiser_(mesh, fixed_) {
-  state_.x = rest_;
+      body_(body, mesh, given),
+      untouched_(body_.rest()),
+      contact_(mesh, body_.fixed(), shape, pose),
+      minimiser_(mesh, body_.fixed()) {
+  state_.x = untouched_;
   state_.anchors = contact_.anchors();
   state_.translation = pose.translation();
-  rest_energy_ = elastic_.value(rest_);
-  held_anywhere_ = !bed_.empty() || std::any_of(fixed_.begin(), fixed_.end(), [](char f) { return f != 0; });
+}
+
+Settled Push::settle(double energy_tolerance) {
+  const Settled settled = palpate::settle(body_, minimiser_, state_.x, energy_tolerance);
+  factorisations_ += settled.factorisations;
+  untouched_ = state_.x;
+  settled_energy_ = body_.value(untouched_);
+  return settled;
 }
 
 double Push::value(const VectorXd& x) const {
-  double sum = elastic_.value(x) - rest_energy_ + membrane_.value(x) + bed_.value(x) + contact_.value(x);
+  double sum = body_.value(x) + contact_.value(x);
   for (const EnergyTerm* term : terms_) sum += term->value(x);
   return sum;
 }
 
 double Push::gradient(const VectorXd& x, VectorXd& gradient) const {
-  gradient.setZero();
-  double sum = elastic_.gradient(x, gradient) - rest_energy_ + membrane_.gradient(x, gradient) +
-               bed_.gradient(x, gradient) + contact_.gradient(x, gradient);
+  double sum = body_.gradient(x, gradient) + contact_.gradient(x, gradient);
   for (const EnergyTerm* term : terms_) sum += term->gradient(x, gradient);
   return sum;
 }
 
 void Push::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& matrix) const {
-  elastic_.hessian(x, kind, matrix);
-  membrane_.hessian(x, kind, matrix);
-  bed_.hessian(matrix);
+  body_.hessian(x, kind, matrix);
   contact_.hessian(x, kind, matrix);
   for (const EnergyTerm* term : terms_) term->hessian(x, kind, matrix);
 }
@@ -86,7 +56,7 @@ double Push::load(const VectorXd& x) const {
 
 double Push::rest_gap(const Vector3d& translation) {
   contact_.set_translation(translation);
-  const double gap = contact_.gap(rest_);
+  const double gap = contact_.gap(untouched_);
   contact_.set_translation(state_.translation);
   return gap;
 }

@@ -3,11 +3,10 @@
 #pragma once
 
 #include "precompute/body.hpp"
-#include "precompute/fem/elastic.hpp"
-#include "precompute/fem/membrane.hpp"
 #include "precompute/fem/minimiser.hpp"
-#include "precompute/solve/bed.hpp"
+#include "precompute/solve/body_energy.hpp"
 #include "precompute/solve/contact.hpp"
+#include "precompute/solve/settle.hpp"
 
 #include <string>
 #include <vector>
@@ -35,15 +34,14 @@ struct StepResult {
   std::uint32_t iterations = 0;
 };
 
-/// Per node of the mesh: a fixed support of `body` holds it.
-std::vector<char> fixed_nodes(const Body& body, const TetMesh& mesh);
-
 class Push final : public EnergyProblem {
 public:
-  /// Nodes of the boundary that a fixed support of `body` holds stay. The tool stands at `pose`. `materials` per
-  /// region; empty: the body's.
+  /// `body` is free of stress. The tool stands at `pose`. `materials` per region; empty: the body's.
   Push(const Body& body, const TetMesh& mesh, const ToolShape& shape, const Eigen::Isometry3d& pose,
        const PushScale& scale, const std::vector<Material>& materials = {});
+
+  /// Lets the body's prestress act, before the tool is near; see settle().
+  Settled settle(double energy_tolerance);
 
   /// Moves the tool's translation to `target` and finds equilibrium, in up to 2^3 parts where one step fails.
   /// `contact_radius` (m) sets the penalty, `work_scale` (J) the tolerance. With `sticking`, points anchor as
@@ -66,15 +64,13 @@ public:
 
   [[nodiscard]] ContactReport report() const { return contact_.report(state_.x); }
   [[nodiscard]] const ContactEnergy& contact() const { return contact_; }
-  /// J stored in the body, its capsule and elastic supports.
-  [[nodiscard]] double elastic_energy() const {
-    return elastic_.value(state_.x) - rest_energy_ + membrane_.value(state_.x) + bed_.value(state_.x);
-  }
-  [[nodiscard]] double min_jacobian() const { return elastic_.min_jacobian(state_.x); }
+  /// J stored in the body, its capsule and elastic supports, less what its weight and pressure gave since it settled.
+  [[nodiscard]] double elastic_energy() const { return body_.value(state_.x) - settled_energy_; }
+  [[nodiscard]] double min_jacobian() const { return body_.min_jacobian(state_.x); }
   [[nodiscard]] std::uint32_t factorisations() const { return factorisations_; }
-  [[nodiscard]] const std::vector<char>& fixed() const { return fixed_; }  ///< per node
-  [[nodiscard]] bool held_anywhere() const { return held_anywhere_; }
-  /// Smallest signed distance of the undeformed surface to the tool at a translation (m).
+  [[nodiscard]] const std::vector<char>& fixed() const { return body_.fixed(); }  ///< per node
+  [[nodiscard]] bool held_anywhere() const { return body_.held_anywhere(); }
+  /// Smallest signed distance of the surface, before any contact, to the tool at a translation (m).
   [[nodiscard]] double rest_gap(const Eigen::Vector3d& translation);
 
   // EnergyProblem
@@ -88,11 +84,11 @@ private:
                   const std::vector<Eigen::VectorXd>& starts);
 
   PushScale scale_;
-  Eigen::VectorXd rest_;
-  std::vector<char> fixed_;
-  ElasticEnergy elastic_;
-  MembraneEnergy membrane_;
-  BedEnergy bed_;
+  BodyEnergy body_;
+  Eigen::VectorXd untouched_;  // node positions before any contact
+  // J there. It is taken off figures, not off what is minimised: a line search must know how large the energies are
+  // that its differences are made of.
+  double settled_energy_ = 0.0;
   ContactEnergy contact_;
   std::vector<const EnergyTerm*> terms_;
   Minimiser minimiser_;
@@ -100,8 +96,6 @@ private:
   Eigen::VectorXd previous_x_;  // state before the last step, for extrapolation
   Eigen::Vector3d previous_translation_{0, 0, 0};
   bool can_extrapolate_ = false;
-  bool held_anywhere_ = false;
-  double rest_energy_ = 0.0;
   double load_floor_ = 0.0;  // N
   std::uint32_t factorisations_ = 0;
 };

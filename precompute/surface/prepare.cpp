@@ -188,6 +188,7 @@ Body prepare_body(const Scene& scene, const Surface& surface) {
   body.capsule_thickness = scene.body.capsule_thickness;
   body.capsule_young = scene.body.capsule_young;
   body.diagonal = diagonal(body.query->surface());
+  body.prestress = scene.prestress;
   body.cavity = cavity_walls(body.query->surface());
   body.base_size = std::min(body.diagonal / 25.0, edge_for(body.report.area, base_triangles));
   body.base = coarse_copy(body.query->surface(), body.base_size, name);

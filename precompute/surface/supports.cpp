@@ -172,6 +172,7 @@ void check_supports(const Body& body, const Scene& scene) {
 }
 
 const SupportScene* Body::support_at(const Eigen::Vector3d& surface_point) const {
+  if (stress_free) return stress_free->support_at(material_point(surface_point).point);
   for (std::size_t k = 0; k < supports.size(); ++k) {
     if (holds(*this, k, surface_point)) return &supports[k];
   }
