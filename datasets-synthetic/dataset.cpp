@@ -2,6 +2,8 @@
 // Puts a data set together: organ, inclusion and tool surfaces, the scene that names them, a motion that fits.
 #include "datasets-synthetic/dataset.hpp"
 
+#include "datasets-synthetic/bladder.hpp"
+#include "datasets-synthetic/kidney.hpp"
 #include "datasets-synthetic/liver.hpp"
 #include "datasets-synthetic/motion.hpp"
 #include "datasets-synthetic/random.hpp"
@@ -29,6 +31,10 @@ struct MadeOrgan {
   Eigen::Vector2d centre{0, 0};
   std::optional<std::pair<Eigen::Vector3d, Eigen::Vector3d>> sampled_box;
   std::function<double(const Eigen::Vector3d&)> depth_inside;  ///< at most the distance to the surface; < 0 outside
+  std::string tissue;                                          ///< empty: young
+  double young = 5e3;                                          ///< Pa
+  std::vector<EllipsoidFacts> regions;
+  double risen = 0.0;  ///< by prestress, where it is probed, about
 };
 
 MadeOrgan make_slab(const DatasetOptions& options) {
@@ -79,6 +85,39 @@ MadeOrgan make_liver(const DatasetOptions& options) {
   return organ;
 }
 
+constexpr double kKidneyYoung = 14.6e3;  // Pa, of formats/tissues.cpp at nu = 0.49
+
+MadeOrgan make_kidney(const DatasetOptions& options) {
+  const KidneyShape shape(options.scale);
+  MadeOrgan organ;
+  organ.surface = shape.surface(options.edge.value_or(0.003 * options.scale));
+  organ.file = "kidney.ply";
+  organ.held_below = shape.underside();
+  organ.spacing = 0.012 * options.scale;
+  organ.clear_radius = 0.012 * options.scale;
+  organ.inclusion_radius = 0.004 * options.scale;
+  organ.tissue = "kidney";
+  for (const KidneyShape::Pyramid& pyramid : shape.pyramids()) {
+    // Collecting ducts and vessels run along them; twice the cortex is a choice, not a measurement.
+    organ.regions.push_back(
+        {"pyramid-" + std::to_string(organ.regions.size() + 1), pyramid.centre, pyramid.radii, "", 2 * kKidneyYoung});
+  }
+  return organ;
+}
+
+MadeOrgan make_bladder(const DatasetOptions& options) {
+  const BladderShape shape(options.scale);
+  MadeOrgan organ;
+  organ.surface = shape.surface(options.edge.value_or(0.003 * options.scale));
+  organ.file = "bladder.ply";
+  organ.held_below = shape.neck();
+  organ.spacing = 0.015 * options.scale;
+  organ.clear_radius = 0.008 * options.scale;
+  organ.young = 3e4;
+  organ.risen = shape.rise(options.young.value_or(organ.young), options.pressure);
+  return organ;
+}
+
 MadeOrgan make_organ(const DatasetOptions& options) {
   const double finest = 0.0005 * options.scale;  // about half a million triangles
   if (options.edge && *options.edge < finest) {
@@ -92,6 +131,10 @@ MadeOrgan make_organ(const DatasetOptions& options) {
       return make_ball(options);
     case Organ::liver:
       return make_liver(options);
+    case Organ::kidney:
+      return make_kidney(options);
+    case Organ::bladder:
+      return make_bladder(options);
   }
   throw Error(ExitCode::usage, "unknown organ");
 }
@@ -102,12 +145,13 @@ Site site_at(const View& view, double x, double y) {
   return *site;
 }
 
-Surface make_inclusion(const MadeOrgan& organ, const View& view, const DatasetOptions& options) {
+/// A ball under the middle of where the organ is probed.
+EllipsoidFacts place_inclusion(const MadeOrgan& organ, const View& view, const DatasetOptions& options) {
   const double radius = options.inclusion_radius.value_or(organ.inclusion_radius);
   const double gap = options.inclusion_gap.value_or(0.008 * options.scale);
   const Site above = site_at(view, organ.centre.x(), organ.centre.y());
   const Eigen::Vector3d centre = above.point - (gap + radius) * Eigen::Vector3d::UnitZ();
-  Surface inclusion = ellipsoid(centre, Eigen::Vector3d::Constant(radius), radius / 4, "inclusion");
+  const Surface inclusion = ellipsoid(centre, Eigen::Vector3d::Constant(radius), radius / 4, "inclusion");
   double least = organ.depth_inside(centre);
   for (const Eigen::Vector3d& v : inclusion.vertices) least = std::min(least, organ.depth_inside(v));
   const double wanted = 0.1 * radius;
@@ -117,7 +161,17 @@ Surface make_inclusion(const MadeOrgan& organ, const View& view, const DatasetOp
                                      " m of the organ's surface; allowed: at least " + std::to_string(wanted) +
                                      " m (a tenth of its radius)");
   }
-  return inclusion;
+  return {"inclusion", centre, Eigen::Vector3d::Constant(radius), "", options.inclusion_young};
+}
+
+void check_options(const DatasetOptions& options) {
+  const auto refuse = [](const char* what) { throw Error(ExitCode::usage, what); };
+  if (options.inclusion && (options.organ == Organ::kidney || options.organ == Organ::bladder))
+    refuse("an inclusion is put into a slab, a ball or a liver");
+  if (options.tumour && !(options.organ == Organ::liver && options.inclusion))
+    refuse("a tumour is the inclusion of a liver");
+  if (options.tumour && options.young) refuse("a liver with a tumour has its tissue's stiffness");
+  if (options.pressure > 0 && options.organ != Organ::bladder) refuse("only a bladder has a cavity to be filled");
 }
 
 /// The tool's mesh; nothing where the scene can name the shape.
@@ -147,11 +201,15 @@ std::string make_motion(const MadeOrgan& organ, const View& view, const DatasetO
   Random random(options.seed ^ 0x70616c70617465ULL);  // a stream apart from the organ's
   const double x = organ.centre.x() + 0.5 * organ.clear_radius * random.uniform(-1, 1);
   const double y = organ.centre.y() + 0.5 * organ.clear_radius * random.uniform(-1, 1);
-  if (options.motion == MotionKind::probe) return probe_motion(site_at(view, x, y), motion);
+  const auto risen = [&](Site site) {
+    site.point.z() += organ.risen;
+    return site;
+  };
+  if (options.motion == MotionKind::probe) return probe_motion(risen(site_at(view, x, y)), motion);
   std::vector<Site> sites;
   constexpr int count = 60;
   for (int i = 0; i <= count; ++i) {
-    sites.push_back(site_at(view, organ.centre.x() + organ.clear_radius * (2.0 * i / count - 1), y));
+    sites.push_back(risen(site_at(view, organ.centre.x() + organ.clear_radius * (2.0 * i / count - 1), y)));
   }
   return scan_motion(sites, motion);
 }
@@ -160,6 +218,7 @@ std::string make_motion(const MadeOrgan& organ, const View& view, const DatasetO
 
 std::vector<std::filesystem::path> write_dataset(const DatasetOptions& options, const std::filesystem::path& folder) {
   // Everything is made before anything is written: a refusal leaves no half data set.
+  check_options(options);
   const MadeOrgan organ = make_organ(options);
   const View view(organ.surface);
   SceneFacts facts;
@@ -167,11 +226,24 @@ std::vector<std::filesystem::path> write_dataset(const DatasetOptions& options, 
   facts.held_below = organ.held_below;
   facts.spacing = options.spacing.value_or(organ.spacing);
   facts.sampled_box = organ.sampled_box;
-  facts.uniform = options.organ == Organ::slab;  // its margins lie outside the sampled box
+  // The slab's margins lie outside the sampled box; a bladder is thin all over.
+  facts.uniform = options.organ == Organ::slab || options.organ == Organ::bladder;
+  facts.regions = organ.regions;
+  facts.young = options.young.value_or(organ.young);
+  if (!options.young) facts.tissue = organ.tissue;
+  facts.pressure = options.pressure;
   std::optional<Surface> inclusion;
   if (options.inclusion) {
-    inclusion = make_inclusion(organ, view, options);
-    facts.inclusion_file = "inclusion.ply";
+    EllipsoidFacts ball = place_inclusion(organ, view, options);
+    if (options.tumour) {
+      facts.tissue = "liver";
+      ball.name = "tumour";
+      ball.tissue = "liver-tumour";
+      facts.regions.push_back(ball);
+    } else {
+      inclusion = ellipsoid(ball.centre, ball.radii, ball.radii.x() / 4, "inclusion");
+      facts.inclusion_file = "inclusion.ply";
+    }
   }
   const std::optional<Surface> tool = make_tool_mesh(options);
   if (tool) facts.tool_file = "tool.ply";

@@ -10,22 +10,26 @@
 
 namespace palpate::synth {
 
-enum class Organ { slab, ball, liver };
+enum class Organ { slab, ball, liver, kidney, bladder };
 enum class Instrument { sphere, punch, capsule, stylus };
 enum class MotionKind { probe, scan };
 
 /// Every length in m. What is not set is chosen to fit the organ.
 struct DatasetOptions {
   Organ organ = Organ::slab;
-  std::uint64_t seed = 1;      ///< varies the liver's shape and the place that is probed
-  double scale = 1.0;          ///< of the organ, [0.1, 10]
-  std::optional<double> edge;  ///< edge length of the organ's surface, at least scale / 2000
-  double young = 5e3, poisson = 0.49;
+  std::uint64_t seed = 1;       ///< varies the liver's shape and the place that is probed
+  double scale = 1.0;           ///< of the organ, [0.1, 10]
+  std::optional<double> edge;   ///< edge length of the organ's surface, at least scale / 2000
+  std::optional<double> young;  ///< Pa
+  double poisson = 0.49;
 
   bool inclusion = false;
   std::optional<double> inclusion_radius;
   std::optional<double> inclusion_gap;  ///< tissue over the inclusion
   double inclusion_young = 5e4;
+  bool tumour = false;  ///< liver with an inclusion: both with published stiffnesses
+
+  double pressure = 0.0;  ///< Pa inside a bladder, below what its wall can bear
 
   Instrument instrument = Instrument::sphere;
   bool instrument_as_mesh = false;  ///< write the tool as a closed mesh (a stylus always is one)

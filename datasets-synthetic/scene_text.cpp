@@ -54,6 +54,21 @@ void append_tool(std::string& out, const DatasetOptions& options, const SceneFac
   if (options.instrument == Instrument::capsule) set(out, "length", text(options.tool_length));
 }
 
+void append_region(std::string& out, const DatasetOptions& options, const EllipsoidFacts& region) {
+  out += "\n[[region]]\n";
+  set(out, "name", quoted(region.name));
+  const bool ball = region.radii.isConstant(region.radii.x(), 0);
+  set(out, ball ? "sphere" : "ellipsoid",
+      "{center = " + text(region.centre) +
+          (ball ? ", radius = " + text(region.radii.x()) : ", radii = " + text(region.radii)) + "}");
+  if (region.tissue.empty()) {
+    set(out, "young", text(region.young));
+  } else {
+    set(out, "tissue", quoted(region.tissue));
+  }
+  set(out, "poisson", text(options.poisson));
+}
+
 }  // namespace
 
 std::string scene_text(const DatasetOptions& options, const SceneFacts& facts) {
@@ -61,7 +76,11 @@ std::string scene_text(const DatasetOptions& options, const SceneFacts& facts) {
   out += "\n[body]\n";
   set(out, "surface", quoted(facts.organ_file));
   out += "\n[material]\n";
-  set(out, "young", text(options.young));
+  if (facts.tissue.empty()) {
+    set(out, "young", text(facts.young));
+  } else {
+    set(out, "tissue", quoted(facts.tissue));
+  }
   set(out, "poisson", text(options.poisson));
   if (!facts.inclusion_file.empty()) {
     out += "\n[[region]]\n";
@@ -70,8 +89,13 @@ std::string scene_text(const DatasetOptions& options, const SceneFacts& facts) {
     set(out, "young", text(options.inclusion_young));
     set(out, "poisson", text(options.poisson));
   }
+  for (const EllipsoidFacts& region : facts.regions) append_region(out, options, region);
   out += "\n[[support]]\n";
   set(out, "half_space", "{point = " + text(Eigen::Vector3d(0, 0, facts.held_below)) + ", normal = [0, 0, 1]}");
+  if (facts.pressure > 0) {
+    out += "\n[prestress]\n";
+    set(out, "pressure", text(facts.pressure));
+  }
   append_tool(out, options, facts);
   out += "\n[contact]\n";
   set(out, "friction", text(options.friction));

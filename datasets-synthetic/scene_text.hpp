@@ -6,15 +6,28 @@
 
 #include <Eigen/Core>
 #include <utility>
+#include <vector>
 
 namespace palpate::synth {
+
+/// A region that the scene describes by its measures. Lengths in m.
+struct EllipsoidFacts {
+  std::string name;
+  Eigen::Vector3d centre{0, 0, 0}, radii{0, 0, 0};
+  std::string tissue;  ///< empty: young
+  double young = 0.0;  ///< Pa
+};
 
 /// What the scene needs to know of the organ that was made. Lengths in m.
 struct SceneFacts {
   std::string organ_file;
   std::string inclusion_file;  ///< empty: none
   std::string tool_file;       ///< empty: an analytic shape
-  double held_below = 0.0;     ///< the surface is held where z is at most this
+  std::vector<EllipsoidFacts> regions;
+  std::string tissue;       ///< of the organ; empty: young
+  double young = 5e3;       ///< Pa
+  double pressure = 0.0;    ///< Pa, in its cavities
+  double held_below = 0.0;  ///< the surface is held where z is at most this
   double spacing = 0.015;
   bool uniform = false;  ///< as coarse at margins as elsewhere
   std::optional<std::pair<Eigen::Vector3d, Eigen::Vector3d>> sampled_box;

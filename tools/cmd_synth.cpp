@@ -12,7 +12,7 @@ namespace palpate::cli {
 namespace {
 
 // In the order of the enumerators.
-const std::vector<std::string> kOrgans{"slab", "ball", "liver"};
+const std::vector<std::string> kOrgans{"slab", "ball", "liver", "kidney", "bladder"};
 const std::vector<std::string> kInstruments{"sphere", "punch", "capsule", "stylus"};
 const std::vector<std::string> kMotions{"probe", "scan"};
 
@@ -51,7 +51,7 @@ void add_synth(CLI::App& app, Globals& globals) {
   synth::DatasetOptions& o = arguments->options;
   CLI::App* command = app.add_subcommand("synth", "Writes a synthetic organ with scene and motion, from a seed");
 
-  command->add_option("organ", arguments->organ, "slab, ball or liver")
+  command->add_option("organ", arguments->organ, "slab, ball, liver, kidney (with its pyramids) or bladder")
       ->required()
       ->check(CLI::IsMember(kOrgans))
       ->type_name("ORGAN");
@@ -64,7 +64,7 @@ void add_synth(CLI::App& app, Globals& globals) {
       ->capture_default_str();
   const CLI::Validator length = number_in(1e-4, 1.0);
   command->add_option("--edge", o.edge, "Edge length of the organ's surface (m)")->check(length);
-  command->add_option("--young", o.young, "Young's modulus (Pa)")->check(number_in(1e-3, 1e12))->capture_default_str();
+  command->add_option("--young", o.young, "Young's modulus (Pa); left out: the organ's")->check(number_in(1e-3, 1e12));
   command->add_option("--poisson", o.poisson, "Poisson's ratio")->check(number_in(0.0, 0.4999))->capture_default_str();
   command->add_flag("--inclusion", o.inclusion, "With a stiff ball inside");
   command->add_option("--inclusion-radius", o.inclusion_radius, "Its radius (m)")->check(length)->needs("--inclusion");
@@ -72,6 +72,11 @@ void add_synth(CLI::App& app, Globals& globals) {
   command->add_option("--inclusion-young", o.inclusion_young, "Its modulus (Pa)")
       ->check(number_in(1e-3, 1e12))
       ->needs("--inclusion")
+      ->capture_default_str();
+  command->add_flag("--tumour", o.tumour, "liver: the inclusion is a tumour; both have published stiffnesses")
+      ->needs("--inclusion");
+  command->add_option("--pressure", o.pressure, "bladder: pressure inside (Pa)")
+      ->check(number_in(0.0, 1e9))
       ->capture_default_str();
   command->add_option("--tool", arguments->instrument, "sphere, punch, capsule or stylus")
       ->check(CLI::IsMember(kInstruments))

@@ -9,7 +9,9 @@
 
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <cmath>
 #include <fstream>
+#include <numbers>
 #include <sstream>
 
 namespace palpate::synth {
@@ -68,6 +70,63 @@ TEST_F(Dataset, EveryOrganReadsBackAsAScene) {
       }
     }
   }
+}
+
+TEST_F(Dataset, KidneyHasItsPyramidsInside) {
+  DatasetOptions options;
+  options.organ = Organ::kidney;
+  const Scene scene = read_scene(write_dataset(options, folder_)[0]);
+  EXPECT_EQ(scene.material.tissue, "kidney");
+  ASSERT_EQ(scene.regions.size(), 6U);
+  const Surface body = read_surface(scene.body.surfaces[0]);
+  EXPECT_EQ(test::edge_faults(body), 0);
+  for (const RegionScene& region : scene.regions) {
+    EXPECT_NEAR(region.material.young / scene.material.young, 2, 0.01);
+    double nearest = 100;
+    for (const Eigen::Vector3d& v : body.vertices) {
+      nearest = std::min(nearest, (v - region.centre).cwiseQuotient(region.radii).norm());
+    }
+    EXPECT_GT(nearest, 1.2);
+  }
+}
+
+TEST_F(Dataset, BladderIsAHollowShellThatMayBeFilled) {
+  DatasetOptions options;
+  options.organ = Organ::bladder;
+  const auto empty = write_dataset(options, folder_ / "empty");
+  options.pressure = 1000;
+  const auto filled = write_dataset(options, folder_ / "filled");
+  EXPECT_EQ(bytes(empty[2]), bytes(filled[2]));
+  EXPECT_NE(bytes(empty[1]), bytes(filled[1]));  // the motion goes to where the wall has risen to
+  EXPECT_FALSE(read_scene(empty[0]).prestress.any());
+  const Scene scene = read_scene(filled[0]);
+  EXPECT_EQ(scene.prestress.pressure, 1000);
+  const Surface shell = read_surface(scene.body.surfaces[0]);
+  EXPECT_EQ(test::edge_faults(shell), 0);
+  const double wall = 4 * std::numbers::pi / 3 * (35 * 32 * 40 - 31 * 28 * 36) * 1e-9;
+  EXPECT_NEAR(test::volume(shell) / wall, 1, 0.02);
+  options.pressure = 3000;
+  expect_refused(options, folder_ / "none", "bears about");
+}
+
+TEST_F(Dataset, TumourIsARegionOfItsTissue) {
+  DatasetOptions options;
+  options.organ = Organ::liver;
+  options.inclusion = options.tumour = true;
+  options.inclusion_gap = 0.006;
+  const Scene scene = read_scene(write_dataset(options, folder_)[0]);
+  ASSERT_EQ(scene.regions.size(), 1U);
+  EXPECT_EQ(scene.regions[0].shape, RegionScene::Shape::ellipsoid);
+  EXPECT_EQ(scene.regions[0].material.tissue, "liver-tumour");
+  EXPECT_EQ(scene.material.tissue, "liver");
+  options.organ = Organ::slab;
+  expect_refused(options, folder_ / "none", "a tumour is the inclusion of a liver");
+  options.tumour = false;
+  options.organ = Organ::kidney;
+  expect_refused(options, folder_ / "none", "a slab, a ball or a liver");
+  options.inclusion = false;
+  options.pressure = 1;
+  expect_refused(options, folder_ / "none", "only a bladder");
 }
 
 TEST_F(Dataset, ToolsReadBack) {
