@@ -10,8 +10,8 @@ std::optional<Eigen::Vector3d> at_depth(const std::function<double(const Eigen::
                                         double resolution, double reach) {
   double shift = 0.0;
   for (int k = 0; k < 100; ++k) {
-    const double off = gap(translation + shift * normal) + depth;
-    if (std::abs(off) <= resolution) return translation + shift * normal;
+    const double off = gap(translation + shift * normal);
+    if (std::abs(off) <= resolution) return translation + (shift - depth) * normal;
     shift -= off;
     if (!(std::abs(shift) <= reach)) break;
   }

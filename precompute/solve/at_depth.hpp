@@ -8,9 +8,9 @@
 
 namespace palpate {
 
-/// `translation` shifted along the unit `normal` so that the smallest signed distance of tool and surface, which `gap`
-/// gives (m), is -`depth`, to `resolution` (m). Nothing where that takes a shift beyond `reach` (m): no surface is
-/// there.
+/// `translation` shifted along the unit `normal` to where the tool just touches, the smallest signed distance of tool
+/// and surface, which `gap` gives (m), being 0 to `resolution` (m), and from there by `depth` (m) inwards. Nothing
+/// where that takes a shift beyond `reach` (m): no surface is there.
 std::optional<Eigen::Vector3d> at_depth(const std::function<double(const Eigen::Vector3d&)>& gap,
                                         Eigen::Vector3d translation, const Eigen::Vector3d& normal, double depth,
                                         double resolution, double reach);

@@ -14,7 +14,7 @@
 namespace palpate {
 
 struct TwoTipsPath {
-  double depth = 0.0;    ///< m, of each tip's deepest overlap with the undeformed surface, > 0
+  double depth = 0.0;    ///< m, of each tip from where it first touches, > 0
   double spacing = 0.0;  ///< m between the tips, > 0; closer than they are wide they are one blunter tool
   double angle = 0.0;    ///< rad, of the second tip as seen from the first, from the frame's x to its y
   int steps = 6;         ///< of the push, evenly spaced in sqrt(depth), >= 1
