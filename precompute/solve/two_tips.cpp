@@ -108,6 +108,10 @@ TwoTipsResult solve_two_tips(const Body& body, const Tool& tool, const ToolVerte
                                      "; allowed > 0 each");
   }
   TwoTipsResult result;
+  if (body.prestress.any()) {
+    result.cause = "prestress: two tips are solved of bodies that bear none";
+    return result;
+  }
   const Vector3d over = frame.origin + path.spacing * (std::cos(path.angle) * frame.x + std::sin(path.angle) * frame.y);
   const Vector3d beside = body.query->closest(over).point - frame.origin;
   if ((frame.origin + beside - over).cross(frame.n).norm() > contact_radius(vertex, path.depth)) {
