@@ -98,23 +98,8 @@ StepResult CoulombPush::step(const Isometry3d& target, double contact_radius, do
 
 StepResult CoulombPush::move_to(const Isometry3d& target, double contact_radius, double work_scale) {
   const Isometry3d start = push_.contact().pose();
-  StepResult total;
-  double done = 0.0, part = 1.0;
-  while (done < 1.0) {
-    const double next = std::min(1.0, done + part);
-    const StepResult s = step(between(start, target, next), contact_radius, work_scale);
-    total.iterations += s.iterations;
-    total.cause = s.cause;
-    if (s.converged) {
-      done = next;
-      continue;
-    }
-    part *= 0.5;
-    if (part < 1.0 / 8) return total;
-  }
-  total.converged = true;
-  total.cause.clear();
-  return total;
+  return in_parts(
+      [&](double to, double /*part*/) { return step(between(start, target, to), contact_radius, work_scale); });
 }
 
 StepResult CoulombPush::move_to(const Vector3d& target, double contact_radius, double work_scale) {

@@ -363,34 +363,6 @@ private:
 
 }  // namespace
 
-PairPath bake_path(const Scene& scene, double depth) {
-  PairPath path;
-  const int n = scene.sampling.normal_points;
-  for (int k = 1; k <= n; ++k) path.normal_depths.push_back(depth * k * k / (static_cast<double>(n) * n));
-  path.friction = scene.friction;
-  if (scene.friction > 0) {
-    const int m = scene.sampling.tangential_depths;
-    for (int k = 1; k <= m; ++k) path.tangential_depths.push_back(path.normal_depths[(n * k + m - 1) / m - 1]);
-    path.tangential_directions = scene.sampling.tangential_directions;
-    path.tangential_points = scene.sampling.tangential_points;
-    // Gross slip of a Hertz contact begins at mu (2 - nu) / (3 (1 - nu)) of the depth (Mindlin 1949); beyond
-    // the whole depth a sticking contact without cohesion peels.
-    const double nu = scene.material.poisson;
-    path.tangential_reach = std::clamp(1.2 * scene.friction * (2 - nu) / (3 * (1 - nu)), 0.1, 1.0);
-  }
-  return path;
-}
-
-PairOptions pair_options(const Scene& scene) {
-  PairOptions options;
-  options.mesh_size = scene.solver.mesh_size;
-  options.growth = scene.solver.growth;
-  options.max_size = scene.solver.max_size;
-  options.rim_size = scene.solver.rim_size;
-  options.mesh.time_limit = scene.solver.time_limit;
-  return options;
-}
-
 PairResult solve_on_mesh(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
                          const PairPath& path, const PairOptions& options, const TetMesh& mesh) {
   return PairSolve(body, tool, vertex, frame, path, options).attempt(mesh, true);

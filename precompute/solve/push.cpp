@@ -128,23 +128,10 @@ StepResult Push::step(const Vector3d& target, double contact_radius, double work
 StepResult Push::move_to(const Vector3d& target, double contact_radius, double work_scale, bool sticking,
                          const std::vector<VectorXd>& starts) {
   const Vector3d start = state_.translation;
-  StepResult total;
-  double done = 0.0, part = 1.0;
-  while (done < 1.0) {
-    const double next = std::min(1.0, done + part);
-    const StepResult s = step(start + next * (target - start), contact_radius, work_scale, sticking,
-                              part == 1.0 ? starts : std::vector<VectorXd>{});
-    total.iterations += s.iterations;
-    total.cause = s.cause;
-    if (s.converged) {
-      done = next;
-      continue;
-    }
-    part *= 0.5;
-    if (part < 1.0 / 8) return total;
-  }
-  total.converged = true;
-  return total;
+  return in_parts([&](double to, double part) {
+    return step(start + to * (target - start), contact_radius, work_scale, sticking,
+                part == 1.0 ? starts : std::vector<VectorXd>{});
+  });
 }
 
 }  // namespace palpate

@@ -6,6 +6,7 @@
 #include "precompute/fem/minimiser.hpp"
 #include "precompute/solve/body_energy.hpp"
 #include "precompute/solve/contact.hpp"
+#include "precompute/solve/in_parts.hpp"
 #include "precompute/solve/settle.hpp"
 
 #include <string>
@@ -26,12 +27,6 @@ struct PushState {
   ContactEnergy::Anchors anchors;
   Eigen::Vector3d translation{0, 0, 0};  ///< of the tool (m)
   double penalty = 0.0;                  ///< Pa/m
-};
-
-struct StepResult {
-  bool converged = false;
-  std::string cause;
-  std::uint32_t iterations = 0;
 };
 
 class Push final : public EnergyProblem {

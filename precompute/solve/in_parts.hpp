@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A way that is gone in one step, or in parts where a step finds no equilibrium.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+
+namespace palpate {
+
+struct StepResult {
+  bool converged = false;
+  std::string cause;
+  std::uint32_t iterations = 0;
+};
+
+/// Calls step(to, part) for shares `to` of the way, up to 1; a step that fails is halved, down to an eighth of the way.
+/// Where that fails too the result has its cause, and the way is gone as far as the last good step.
+template <class Step>
+StepResult in_parts(Step&& step) {
+  StepResult total;
+  double done = 0.0, part = 1.0;
+  while (done < 1.0) {
+    const double next = std::min(1.0, done + part);
+    const StepResult s = step(next, part);
+    total.iterations += s.iterations;
+    total.cause = s.cause;
+    if (s.converged) {
+      done = next;
+      continue;
+    }
+    part *= 0.5;
+    if (part < 1.0 / 8) return total;
+  }
+  total.converged = true;
+  total.cause.clear();
+  return total;
+}
+
+}  // namespace palpate
