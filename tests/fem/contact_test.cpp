@@ -14,21 +14,6 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-class ContactProblem final : public EnergyProblem {
-public:
-  explicit ContactProblem(const ContactEnergy& c) : c_(c) {}
-  double value(const VectorXd& x) const override { return c_.value(x); }
-  double gradient(const VectorXd& x, VectorXd& g) const override {
-    g.setZero();
-    return c_.gradient(x, g);
-  }
-  void hessian(const VectorXd& x, HessianKind kind, BlockMatrix& m) const override { c_.hessian(x, kind, m); }
-  double load(const VectorXd&) const override { return 1.0; }
-
-private:
-  const ContactEnergy& c_;
-};
-
 struct Case {
   const char* name;
   std::shared_ptr<const ToolShape> shape;
@@ -62,7 +47,7 @@ TEST_P(ContactOfTool, DerivativesMatchDifferences) {
   contact.set_anchor_stiffness(5e3);
   VectorXd x = test::stacked(mesh);
   ASSERT_GT(contact.report(x).points, 0u) << c.name;
-  const ContactProblem problem(contact);
+  const test::Alone problem(contact);
   EXPECT_LT(test::gradient_error(problem, x, 1e-6), 1e-5) << c.name;
   EXPECT_LT(test::hessian_error(problem, mesh, x, 1e-7), 1e-4) << c.name;
 

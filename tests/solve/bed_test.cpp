@@ -19,16 +19,6 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-SupportScene half_space(SupportScene::Type type, const Vector3d& point, const Vector3d& normal) {
-  SupportScene s;
-  s.kind = SupportScene::Kind::half_space;
-  s.type = type;
-  s.stiffness = 1e5;
-  s.point = point;
-  s.normal = normal;
-  return s;
-}
-
 // Traction (Pa) along z on the faces in the plane z = 1.
 VectorXd top_load(const TetMesh& mesh, double traction) {
   return test::face_loads(mesh, [&](const Vector3d& middle, const Vector3d&, const Vector3d&) {
@@ -63,8 +53,8 @@ protected:
 
 TEST_F(Beds, DerivativesMatchDifferences) {
   body.diagonal = 1.7;
-  body.supports = {half_space(SupportScene::Type::spring, {0, 0, 1e-6}, {0, 0, 1}),
-                   half_space(SupportScene::Type::slider, {1e-6, 0, 0}, {1, 0, 0})};
+  body.supports = {test::half_space(SupportScene::Type::spring, {0, 0, 1e-6}, {0, 0, 1}),
+                   test::half_space(SupportScene::Type::slider, {1e-6, 0, 0}, {1, 0, 0})};
   body.support_surfaces.resize(2);
   const ElasticEnergy elastic = elastic_energy();
   const BedEnergy bed(body, mesh);
@@ -83,7 +73,7 @@ TEST_F(Beds, SlidersLeaveABarToUniaxialStress) {
   body.material.poisson = 0.45;
   body.diagonal = 1.7;
   for (const Vector3d& n : {Vector3d(1, 0, 0), Vector3d(0, 1, 0), Vector3d(0, 0, 1)}) {
-    body.supports.push_back(half_space(SupportScene::Type::slider, 1e-6 * n, n));
+    body.supports.push_back(test::half_space(SupportScene::Type::slider, 1e-6 * n, n));
   }
   body.support_surfaces.resize(3);
   const VectorXd x = solve(top_load(mesh, -600));
@@ -105,7 +95,7 @@ TEST_F(Beds, SlidersLeaveABarToUniaxialStress) {
 TEST_F(Beds, AStiffBlockSinksByTractionOverStiffness) {
   body.material.young = 1e7;
   body.diagonal = 1.7;
-  body.supports = {half_space(SupportScene::Type::spring, {0, 0, 1e-6}, {0, 0, 1})};
+  body.supports = {test::half_space(SupportScene::Type::spring, {0, 0, 1e-6}, {0, 0, 1})};
   body.support_surfaces.resize(1);
   const VectorXd x = solve(top_load(mesh, -200));
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
@@ -121,7 +111,7 @@ TEST(LooseSupports, AnswerMoreSoftly) {
     block.supports[0].type = type;
     block.supports[0].stiffness = stiffness;
     if (type == SupportScene::Type::slider) {
-      block.supports.push_back(half_space(SupportScene::Type::fixed, {-0.03 + 1e-7, 0, 0}, {1, 0, 0}));
+      block.supports.push_back(test::half_space(SupportScene::Type::fixed, {-0.03 + 1e-7, 0, 0}, {1, 0, 0}));
       block.support_surfaces.emplace_back();
     }
     Scene scene;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Closed-form contact laws, through the entry point that the bake uses. The block is at least 40 contact radii
 // wide and deep; the displacement it holds back at its bottom is about 0.4 a / L = 1 % of the depth, part of the 2 %.
-#include "precompute/solve/pair.hpp"
-#include "tests/support/bodies.hpp"
+#include "tests/support/press.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,11 +13,6 @@ namespace {
 
 constexpr double kYoung = 5e3, kPoisson = 0.49;
 
-PairResult press(const Body& body, const ToolScene& scene, const PairPath& path, const PairOptions& options) {
-  const Tool tool = make_tool(scene);
-  return solve_pair(body, tool, tool.vertices[0], ContactFrame{}, path, options);
-}
-
 TEST(Hertz, SphereForce) {
   const double radius = 0.01, depth = 0.01 * radius, a = std::sqrt(radius * depth);
   const Body body = test::block_body(40 * a, kYoung, kPoisson);
@@ -28,7 +22,7 @@ TEST(Hertz, SphereForce) {
   options.mesh_size = 0.25;
   ToolScene sphere;
   sphere.radius = radius;
-  const PairResult r = press(body, sphere, path, options);
+  const PairResult r = test::press(body, sphere, path, options);
   ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
   const double stiffness = 4.0 / 3 * kYoung / (1 - kPoisson * kPoisson) * std::sqrt(radius);
   for (const Sample& s : r.samples) {
@@ -52,7 +46,7 @@ TEST(Hertz, TwiceTheBlockTakesHalfOfItsErrorAway) {
   sphere.radius = radius;
   double over_hertz[2];
   for (const int k : {0, 1}) {
-    const PairResult r = press(test::block_body((k == 0 ? 20 : 40) * a, kYoung, kPoisson), sphere, path, options);
+    const PairResult r = test::press(test::block_body((k == 0 ? 20 : 40) * a, kYoung, kPoisson), sphere, path, options);
     ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
     const Sample& s = r.samples.back();
     over_hertz[k] = s.force.z() / (4.0 / 3 * kYoung / (1 - kPoisson * kPoisson) * std::sqrt(radius) *
@@ -72,7 +66,7 @@ TEST(Sneddon, FlatPunchForce) {
   const Body body = test::block_body(40 * punch.radius, kYoung, kPoisson);
   PairPath path;
   path.normal_depths = {0.5 * depth, depth};
-  const PairResult r = press(body, punch, path, {});
+  const PairResult r = test::press(body, punch, path, {});
   ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
   const Sample& s = r.samples.back();
   EXPECT_NEAR(s.force.z() / (2 * kYoung / (1 - kPoisson * kPoisson) * punch.radius * s.deflection.z()), 1.0, 0.02);
@@ -90,7 +84,7 @@ TEST(Sneddon, ConeForce) {
   path.normal_depths = {0.25 * depth, 0.5 * depth, 0.75 * depth, depth};
   PairOptions options;
   options.mesh_size = 0.25;
-  const PairResult r = press(body, cone, path, options);
+  const PairResult r = test::press(body, cone, path, options);
   ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
   const double factor = 2 / std::numbers::pi * kYoung / (1 - kPoisson * kPoisson) * slope;
   for (const Sample& s : r.samples) {
@@ -117,7 +111,7 @@ TEST(Mindlin, TangentialStiffnessOfAStuckContact) {
   options.rim_size = 0.05;
   ToolScene sphere;
   sphere.radius = radius;
-  const PairResult r = press(body, sphere, path, options);
+  const PairResult r = test::press(body, sphere, path, options);
   ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
   const double shear = kYoung / (2 * (1 + kPoisson)), expected = 8 * shear * a / (2 - kPoisson);
   int count = 0;

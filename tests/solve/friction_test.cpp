@@ -18,21 +18,6 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-class FrictionProblem final : public EnergyProblem {
-public:
-  explicit FrictionProblem(const FrictionEnergy& f) : f_(f) {}
-  double value(const VectorXd& x) const override { return f_.value(x); }
-  double gradient(const VectorXd& x, VectorXd& g) const override {
-    g.setZero();
-    return f_.gradient(x, g);
-  }
-  void hessian(const VectorXd& x, HessianKind kind, BlockMatrix& m) const override { f_.hessian(x, kind, m); }
-  double load(const VectorXd&) const override { return 1.0; }
-
-private:
-  const FrictionEnergy& f_;
-};
-
 Eigen::Isometry3d pose(const Vector3d& at, double turn) {
   Eigen::Isometry3d p = Eigen::Isometry3d::Identity();
   p.linear() = Eigen::AngleAxisd(turn, Vector3d(1, 2, 0.5).normalized()).toRotationMatrix();
@@ -56,7 +41,7 @@ TEST_P(FrictionOfSlip, DerivativesMatchDifferences) {
   for (Eigen::Index k = 0; k < x.size(); ++k) x[k] += 0.2 * GetParam() * std::sin(3.0 * static_cast<double>(k));
   const FrictionReport r = friction.report(x);
   ASSERT_GT(r.limit, 0);
-  const FrictionProblem problem(friction);
+  const test::Alone problem(friction);
   EXPECT_LT(test::gradient_error(problem, x, 1e-3 * GetParam()), 1e-5) << r.slipping << " slips";
   EXPECT_LT(test::hessian_error(problem, mesh, x, 1e-4 * GetParam()), 1e-4) << r.slipping << " slips";
 

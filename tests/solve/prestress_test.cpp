@@ -20,14 +20,6 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-SupportScene half_space(SupportScene::Type type, const Vector3d& point, const Vector3d& normal) {
-  SupportScene s;
-  s.type = type;
-  s.point = point;
-  s.normal = normal;
-  return s;
-}
-
 // The unit cube on a mesh of its own; what holds it is added.
 class Cube : public ::testing::Test {
 protected:
@@ -41,7 +33,7 @@ protected:
     body.support_surfaces.clear();
   }
   void hold(SupportScene::Type type, const Vector3d& point, const Vector3d& normal) {
-    body.supports.push_back(half_space(type, point, normal));
+    body.supports.push_back(test::half_space(type, point, normal));
     body.support_surfaces.emplace_back();
   }
   void slide(int axis, double at) {
@@ -134,7 +126,7 @@ Body hollow_ball(double young, double poisson, double pressure) {
   scene.material.poisson = poisson;
   scene.prestress.pressure = pressure;
   scene.prestress.cavity = "void";
-  scene.supports.push_back(half_space(SupportScene::Type::spring, {0, 0, 0}, {0, 0, 1}));
+  scene.supports.push_back(test::half_space(SupportScene::Type::spring, {0, 0, 0}, {0, 0, 1}));
   scene.supports.back().stiffness = 300;
   return prepare_body(scene, both);
 }
@@ -251,9 +243,9 @@ TEST(Prestress, ContactOnAStretchedBlockIsStifferByTheClosedForm) {
   body.support_surfaces.clear();
   const double inside = half * (1 - 1e-6);
   for (const Vector3d& side : {Vector3d(1, 0, 0), Vector3d(-1, 0, 0), Vector3d(0, 1, 0), Vector3d(0, -1, 0)}) {
-    body.supports.push_back(half_space(SupportScene::Type::slider, inside * side, -side));
+    body.supports.push_back(test::half_space(SupportScene::Type::slider, inside * side, -side));
   }
-  body.supports.push_back(half_space(SupportScene::Type::slider, {0, 0, -inside}, {0, 0, 1}));
+  body.supports.push_back(test::half_space(SupportScene::Type::slider, {0, 0, -inside}, {0, 0, 1}));
   body.support_surfaces.resize(5);
   body.prestress.stretch = {l, l, 1};
   const Body stretched = apply_prestress(body);

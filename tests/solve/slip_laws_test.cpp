@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Closed forms of partial and full slip, through the entry point that the bake uses.
-#include "precompute/solve/pair.hpp"
 #include "precompute/solve/slip_push.hpp"
-#include "tests/support/bodies.hpp"
+#include "tests/support/press.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,11 +11,6 @@ namespace palpate {
 namespace {
 
 constexpr double kYoung = 5e3, kPoisson = 0.49;
-
-PairResult slide(const Body& body, const ToolScene& scene, const PairPath& path, const PairOptions& options) {
-  const Tool tool = make_tool(scene);
-  return solve_pair(body, tool, tool.vertices[0], ContactFrame{}, path, options);
-}
 
 // The contact is formed without friction and then pushed sideways at its depth: at nu = 0.49 pressures hardly change.
 // The tractions that slip relieves at the rim are not singular, and need no ring of small elements.
@@ -36,7 +30,7 @@ TEST(CattaneoMindlin, PartialSlipThenFullSlip) {
   options.mesh_size = 0.2;
   ToolScene sphere;
   sphere.radius = radius;
-  const PairResult r = slide(body, sphere, path, options);
+  const PairResult r = test::press(body, sphere, path, options);
   ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
   EXPECT_EQ(r.outcome.cause, "");
   const double shear = kYoung / (2 * (1 + kPoisson));
@@ -67,10 +61,10 @@ TEST(SlippingPushes, ChangeNothingElse) {
   path.tangential_depths = {0.004};
   path.tangential_directions = 2;
   path.tangential_points = 1;
-  const PairResult plain = slide(body, sphere, path, pair_options(scene));
+  const PairResult plain = test::press(body, sphere, path, pair_options(scene));
   path.slip_points = 2;
   path.slip_reach = 1.3 * gross_slip_reach(scene.friction, kPoisson);
-  const PairResult more = slide(body, sphere, path, pair_options(scene));
+  const PairResult more = test::press(body, sphere, path, pair_options(scene));
   ASSERT_TRUE(more.outcome.accepted) << more.outcome.cause;
   ASSERT_EQ(plain.samples.size(), 3U + 2U);
   ASSERT_EQ(more.samples.size(), plain.samples.size() + 2U * 2U);

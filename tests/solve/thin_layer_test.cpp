@@ -2,7 +2,7 @@
 // A sphere on a thin incompressible layer bonded to its bed, through the entry point that the bake uses: Dimitriadis'
 // series, and the exact contact of linear elasticity, from which the series strays as the contact grows wide.
 #include "precompute/geometry/solids.hpp"
-#include "precompute/solve/pair.hpp"
+#include "tests/support/press.hpp"
 
 #include <gtest/gtest.h>
 
@@ -92,8 +92,7 @@ TEST(ThinLayer, SphereForce) {
   options.mesh_size = 0.25;
   ToolScene sphere;
   sphere.radius = kRadius;
-  const Tool tool = make_tool(sphere);
-  const PairResult r = solve_pair(body, tool, tool.vertices[0], ContactFrame{}, path, options);
+  const PairResult r = test::press(body, sphere, path, options);
   ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
   ASSERT_EQ(r.samples.size(), path.normal_depths.size());
   for (const Sample& s : r.samples) {

@@ -8,6 +8,17 @@
 
 namespace palpate::test {
 
+/// Holds what lies behind the plane through `point` (m) with `normal`; springs of 1e5 N/m^3.
+inline SupportScene half_space(SupportScene::Type type, const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
+  SupportScene s;
+  s.kind = SupportScene::Kind::half_space;
+  s.type = type;
+  s.stiffness = 1e5;
+  s.point = point;
+  s.normal = normal;
+  return s;
+}
+
 /// Block of 2 half x 2 half x half (m) with its top face in z = 0, held at the bottom.
 inline Body block_body(double half, double young, double poisson) {
   Body body;

@@ -8,6 +8,25 @@
 
 namespace palpate::test {
 
+/// One energy by itself as a problem. Keeps a reference to it.
+template <class Energy>
+class Alone final : public EnergyProblem {
+public:
+  explicit Alone(const Energy& energy) : energy_(energy) {}
+  double value(const Eigen::VectorXd& x) const override { return energy_.value(x); }
+  double gradient(const Eigen::VectorXd& x, Eigen::VectorXd& g) const override {
+    g.setZero();
+    return energy_.gradient(x, g);
+  }
+  void hessian(const Eigen::VectorXd& x, HessianKind kind, BlockMatrix& m) const override {
+    energy_.hessian(x, kind, m);
+  }
+  double load(const Eigen::VectorXd&) const override { return 1.0; }
+
+private:
+  const Energy& energy_;
+};
+
 /// Largest difference of gradient and central difference over all coordinates, relative to the largest entry.
 inline double gradient_error(const EnergyProblem& problem, const Eigen::VectorXd& x, double step) {
   Eigen::VectorXd g(x.size()), y = x;
