@@ -52,7 +52,7 @@ palpate_ask() {
 # Compilations that run at once: one a processor, and 2 GB of memory for each (CGAL takes 1.5).
 palpate_jobs() {
   local processors memory
-  processors=$(nproc)
+  processors=$(env -u OMP_NUM_THREADS nproc)  # which is about solvers, not about builds
   memory=$(awk '/^MemAvailable:/ {print int($2 / 2000000)}' /proc/meminfo)
   [ "$memory" -lt 1 ] && memory=1
   echo $((processors < memory ? processors : memory))
