@@ -9,3 +9,4 @@ add_library(palpate_journal STATIC
 target_include_directories(palpate_journal SYSTEM PRIVATE ${XXHASH_INCLUDE_DIR})
 target_include_directories(palpate_journal PRIVATE ${CMAKE_CURRENT_LIST_DIR}/include)
 target_link_libraries(palpate_journal PUBLIC palpate_formats PRIVATE palpate_file palpate_settings ${XXHASH_LIBRARY})
+target_precompile_headers(palpate_journal REUSE_FROM palpate_headers)
