@@ -3,6 +3,8 @@
 // nodes alone (`Sums`), shared by the four points.
 #include "precompute/fem/element_batch.hpp"
 
+#include "precompute/fem/registers.hpp"
+
 #include <algorithm>
 #include <limits>
 
@@ -162,37 +164,17 @@ void add_laws(const ElementBatch& batch, const Matrix& f, Lanes& energy, Matrix*
   return sum;
 }
 
-// The same code for each width of registers: the program itself is built for the least of them.
 using Kernel = double (*)(const std::vector<ElementBatch>&, const double*, double*);
 
 double evaluate_plain(const std::vector<ElementBatch>& b, const double* x, double* g) { return evaluate(b, x, g); }
-
-#if defined(__x86_64__)
-
-[[gnu::target("avx2,fma")]] double evaluate_avx2(const std::vector<ElementBatch>& b, const double* x, double* g) {
+PALPATE_AVX2 double evaluate_avx2(const std::vector<ElementBatch>& b, const double* x, double* g) {
+  return evaluate(b, x, g);
+}
+PALPATE_AVX512 double evaluate_avx512(const std::vector<ElementBatch>& b, const double* x, double* g) {
   return evaluate(b, x, g);
 }
 
-[[gnu::target("avx512f,avx512dq,avx512vl,avx512bw,fma,prefer-vector-width=512")]] double evaluate_avx512(
-    const std::vector<ElementBatch>& b, const double* x, double* g) {
-  return evaluate(b, x, g);
-}
-
-Kernel widest_kernel() {
-  __builtin_cpu_init();
-  const auto has_avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-                          __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
-  if (has_avx512) return evaluate_avx512;
-  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? evaluate_avx2 : evaluate_plain;
-}
-
-#else
-
-Kernel widest_kernel() { return evaluate_plain; }
-
-#endif
-
-const Kernel kernel = widest_kernel();
+const Kernel kernel = widest<Kernel>(evaluate_plain, evaluate_avx2, evaluate_avx512);
 
 }  // namespace
 

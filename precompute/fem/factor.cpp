@@ -1,18 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// CHOLMOD's supernodal factor, and triangular solves on a copy of it in single precision.
+// CHOLMOD orders and analyses; it factorises where single precision does not do.
 #include "precompute/fem/factor.hpp"
 
+#include "precompute/fem/single_cholesky.hpp"
+
 #include <cholmod.h>
-#include <algorithm>
+#include <limits>
 #include <mutex>
 #include <new>
+#include <optional>
 #include <vector>
 
 namespace palpate {
 namespace {
 
 using Eigen::VectorXd;
-using Eigen::VectorXf;
+
+// Relative error up to which a solve in single precision preconditions as well as one in double.
+constexpr double kSingleError = 0.02;
 
 // METIS seeds and draws from the process's one rand(): two threads ordering at once would mix their draws, and
 // the order of elimination (so the last bits of every solve) would depend on the scheduler.
@@ -41,6 +46,8 @@ cholmod_sparse view_of(const Factor::Matrix& lower) {
 }  // namespace
 
 struct Factor::Impl {
+  using Matrix = Factor::Matrix;
+
   Impl() {
     cholmod_start(&common);
     // One ordering, no trial of several: the choice must not depend on anything but the mesh.
@@ -58,116 +65,78 @@ struct Factor::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  void forward(VectorXf& y, VectorXf& work) const;
-  void backward(VectorXf& y, VectorXf& work) const;
+  [[nodiscard]] bool factorise(const Matrix& lower);
+  [[nodiscard]] VectorXd solve(const VectorXd& b) const;
 
   // CHOLMOD's workspace, which solves write to: one object belongs to one thread.
   mutable cholmod_common common{};
   cholmod_factor* factor = nullptr;
-  std::vector<float> values;  // of the factor
-  Eigen::Index tallest = 0;   // rows of a supernode
+  std::optional<SingleCholesky> in_single;
+  bool single = false;
 };
 
 namespace {
 
-// The columns of one supernode: a triangle on top of a panel.
-struct Supernode {
-  Supernode(const cholmod_factor& f, const float* all, std::size_t s) {
-    const auto *super = static_cast<const int*>(f.super), *pi = static_cast<const int*>(f.pi),
-               *px = static_cast<const int*>(f.px);
-    first = super[s];
-    columns = super[s + 1] - first;
-    height = pi[s + 1] - pi[s];
-    rows = static_cast<const int*>(f.s) + pi[s] + columns;
-    values = all + px[s];
-  }
-  using Block = Eigen::Map<const Eigen::MatrixXf, 0, Eigen::OuterStride<>>;
-  [[nodiscard]] Block triangle() const { return {values, columns, columns, Eigen::OuterStride<>(height)}; }
-  [[nodiscard]] Block panel() const { return {values + columns, below(), columns, Eigen::OuterStride<>(height)}; }
-  [[nodiscard]] int below() const { return height - columns; }
+SupernodalPattern pattern_of(const cholmod_factor& f) {
+  const auto copy = [](const void* from, std::size_t count) {
+    const auto* const first = static_cast<const int*>(from);
+    return std::vector<int>(first, first + count);
+  };
+  return {copy(f.Perm, f.n), copy(f.super, f.nsuper + 1), copy(f.pi, f.nsuper + 1), copy(f.px, f.nsuper + 1),
+          copy(f.s, f.ssize)};
+}
 
-  int first, columns, height;
-  const int* rows;  // of the panel
-  const float* values;
-};
+// Error of a solve over the solution, by what one step of refinement would change.
+double relative_error(const SingleCholesky& factor, const Factor::Matrix& lower, const VectorXd& b) {
+  const VectorXd x = factor.solve(b);
+  if (!x.allFinite()) return std::numeric_limits<double>::infinity();
+  const double size = x.norm();
+  const VectorXd residual = b - lower.selfadjointView<Eigen::Lower>() * x;
+  return size > 0 ? factor.solve(residual).norm() / size : 0.0;
+}
 
 }  // namespace
 
-void Factor::Impl::forward(VectorXf& y, VectorXf& work) const {
-  for (std::size_t s = 0; s < factor->nsuper; ++s) {
-    const Supernode n(*factor, values.data(), s);
-    auto top = y.segment(n.first, n.columns);
-    n.triangle().triangularView<Eigen::Lower>().solveInPlace(top);
-    auto gathered = work.head(n.below());
-    gathered.noalias() = n.panel() * top;
-    for (int k = 0; k < n.below(); ++k) y[n.rows[k]] -= gathered[k];
-  }
-}
-
-void Factor::Impl::backward(VectorXf& y, VectorXf& work) const {
-  for (std::size_t s = factor->nsuper; s-- > 0;) {
-    const Supernode n(*factor, values.data(), s);
-    auto top = y.segment(n.first, n.columns);
-    auto gathered = work.head(n.below());
-    for (int k = 0; k < n.below(); ++k) gathered[k] = y[n.rows[k]];
-    top.noalias() -= n.panel().transpose() * gathered;
-    n.triangle().transpose().triangularView<Eigen::Upper>().solveInPlace(top);
-  }
-}
-
-Factor::Factor(const Matrix& lower) : impl_(std::make_unique<Impl>()) {
+bool Factor::Impl::factorise(const Matrix& lower) {
   cholmod_sparse view = view_of(lower);
-  const std::scoped_lock lock(ordering());
-  impl_->factor = cholmod_analyze(&view, &impl_->common);
-  if (impl_->factor == nullptr) throw std::bad_alloc();
-  const auto* pi = static_cast<const int*>(impl_->factor->pi);
-  for (std::size_t s = 0; s < impl_->factor->nsuper; ++s) {
-    impl_->tallest = std::max<Eigen::Index>(impl_->tallest, pi[s + 1] - pi[s]);
-  }
+  cholmod_factorize(&view, factor, &common);
+  return common.status == CHOLMOD_OK && factor->minor >= factor->n;
 }
 
-Factor::~Factor() = default;
-
-bool Factor::factorise(const Matrix& lower) {
-  cholmod_sparse view = view_of(lower);
-  cholmod_factorize(&view, impl_->factor, &impl_->common);
-  if (impl_->common.status != CHOLMOD_OK || impl_->factor->minor < impl_->factor->n) return false;
-  const auto* x = static_cast<const double*>(impl_->factor->x);
-  impl_->values.assign(x, x + impl_->factor->xsize);
-  return true;
-}
-
-VectorXd Factor::solve(const VectorXd& b) const {
+VectorXd Factor::Impl::solve(const VectorXd& b) const {
   cholmod_dense right{};
   right.nrow = right.d = right.nzmax = static_cast<std::size_t>(b.size());
   right.ncol = 1;
   right.x = const_cast<double*>(b.data());
   right.xtype = CHOLMOD_REAL;
   right.dtype = CHOLMOD_DOUBLE;
-  cholmod_dense* x = cholmod_solve(CHOLMOD_A, impl_->factor, &right, &impl_->common);
+  cholmod_dense* x = cholmod_solve(CHOLMOD_A, factor, &right, &common);
   if (x == nullptr) throw std::bad_alloc();
   VectorXd result = Eigen::Map<const VectorXd>(static_cast<const double*>(x->x), b.size());
-  cholmod_free_dense(&x, &impl_->common);
+  cholmod_free_dense(&x, &common);
   return result;
 }
 
-VectorXd Factor::solve_single(const VectorXd& b) const {
-  const Eigen::Map<const Eigen::VectorXi> order(static_cast<const int*>(impl_->factor->Perm), b.size());
-  // Forces of millinewtons on stiffnesses of any size: scaled, they stay far from the ends of a float's range.
-  const double scale = b.cwiseAbs().maxCoeff();
-  if (!(scale > 0)) return VectorXd::Zero(b.size());
-  VectorXf y = (b(order) / scale).cast<float>(), work(impl_->tallest);
-  impl_->forward(y, work);
-  impl_->backward(y, work);
-  VectorXd x(b.size());
-  x(order) = scale * y.cast<double>();
-  return x;
+Factor::Factor(const Matrix& lower) : impl_(std::make_unique<Impl>()) {
+  cholmod_sparse view = view_of(lower);
+  {
+    const std::scoped_lock lock(ordering());
+    impl_->factor = cholmod_analyze(&view, &impl_->common);
+  }
+  if (impl_->factor == nullptr) throw std::bad_alloc();
+  impl_->in_single.emplace(lower, pattern_of(*impl_->factor));
 }
 
-double Factor::single_error(const VectorXd& b) const {
-  const VectorXd x = solve(b);
-  const double size = x.norm();
-  return size > 0 ? (solve_single(b) - x).norm() / size : 0.0;
+Factor::~Factor() = default;
+
+bool Factor::factorise(const Matrix& lower, const VectorXd& load) {
+  SingleCholesky& single = *impl_->in_single;
+  impl_->single = single.factorise(lower) && relative_error(single, lower, load) < kSingleError;
+  return impl_->single || impl_->factorise(lower);
 }
+
+bool Factor::single() const { return impl_->single; }
+
+VectorXd Factor::solve(const VectorXd& b) const { return impl_->single ? impl_->in_single->solve(b) : impl_->solve(b); }
 
 }  // namespace palpate

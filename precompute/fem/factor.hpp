@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sparse Cholesky factor of a symmetric positive definite matrix: made by CHOLMOD in double precision, applied in
-// single.
+// Sparse Cholesky factor of a symmetric positive definite matrix: in single precision where that is good enough for a
+// preconditioner, else CHOLMOD's in double.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -18,16 +18,14 @@ public:
   Factor(const Factor&) = delete;
   Factor& operator=(const Factor&) = delete;
 
-  /// `lower` has the pattern of the constructor's. False where it is not positive definite.
-  bool factorise(const Matrix& lower);
+  /// `lower` has the pattern of the constructor's. False where it is not positive definite. `load` is a right-hand side
+  /// of the kind to come: a factor in single precision stays only where it solves for that one within 2 %.
+  bool factorise(const Matrix& lower, const Eigen::VectorXd& load);
+  /// Whether the factor is in single precision.
+  [[nodiscard]] bool single() const;
 
-  /// x with A x = b to double precision. Needs a factor.
+  /// x with A x = b. Needs a factor.
   [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
-  /// The same by a copy of the factor in single precision: half the bytes have to be read. As a preconditioner it is as
-  /// good as the other while `single_error` is small.
-  [[nodiscard]] Eigen::VectorXd solve_single(const Eigen::VectorXd& b) const;
-  /// Of a solve for this b in single precision: length of the error over that of the solution.
-  [[nodiscard]] double single_error(const Eigen::VectorXd& b) const;
 
 private:
   struct Impl;

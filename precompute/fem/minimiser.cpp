@@ -12,9 +12,6 @@ namespace {
 
 using Eigen::VectorXd;
 
-// Relative error up to which a solve in single precision preconditions as well as one in double.
-constexpr double kSingleError = 0.02;
-
 struct Correction {
   VectorXd s, y;
   double rho = 0.0;
@@ -46,20 +43,15 @@ struct Minimiser::Impl {
       matrix.set_zero();
       problem.hessian(x, kind, matrix);
       if (!matrix.matrix().coeffs().isFinite().all()) return false;
-      if (!factor.factorise(matrix.matrix())) continue;
-      single = factor.single_error(g) < kSingleError;
-      return factored = true;
+      if (factor.factorise(matrix.matrix(), g)) return factored = true;
     }
     return factored = false;
   }
-
-  [[nodiscard]] VectorXd solve(const VectorXd& b) const { return single ? factor.solve_single(b) : factor.solve(b); }
 
   BlockMatrix matrix;
   std::vector<std::int32_t> free;
   Factor factor;
   bool factored = false;
-  bool single = false;  // the factor is good enough in single precision
   // Kept from call to call with the factor: a tool that moved on meets much the same stiffness.
   std::deque<Correction> memory;
 };
@@ -109,7 +101,7 @@ MinimiserResult Minimiser::minimise(const EnergyProblem& problem, VectorXd& x, c
       alpha[k] = memory[k].rho * memory[k].s.dot(d);
       d -= alpha[k] * memory[k].y;
     }
-    d = m.solve(d);
+    d = m.factor.solve(d);
     for (std::size_t k = 0; k < memory.size(); ++k) {
       d += (alpha[k] - memory[k].rho * memory[k].y.dot(d)) * memory[k].s;
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Solves with the sparse factor, in double and in single precision, and what it refuses.
+// Solves with the sparse factor, in single and in double precision, and what it refuses.
 #include "precompute/fem/factor.hpp"
 
 #include "precompute/fem/elastic.hpp"
@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/SparseCholesky>
 #include <random>
 
 namespace palpate {
@@ -36,19 +37,34 @@ protected:
   }
 };
 
-TEST_F(Stiffness, SolvesAreRightToTheirPrecision) {
+TEST_F(Stiffness, ItsOwnFactorIsRightToSinglePrecision) {
   for (const double poisson : {0.0, 0.49, 0.4999}) {
     const auto k = at(poisson, rest);
     Factor factor(k);
-    ASSERT_TRUE(factor.factorise(k));
-    const VectorXd b = load(k.rows()), x = factor.solve(b);
-    EXPECT_LT((k.selfadjointView<Eigen::Lower>() * x - b).norm(), 1e-10 * b.norm()) << poisson;
-    const double error = (factor.solve_single(b) - x).norm() / x.norm();
-    EXPECT_EQ(factor.single_error(b), error);
-    EXPECT_LT(error, 1e-3) << poisson;
+    const VectorXd b = load(k.rows());
+    ASSERT_TRUE(factor.factorise(k, b));
+    EXPECT_TRUE(factor.single()) << poisson;
+    const VectorXd x = Eigen::SimplicialLDLT<Factor::Matrix>(k).solve(b);
+    const double error = (factor.solve(b) - x).norm() / x.norm();
+    EXPECT_LT(error, poisson > 0.49 ? 1e-2 : 1e-3) << poisson;
     EXPECT_GT(error, 1e-9) << "it is in single precision";
-    EXPECT_EQ(factor.solve_single(0 * b).norm(), 0);
+    EXPECT_EQ(factor.solve(0 * b).norm(), 0);
   }
+}
+
+// A block that all but floats: moved as a whole it meets a millionth of a millionth of its own stiffness.
+TEST_F(Stiffness, WhatSinglePrecisionCannotHoldIsFactorisedInDouble) {
+  BlockMatrix floating(mesh, std::vector<char>(mesh.nodes.size(), 0));
+  floating.set_zero();
+  ElasticEnergy(mesh, {Material::neo_hookean(5e3, 0.49)}).hessian(rest, HessianKind::exact, floating);
+  Factor::Matrix k = floating.matrix();
+  const double spring = 1e-12 * k.coeffs().maxCoeff();
+  for (int row = 0; row < k.rows(); ++row) k.coeffRef(row, row) += spring;
+  Factor factor(k);
+  const VectorXd b = load(k.rows());
+  ASSERT_TRUE(factor.factorise(k, b));
+  EXPECT_FALSE(factor.single());
+  EXPECT_LT((k.selfadjointView<Eigen::Lower>() * factor.solve(b) - b).norm(), 1e-2 * b.norm());
 }
 
 TEST_F(Stiffness, ANewFactorReplacesTheOld) {
@@ -56,11 +72,10 @@ TEST_F(Stiffness, ANewFactorReplacesTheOld) {
   const Eigen::SparseMatrix<double> stiff = 1e6 * soft;
   Factor factor(soft);
   const VectorXd b = load(soft.rows());
-  ASSERT_TRUE(factor.factorise(soft));
-  const VectorXd x = factor.solve(b), single = factor.solve_single(b);
-  ASSERT_TRUE(factor.factorise(stiff));
-  EXPECT_LT((1e6 * factor.solve(b) - x).norm(), 1e-12 * x.norm());
-  EXPECT_LT((1e6 * factor.solve_single(b) - single).norm(), 1e-5 * x.norm());
+  ASSERT_TRUE(factor.factorise(soft, b));
+  const VectorXd x = factor.solve(b);
+  ASSERT_TRUE(factor.factorise(stiff, b));
+  EXPECT_LT((1e6 * factor.solve(b) - x).norm(), 1e-5 * x.norm());
 }
 
 // Pressed flat, a block buckles: its Hessian is indefinite, and no factor is made of it.
@@ -69,11 +84,11 @@ TEST_F(Stiffness, AnIndefiniteMatrixHasNoFactor) {
   for (Eigen::Index n = 0; n < flat.size() / 3; ++n) flat[3 * n + 2] *= 0.2;
   const auto k = at(0.49, flat);
   Factor factor(k);
-  EXPECT_FALSE(factor.factorise(k));
+  const VectorXd b = load(k.rows());
+  EXPECT_FALSE(factor.factorise(k, b));
   const auto good = at(0.49, rest);
-  EXPECT_TRUE(factor.factorise(good)) << "the next one is not spoilt by it";
-  const VectorXd b = load(good.rows());
-  EXPECT_LT((good.selfadjointView<Eigen::Lower>() * factor.solve(b) - b).norm(), 1e-10 * b.norm());
+  EXPECT_TRUE(factor.factorise(good, b)) << "the next one is not spoilt by it";
+  EXPECT_LT((good.selfadjointView<Eigen::Lower>() * factor.solve(b) - b).norm(), 1e-3 * b.norm());
 }
 
 }  // namespace
