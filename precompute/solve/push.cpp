@@ -6,6 +6,13 @@
 #include <cmath>
 
 namespace palpate {
+namespace {
+
+// Searches of one step while contact points let go, and the tolerances of those before the last.
+constexpr int kRounds = 30;
+constexpr double kRoughEnergy = 100, kRoughResidual = 10;
+
+}  // namespace
 
 using Eigen::Vector3d;
 using Eigen::VectorXd;
@@ -99,14 +106,22 @@ StepResult Push::step(const Vector3d& target, double contact_radius, double work
   // A tool between integration points meets no load: residuals are then compared with a small one.
   load_floor_ = 0.1 * work_scale / contact_radius;
   options.energy_tolerance = scale_.tolerance * scale_.tolerance * work_scale;
-  for (int round = 0; round < 20; ++round) {
-    const MinimiserResult m = minimiser_.minimise(*this, x, options);
+  // Which points let go shows long before equilibrium: none is found to the end for anchors that then leave.
+  MinimiserOptions rough = options;
+  rough.energy_tolerance *= kRoughEnergy;
+  rough.residual_tolerance *= kRoughResidual;
+  bool settling = sticking;
+  for (int round = 0; round < kRounds; ++round) {
+    const MinimiserResult m = minimiser_.minimise(*this, x, settling ? rough : options);
     result.iterations += m.iterations;
     factorisations_ += m.factorisations;
     result.converged = m.converged;
     result.cause = m.cause;
-    if (!m.converged || !sticking || !contact_.release(x)) break;
+    if (!m.converged) break;
     // A point that left takes its anchor's energy with it: the equilibrium without it is still to be found.
+    const bool left = sticking && contact_.release(x);
+    if (!left && !settling) break;
+    settling = settling && left;
     result.converged = false;
     result.cause = "contact points keep letting go";
   }
