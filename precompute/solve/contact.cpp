@@ -36,7 +36,7 @@ const Weights kShape = make_weights();
 
 ContactEnergy::ContactEnergy(const TetMesh& mesh, const std::vector<char>& fixed, const ToolShape& shape,
                              const Eigen::Isometry3d& pose)
-    : shape_(shape), pose_(pose) {
+    : shape_(shape), middle_(shape.bounds().center()), around_(0.5 * shape.bounds().diagonal().norm()), pose_(pose) {
   for (const auto& nodes : mesh.faces) {
     if (std::all_of(nodes.begin(), nodes.end(), [&](std::int32_t n) { return fixed[n] != 0; })) {
       held_.push_back(nodes);
@@ -47,6 +47,7 @@ ContactEnergy::ContactEnergy(const TetMesh& mesh, const std::vector<char>& fixed
   }
   anchors_.held.assign(faces_.size() * kPoints, 0);
   anchors_.position.assign(faces_.size() * kPoints, Vector3d::Zero());
+  anchors_.normal = anchors_.position;
 }
 
 // Calls visit(face, point index, shape values, position in the tool frame) for the points of faces that may
@@ -54,15 +55,20 @@ ContactEnergy::ContactEnergy(const TetMesh& mesh, const std::vector<char>& fixed
 template <class Visit>
 void ContactEnergy::for_each_near(const VectorXd& x, Visit&& visit) const {
   const Matrix3d to_tool = pose_.linear().transpose();
+  const Vector3d middle = pose_ * middle_;
   for (std::size_t f = 0; f < faces_.size(); ++f) {
     const Face& face = faces_[f];
     Eigen::Matrix<double, 3, 6> p;
-    for (int n = 0; n < 6; ++n) p.col(n) = to_tool * (x.segment<3>(3 * face.nodes[n]) - pose_.translation());
+    for (int n = 0; n < 6; ++n) p.col(n) = x.segment<3>(3 * face.nodes[n]);
     const Vector3d centre = p.leftCols<3>().rowwise().mean();
-    const double reach = 1.3 * (p.colwise() - centre).colwise().norm().maxCoeff();
+    const double reach = 1.3 * std::sqrt((p.colwise() - centre).colwise().squaredNorm().maxCoeff());
     const char* held = anchors_.held.data() + f * kPoints;
     const bool anchored = std::any_of(held, held + kPoints, [](char h) { return h != 0; });
-    if (!anchored && shape_.distance(centre).value > reach) continue;
+    if (!anchored && ((centre - middle).squaredNorm() > (around_ + reach) * (around_ + reach) ||
+                      shape_.distance(to_tool * (centre - pose_.translation())).value > reach)) {
+      continue;
+    }
+    p = to_tool * (p.colwise() - pose_.translation()).eval();
     for (int q = 0; q < kPoints; ++q) {
       Vector3d at = Vector3d::Zero();
       for (int n = 0; n < 6; ++n) at += kShape[q][n] * p.col(n);
@@ -71,16 +77,18 @@ void ContactEnergy::for_each_near(const VectorXd& x, Visit&& visit) const {
   }
 }
 
+Vector3d ContactEnergy::slip(std::size_t point, const Vector3d& at) const {
+  const Vector3d from = at - anchors_.position[point], &normal = anchors_.normal[point];
+  return from - from.dot(normal) * normal;
+}
+
 double ContactEnergy::value(const VectorXd& x) const {
   double sum = 0;
   for_each_near(x, [&](const Face& face, std::size_t k, const auto&, const Vector3d& at) {
     const DistanceSample s = shape_.distance(at);
     if (s.value < 0) sum += 0.5 * penalty_ * face.weight * s.value * s.value;
     if (anchors_.held[k]) {
-      Vector3d slip = at - anchors_.position[k];
-      const Vector3d normal = shape_.distance(anchors_.position[k]).gradient;
-      slip -= slip.dot(normal) * normal;
-      sum += 0.5 * anchor_stiffness_ * face.weight * slip.squaredNorm();
+      sum += 0.5 * anchor_stiffness_ * face.weight * slip(k, at).squaredNorm();
     }
   });
   return sum;
@@ -97,11 +105,9 @@ double ContactEnergy::gradient(const VectorXd& x, VectorXd& gradient) const {
       pull += penalty_ * face.weight * s.value * s.gradient;
     }
     if (anchors_.held[k]) {
-      Vector3d slip = at - anchors_.position[k];
-      const Vector3d normal = shape_.distance(anchors_.position[k]).gradient;
-      slip -= slip.dot(normal) * normal;
-      sum += 0.5 * anchor_stiffness_ * face.weight * slip.squaredNorm();
-      pull += anchor_stiffness_ * face.weight * slip;
+      const Vector3d stretched = slip(k, at);
+      sum += 0.5 * anchor_stiffness_ * face.weight * stretched.squaredNorm();
+      pull += anchor_stiffness_ * face.weight * stretched;
     }
     const Vector3d world = pose_.linear() * pull;
     for (int n = 0; n < 6; ++n) gradient.segment<3>(3 * face.nodes[n]) += shape[n] * world;
@@ -127,7 +133,7 @@ void ContactEnergy::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& ma
       if (kind == HessianKind::exact) h += penalty_ * face.weight * s.value * s.hessian;
     }
     if (anchors_.held[k]) {
-      const Vector3d normal = shape_.distance(anchors_.position[k]).gradient;
+      const Vector3d& normal = anchors_.normal[k];
       h += anchor_stiffness_ * face.weight * (Matrix3d::Identity() - normal * normal.transpose());
     }
     const Matrix3d world = pose_.linear() * h * pose_.linear().transpose();
@@ -155,11 +161,9 @@ ContactReport ContactEnergy::report(const VectorXd& x) const {
       ++r.points;
     }
     if (anchors_.held[k]) {
-      Vector3d slip = at - anchors_.position[k];
-      const Vector3d normal = shape_.distance(anchors_.position[k]).gradient;
-      slip -= slip.dot(normal) * normal;
-      r.tangential_energy += 0.5 * anchor_stiffness_ * face.weight * slip.squaredNorm();
-      r.force += anchor_stiffness_ * face.weight * (pose_.linear() * slip);
+      const Vector3d stretched = slip(k, at);
+      r.tangential_energy += 0.5 * anchor_stiffness_ * face.weight * stretched.squaredNorm();
+      r.force += anchor_stiffness_ * face.weight * (pose_.linear() * stretched);
     }
   });
   const Eigen::Isometry3d to_tool = pose_.inverse();
@@ -189,9 +193,12 @@ double ContactEnergy::slip_ratio(const VectorXd& x, const Vector3d& direction, c
 
 void ContactEnergy::stick(const VectorXd& x) {
   for_each_near(x, [&](const Face&, std::size_t k, const auto&, const Vector3d& at) {
-    if (anchors_.held[k] || shape_.distance(at).value >= 0) return;
+    if (anchors_.held[k]) return;
+    const DistanceSample s = shape_.distance(at);
+    if (s.value >= 0) return;
     anchors_.held[k] = 1;
     anchors_.position[k] = at;
+    anchors_.normal[k] = s.gradient;
   });
 }
 

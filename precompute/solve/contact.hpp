@@ -74,7 +74,7 @@ public:
 
   struct Anchors {
     std::vector<char> held;
-    std::vector<Eigen::Vector3d> position;  // in the tool frame
+    std::vector<Eigen::Vector3d> position, normal;  // of the tool's surface there, in the tool frame
   };
   [[nodiscard]] const Anchors& anchors() const { return anchors_; }
   void set_anchors(const Anchors& anchors) { anchors_ = anchors; }
@@ -86,12 +86,16 @@ private:
     std::array<std::int32_t, 6> nodes;
     double weight;  // m^2 of a point
   };
+  /// What an anchor is stretched along the tool's surface (m, tool frame); `at` is where its point stands.
+  [[nodiscard]] Eigen::Vector3d slip(std::size_t point, const Eigen::Vector3d& at) const;
   template <class Visit>
   void for_each_near(const Eigen::VectorXd& x, Visit&& visit) const;
 
   std::vector<Face> faces_;
   std::vector<std::array<std::int32_t, 6>> held_;  // faces that take no part
   const ToolShape& shape_;
+  Eigen::Vector3d middle_;  // of the tool in its own frame
+  double around_;           // m, radius of the ball about it that holds the tool
   Eigen::Isometry3d pose_;
   double penalty_ = 0.0, anchor_stiffness_ = 0.0;
   Anchors anchors_;
