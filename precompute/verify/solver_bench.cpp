@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "precompute/verify/solver_bench.hpp"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <chrono>
 
@@ -23,46 +25,68 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
+// Up to now.
+double peak_megabytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+// Medians over the contacts that both solved.
+void compare(const std::vector<PairResult>& solved, const std::vector<PairResult>& references, SolverBenchRow& row) {
+  std::vector<double> straight, sideways, stiffness;
+  for (std::size_t k = 0; k < solved.size(); ++k) {
+    if (!solved[k].outcome.accepted || !references[k].outcome.accepted) {
+      ++row.refused;
+      continue;
+    }
+    ++row.solved;
+    const SampleDifference d = sample_difference(solved[k].samples, references[k].samples);
+    straight.push_back(d.straight);
+    sideways.push_back(d.sideways);
+    stiffness.push_back(d.stiffness);
+  }
+  row.difference.straight = median(straight);
+  row.difference.sideways = median(sideways);
+  row.difference.stiffness = median(stiffness);
+}
+
 }  // namespace
 
 std::vector<SolverBenchRow> bench_solver(const Scene& scene, const Body& body, const Tool& tool,
                                          const std::vector<BenchContact>& contacts, const SolverBenchOptions& options) {
   const auto stopped = [&] { return options.stop && options.stop(); };
+  std::vector<SolverBenchRow> rows;
+  std::vector<std::vector<PairResult>> solved;
+  for (const MeshSetting& setting : options.settings) {
+    SolverBenchRow row;
+    row.setting = setting;
+    solved.emplace_back();
+    std::size_t accepted = 0;
+    for (const BenchContact& contact : contacts) {
+      if (stopped()) return {};
+      const auto start = std::chrono::steady_clock::now();
+      PairResult result = solve(scene, body, tool, contact, setting);
+      if (result.outcome.accepted) {
+        ++accepted;
+        row.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        row.nodes += result.outcome.nodes;
+      }
+      solved.back().push_back(std::move(result));
+    }
+    if (accepted > 0) {
+      row.seconds /= double(accepted);
+      row.nodes /= double(accepted);
+    }
+    row.megabytes = peak_megabytes();
+    rows.push_back(row);
+  }
   std::vector<PairResult> references;
   for (const BenchContact& contact : contacts) {
     if (stopped()) return {};
     references.push_back(solve(scene, body, tool, contact, options.reference));
   }
-  std::vector<SolverBenchRow> rows;
-  for (const MeshSetting& setting : options.settings) {
-    SolverBenchRow row;
-    row.setting = setting;
-    std::vector<double> straight, sideways, stiffness;
-    for (std::size_t k = 0; k < contacts.size(); ++k) {
-      if (stopped()) return rows;
-      const auto start = std::chrono::steady_clock::now();
-      const PairResult result = solve(scene, body, tool, contacts[k], setting);
-      if (!result.outcome.accepted || !references[k].outcome.accepted) {
-        ++row.refused;
-        continue;
-      }
-      ++row.solved;
-      row.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      row.nodes += result.outcome.nodes;
-      const SampleDifference d = sample_difference(result.samples, references[k].samples);
-      straight.push_back(d.straight);
-      sideways.push_back(d.sideways);
-      stiffness.push_back(d.stiffness);
-    }
-    if (row.solved > 0) {
-      row.seconds /= double(row.solved);
-      row.nodes /= double(row.solved);
-    }
-    row.difference.straight = median(straight);
-    row.difference.sideways = median(sideways);
-    row.difference.stiffness = median(stiffness);
-    rows.push_back(row);
-  }
+  for (std::size_t k = 0; k < rows.size(); ++k) compare(solved[k], references, rows[k]);
   return rows;
 }
 

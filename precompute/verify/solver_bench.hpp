@@ -27,6 +27,7 @@ struct SolverBenchRow {
   std::size_t solved = 0, refused = 0;  ///< contacts
   double nodes = 0.0;                   ///< mean
   double seconds = 0.0;                 ///< mean of a solved contact, meshing included, on the calling thread
+  double megabytes = 0.0;               ///< peak of the whole process up to here, program and libraries included
   SampleDifference difference;          ///< to the reference: median over the contacts, member by member
 };
 
@@ -37,7 +38,8 @@ struct SolverBenchOptions {
   std::function<bool()> stop;  ///< polled between solves; a stopped bench has fewer rows
 };
 
-/// Solves every contact by the bake's own entry point and path, on one thread, first at the reference's size.
+/// Solves every contact by the bake's own entry point and path, on one thread; the reference last, so that the peaks of
+/// memory before it are those of the settings, which ascend.
 std::vector<SolverBenchRow> bench_solver(const Scene& scene, const Body& body, const Tool& tool,
                                          const std::vector<BenchContact>& contacts, const SolverBenchOptions& options);
 
