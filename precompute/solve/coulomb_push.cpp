@@ -108,4 +108,6 @@ StepResult CoulombPush::move_to(const Vector3d& target, double contact_radius, d
   return move_to(pose, contact_radius, work_scale);
 }
 
+double gross_slip_reach(double friction, double poisson) { return friction * (2 - poisson) / (2 * (1 - poisson)); }
+
 }  // namespace palpate

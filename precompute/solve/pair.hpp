@@ -25,9 +25,11 @@ struct PairPath {
   double tangential_reach = 0.4;   ///< largest sideways deflection over the depth of the push
   double friction = 0.0;           ///< Coulomb coefficient; > 0: the push is solved sticking
   bool form_frictionless = false;  ///< push frictionless, then stick (Mindlin's conditions)
-  int slip_points = 0;      ///< of further pushes from the same depths in the same directions, in which the contact
-                            ///< slips where Coulomb's law lets it: samples of kind slipping. 0: none
-  double slip_reach = 0.0;  ///< their largest sideways deflection over the depth (see gross_slip_reach)
+  int slip_points = 0;             ///< of further pushes from the same depths, in which the contact slips where
+                                   ///< Coulomb's law lets it: samples of kind slipping. One that fails ends short and
+                                   ///< refuses nothing. 0: none
+  int slip_directions = 0;         ///< of those, evenly spaced; 0: as of the tangential ones
+  double slip_reach = 0.0;         ///< their largest sideways deflection over the depth (see gross_slip_reach)
 };
 
 /// The path the bake uses for a pair of this scene: depths evenly spaced in sqrt(depth).

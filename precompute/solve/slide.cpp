@@ -6,7 +6,6 @@
 #include "precompute/solve/contact_size.hpp"
 #include "precompute/solve/coulomb_push.hpp"
 #include "precompute/solve/gates.hpp"
-#include "precompute/solve/slip_push.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include "precompute/solve/slide.hpp"
 
 #include "formats/error.hpp"
-#include "precompute/solve/slip_push.hpp"
+#include "precompute/solve/coulomb_push.hpp"
 #include "tests/support/bodies.hpp"
 
 #include <gtest/gtest.h>

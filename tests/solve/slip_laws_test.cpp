@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Closed forms of partial and full slip, through the entry point that the bake uses.
-#include "precompute/solve/slip_push.hpp"
+#include "precompute/solve/coulomb_push.hpp"
 #include "tests/support/press.hpp"
 
 #include <gtest/gtest.h>

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "precompute/solve/pair_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace palpate {
+
+bool PairRun::refuse(const std::string& cause) {
+  result.outcome.accepted = false;
+  result.outcome.cause = cause;
+  result.samples.clear();
+  return false;
+}
+
+bool PairRun::stop_short(const std::string& cause, bool nothing_yet) {
+  if (nothing_yet || !last) return refuse(cause);
+  result.outcome.cause = "stopped short: " + cause;
+  return true;
+}
+
+double PairRun::work_scale(double depth) const { return body.material.young * radius(depth) * depth * depth; }
+
+Sample PairRun::sample(std::uint32_t iterations) const {
+  const ContactReport r = push.report();
+  Sample s;
+  s.force = frame.to_local(r.force);
+  s.contact_area = r.area;
+  s.penetration = r.penetration;
+  s.min_jacobian = push.min_jacobian();
+  s.contact_points = r.points;
+  s.error_estimate = 1e-3 + 2.0 / std::max<double>(r.points, 1);
+  s.iterations = iterations;
+  return s;
+}
+
+const CurvePoint& PairRun::point_from(double depth) const {
+  return *std::find_if(curve.begin(), curve.end(), [&](const CurvePoint& p) { return p.depth >= depth * (1 - 1e-9); });
+}
+
+Eigen::Vector3d PairRun::direction(int k, int count) const {
+  const double angle = path.tangential_start + 2 * std::numbers::pi * k / count;
+  return {std::cos(angle), std::sin(angle), 0.0};
+}
+
+}  // namespace palpate

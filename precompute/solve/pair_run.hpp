@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One pair on one mesh: what its pushes share, and the pushes in their order.
+#pragma once
+
+#include "precompute/solve/pair.hpp"
+#include "precompute/solve/push.hpp"
+
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+/// An accepted point of the straight push.
+struct CurvePoint {
+  double depth = 0.0;  ///< m moved by the tool
+  ContactReport contact;
+  double force = 0.0;  ///< N along n
+  PushState state;
+};
+
+struct PairRun {
+  const Body& body;
+  const Tool& tool;
+  const ToolVertex& vertex;
+  const ContactFrame& frame;
+  const PairPath& path;
+  const PairOptions& options;
+  const TetMesh& mesh;
+  bool last = false;  ///< no finer mesh is to come: a sideways push keeps what it answered before it failed
+  Push& push;
+  PairResult& result;
+  Eigen::Vector3d start{0, 0, 0};   ///< m, the tool's translation at first touch
+  std::vector<CurvePoint> curve{};  ///< of the straight push; its samples are the result's first, in the same order
+
+  /// Ends the pair with a cause and without samples; false, for the caller to return.
+  bool refuse(const std::string& cause);
+  /// The end of a sideways push at less than its reach: accepted in the pair's last attempt, else as refuse().
+  bool stop_short(const std::string& cause, bool nothing_yet);
+  [[nodiscard]] double radius(double depth) const { return contact_radius(vertex, depth); }  ///< m
+  [[nodiscard]] double work_scale(double depth) const;                                       ///< J
+  /// Of where the push stands, without friction that a term of its own exerts.
+  [[nodiscard]] Sample sample(std::uint32_t iterations) const;
+  /// The first accepted point from `depth` on: a shallow one may have been too small a contact to believe.
+  [[nodiscard]] const CurvePoint& point_from(double depth) const;
+  [[nodiscard]] const Sample& sample_of(const CurvePoint& point) const {
+    return result.samples[std::size_t(&point - curve.data())];
+  }
+  /// Unit, in the contact's frame: sideways direction `k` of `count` evenly spaced ones.
+  [[nodiscard]] Eigen::Vector3d direction(int k, int count) const;
+};
+
+// Each false where it refused the pair.
+
+/// Prestress, then the tool comes to where it first touches.
+bool approach(PairRun& run);
+/// The curve of the straight push.
+bool straight_push(PairRun& run);
+/// Sideways pushes of a contact that sticks.
+bool sticking_pushes(PairRun& run);
+/// Sideways pushes of a contact that slips where Coulomb's law lets it. They refuse nothing: limits are then foretold.
+void slipping_pushes(PairRun& run);
+
+}  // namespace palpate

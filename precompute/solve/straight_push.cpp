@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The curve of the straight push: each depth solved from the last, passed by the gates, freed of the penalty's give.
+#include "precompute/solve/gates.hpp"
+#include "precompute/solve/pair_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace palpate {
+namespace {
+
+// Depth less the penalty's own compliance: d - dE/dF at fixed stiffness, from the local power law
+// E k ~ F^m of neighbouring points (4/3 for a sphere, 2 for a constant contact area).
+double corrected_depth(const std::vector<CurvePoint>& curve, std::size_t k) {
+  const CurvePoint& here = curve[k];
+  double m = 4.0 / 3;
+  const std::size_t a = k > 0 ? k - 1 : k, b = k > 0 ? k : std::min(k + 1, curve.size() - 1);
+  if (a != b && curve[b].force > 1.05 * curve[a].force && curve[a].force > 0) {
+    const double ea = curve[a].contact.normal_energy * curve[a].state.penalty;
+    const double eb = curve[b].contact.normal_energy * curve[b].state.penalty;
+    if (ea > 0 && eb > 0) m = std::clamp(std::log(eb / ea) / std::log(curve[b].force / curve[a].force), 1.0, 2.0);
+  }
+  return here.depth - m * here.contact.normal_energy / here.force;
+}
+
+// Integral of the force over the depth, a power law between two points (from zero: Hertz' 3/2, or linear).
+double power_law_work(double z0, double f0, double z1, double f1) {
+  if (!(f1 > 0)) return 0.0;
+  const double m = std::log(f1 / f0) / std::log(z1 / z0);
+  return std::abs(m + 1) > 1e-6 ? (f1 * z1 - f0 * z0) / (m + 1) : f1 * z1 * std::log(z1 / z0);
+}
+
+// Of gross slip, foretold from the slopes of the contact, for a coefficient of 1: the mean over all directions.
+double slip_ratio(const PairRun& run) {
+  double mean = 0;
+  for (int k = 0; k < 8; ++k) {
+    const double angle = std::numbers::pi * k / 4;
+    mean += run.push.contact().slip_ratio(run.push.state().x,
+                                          std::cos(angle) * run.frame.x + std::sin(angle) * run.frame.y, run.frame.n) /
+            8;
+  }
+  return mean;
+}
+
+}  // namespace
+
+bool straight_push(PairRun& run) {
+  const PairPath& path = run.path;
+  const GateLimits limits;
+  const bool sticking = path.friction > 0 && !path.form_frictionless;
+  const double deepest = path.normal_depths.back();
+  run.push.set_anchor_stiffness(run.options.penalty * run.body.material.young / run.radius(deepest));
+  std::vector<CurvePoint>& curve = run.curve;
+  double work = 0.0;
+  for (const double depth : path.normal_depths) {
+    const StepResult step =
+        run.push.move_to(run.start - depth * run.frame.n, run.radius(depth), run.work_scale(depth), sticking);
+    ++run.result.outcome.normal_solves;
+    if (!step.converged) {
+      return run.refuse("normal push at depth " + std::to_string(1e3 * depth) + " mm: " + step.cause);
+    }
+    CurvePoint point{depth, run.push.report(), 0.0, run.push.state()};
+    point.force = point.contact.force.dot(run.frame.n);
+    const double last_force = curve.empty() ? 0.0 : curve.back().force;
+    const double last_depth = curve.empty() ? 0.0 : curve.back().depth;
+    // Too few points to be a resolved contact: not believed, and not an error while it is shallow.
+    if (point.contact.points < limits.resolved_points) {
+      if (depth < deepest) continue;
+      return run.refuse("contact resolution: " + std::to_string(point.contact.points) +
+                        " points in contact at full depth, " + std::to_string(limits.resolved_points) + " wanted");
+    }
+    work += curve.empty() ? point.force * depth / (run.vertex.flat_radius > 0 ? 2.0 : 2.5)
+                          : power_law_work(last_depth, last_force, depth, point.force);
+    Sample sample = run.sample(step.iterations);
+    const GateState gate{depth,
+                         run.radius(depth),
+                         point.force,
+                         last_force,
+                         work,
+                         run.push.elastic_energy() + point.contact.normal_energy + point.contact.tangential_energy,
+                         run.work_scale(deepest),
+                         sample.min_jacobian,
+                         point.contact};
+    if (const auto failed = failed_gate(gate, limits)) return run.refuse(*failed);
+    curve.push_back(std::move(point));
+    sample.friction_limit = path.friction > 0 ? path.friction * slip_ratio(run) : 0.0;
+    sample.index = static_cast<std::uint16_t>(curve.size() - 1);
+    run.result.samples.push_back(sample);
+  }
+  const std::size_t wanted = std::min(limits.curve_points, path.normal_depths.size());
+  if (curve.size() < wanted) {
+    return run.refuse("contact resolution: " + std::to_string(curve.size()) + " of " +
+                      std::to_string(path.normal_depths.size()) + " depths have enough points in contact, " +
+                      std::to_string(wanted) + " wanted");
+  }
+  for (std::size_t k = 0; k < curve.size(); ++k) {
+    run.result.samples[k].deflection = {0, 0, corrected_depth(curve, k)};
+  }
+  return true;
+}
+
+}  // namespace palpate
