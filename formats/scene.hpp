@@ -104,6 +104,7 @@ struct ToolScene {
 };
 
 struct SamplingScene {
+  enum class FrictionLimit { estimated, solved };
   double spacing = 0.015;         ///< m; edge length of the body patches, > 0
   double margin_spacing = 0.0;    ///< m; edge length at sharp margins; 0 chooses spacing / 2; = spacing: uniform
   double depth = 0.005;           ///< m; deepest push, > 0
@@ -112,7 +113,9 @@ struct SamplingScene {
   int tangential_depths = 2;      ///< [2, 8], at most normal_points
   int tangential_directions = 4;  ///< [4, 16], even
   int tangential_points = 3;      ///< points of one tangential push, [2, 16]
-  double max_refused = 0.03;      ///< share of refused pairs beyond which the fit fails, [0, 0.5]
+  /// mu(depth): foretold from the slopes of the contact, or of a tool that is drawn sideways until all of it slips.
+  FrictionLimit friction_limit = FrictionLimit::estimated;
+  double max_refused = 0.03;  ///< share of refused pairs beyond which the fit fails, [0, 0.5]
   /// Region of the body's surface whose sites are baked: everything, or only inside this box (m).
   std::optional<std::pair<Eigen::Vector3d, Eigen::Vector3d>> within_box;
 };

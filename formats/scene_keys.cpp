@@ -279,6 +279,9 @@ const Keys<SamplingScene>& sampling_keys() {
               "Depths at which it is pushed sideways; at most normal_points."),
       integer("tangential_directions", &S::tangential_directions, {4, 16, false, ""}, "Directions sideways.", 2),
       integer("tangential_points", &S::tangential_points, {2, 16, false, ""}, "Solved points of one sideways push."),
+      choice("friction_limit", &S::friction_limit, {"estimated", "solved"},
+             "With friction, the sideways over the normal force at which a contact slides: foretold from the slopes of "
+             "the straight push, or solved by drawing the tool aside until all of the contact slips."),
       affecting(Affects::file, number("max_refused", &S::max_refused, {0, 0.5, false, ""},
                                       "Share of refused pairs beyond which the fit fails.")),
       {"within_box", Affects::solves, "Only the surface inside this box is sampled; left out: all of it.",

@@ -57,9 +57,9 @@ std::string line(const char* name, const ErrorStatistics& s) {
 }
 
 std::string table(const VerifyStatistics& s) {
-  return "force error (% of the larger of the solved force and 2 % of its contact's peak)\n"
+  return "error (forces: % of the larger of the solved one and 2 % of its contact's peak; limit: % of the solved one)\n"
          "push       forces   median      p95    worst      <1%   <2%   <5%  <10%   worst at\n" +
-         line("normal", s.normal) + line("sideways", s.sideways);
+         line("normal", s.normal) + line("sideways", s.sideways) + line("limit", s.limit);
 }
 
 Json contacts_json(const VerifyStatistics& s) { return {{"solved", s.accepted}, {"refused", s.refused}}; }
@@ -89,6 +89,7 @@ void compare(const Options& options, const Globals& globals) {
            {"samples", options.samples},
            {"error", to_json(s.normal, contacts)},
            {"error_sideways", to_json(s.sideways, contacts)},
+           {"error_friction_limit", to_json(s.limit, contacts)},
            {"contacts", contacts_json(s)},
            {"held_out", to_json(contacts)}},
           table(s));
@@ -160,6 +161,7 @@ void solve(const Options& options, const Globals& globals) {
            {"pairs", {{"planned", pairs.planned}, {"accepted", pairs.accepted}, {"refused", pairs.refused}}},
            {"error", to_json(s.normal, set.contacts)},
            {"error_sideways", to_json(s.sideways, set.contacts)},
+           {"error_friction_limit", to_json(s.limit, set.contacts)},
            {"tolerance", tolerance},
            {"within_tolerance", s.normal.count > 0 && s.normal.p95 <= tolerance},
            {"tick_ns", cost.tick},

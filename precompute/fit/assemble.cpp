@@ -97,6 +97,10 @@ std::string provenance(const Scene& scene, const Plan& plan, const Hash128& mani
                       {"tangential_depths", scene.sampling.tangential_depths},
                       {"tangential_directions", scene.sampling.tangential_directions},
                       {"tangential_points", scene.sampling.tangential_points}};
+  if (scene.friction > 0) {
+    const bool solved = scene.sampling.friction_limit == SamplingScene::FrictionLimit::solved;
+    json["sampling"]["friction_limit"] = solved ? "solved" : "estimated";
+  }
   json["solver"] = {{"mesh_size", scene.solver.mesh_size}, {"growth", scene.solver.growth}};
   json["pairs"] = {
       {"planned", report.planned},         {"accepted", report.accepted},   {"refused", report.refused},

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "formats/error.hpp"
+#include "precompute/fit/friction_limit.hpp"
 #include "precompute/fit/least_squares.hpp"
 #include "precompute/fit/spline_rows.hpp"
 
@@ -117,11 +118,12 @@ VectorXd fit_lateral(const PairData& data, const ModelScales& scales, int axis, 
 }
 
 /// mu(s), constant beyond the deepest sample.
-VectorXd fit_friction(const PairData& data, const ModelScales& scales, const std::string& what) {
+VectorXd fit_friction(const PairData& data, const std::vector<Sample>& samples, const ModelScales& scales,
+                      const std::string& what) {
   const int n = scales.friction_coefs;
   Rows rows(n);
-  for (const Sample* sample : data.normal) {
-    rows.add(value_row(n, abscissa(sample->deflection.z(), scales.depth)), sample->friction_limit);
+  for (const auto& [depth, limit] : friction_limits(samples)) {
+    rows.add(value_row(n, abscissa(depth, scales.depth)), limit);
   }
   for (int k = 0; k + 1 < n; ++k) {
     RowVectorXd difference = RowVectorXd::Zero(n);
@@ -215,7 +217,7 @@ PairCurves fit_pair(const std::vector<Sample>& samples, const ModelScales& scale
   if (data.tangential.empty()) {
     throw Error(ExitCode::numerical, what + ": a scene with friction needs sideways pushes; there are none");
   }
-  curves.friction = fit_friction(data, scales, what);
+  curves.friction = fit_friction(data, samples, scales, what);
   fit_sideways(data, curves.lateral_x, scales, 0, what, curves.growth_x, curves.sideways_x);
   fit_sideways(data, curves.lateral_y, scales, 1, what, curves.growth_y, curves.sideways_y);
   return curves;

@@ -97,6 +97,7 @@ PairPath held_out_path(const Scene& scene, double depth, double start) {
     path.tangential_directions = 2;
     path.tangential_start = start;
     path.tangential_points = 2;
+    path.slip_directions = 2;
   }
   return path;
 }
@@ -110,6 +111,10 @@ void solve(const Scene& scene, const Body& body, const Tool& tool, HeldOut& cont
   contact.cause = result.outcome.cause;
   if (!contact.accepted) return;
   for (const Sample& s : result.samples) {
+    if (s.kind == SampleKind::slipping) {
+      if (s.friction_limit > 0) contact.limits.push_back({s.deflection.z(), s.friction_limit, 0.0, 0.0});
+      continue;
+    }
     ForcePair f;
     f.kind = s.kind;
     f.deflection = frame.to_world({s.deflection.x(), s.deflection.y(), -s.deflection.z()});
@@ -199,6 +204,11 @@ void compare_with_file(const runtime::View& view, std::vector<HeldOut>& contacts
     for (ForcePair& f : contact.forces) {
       f.baked = to_eigen(field.force(to_runtime(f.deflection)).force);
       f.error = (f.baked - f.solved).norm() / std::max(f.solved.norm(), 0.02 * peak);
+    }
+    for (LimitPair& l : contact.limits) {
+      const runtime::DepthTerms terms = field.at_depth(l.depth);
+      l.baked = terms.limit / terms.normal_force;
+      l.error = std::abs(l.baked - l.solved) / l.solved;
     }
   }
 }

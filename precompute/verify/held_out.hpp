@@ -25,6 +25,14 @@ struct ForcePair {
   double error = 0.0;                   ///< |baked - solved| / max(|solved|, 2 % of the contact's peak force)
 };
 
+/// Where a contact that is drawn sideways slips as a whole.
+struct LimitPair {
+  double depth = 0.0;   ///< m
+  double solved = 0.0;  ///< sideways over normal force
+  double baked = 0.0;
+  double error = 0.0;  ///< |baked - solved| / solved
+};
+
 /// One held-out contact.
 struct HeldOut {
   std::uint32_t tool = 0;        ///< index of the tool in the file
@@ -37,6 +45,7 @@ struct HeldOut {
   bool accepted = false;
   std::string cause;  ///< of a refused solve
   std::vector<ForcePair> forces;
+  std::vector<LimitPair> limits;  ///< a direction each; none unless the scene asks for solved friction limits
 };
 
 struct HeldOutOptions {
@@ -56,12 +65,13 @@ struct HeldOutSet {
 };
 
 /// Draws the contacts (uniform over the body's area; uniform over the length or area of the tool's patches)
-/// and solves them at depths off the bake's grid, and sideways off its rays where there is friction.
+/// and solves them at depths off the bake's grid, and sideways off its rays where there is friction; until the contact
+/// slips as a whole where the scene wants its friction limit solved.
 /// An exception, also of a callback, ends every thread after the solve it is in and is rethrown.
 HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const Body& body,
                           const std::vector<Tool>& tools, const HeldOutOptions& options);
 
-/// Fills `baked` and `error` of every force from the file, locating c as the runtime does.
+/// Fills `baked` and `error` of every force and limit from the file, locating c as the runtime does.
 void compare_with_file(const runtime::View& view, std::vector<HeldOut>& contacts);
 
 }  // namespace palpate

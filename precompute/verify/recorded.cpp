@@ -49,6 +49,13 @@ HeldOut contact_from(const Json& j) {
     force.solved = vector(f, "solved_N");
     c.forces.push_back(force);
   }
+  for (const Json& l : j.value("limits", Json::array())) {
+    LimitPair limit;
+    limit.depth = l.at("depth_m").get<double>();
+    limit.solved = l.at("solved").get<double>();
+    if (!(limit.solved > 0)) throw std::runtime_error("limits: solved is not above 0");
+    c.limits.push_back(limit);
+  }
   return c;
 }
 
@@ -77,6 +84,11 @@ nlohmann::ordered_json to_json(const std::vector<HeldOut>& contacts) {
                    {"accepted", c.accepted},
                    {"cause", c.cause},
                    {"forces", forces}});
+    Json limits = Json::array();
+    for (const LimitPair& l : c.limits) {
+      limits.push_back({{"depth_m", l.depth}, {"solved", l.solved}, {"baked", l.baked}, {"error", l.error}});
+    }
+    if (!limits.empty()) all.back()["limits"] = limits;
   }
   return all;
 }

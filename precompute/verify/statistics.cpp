@@ -8,20 +8,21 @@
 namespace palpate {
 namespace {
 
-ErrorStatistics of_kind(const std::vector<HeldOut>& contacts, SampleKind kind) {
+struct Figure {
+  std::size_t contact;
+  double error, depth;
+};
+
+ErrorStatistics over(const std::vector<Figure>& figures) {
   ErrorStatistics s;
   std::vector<double> errors;
-  for (std::size_t c = 0; c < contacts.size(); ++c) {
-    for (const ForcePair& f : contacts[c].forces) {
-      if (f.kind != kind) continue;
-      errors.push_back(f.error);
-      // A force that is no number is the worst there can be, never a gap in the statistics.
-      if (!(f.error <= s.worst)) {
-        s.worst = std::isfinite(f.error) ? f.error : HUGE_VAL;
-        s.worst_contact = c;
-        s.worst_depth = -f.deflection.dot(contacts[c].frame.n);
-      }
-    }
+  for (const Figure& f : figures) {
+    errors.push_back(f.error);
+    // A figure that is no number is the worst there can be, never a gap in the statistics.
+    if (f.error <= s.worst) continue;
+    s.worst = std::isfinite(f.error) ? f.error : HUGE_VAL;
+    s.worst_contact = f.contact;
+    s.worst_depth = f.depth;
   }
   s.count = errors.size();
   const auto share = [&](double limit) {
@@ -40,6 +41,24 @@ ErrorStatistics of_kind(const std::vector<HeldOut>& contacts, SampleKind kind) {
   s.median = quantile(errors, 0.5);
   s.p95 = quantile(errors, 0.95);
   return s;
+}
+
+ErrorStatistics of_kind(const std::vector<HeldOut>& contacts, SampleKind kind) {
+  std::vector<Figure> figures;
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    for (const ForcePair& f : contacts[c].forces) {
+      if (f.kind == kind) figures.push_back({c, f.error, -f.deflection.dot(contacts[c].frame.n)});
+    }
+  }
+  return over(figures);
+}
+
+ErrorStatistics of_limits(const std::vector<HeldOut>& contacts) {
+  std::vector<Figure> figures;
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    for (const LimitPair& l : contacts[c].limits) figures.push_back({c, l.error, l.depth});
+  }
+  return over(figures);
 }
 
 }  // namespace
@@ -62,6 +81,7 @@ VerifyStatistics summarise(const std::vector<HeldOut>& contacts) {
   s.refused = s.contacts - s.accepted;
   s.normal = of_kind(contacts, SampleKind::normal);
   s.sideways = of_kind(contacts, SampleKind::tangential);
+  s.limit = of_limits(contacts);
   return s;
 }
 

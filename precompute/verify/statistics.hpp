@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-/// Relative force errors of one kind of push, over all its forces.
+/// Relative errors of the forces of one kind of push, or of friction limits, over all of them.
 struct ErrorStatistics {
   std::size_t count = 0;
   double median = 0.0, p95 = 0.0, worst = 0.0;
@@ -17,7 +17,7 @@ struct ErrorStatistics {
 
 struct VerifyStatistics {
   std::size_t contacts = 0, accepted = 0, refused = 0;
-  ErrorStatistics normal, sideways;
+  ErrorStatistics normal, sideways, limit;
 };
 
 VerifyStatistics summarise(const std::vector<HeldOut>& contacts);

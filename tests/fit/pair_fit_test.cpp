@@ -176,7 +176,7 @@ TEST(PairFit, SidewaysAnswerOfAShallowSite) {
   EXPECT_LT(*std::max_element(errors.tangential.begin(), errors.tangential.end()), 0.01);
 }
 
-TEST(PairFit, SlippingSamplesArePassedOver) {
+TEST(PairFit, ForcesOfSlippingSamplesArePassedOver) {
   ModelScales scales = frictionless();
   scales.sideways = 0.4 * Z;
   std::vector<Sample> samples = samples_of(skewed_sideways(), Z);

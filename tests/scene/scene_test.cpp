@@ -150,6 +150,7 @@ normal_points = 10
 tangential_depths = 3
 tangential_directions = 6
 tangential_points = 4
+friction_limit = "solved"
 max_refused = 0.1
 within_box = {min = [0, 0, 0], max = [1, 1, 1]}
 [response]
@@ -196,6 +197,7 @@ time_limit = 60
   EXPECT_EQ(scene.tools[3].surface.file, folder_.path() / "grasper.obj");
   EXPECT_EQ(scene.friction, 0.3);
   EXPECT_EQ(scene.sampling.tangential_directions, 6);
+  EXPECT_EQ(scene.sampling.friction_limit, SamplingScene::FrictionLimit::solved);
   ASSERT_TRUE(scene.sampling.within_box.has_value());
   EXPECT_EQ(scene.response.search, ResponseScene::Search::bvh);
   EXPECT_EQ(scene.solver.rim_size, 0.05);

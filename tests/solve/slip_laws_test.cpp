@@ -84,5 +84,32 @@ TEST(SlippingPushes, ChangeNothingElse) {
   }
 }
 
+// What a scene that wants its friction limit solved gets: of the deepest push a third more than is foretold, as a long
+// slide has it, from every direction, and the curve from stick to slip before it.
+TEST(SlippingPushes, ASceneGetsItsFrictionLimitSolved) {
+  Scene scene;
+  scene.friction = 0.3;
+  scene.sampling.normal_points = 6;
+  scene.sampling.friction_limit = SamplingScene::FrictionLimit::solved;
+  PairPath path = bake_path(scene, 0.005);
+  path.tangential_points = 1;
+  const PairResult r = test::press(test::block_body(0.03, kYoung, kPoisson), ToolScene{}, path, pair_options(scene));
+  ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
+  EXPECT_EQ(r.outcome.cause, "");
+  const Sample& deepest = r.samples[5];
+  ASSERT_EQ(deepest.kind, SampleKind::normal);
+  int slid = 0, partial = 0;
+  for (const Sample& s : r.samples) {
+    if (s.kind != SampleKind::slipping || s.deflection.z() != deepest.deflection.z()) continue;
+    partial += s.friction_limit > 0 ? 0 : 1;
+    if (s.index % 3 != 2) continue;
+    EXPECT_NEAR(s.friction_limit / 0.465, 1.0, 0.03);
+    ++slid;
+  }
+  EXPECT_EQ(slid, 3);
+  EXPECT_GE(partial, 3);
+  EXPECT_NEAR(deepest.friction_limit / 0.345, 1.0, 0.02);
+}
+
 }  // namespace
 }  // namespace palpate

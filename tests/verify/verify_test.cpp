@@ -52,6 +52,18 @@ TEST(Statistics, CountsSharesAndThePlaceOfTheWorst) {
   EXPECT_NEAR(s.normal.within_5, 2.0 / 3, 1e-12);
 }
 
+TEST(Statistics, FrictionLimitsAreCountedByThemselves) {
+  std::vector<HeldOut> contacts{contact_with({0.1}), contact_with({0.1})};
+  contacts[0].limits = {{0.001, 0.3, 0.303, 0.01}};
+  contacts[1].limits = {{0.001, 0.3, 0.309, 0.03}, {0.002, 0.4, 0.32, 0.2}};
+  const ErrorStatistics s = summarise(contacts).limit;
+  EXPECT_EQ(s.count, 3u);
+  EXPECT_DOUBLE_EQ(s.median, 0.03);
+  EXPECT_EQ(s.worst_contact, 1u);
+  EXPECT_DOUBLE_EQ(s.worst_depth, 0.002);
+  EXPECT_EQ(summarise({contact_with({0.1})}).limit.count, 0u);
+}
+
 TEST(Statistics, AForceThatIsNoNumberIsTheWorst) {
   const VerifyStatistics s = summarise({contact_with({0.01, std::nan(""), 0.02})});
   EXPECT_TRUE(std::isinf(s.normal.worst));
@@ -105,6 +117,7 @@ TEST(Recorded, RoundTripAndFaults) {
   contacts[0].frame.origin = {0.1, 0.2, 0.3};
   contacts[0].tool_weights = {0.25, 0.75, 0};
   contacts[0].forces[1].kind = SampleKind::tangential;
+  contacts[0].limits = {{0.003, 0.35, 0.3, 0.14}};
   nlohmann::ordered_json report;
   report["held_out"] = to_json(contacts);
   std::ofstream(folder / "good.json") << report.dump();
@@ -115,6 +128,9 @@ TEST(Recorded, RoundTripAndFaults) {
   ASSERT_EQ(back[0].forces.size(), 2u);
   EXPECT_EQ(back[0].forces[1].kind, SampleKind::tangential);
   EXPECT_EQ(back[0].forces[0].solved, contacts[0].forces[0].solved);
+  ASSERT_EQ(back[0].limits.size(), 1u);
+  EXPECT_EQ(back[0].limits[0].depth, 0.003);
+  EXPECT_EQ(back[0].limits[0].solved, 0.35);
 
   const auto code = [&](const char* name, const std::string& text) {
     std::ofstream(folder / name) << text;

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The friction limit over depth: foretold where nothing was solved, corrected by what was.
+#include "precompute/fit/friction_limit.hpp"
+
+#include "precompute/fit/pair_fit.hpp"
+#include "tests/fit/analytic_pair.hpp"
+
+#include <gtest/gtest.h>
+
+namespace palpate::fit {
+namespace {
+
+constexpr double kDepth = 0.004, kMu = 0.3;
+
+// Foretold: mu and a tenth of it more at full depth.
+double foretold(double z) { return kMu * (1 + 0.1 * z / kDepth); }
+
+std::vector<Sample> straight() {
+  test::AnalyticPair pair;
+  pair.push = [](double z) { return Eigen::Vector3d(0, 0, 300 * std::pow(z, 1.5)); };
+  pair.growth = [](double z) { return std::sqrt(z / kDepth); };
+  pair.sideways_x = pair.sideways_y = [](double x) { return -200 * x; };
+  pair.friction = kMu;
+  std::vector<Sample> samples = test::samples_of(pair, kDepth);
+  for (Sample& s : samples) {
+    if (s.kind == SampleKind::normal) s.friction_limit = foretold(s.deflection.z());
+  }
+  return samples;
+}
+
+void add_slipping(std::vector<Sample>& samples, double depth, std::initializer_list<double> limits,
+                  double reach = 0.5) {
+  for (const double limit : limits) {
+    Sample s;
+    s.kind = SampleKind::slipping;
+    s.deflection = {reach * depth, 0, depth};
+    s.force = {-0.1, 0, 0.3};
+    s.friction_limit = limit;
+    samples.push_back(s);
+  }
+}
+
+TEST(FrictionLimit, IsWhatWasForetoldWhereNoContactSlippedAsAWhole) {
+  std::vector<Sample> samples = straight();
+  add_slipping(samples, kDepth, {0.0, 0.0});
+  const auto limits = friction_limits(samples);
+  ASSERT_EQ(limits.size(), 12U);
+  for (const auto& [z, limit] : limits) EXPECT_DOUBLE_EQ(limit, foretold(z));
+}
+
+TEST(FrictionLimit, TakesTheMeanOverDirectionsAndIsCorrectedInBetween) {
+  std::vector<Sample> samples = straight();
+  const double deep = samples[11].deflection.z(), middle = samples[5].deflection.z();
+  add_slipping(samples, middle, {0.0, foretold(middle)}, 0.4);  // it slides, but not as far as it was drawn
+  add_slipping(samples, middle, {1.1 * foretold(middle)});
+  add_slipping(samples, deep, {0.0, 1.2 * foretold(deep), 0.0, 1.4 * foretold(deep)});
+  const auto limits = friction_limits(samples);
+  ASSERT_EQ(limits.size(), 12U);
+  for (const auto& [z, limit] : limits) {
+    const double ratio = z < middle ? 1 + 0.1 * z / middle : 1.1 + 0.2 * (z - middle) / (deep - middle);
+    EXPECT_NEAR(limit / foretold(z), ratio, 1e-12) << z;
+  }
+}
+
+// A pair whose deepest push did not slip as a whole keeps the ratio of the deepest one that did.
+TEST(FrictionLimit, GoesOnBeyondTheDeepestSolvedOne) {
+  std::vector<Sample> samples = straight();
+  const double middle = samples[5].deflection.z();
+  add_slipping(samples, middle, {1.1 * foretold(middle)});
+  for (const auto& [z, limit] : friction_limits(samples)) {
+    if (z > middle) {
+      EXPECT_NEAR(limit / foretold(z), 1.1, 1e-12);
+    }
+  }
+}
+
+TEST(FrictionLimit, IsWhatTheCurveOfThePairGives) {
+  std::vector<Sample> samples = straight();
+  ModelScales scales;
+  scales.depth = kDepth;
+  scales.sideways = 0.4 * kDepth;
+  const PairCurves before = fit_pair(samples, scales, "pair");
+  EXPECT_NEAR(evaluate_friction(before, scales, kDepth), foretold(kDepth), 2e-3);
+  add_slipping(samples, samples[11].deflection.z(), {1.3 * foretold(kDepth)});
+  const PairCurves after = fit_pair(samples, scales, "pair");
+  EXPECT_NEAR(evaluate_friction(after, scales, kDepth), 1.3 * foretold(kDepth), 5e-3);
+  EXPECT_NEAR(evaluate_friction(after, scales, 0.02 * kDepth), kMu, 5e-3);
+}
+
+}  // namespace
+}  // namespace palpate::fit
