@@ -1,18 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Left-looking supernodal factorisation (Ng and Peyton 1993; Chen, Davis, Hager and Rajamanickam 2008, section 3) with
-// the dense kernels of BLAS and LAPACK.
+// the dense kernels of BLAS.
 #include "precompute/fem/single_cholesky.hpp"
 
+#include <cblas.h>
+#include <Eigen/Cholesky>
 #include <algorithm>
-
-extern "C" {
-void sgemm_(const char* trans_a, const char* trans_b, const int* m, const int* n, const int* k, const float* alpha,
-            const float* a, const int* lda, const float* b, const int* ldb, const float* beta, float* c,
-            const int* ldc);
-void strsm_(const char* side, const char* uplo, const char* trans, const char* diag, const int* m, const int* n,
-            const float* alpha, const float* a, const int* lda, float* b, const int* ldb);
-void spotrf_(const char* uplo, const int* n, float* a, const int* lda, int* info);
-}
 
 namespace palpate {
 
@@ -56,9 +49,8 @@ void SingleCholesky::update(int descendant, int supernode) {
   const int last = static_cast<int>(std::lower_bound(rows + first, rows + from.height, end) - rows);
   const int tall = from.height - first, wide = last - first;
   if (product_.size() < std::size_t(tall) * std::size_t(wide)) product_.resize(std::size_t(tall) * std::size_t(wide));
-  const float one = 1, zero = 0;
-  sgemm_("N", "T", &tall, &wide, &from.columns, &one, from.values + first, &from.height, from.values + first,
-         &from.height, &zero, product_.data(), &tall);
+  cblas_sgemm(CblasColMajor, CblasNoTrans, CblasTrans, tall, wide, from.columns, 1.0F, from.values + first, from.height,
+              from.values + first, from.height, 0.0F, product_.data(), tall);
   float* const values = values_.data() + pattern_.values[supernode];
   for (int j = 0; j < wide; ++j) {
     float* const column = values + std::ptrdiff_t(rows[first + j] - to.first) * to.height;
@@ -82,14 +74,15 @@ bool SingleCholesky::eliminate(int supernode) {
     d = next;
   }
   float* const values = values_.data() + pattern_.values[supernode];
-  int info = 0;
-  spotrf_("L", &n.columns, values, &n.height, &info);
-  if (info != 0) return false;
+  using Triangle = Eigen::Ref<Eigen::MatrixXf, 0, Eigen::OuterStride<>>;
+  Triangle triangle = Eigen::Map<Eigen::MatrixXf, 0, Eigen::OuterStride<>>(values, n.columns, n.columns,
+                                                                           Eigen::OuterStride<>(n.height));
+  if (Eigen::LLT<Triangle>(triangle).info() != Eigen::Success) return false;
   const int below = n.height - n.columns;
   reached_[supernode] = n.columns;
   if (below == 0) return true;
-  const float one = 1;
-  strsm_("R", "L", "T", "N", &below, &n.columns, &one, values, &n.height, values + n.columns, &n.height);
+  cblas_strsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit, below, n.columns, 1.0F, values, n.height,
+              values + n.columns, n.height);
   const int heir = owner_[n.rows[0]];
   next_[supernode] = head_[heir];
   head_[heir] = supernode;

@@ -55,7 +55,7 @@ using SampleSink = std::function<void(const Sample&)>;
 
 /// Part of a plan's identity: raise it whenever the same inputs give other samples, so that a journal never mixes
 /// solves of two programs.
-inline constexpr int kSolverRevision = 7;
+inline constexpr int kSolverRevision = 8;
 
 /// Solves `plan` along `path`. Never throws for a numerical failure: the outcome names its cause.
 /// Deterministic: the same inputs give the same bits.

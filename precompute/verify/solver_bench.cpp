@@ -65,11 +65,16 @@ std::vector<SolverBenchRow> bench_solver(const Scene& scene, const Body& body, c
     std::size_t accepted = 0;
     for (const BenchContact& contact : contacts) {
       if (stopped()) return {};
-      const auto start = std::chrono::steady_clock::now();
-      PairResult result = solve(scene, body, tool, contact, setting);
+      PairResult result;
+      std::vector<double> seconds;
+      for (int k = 0; k < options.repeats; ++k) {
+        const auto start = std::chrono::steady_clock::now();
+        result = solve(scene, body, tool, contact, setting);
+        seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+      }
       if (result.outcome.accepted) {
         ++accepted;
-        row.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        row.seconds += median(seconds);
         row.nodes += result.outcome.nodes;
       }
       solved.back().push_back(std::move(result));
