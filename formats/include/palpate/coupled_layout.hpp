@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+// The coefficients of a coupled response: how many there are and in which order; formats/response-file.md says what
+// they mean.
+#pragma once
+
+#include <cstdint>
+
+namespace palpate::coupled {
+
+inline constexpr int kMaxDegree = 6;
+
+/// Degrees in s of the families of a coupled response, the same all over a file. Each family is in Bernstein's basis;
+/// those that start like s^2 have their first two coefficients 0, and these are not stored.
+struct Degrees {
+  int order = 2;      ///< of the energy in the sideways deflection, [2, 4]
+  int push = 5;       ///< F: straight push, [2, kMaxDegree]; from s^2
+  int straight = 0;   ///< g: its sideways force, 2 harmonics' parts; 0: none, else [2, kMaxDegree]; from s^2
+  int stiffness = 3;  ///< K', 3 parts (mean, second harmonic), and A, 3 parts from s^2; [2, kMaxDegree]
+  int cubic = 0;      ///< C', 4 parts (first and third harmonic), where order > 2; [0, stiffness]
+  int quartic = 0;    ///< Q', 5 parts (mean, second and fourth harmonic), where order > 3; [0, stiffness]
+  int limit = 3;      ///< mu, [0, kMaxDegree]
+};
+
+constexpr bool in_range(const Degrees& d) {
+  const auto inside = [](int value, int low, int high) { return value >= low && value <= high; };
+  return inside(d.order, 2, 4) && inside(d.push, 2, kMaxDegree) &&
+         (d.straight == 0 || inside(d.straight, 2, kMaxDegree)) && inside(d.stiffness, 2, kMaxDegree) &&
+         (d.order > 2 ? inside(d.cubic, 0, d.stiffness) : d.cubic == 0) &&
+         (d.order > 3 ? inside(d.quartic, 0, d.stiffness) : d.quartic == 0) && inside(d.limit, 0, kMaxDegree);
+}
+
+/// Where each family begins; `end` is the number of coefficients of a response.
+struct Places {
+  int straight, stiffness, coupling, cubic, quartic, limit, end;
+};
+constexpr Places places(const Degrees& d) {
+  Places p{};
+  p.straight = d.push - 1;
+  p.stiffness = p.straight + (d.straight > 0 ? 2 * (d.straight - 1) : 0);
+  p.coupling = p.stiffness + 3 * (d.stiffness + 1);
+  p.cubic = p.coupling + 3 * (d.stiffness - 1);
+  p.quartic = p.cubic + (d.order > 2 ? 4 * (d.cubic + 1) : 0);
+  p.limit = p.quartic + (d.order > 3 ? 5 * (d.quartic + 1) : 0);
+  p.end = p.limit + d.limit + 1;
+  return p;
+}
+constexpr int count(const Degrees& d) { return places(d).end; }
+
+inline constexpr int kMostCoefs = count({4, kMaxDegree, kMaxDegree, kMaxDegree, kMaxDegree, kMaxDegree, kMaxDegree});
+
+}  // namespace palpate::coupled

@@ -1,0 +1,386 @@
+// SPDX-License-Identifier: MIT
+// The coupled response of one contact: energy of the sideways deflection, its part in the normal force, anchor rule.
+#pragma once
+
+#include "palpate/coupled_layout.hpp"
+
+#include <cmath>
+
+/// With z the depth, t = sqrt(z / Z) up to t = 1 and t = 1 + (z / Z - 1) / 2 beyond, and u = e / X the effective
+/// sideways deflection, the hand does the work f_z dz + T . dx on the body. T and f_z follow from the stored energy
+///
+///     W(u, z) = integral of F dz + X U(u, t),      U = g(t) . u + V(u, t),      V = u K(t) u / 2 + C(u, t) + Q(u, t),
+///
+/// C and Q of degree 3 and 4 in u: T = grad_u U, a gradient at every depth, and with K' = dK/dt (beyond t = 1
+/// everything but f_z's coupling goes on linearly in z)
+///
+///     f_z = F + (X/Z) (dg/dt . u + u A u / 2) / (2 s) + (X/Z) max(0, r - |T| h) / (2 s),         s = min(t, 1),
+///     r = u (K' - A) u / 2 + C' + Q',       h = |K^-1 K' u|.
+///
+/// The linear coupling is dg/dz: no other is passive. r dt is what a lift that keeps e dissipates, less than nothing
+/// where A <= K' and C, Q are small. **Anchor rule.** Sideways motion adds to e; lifting keeps it; deepening by dt
+/// moves the anchor by dq, e by -dq, such that T - g stays: dq = (grad^2 V)^-1 grad V' dt, new area being anchored
+/// unstressed. What is dissipated is (f_z - dW/dz) dz + T . dq. Where g = 0 and C = Q = 0 that is u (K' + A) u / 2 dt
+/// >= 0. Elsewhere T . dq may fall short of r dt, and at T = 0, where no motion of the anchor dissipates anything, f_z
+/// must be dW/dz: therefore r is replaced by min(r, |T| h), the last term of f_z, and dq takes the shortest addition
+/// (along T) that makes T . dq = min(r, |T| h) dt, which never needs more than h dt. So
+///
+///     work of the hand = change of W + something >= 0
+///
+/// on any path, and any path from no contact to no contact takes work >= 0, for W(u, 0) = 0.
+namespace palpate::coupled {
+
+// These are trivial types: what is not asked for costs no instruction.
+struct Vec2 {
+  double x, y;
+};
+inline Vec2 operator+(const Vec2& a, const Vec2& b) { return {a.x + b.x, a.y + b.y}; }
+inline Vec2 operator-(const Vec2& a, const Vec2& b) { return {a.x - b.x, a.y - b.y}; }
+inline Vec2 operator*(double s, const Vec2& a) { return {s * a.x, s * a.y}; }
+inline double dot(const Vec2& a, const Vec2& b) { return a.x * b.x + a.y * b.y; }
+/// As complex numbers.
+inline Vec2 product(const Vec2& a, const Vec2& b) { return {a.x * b.x - a.y * b.y, a.x * b.y + a.y * b.x}; }
+inline Vec2 conjugate(const Vec2& a) { return {a.x, -a.y}; }
+
+/// m I + [[x, y], [y, -x]].
+struct Sym2 {
+  double m, x, y;
+};
+inline Vec2 times(const Sym2& k, const Vec2& u) {
+  return {(k.m + k.x) * u.x + k.y * u.y, k.y * u.x + (k.m - k.x) * u.y};
+}
+/// k^-1 b; zero where k is singular.
+inline Vec2 solve(const Sym2& k, const Vec2& b) {
+  const double det = k.m * k.m - k.x * k.x - k.y * k.y;
+  if (!(det > 1e-24 * k.m * k.m)) return {};
+  return {((k.m - k.x) * b.x - k.y * b.y) / det, ((k.m + k.x) * b.y - k.y * b.x) / det};
+}
+
+/// Forms of degree 2 to 4 in u, by harmonics: Re(conj(h) u^n) |u|^(degree - n).
+struct Energy {
+  Sym2 square;  ///< K: u K u / 2
+  Vec2 h1, h3;  ///< C
+  double m;     ///< Q
+  Vec2 h2, h4;
+
+  [[nodiscard]] double value(const Vec2& u, int order) const {
+    const double quadratic = 0.5 * dot(u, times(square, u));
+    if (order < 3) return quadratic;
+    // Beyond |u| = 1 the forms of degree 3 and 4 go on linearly along the ray.
+    const double r = std::sqrt(dot(u, u));
+    if (!(r > 1)) return quadratic + cubic(u) + (order > 3 ? quartic(u) : 0);
+    const Vec2 on = (1 / r) * u;
+    return quadratic + (3 * r - 2) * cubic(on) + (order > 3 ? (4 * r - 3) * quartic(on) : 0);
+  }
+
+  [[nodiscard]] Vec2 gradient(const Vec2& u, int order) const {
+    const Vec2 linear = times(square, u);
+    if (order < 3) return linear;
+    const double r = std::sqrt(dot(u, u));
+    if (!(r > 1)) return linear + cubic_gradient(u) + (order > 3 ? quartic_gradient(u) : Vec2{});
+    const Vec2 on = (1 / r) * u;
+    const auto outside = [&](double degree, double form, const Vec2& slope) {
+      const Vec2 radial = degree * form * on;
+      return radial + ((degree * r - degree + 1) / r) * (slope - radial);
+    };
+    Vec2 sum = linear + outside(3, cubic(on), cubic_gradient(on));
+    if (order > 3) sum = sum + outside(4, quartic(on), quartic_gradient(on));
+    return sum;
+  }
+
+  /// Of all forms inside |u| <= 1, of the square alone outside.
+  [[nodiscard]] Sym2 hessian(const Vec2& u, int order) const {
+    Sym2 sum = square;
+    if (order < 3 || dot(u, u) > 1) return sum;
+    const auto outer = [&](double scale, const Vec2& a, const Vec2& b) {  // scale (a b + b a)
+      sum.m += scale * (a.x * b.x + a.y * b.y);
+      sum.x += scale * (a.x * b.x - a.y * b.y);
+      sum.y += scale * (a.x * b.y + a.y * b.x);
+    };
+    const auto turn = [&](double scale, const Vec2& w) {
+      sum.x += scale * w.x;
+      sum.y += scale * w.y;
+    };
+    const Vec2 c = conjugate(u);
+    sum.m += 2 * dot(h1, u);
+    outer(2, h1, u);
+    turn(6, product(h3, c));
+    if (order < 4) return sum;
+    const double r2 = dot(u, u);
+    const Vec2 p = product(h2, c);
+    sum.m += 4 * m * r2 + 2 * dot(p, u);
+    outer(4 * m, u, u);
+    outer(4, u, p);
+    turn(2 * r2, h2);
+    turn(12, product(h4, product(c, c)));
+    return sum;
+  }
+
+private:
+  [[nodiscard]] double cubic(const Vec2& u) const {
+    return dot(h1, u) * dot(u, u) + dot(h3, product(u, product(u, u)));
+  }
+  [[nodiscard]] Vec2 cubic_gradient(const Vec2& u) const {
+    const Vec2 c = conjugate(u);
+    return dot(u, u) * h1 + 2 * dot(h1, u) * u + 3 * product(h3, product(c, c));
+  }
+  [[nodiscard]] double quartic(const Vec2& u) const {
+    const double r2 = dot(u, u);
+    const Vec2 square2 = product(u, u);
+    return r2 * (m * r2 + dot(h2, square2)) + dot(h4, product(square2, square2));
+  }
+  [[nodiscard]] Vec2 quartic_gradient(const Vec2& u) const {
+    const double r2 = dot(u, u);
+    const Vec2 c = conjugate(u), p = product(h2, c);
+    return (4 * m * r2 + 2 * dot(p, u)) * u + 2 * r2 * p + 4 * product(h4, product(c, product(c, c)));
+  }
+};
+
+/// Everything at one depth.
+struct AtDepth {
+  double s;       ///< min(t, 1)
+  double push;    ///< F (N)
+  double limit;   ///< mu
+  Vec2 straight;  ///< g (N)
+  Vec2 slope;     ///< dg/dt / (2 s) (N)
+  Energy energy;  ///< V (N)
+  Sym2 coupling;  ///< A / (2 s) (N)
+  Energy rate;    ///< V' = dV/dt; only where it is needed: g, C or Q are there, or an anchor moves
+};
+
+/// A response whose coefficients are blended, ready to be evaluated. Fixed size.
+class Law {
+public:
+  /// Forgets everything. Depth scale Z and sideways scale X in m.
+  void clear(const Degrees& degrees, double depth_scale, double sideways_scale) {
+    degrees_ = degrees;
+    depth_scale_ = depth_scale;
+    ratio_ = sideways_scale / depth_scale;
+    for (int k = 0; k < count(degrees); ++k) coefs_[k] = 0;
+  }
+
+  /// Adds a response's coefficients (count(degrees) of them, in the file's order), `unit` the N of one and `limit_unit`
+  /// that of mu, with a weight; (cosine, sine) of the angle of its x axis in this law's frame.
+  template <class Scalar>
+  void add(const Scalar* coefs, double unit, double limit_unit, double weight, const Vec2& turned = {1, 0}) {
+    const Vec2 second = product(turned, turned), third = product(second, turned), fourth = product(second, second);
+    const double factor = weight * unit;
+    double* to = coefs_;
+    const auto scalars = [&](int n, double f) {
+      for (int k = 0; k < n; ++k) *to++ += f * static_cast<double>(*coefs++);
+    };
+    const auto pair = [&](const Vec2& turn) {
+      const Vec2 h = product({static_cast<double>(coefs[0]), static_cast<double>(coefs[1])}, turn);
+      to[0] += factor * h.x;
+      to[1] += factor * h.y;
+      to += 2;
+      coefs += 2;
+    };
+    scalars(degrees_.push - 1, factor);
+    for (int k = 2; k <= degrees_.straight; ++k) pair(turned);
+    for (int k = 0; k < 2 * degrees_.stiffness; ++k) {  // stiffness, then coupling
+      scalars(1, factor);
+      pair(second);
+    }
+    for (int k = 0; degrees_.order > 2 && k <= degrees_.cubic; ++k) {
+      pair(turned);
+      pair(third);
+    }
+    for (int k = 0; degrees_.order > 3 && k <= degrees_.quartic; ++k) {
+      scalars(1, factor);
+      pair(second);
+      pair(fourth);
+    }
+    scalars(degrees_.limit + 1, weight * limit_unit);
+  }
+
+  /// From Bernstein's basis to powers of s, once all responses are added.
+  void finish() {
+    double* at = coefs_;
+    const auto convert = [&](int components, int first, int degree) {
+      for (int k = degree; k >= first; --k) {
+        for (int c = 0; c < components; ++c) {
+          double sum = 0;
+          for (int i = first; i <= k; ++i) {
+            sum += ((k - i) % 2 == 0 ? 1 : -1) * binomial(k, i) * at[(i - first) * components + c];
+          }
+          at[(k - first) * components + c] = binomial(degree, k) * sum;
+        }
+      }
+      at += components * (degree - first + 1);
+    };
+    convert(1, 2, degrees_.push);
+    if (degrees_.straight > 0) convert(2, 2, degrees_.straight);
+    convert(3, 0, degrees_.stiffness);
+    convert(3, 2, degrees_.stiffness);
+    if (degrees_.order > 2) convert(4, 0, degrees_.cubic);
+    if (degrees_.order > 3) convert(5, 0, degrees_.quartic);
+    convert(1, 0, degrees_.limit);
+  }
+
+  [[nodiscard]] const Degrees& degrees() const { return degrees_; }
+  /// count(degrees()) of them; before finish() in the file's basis.
+  [[nodiscard]] const double* coefs() const { return coefs_; }
+
+  /// t of a depth z > 0 (m).
+  [[nodiscard]] double abscissa(double z) const {
+    const double share = z / depth_scale_;
+    return share < 1 ? std::sqrt(share) : 0.5 * (share + 1);
+  }
+
+  /// `rates`: also what only the anchor rule needs.
+  [[nodiscard]] AtDepth at(double t, bool rates) const {
+    AtDepth d{};
+    const double s = t < 1 ? t : 1, beyond = t - s;
+    const double* from = coefs_;
+    double value[5], slope[5];
+    d.s = s;
+    powers<1>(from, degrees_.push - 1, s, value, slope);
+    d.push = s * s * value[0] + beyond * (2 * value[0] + slope[0]);
+    from += degrees_.push - 1;
+    if (degrees_.straight > 0) {
+      powers<2>(from, degrees_.straight - 1, s, value, slope);
+      from += 2 * (degrees_.straight - 1);
+      const Vec2 end{2 * value[0] + s * slope[0], 2 * value[1] + s * slope[1]};  // dg/dt / s
+      d.straight = s * s * Vec2{value[0], value[1]} + beyond * end;
+      d.slope = 0.5 * end;
+    }
+    const bool more = rates || careful();
+    double* const rate = slope;
+    double* const integral = value;
+    integrate<3>(from, degrees_.stiffness + 1, s, beyond, integral, rate);
+    from += 3 * (degrees_.stiffness + 1);
+    d.energy.square = {integral[0], integral[1], integral[2]};
+    if (more) d.rate.square = {rate[0], rate[1], rate[2]};
+    powers<3>(from, degrees_.stiffness - 1, s, value, slope);
+    from += 3 * (degrees_.stiffness - 1);
+    d.coupling = {0.5 * s * value[0], 0.5 * s * value[1], 0.5 * s * value[2]};
+    if (degrees_.order > 2) {
+      integrate<4>(from, degrees_.cubic + 1, s, beyond, integral, rate);
+      from += 4 * (degrees_.cubic + 1);
+      d.energy.h1 = {integral[0], integral[1]};
+      d.energy.h3 = {integral[2], integral[3]};
+      d.rate.h1 = {rate[0], rate[1]};
+      d.rate.h3 = {rate[2], rate[3]};
+    }
+    if (degrees_.order > 3) {
+      integrate<5>(from, degrees_.quartic + 1, s, beyond, integral, rate);
+      from += 5 * (degrees_.quartic + 1);
+      d.energy.m = integral[0];
+      d.energy.h2 = {integral[1], integral[2]};
+      d.energy.h4 = {integral[3], integral[4]};
+      d.rate.m = rate[0];
+      d.rate.h2 = {rate[1], rate[2]};
+      d.rate.h4 = {rate[3], rate[4]};
+    }
+    powers<1>(from, degrees_.limit + 1, s, value, slope);
+    d.limit = value[0];
+    return d;
+  }
+
+  /// T (N): the hand's sideways push; the force on the tool is -T.
+  [[nodiscard]] Vec2 push(const AtDepth& d, const Vec2& u) const { return d.straight + d.energy.gradient(u, order()); }
+
+  /// f_z - F (N), without the term that only the anchor rule's loss asks for: linear in the coefficients.
+  [[nodiscard]] double plain_coupling(const AtDepth& d, const Vec2& u) const {
+    return ratio_ * (dot(d.slope, u) + 0.5 * dot(u, times(d.coupling, u)));
+  }
+
+  /// f_z - F (N).
+  [[nodiscard]] double coupling(const AtDepth& d, const Vec2& u) const {
+    const double plain = plain_coupling(d, u);
+    if (!careful() || (u.x == 0 && u.y == 0)) return plain;
+    const double all = loss(d, u), least = least_loss(d, u);
+    return all > least ? plain + ratio_ * (all - least) / (2 * d.s) : plain;
+  }
+
+  /// W less the integral of F (N, times X it is J).
+  [[nodiscard]] double energy(const AtDepth& d, const Vec2& u) const {
+    return dot(d.straight, u) + d.energy.value(u, order());
+  }
+
+  /// u after the tool went deeper from t0 to t1 > t0 without moving sideways.
+  [[nodiscard]] Vec2 deepen(double t0, double t1, Vec2 u) const {
+    if (u.x == 0 && u.y == 0) return u;
+    if (!careful()) return solve(at(t1, false).energy.square, times(at(t0, false).energy.square, u));
+    constexpr double kStep = 0.02;  // of the depth's abscissa
+    constexpr int kMostSteps = 64;
+    const double wanted = (t1 - t0) / (kStep * t0);
+    const int steps = wanted < kMostSteps ? 1 + static_cast<int>(wanted) : kMostSteps;
+    AtDepth d = at(t0, true);
+    const double step = (t1 - t0) / steps;
+    for (int k = 1; k <= steps; ++k) {
+      const Vec2 held = d.energy.gradient(u, order());
+      // What the hand does on the way (times X, without F), to the second order, and the energy that is there with it.
+      const double way = step * (d.s + (t0 + k * step < 1 ? t0 + k * step : 1)) / (2 * ratio_);
+      double given = energy(d, u) + way * coupling(d, u);
+      d = at(t0 + k * step, true);
+      for (int round = 0; round < 2; ++round) {
+        u = u - solve(d.energy.hessian(u, order()), d.energy.gradient(u, order()) - held);
+      }
+      for (int round = 0; round < 3; ++round) {
+        const double missing = energy(d, u) - given - way * coupling(d, u);
+        const Vec2 force = push(d, u);
+        const double size = dot(force, force);
+        if (!(missing > 0 && size > 0)) break;
+        const double share = missing / size,
+                     most = 1 / (d.energy.square.m + std::hypot(d.energy.square.x, d.energy.square.y));
+        u = u - (share < most ? share : most) * force;  // beyond `most` the energy would rise again
+      }
+    }
+    return u;
+  }
+
+private:
+  [[nodiscard]] int order() const { return degrees_.order; }
+  /// The rule's own loss is not known beforehand to cover what is owed.
+  [[nodiscard]] bool careful() const { return degrees_.straight > 0 || degrees_.order > 2; }
+
+  /// r.
+  [[nodiscard]] double loss(const AtDepth& d, const Vec2& u) const {
+    return d.rate.value(u, order()) - d.s * dot(u, times(d.coupling, u));
+  }
+  /// |T| h.
+  [[nodiscard]] double least_loss(const AtDepth& d, const Vec2& u) const {
+    const Vec2 force = push(d, u), moved = solve(d.energy.square, times(d.rate.square, u));
+    return std::sqrt(dot(force, force) * dot(moved, moved));
+  }
+
+  static constexpr double binomial(int n, int k) {
+    double result = 1;
+    for (int i = 0; i < k; ++i) result = result * (n - i) / (i + 1);
+    return result;
+  }
+
+  /// Sum of c[k] s^k and its derivative, of several polynomials side by side.
+  template <int Components>
+  static void powers(const double* c, int terms, double s, double (&value)[5], double (&slope)[5]) {
+    for (int i = 0; i < Components; ++i) value[i] = slope[i] = 0;
+    for (int k = terms - 1; k >= 0; --k) {
+      for (int i = 0; i < Components; ++i) {
+        slope[i] = slope[i] * s + value[i];
+        value[i] = value[i] * s + c[k * Components + i];
+      }
+    }
+  }
+
+  /// The same sum as `rate`, and its integral from 0 to s, continued by `beyond` times its end.
+  template <int Components>
+  static void integrate(const double* c, int terms, double s, double beyond, double* integral, double* rate) {
+    constexpr double kShare[kMaxDegree + 1] = {1, 1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5, 1.0 / 6, 1.0 / 7};
+    for (int i = 0; i < Components; ++i) integral[i] = rate[i] = 0;
+    for (int k = terms - 1; k >= 0; --k) {
+      for (int i = 0; i < Components; ++i) {
+        rate[i] = rate[i] * s + c[k * Components + i];
+        integral[i] = integral[i] * s + kShare[k] * c[k * Components + i];
+      }
+    }
+    for (int i = 0; i < Components; ++i) integral[i] = s * integral[i] + beyond * rate[i];
+  }
+
+  Degrees degrees_;
+  double depth_scale_ = 1, ratio_ = 1;
+  double coefs_[kMostCoefs] = {};
+};
+
+}  // namespace palpate::coupled

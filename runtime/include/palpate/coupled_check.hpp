@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+// The inequalities that make a coupled response passive, as a fit keeps them and a reader checks them.
+#pragma once
+
+#include "palpate/coupled_layout.hpp"
+
+#include <cmath>
+
+namespace palpate::coupled {
+
+/// Coefficient `index` of a family of `components` parts after its degree was raised from `from` to `to`.
+template <class Scalar>
+double raised(const Scalar* family, int components, int component, int from, int to, int index) {
+  // c'[i] = sum over j of c[j] binomial(from, j) binomial(to - from, i - j) / binomial(to, i)
+  const auto binomial = [](int n, int k) {
+    double result = k < 0 || k > n ? 0 : 1;
+    for (int i = 0; i < k && i < n; ++i) result = result * (n - i) / (i + 1);
+    return result;
+  };
+  double sum = 0;
+  for (int j = 0; j <= from; ++j) {
+    sum += binomial(from, j) * binomial(to - from, index - j) * static_cast<double>(family[j * components + component]);
+  }
+  return sum / binomial(to, index);
+}
+
+/// What the smallest eigenvalue of K' +- A must reach at coefficient `index` of the stiffness for the cubic and quartic
+/// parts: 6 (|h1| + |h3|) + 12 (|m| + |h2| + |h4|), which bounds their Hessians, and with that keeps V convex in
+/// |u| <= 1 and a lift passive at every u.
+template <class Scalar>
+double margin(const Scalar* coefs, const Degrees& d, int index) {
+  const Places p = places(d);
+  double sum = 0;
+  const auto size = [&](int place, int components, int first, int degree) {
+    return std::hypot(raised(coefs + place, components, first, degree, d.stiffness, index),
+                      raised(coefs + place, components, first + 1, degree, d.stiffness, index));
+  };
+  if (d.order > 2) sum += 6 * (size(p.cubic, 4, 0, d.cubic) + size(p.cubic, 4, 2, d.cubic));
+  if (d.order > 3) {
+    const double mean = raised(coefs + p.quartic, 5, 0, d.quartic, d.stiffness, index);
+    sum += 12 * (std::fabs(mean) + size(p.quartic, 5, 1, d.quartic) + size(p.quartic, 5, 3, d.quartic));
+  }
+  return sum;
+}
+
+/// How far the smallest eigenvalue of K' + sign A at coefficient `index` is above its margin; negative: not passive.
+template <class Scalar>
+double passive_slack(const Scalar* coefs, const Degrees& d, int index, int sign) {
+  const Places p = places(d);
+  double k[3];
+  for (int c = 0; c < 3; ++c) {
+    k[c] = static_cast<double>(coefs[p.stiffness + 3 * index + c]);
+    if (index >= 2) k[c] += sign * static_cast<double>(coefs[p.coupling + 3 * (index - 2) + c]);
+  }
+  return k[0] - std::hypot(k[1], k[2]) - margin(coefs, d, index);
+}
+
+/// Null, or what breaks the rules: F from zero and not decreasing, mu in [0, largest], K' +- A above their margins.
+template <class Scalar>
+const char* broken_rule(const Scalar* coefs, const Degrees& d, double largest_limit) {
+  const Places p = places(d);
+  double last = 0, scale = 0;
+  for (int k = 0; k < p.straight; ++k) {
+    const auto value = static_cast<double>(coefs[k]);
+    if (!(value >= last)) return "the normal force must start at zero and not decrease";
+    last = value;
+  }
+  for (int k = p.limit; k < p.end; ++k) {
+    const auto value = static_cast<double>(coefs[k]);
+    if (!(value >= 0 && value <= largest_limit)) return "the friction limit is out of 0 to 10";
+  }
+  for (int k = p.stiffness; k < p.limit; ++k) scale = std::fmax(scale, std::fabs(static_cast<double>(coefs[k])));
+  for (int i = 0; i <= d.stiffness; ++i) {
+    // Round-off of the square roots alone.
+    if (!(passive_slack(coefs, d, i, 1) >= -1e-12 * scale) || !(passive_slack(coefs, d, i, -1) >= -1e-12 * scale)) {
+      return "stiffness and coupling break the inequalities that make it passive";
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace palpate::coupled

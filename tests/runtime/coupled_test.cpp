@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The coupled law: gradients, blending, and the work of the hand over random closed motions through the anchor rule.
+#include "palpate/coupled.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "palpate/coupled_check.hpp"
+
+namespace palpate::coupled {
+namespace {
+
+constexpr double Z = 0.005, X = 0.003;
+
+using Random = std::mt19937_64;
+double uniform(Random& random, double low, double high) {
+  return low + (high - low) * static_cast<double>(random() >> 11) * 0x1.0p-53;
+}
+Vec2 disc(Random& random, double radius) {
+  const double r = radius * std::sqrt(uniform(random, 0, 1)), a = uniform(random, 0, 6.283185307179586);
+  return {r * std::cos(a), r * std::sin(a)};
+}
+
+/// Coefficients that just meet the inequalities now and then, and far from always.
+std::vector<double> random_coefs(const Degrees& d, Random& random) {
+  const Places p = places(d);
+  std::vector<double> c(static_cast<std::size_t>(p.end));
+  double force = 0;
+  for (int k = 0; k < p.straight; ++k) c[k] = force += uniform(random, 0, 1);
+  for (int k = p.straight; k < p.stiffness; ++k) c[k] = uniform(random, -0.6, 0.6) * force;
+  for (int k = p.cubic; k < p.limit; ++k) c[k] = uniform(random, -0.03, 0.03);
+  for (int i = 0; i <= d.stiffness; ++i) {
+    const auto cone = [&](double least) {  // mean and second harmonic above `least`, on the edge one time in four
+      const Vec2 h = disc(random, 1.0);
+      const double more = random() % 4 == 0 ? 0 : uniform(random, 0, 1.5);
+      return Sym2{least + more + std::hypot(h.x, h.y), h.x, h.y};
+    };
+    const double least = margin(c.data(), d, i);
+    const Sym2 plus = cone(least), minus = i < 2 ? plus : cone(least);
+    double* k = c.data() + p.stiffness + 3 * i;
+    k[0] = 0.5 * (plus.m + minus.m);
+    k[1] = 0.5 * (plus.x + minus.x);
+    k[2] = 0.5 * (plus.y + minus.y);
+    if (i < 2) continue;
+    double* a = c.data() + p.coupling + 3 * (i - 2);
+    a[0] = 0.5 * (plus.m - minus.m);
+    a[1] = 0.5 * (plus.x - minus.x);
+    a[2] = 0.5 * (plus.y - minus.y);
+  }
+  for (int k = p.limit; k < p.end; ++k) c[k] = uniform(random, 0.1, 0.9);
+  return c;
+}
+
+Law law_of(const std::vector<double>& coefs, const Degrees& d) {
+  Law law;
+  law.clear(d, Z, X);
+  law.add(coefs.data(), 1, 1, 1);
+  law.finish();
+  return law;
+}
+
+std::vector<Degrees> every_kind() {
+  return {{2, 5, 0, 3, 0, 0, 3},
+          {2, 4, 3, 2, 0, 0, 0},
+          {3, 5, 4, 3, 1, 0, 2},
+          {4, 6, 0, 4, 2, 1, 1},
+          {4, 6, 6, 6, 6, 6, 6}};
+}
+
+TEST(Coupled, MostCoefficientsAreWhatTheLargestDegreesHave) {
+  for (const Degrees& d : every_kind()) {
+    EXPECT_TRUE(in_range(d));
+    EXPECT_LE(count(d), kMostCoefs);
+  }
+  EXPECT_FALSE(in_range({2, 5, 1, 3, 0, 0, 3}));
+  EXPECT_FALSE(in_range({2, 5, 0, 3, 1, 0, 3}));
+  EXPECT_FALSE(in_range({5, 5, 0, 3, 1, 0, 3}));
+}
+
+TEST(Coupled, SidewaysForceIsTheGradientOfTheEnergy) {
+  Random random(1);
+  for (const Degrees& d : every_kind()) {
+    for (int trial = 0; trial < 200; ++trial) {
+      const Law law = law_of(random_coefs(d, random), d);
+      const AtDepth at = law.at(uniform(random, 0.01, 1.4), true);
+      const Vec2 u = disc(random, 2.5);  // beyond what is sampled, too
+      const double h = 1e-6;
+      const Vec2 slope{(law.energy(at, u + Vec2{h, 0}) - law.energy(at, u - Vec2{h, 0})) / (2 * h),
+                       (law.energy(at, u + Vec2{0, h}) - law.energy(at, u - Vec2{0, h})) / (2 * h)};
+      const Vec2 force = law.push(at, u);
+      ASSERT_NEAR(force.x, slope.x, 1e-6);
+      ASSERT_NEAR(force.y, slope.y, 1e-6);
+      if (std::hypot(u.x, u.y) > 0.999) continue;
+      const Sym2 k = at.energy.hessian(u, d.order);
+      const Vec2 step = disc(random, 1.0), change = times(k, step);
+      const Vec2 seen = (1 / (2 * h)) * (law.push(at, u + h * step) - law.push(at, u - h * step));
+      ASSERT_NEAR(change.x, seen.x, 1e-5);
+      ASSERT_NEAR(change.y, seen.y, 1e-5);
+      ASSERT_GE(k.m - std::hypot(k.x, k.y), -1e-12) << "V is convex where it was sampled";
+    }
+  }
+}
+
+TEST(Coupled, RatesAreDerivativesAndNothingJumpsAtTheDepthScale) {
+  Random random(2);
+  for (const Degrees& d : every_kind()) {
+    const Law law = law_of(random_coefs(d, random), d);
+    for (const double t : {0.2, 0.7, 0.999999, 1.000001, 1.3}) {
+      const double h = 1e-7;
+      const AtDepth low = law.at(t - h, true), high = law.at(t + h, true), at = law.at(t, true);
+      const Vec2 u{0.3, -0.4};
+      EXPECT_NEAR(at.rate.value(u, d.order), (high.energy.value(u, d.order) - low.energy.value(u, d.order)) / (2 * h),
+                  1e-4);
+      EXPECT_NEAR(2 * at.s * at.slope.x, (high.straight.x - low.straight.x) / (2 * h), 1e-4);
+    }
+    for (const double t : {0.5, 1.0}) {
+      const AtDepth low = law.at(t - 1e-9, true), high = law.at(t + 1e-9, true);
+      const Vec2 u{-0.5, 0.7};
+      EXPECT_NEAR(low.push, high.push, 1e-6);
+      EXPECT_NEAR(law.push(low, u).x, law.push(high, u).x, 1e-6);
+      EXPECT_NEAR(law.coupling(low, u), law.coupling(high, u), 1e-6);
+    }
+    const AtDepth zero = law.at(1e-9, true);
+    EXPECT_NEAR(zero.push, 0, 1e-12);
+    EXPECT_NEAR(std::hypot(law.push(zero, {1, 1}).x, law.push(zero, {1, 1}).y), 0, 1e-6);
+    if (d.straight == 0) {
+      EXPECT_NEAR(law.coupling(zero, {1, 1}), 0, 1e-6) << "a contact that is lifted under load ends without force";
+    }
+  }
+}
+
+TEST(Coupled, BlendsTurnWithTheirFrames) {
+  Random random(3);
+  for (const Degrees& d : every_kind()) {
+    const std::vector<double> coefs = random_coefs(d, random);
+    const Law own = law_of(coefs, d);
+    const double angle = 0.8;
+    const Vec2 turned{std::cos(angle), std::sin(angle)};
+    Law law;
+    law.clear(d, Z, X);
+    law.add(coefs.data(), 0.25, 0.25, 1, turned);
+    law.add(coefs.data(), 1, 1, 0.75, turned);
+    law.finish();
+    for (const double t : {0.3, 0.9, 1.2}) {
+      const AtDepth a = own.at(t, true), b = law.at(t, true);
+      const Vec2 u = disc(random, 1.5), v = product(u, turned);
+      const Vec2 expected = product(own.push(a, u), turned), got = law.push(b, v);
+      EXPECT_NEAR(expected.x, got.x, 1e-12);
+      EXPECT_NEAR(expected.y, got.y, 1e-12);
+      EXPECT_NEAR(own.coupling(a, u), law.coupling(b, v), 1e-11);
+      EXPECT_NEAR(a.push, b.push, 1e-12);
+      EXPECT_NEAR(a.limit, b.limit, 1e-12);
+    }
+  }
+}
+
+/// The contact as the runtime keeps it, with an account of the hand's work.
+struct Contact {
+  const Law& law;
+  double t = 0;
+  Vec2 u{0, 0};
+  double work = 0, gross = 0;  // J / X
+
+  void add(double w) {
+    work += w;
+    gross += std::abs(w);
+  }
+  /// At one depth the force is the gradient of an energy, so the work is its difference.
+  void sideways(const Vec2& by, double ratio) {
+    const AtDepth d = law.at(t, true);
+    // Gauss' rule instead, which knows nothing of that: exact for polynomials, in pieces for what lies beyond |u| = 1.
+    (void)ratio;
+    constexpr int kPieces = 8;
+    constexpr double kAt[3] = {0.1127016653792583, 0.5, 0.8872983346207417},
+                     kWeight[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
+    for (int piece = 0; piece < kPieces; ++piece) {
+      for (int k = 0; k < 3; ++k) {
+        const Vec2 at = u + ((piece + kAt[k]) / kPieces) * by;
+        add(kWeight[k] / kPieces * dot(law.push(d, at), by));
+      }
+    }
+    u = u + by;
+  }
+  void depth(double to, double ratio) {
+    const double pieces = std::ceil(std::abs(to - t) / 0.01);
+    const double from = t;
+    constexpr double kAt[3] = {0.1127016653792583, 0.5, 0.8872983346207417},
+                     kWeight[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
+    for (double piece = 0; piece < pieces; ++piece) {
+      const double a = from + (to - from) * piece / pieces, b = from + (to - from) * (piece + 1) / pieces;
+      for (int k = 0; k < 3; ++k) {
+        const double at = a + kAt[k] * (b - a);
+        const Vec2 there = to > from ? law.deepen(a, at, u) : u;
+        const AtDepth d = law.at(at, true);
+        add(kWeight[k] * (b - a) * 2 * d.s / ratio * (d.push + law.coupling(d, there)));
+      }
+      if (to > from) u = law.deepen(a, b, u);
+      t = b;
+    }
+  }
+};
+
+TEST(Coupled, NoClosedMotionGainsEnergy) {
+  // From no contact to no contact: deeper and less deep under side load, reversals, large and tiny; every clamp off.
+  Random random(4);
+  int motions = 0;
+  double worst = 0;
+  for (int round = 0; motions < 100000; ++round) {
+    const Degrees d = every_kind()[static_cast<std::size_t>(round) % 4];
+    const Law law = law_of(random_coefs(d, random), d);
+    for (int motion = 0; motion < 20; ++motion, ++motions) {
+      Contact contact{law, 0, {}};
+      const double size = std::pow(10.0, uniform(random, -3, 0));
+      contact.depth(uniform(random, 0.05, 0.8), X / Z);
+      const int legs = 2 + static_cast<int>(random() % 3);
+      for (int leg = 0; leg < legs; ++leg) {
+        contact.sideways(disc(random, size), X / Z);
+        contact.depth(std::clamp(contact.t + uniform(random, -0.2, 0.2) * size, 0.02, 1.2), X / Z);
+      }
+      contact.depth(0, X / Z);
+      worst = std::min(worst, contact.work / contact.gross);
+      ASSERT_GE(contact.work, -1e-9 * contact.gross) << round << ' ' << motion;
+    }
+  }
+  RecordProperty("worst", std::to_string(worst));
+}
+
+}  // namespace
+}  // namespace palpate::coupled
