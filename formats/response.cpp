@@ -160,6 +160,17 @@ void add_tools(Sections& sections, const ResponseFileContent& c, layout::Meta& m
   sections.add(Section::tool_patches, patches);
 }
 
+void add_coupled(Sections& sections, const ResponseFileContent& c) {
+  const std::size_t size = layout::coupled_size(*c.coupled);
+  std::vector<std::byte> laws(size * c.responses.size());
+  for (std::size_t i = 0; i < c.responses.size(); ++i) {
+    const Response& r = c.responses[i];
+    std::memcpy(laws.data() + i * size, &r.unit, sizeof r.unit);
+    std::memcpy(laws.data() + i * size + sizeof r.unit, r.coupled.data(), r.coupled.size() * sizeof(std::int16_t));
+  }
+  sections.add(Section::coupled, laws.data(), size, c.responses.size());
+}
+
 void add_responses(Sections& sections, const ResponseFileContent& c, const layout::Meta& meta) {
   std::vector<std::byte> heads;
   std::vector<float> lateral, friction;
@@ -185,6 +196,7 @@ void add_responses(Sections& sections, const ResponseFileContent& c, const layou
   if (c.growth_coefs > 0) {
     sections.add(Section::friction, friction.data(), layout::friction_size(meta), c.responses.size());
   }
+  if (c.coupled) add_coupled(sections, c);
 }
 
 }  // namespace
@@ -200,7 +212,15 @@ std::vector<std::byte> encode(const ResponseFileContent& c) {
   layout::Meta meta{};
   meta.depth_scale = c.depth_scale;
   meta.sideways_scale = c.sideways_scale;
-  meta.model = static_cast<std::uint32_t>(layout::Model::separable);
+  meta.model = static_cast<std::uint32_t>(c.coupled ? layout::Model::coupled : layout::Model::separable);
+  if (c.coupled) {
+    const coupled::Degrees& d = *c.coupled;
+    std::uint32_t* const to[] = {
+        &meta.order,        &meta.push_degree,    &meta.straight_degree, &meta.stiffness_degree,
+        &meta.cubic_degree, &meta.quartic_degree, &meta.limit_degree};
+    const int from[] = {d.order, d.push, d.straight, d.stiffness, d.cubic, d.quartic, d.limit};
+    for (int k = 0; k < 7; ++k) *to[k] = static_cast<std::uint32_t>(from[k]);
+  }
   meta.site_count = static_cast<std::uint32_t>(c.sites.size());
   meta.patch_count = static_cast<std::uint32_t>(c.patches.size());
   meta.vertex_count = static_cast<std::uint32_t>(c.surface_vertices.size());
@@ -220,9 +240,11 @@ std::vector<std::byte> encode(const ResponseFileContent& c) {
   add_responses(sections, c, meta);
   sections.add(Section::meta, &meta, sizeof meta, 1);
   sections.add(Section::provenance, c.provenance.data(), 1, c.provenance.size());
-  const std::uint32_t features =
-      (c.lateral_coefs > 0 ? layout::feature_lateral : 0u) | (c.growth_coefs > 0 ? layout::feature_friction : 0u) |
-      (has_tool_patches(c) ? layout::feature_tool_patches : 0u) | (c.search.empty() ? 0u : layout::feature_search);
+  const std::uint32_t features = (c.lateral_coefs + meta.straight_degree > 0 ? layout::feature_lateral : 0u) |
+                                 (c.growth_coefs > 0 || c.coupled ? layout::feature_friction : 0u) |
+                                 (has_tool_patches(c) ? layout::feature_tool_patches : 0u) |
+                                 (c.search.empty() ? 0u : layout::feature_search) |
+                                 (c.coupled ? layout::feature_coupled : 0u);
   std::vector<std::byte> bytes = sections.assemble(features);
   detail::check_bytes(bytes);
   return bytes;

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -67,6 +68,9 @@ struct Response {
   std::vector<float> growth_x, growth_y;      ///< gx(s), gy(s); [0] = 0, >= 0
   std::vector<float> sideways_x, sideways_y;  ///< phi(x / X), N; non-increasing, phi(0) = 0
   std::vector<float> friction;                ///< mu(s); in [0, 10]
+  // The coupled model, in place of all these: see palpate/coupled_layout.hpp.
+  float unit = 0.0f;                  ///< N of one unit of the coefficients (those of mu: layout::kLimitUnit)
+  std::vector<std::int16_t> coupled;  ///< count(degrees) of them, which meet coupled::broken_rule
 };
 
 /// Everything a file holds. A count of 0 leaves the family, and its section, out.
@@ -78,6 +82,8 @@ struct ResponseFileContent {
   std::uint32_t growth_coefs = 0;   ///< 0 or [4, 32]; growth, sideways and friction all 0 or none
   std::uint32_t sideways_coefs = 0;
   std::uint32_t friction_coefs = 0;
+  std::optional<palpate::coupled::Degrees>
+      coupled;  ///< a file of the coupled model, all counts above 0; none: separable
 
   std::vector<ResponseSite> sites;
   std::vector<std::array<std::uint32_t, 3>> patches;  ///< of the haptic mesh; corners index sites

@@ -42,7 +42,8 @@ void check_tools(const ResponseFileContent& c) {
   }
 }
 
-void check_family(const std::vector<float>& coefs, std::uint32_t count, const char* name, std::size_t index) {
+template <class Coefs>
+void check_family(const Coefs& coefs, std::uint32_t count, const char* name, std::size_t index) {
   require(coefs.size() == count, at("response", index) + ", " + name,
           "has " + std::to_string(coefs.size()) + " coefficients, the file " + std::to_string(count));
 }
@@ -62,6 +63,7 @@ void check_responses(const ResponseFileContent& c) {
     check_family(r.sideways_x, c.sideways_coefs, "sideways x", i);
     check_family(r.sideways_y, c.sideways_coefs, "sideways y", i);
     check_family(r.friction, c.friction_coefs, "friction", i);
+    check_family(r.coupled, c.coupled ? static_cast<std::uint32_t>(coupled::count(*c.coupled)) : 0, "coupled", i);
   }
 }
 
@@ -71,6 +73,7 @@ void check_content(const ResponseFileContent& c) {
   const bool friction = c.growth_coefs > 0;
   require(friction == (c.sideways_coefs > 0) && friction == (c.friction_coefs > 0), "coefficient counts",
           "growth, sideways and friction are all 0 or none is");
+  require(!c.coupled || coupled::in_range(*c.coupled), "coupled model", "its degrees are out of range");
   check_tools(c);
   check_responses(c);
 }
@@ -81,7 +84,7 @@ void check_bytes(const std::vector<std::byte>& bytes) {
   const std::string fault = opened.error;
   // Curves come from the fit, all the rest from the scene and its surfaces.
   bool curves = false;
-  for (const char* section : {"RESPONSES: ", "LATERAL: ", "FRICTION: "})
+  for (const char* section : {"RESPONSES: ", "LATERAL: ", "FRICTION: ", "COUPLED: "})
     curves = curves || fault.rfind(section, 0) == 0;
   throw Error(curves ? ExitCode::numerical : ExitCode::bad_input, "response file: " + fault);
 }

@@ -32,6 +32,8 @@ const char* shape_name(const layout::ToolRecord& tool) {
   return tool.axis_length > 0 ? "capsule" : "sphere";
 }
 
+const char* model_name(const runtime::View& v) { return layout::is_coupled(*v.meta) ? "coupled" : "separable"; }
+
 struct Shares {
   std::size_t solved = 0, covered = 0, held = 0, outside = 0;
 };
@@ -60,7 +62,7 @@ Json tools_json(const runtime::View& v) {
 Json describe(const runtime::View& v, const std::string& file) {
   const layout::Meta& m = *v.meta;
   const Shares s = count_shares(v);
-  Json json{{"file", file}, {"bytes", v.size}, {"version", v.header().version}, {"model", "separable"}};
+  Json json{{"file", file}, {"bytes", v.size}, {"version", v.header().version}, {"model", model_name(v)}};
   json["features"] = Json::array();
   json["left_out"] = Json::array();
   for (const FeatureName& f : kFeatures) json[(v.features & f.bit) != 0 ? "features" : "left_out"].push_back(f.name);
@@ -88,6 +90,16 @@ Json describe(const runtime::View& v, const std::string& file) {
                           {"growth", m.growth_coefs},
                           {"sideways", m.sideways_coefs},
                           {"friction", m.friction_coefs}};
+  if (layout::is_coupled(m)) {
+    json["coupled"] = {{"order", m.order},
+                       {"degrees",
+                        {{"push", m.push_degree},
+                         {"straight", m.straight_degree},
+                         {"stiffness", m.stiffness_degree},
+                         {"cubic", m.cubic_degree},
+                         {"quartic", m.quartic_degree},
+                         {"limit", m.limit_degree}}}};
+  }
   const std::string text(v.provenance, v.provenance_size);
   const Json provenance = Json::parse(text, nullptr, false);
   json["provenance"] = provenance.is_discarded() ? Json(text) : provenance;
@@ -104,7 +116,7 @@ void append(std::string& text, const char* format, Values... values) {
 std::string as_text(const runtime::View& v, const Json& json) {
   const layout::Meta& m = *v.meta;
   std::string text;
-  append(text, "version %u, separable model, %zu bytes\n\n", v.header().version, v.size);
+  append(text, "version %u, %s model, %zu bytes\n\n", v.header().version, model_name(v), v.size);
   for (std::uint32_t i = 0; i < v.header().section_count; ++i) {
     const layout::SectionEntry& e = v.sections()[i];
     append(text, "  %-18s %12llu bytes %5.1f %%  %10llu x %u\n", layout::section_name(e.id),
@@ -121,6 +133,12 @@ std::string as_text(const runtime::View& v, const Json& json) {
          m.site_count, s.held, s.outside, m.patch_count, m.triangle_count, m.subdivision);
   append(text, "%u responses of %.0f bytes: %zu solved, %zu covered from neighbours (%.2f %%)\n", m.response_count,
          bytes_per_response(v), s.solved, s.covered, 100.0 * static_cast<double>(s.covered) / m.response_count);
+  if (layout::is_coupled(m)) {
+    append(text,
+           "coupled, order %u; degrees: push %u, its sideways force %u, stiffness %u, cubic %u, quartic %u, limit %u\n",
+           m.order, m.push_degree, m.straight_degree, m.stiffness_degree, m.cubic_degree, m.quartic_degree,
+           m.limit_degree);
+  }
   append(text, "coefficients: normal %u, lateral %u, growth %u, sideways %u, friction %u\n", m.normal_coefs,
          m.lateral_coefs, m.growth_coefs, m.sideways_coefs, m.friction_coefs);
   append(text, "depth scale %.4g mm, sideways scale %.4g mm\n", 1e3 * m.depth_scale, 1e3 * m.sideways_scale);

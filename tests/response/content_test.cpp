@@ -34,7 +34,7 @@ TEST(ResponseFile, ReadsBackWhatWasWritten) {
   ASSERT_TRUE(opened) << opened.error;
   const View& v = opened.view;
 
-  EXPECT_EQ(v.features, layout::feature_all);
+  EXPECT_EQ(v.features, layout::feature_all & ~layout::feature_coupled);
   EXPECT_EQ(v.meta->depth_scale, content.depth_scale);
   ASSERT_EQ(v.meta->site_count, content.sites.size());
   for (std::size_t i = 0; i < content.sites.size(); ++i) {

@@ -18,8 +18,9 @@ using runtime::View;
 using Options = test::ResponseSampleOptions;
 
 // A small file that has every section.
-std::vector<std::byte> small_file() {
+std::vector<std::byte> small_file(int coupled = 0) {
   Options options;
+  options.coupled = coupled;
   options.cells = 1;
   options.tools = Options::Tools::capsule;
   options.search = true;
@@ -52,12 +53,14 @@ TEST(Checksum, IsTheSameHoweverTheBytesArrive) {
 }
 
 TEST(Damage, EveryTruncationIsRefused) {
-  const std::vector<std::byte> good = small_file();
-  ASSERT_TRUE(View::open(good.data(), good.size()));
-  for (std::size_t size = 0; size < good.size(); ++size) {
-    const OpenResult result = View::open(good.data(), size);
-    ASSERT_FALSE(result) << size;
-    ASSERT_NE(std::string(result.error).find("truncated"), std::string::npos) << result.error;
+  for (const int coupled : {0, 4}) {
+    const std::vector<std::byte> good = small_file(coupled);
+    ASSERT_TRUE(View::open(good.data(), good.size()));
+    for (std::size_t size = 0; size < good.size(); ++size) {
+      const OpenResult result = View::open(good.data(), size);
+      ASSERT_FALSE(result) << size;
+      ASSERT_NE(std::string(result.error).find("truncated"), std::string::npos) << result.error;
+    }
   }
 }
 
@@ -125,8 +128,7 @@ void expect_harmless(const View& view, std::mt19937& random) {
   }
 }
 
-TEST(Damage, MutationsWithAMendedChecksumAreRefusedOrHarmless) {
-  const std::vector<std::byte> good = small_file();
+void expect_refused_or_harmless(const std::vector<std::byte>& good) {
   std::mt19937 random(20240601);
   int accepted = 0, refused = 0;
   for (int round = 0; round < 20000; ++round) {
@@ -162,6 +164,46 @@ TEST(Damage, MutationsWithAMendedChecksumAreRefusedOrHarmless) {
   }
   EXPECT_GT(accepted, 100);  // padding, positions, coefficients that stay in range
   EXPECT_GT(refused, 100);
+}
+
+TEST(Damage, MutationsWithAMendedChecksumAreRefusedOrHarmless) { expect_refused_or_harmless(small_file()); }
+
+TEST(Damage, MutationsOfACoupledFileAreRefusedOrHarmless) { expect_refused_or_harmless(small_file(4)); }
+
+// Every rule of a coupled response, broken one at a time in one response.
+TEST(Damage, CoefficientsThatAreNotPassiveAreRefused) {
+  const std::vector<std::byte> good = small_file(4);
+  const View view = View::open(good.data(), good.size()).view;
+  const coupled::Degrees d = layout::coupled_degrees(*view.meta);
+  const coupled::Places p = coupled::places(d);
+  const auto message = [&](int index, std::int16_t value) -> std::string {
+    std::vector<std::byte> bytes = good;
+    const auto at = reinterpret_cast<const std::byte*>(view.coupled_coefs(2) + index) - good.data();
+    std::memcpy(bytes.data() + at, &value, sizeof value);
+    mend(bytes);
+    return View::open(bytes.data(), bytes.size()).error;
+  };
+  EXPECT_EQ(message(p.stiffness, 8000), "");
+  const std::string passive = "COUPLED: response 2: stiffness and coupling break the inequalities that make it passive";
+  EXPECT_EQ(message(0, -1), "COUPLED: response 2: the normal force must start at zero and not decrease");
+  EXPECT_EQ(message(1, 0), "COUPLED: response 2: the normal force must start at zero and not decrease");
+  for (int k = 0; k <= d.stiffness; ++k) {
+    EXPECT_EQ(message(p.stiffness + 3 * k, 0), passive) << k;
+    EXPECT_EQ(message(p.stiffness + 3 * k + 1, 9000), passive) << k;
+    EXPECT_EQ(message(p.stiffness + 3 * k + 2, -9000), passive) << k;
+  }
+  for (int k = p.coupling; k < p.cubic; ++k) {
+    EXPECT_EQ(message(k, 9000), passive) << k;
+    EXPECT_EQ(message(k, -9000), passive) << k;
+  }
+  for (int k = p.cubic; k < p.limit; ++k) EXPECT_EQ(message(k, 2000), passive) << k;
+  for (int k = p.limit; k < p.end; ++k) {
+    EXPECT_EQ(message(k, -1), "COUPLED: response 2: the friction limit is out of 0 to 10") << k;
+    EXPECT_EQ(message(k, 32001), "COUPLED: response 2: the friction limit is out of 0 to 10") << k;
+  }
+  if (p.end % 2 != 0) {
+    EXPECT_EQ(message(p.end, 1), "COUPLED: response 2: padding is not zero");
+  }
 }
 
 }  // namespace

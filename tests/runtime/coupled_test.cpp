@@ -169,11 +169,9 @@ struct Contact {
     work += w;
     gross += std::abs(w);
   }
-  /// At one depth the force is the gradient of an energy, so the work is its difference.
-  void sideways(const Vec2& by, double ratio) {
+  /// By Gauss' rule, exact for polynomials; in pieces for what lies beyond |u| = 1.
+  void sideways(const Vec2& by) {
     const AtDepth d = law.at(t, true);
-    // Gauss' rule instead, which knows nothing of that: exact for polynomials, in pieces for what lies beyond |u| = 1.
-    (void)ratio;
     constexpr int kPieces = 8;
     constexpr double kAt[3] = {0.1127016653792583, 0.5, 0.8872983346207417},
                      kWeight[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
@@ -185,7 +183,7 @@ struct Contact {
     }
     u = u + by;
   }
-  void depth(double to, double ratio) {
+  void depth(double to) {
     const double pieces = std::ceil(std::abs(to - t) / 0.01);
     const double from = t;
     constexpr double kAt[3] = {0.1127016653792583, 0.5, 0.8872983346207417},
@@ -196,7 +194,7 @@ struct Contact {
         const double at = a + kAt[k] * (b - a);
         const Vec2 there = to > from ? law.deepen(a, at, u) : u;
         const AtDepth d = law.at(at, true);
-        add(kWeight[k] * (b - a) * 2 * d.s / ratio * (d.push + law.coupling(d, there)));
+        add(kWeight[k] * (b - a) * 2 * d.s * (Z / X) * (d.push + law.coupling(d, there)));
       }
       if (to > from) u = law.deepen(a, b, u);
       t = b;
@@ -215,13 +213,13 @@ TEST(Coupled, NoClosedMotionGainsEnergy) {
     for (int motion = 0; motion < 20; ++motion, ++motions) {
       Contact contact{law, 0, {}};
       const double size = std::pow(10.0, uniform(random, -3, 0));
-      contact.depth(uniform(random, 0.05, 0.8), X / Z);
+      contact.depth(uniform(random, 0.05, 0.8));
       const int legs = 2 + static_cast<int>(random() % 3);
       for (int leg = 0; leg < legs; ++leg) {
-        contact.sideways(disc(random, size), X / Z);
-        contact.depth(std::clamp(contact.t + uniform(random, -0.2, 0.2) * size, 0.02, 1.2), X / Z);
+        contact.sideways(disc(random, size));
+        contact.depth(std::clamp(contact.t + uniform(random, -0.2, 0.2) * size, 0.02, 1.2));
       }
-      contact.depth(0, X / Z);
+      contact.depth(0);
       worst = std::min(worst, contact.work / contact.gross);
       ASSERT_GE(contact.work, -1e-9 * contact.gross) << round << ' ' << motion;
     }

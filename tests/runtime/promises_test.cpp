@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the force loop is promised: no allocation, the same bits every run, finite bounded forces on any motion.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -41,17 +42,21 @@ private:
 };
 
 TEST(Promises, OpeningAndTickingAllocateNothing) {
-  const Opened ball(ball_content(everything()));
-  Wander wander(31);
-  const long before = allocations();
-  const runtime::OpenResult opened = runtime::View::open(ball.bytes.data(), ball.bytes.size());
-  long touched = 0;
-  for (std::uint32_t tool = 0; tool < 3; ++tool) {
-    Contact contact(opened.view, tool);
-    for (int i = 0; i < 20000; ++i) touched += contact.tick(wander.next()).depth > 0;
+  for (const int coupled : {0, 4}) {
+    Options options = everything();
+    options.coupled = coupled;
+    const Opened ball(ball_content(options));
+    Wander wander(31);
+    const long before = allocations();
+    const runtime::OpenResult opened = runtime::View::open(ball.bytes.data(), ball.bytes.size());
+    long touched = 0;
+    for (std::uint32_t tool = 0; tool < 3; ++tool) {
+      Contact contact(opened.view, tool);
+      for (int i = 0; i < 20000; ++i) touched += contact.tick(wander.next()).depth > 0;
+    }
+    EXPECT_EQ(allocations() - before, 0);
+    EXPECT_GT(touched, 1000);
   }
-  EXPECT_EQ(allocations() - before, 0);
-  EXPECT_GT(touched, 1000);
 }
 
 TEST(Promises, SameMotionSameBits) {
@@ -73,9 +78,11 @@ TEST(Promises, SameMotionSameBits) {
 }
 
 TEST(Promises, RandomMotionsGiveFiniteBoundedForces) {
-  for (const bool friction : {true, false}) {
+  for (const int model : {-1, 0, 4}) {  // frictionless, separable, coupled of that order
+    const bool friction = model >= 0;
     Options options = everything();
     options.friction = friction;
+    options.coupled = std::max(model, 0);
     const Opened ball(ball_content(options));
     for (std::uint32_t tool = 0; tool < 3; ++tool) {
       Contact contact(ball.view, tool);

@@ -21,6 +21,7 @@ struct ResponseSampleOptions {
   bool lateral = true;
   bool uniform = false;  ///< every site answers alike
   bool search = false;
+  int coupled = 0;  ///< order of the coupled model; 0: separable
   std::uint32_t subdivision = 1;
   int cells = 4;  ///< box: cells along an edge
   enum class Tools { sphere, capsule, mesh, all } tools = Tools::sphere;
@@ -103,8 +104,50 @@ inline void add_tools(ResponseFileContent& content, ResponseSampleOptions::Tools
   }
 }
 
+inline double binomial(int n, int k) {
+  return std::round(std::tgamma(n + 1) / std::tgamma(k + 1) / std::tgamma(n - k + 1));
+}
+
+/// The same push as the curves', a sideways stiffness that grows like s, its coupling, a little of every other family.
+inline void add_coupled(ResponseFileContent& content, const ResponseSampleOptions& options) {
+  const coupled::Degrees d{options.coupled, 5, options.lateral ? 4 : 0, 3, options.coupled > 2 ? 1 : 0, 0, 2};
+  const coupled::Places p = coupled::places(d);
+  content.depth_scale = kDepthScale;
+  content.sideways_scale = kSidewaysScale;
+  content.normal_coefs = 0;
+  content.coupled = d;
+  const std::size_t count = content.sites.size() * content.tool_vertex_count();
+  for (std::size_t i = 0; i < count; ++i) {
+    const double vary = options.uniform ? 0 : 0.2 * std::sin(1.7 * static_cast<double>(i));
+    Response r;
+    r.depth_limit = kDepthScale * (options.uniform ? 1 : 0.9 + 0.1 * std::cos(static_cast<double>(i)));
+    r.flags = i % 7 == 3 && !options.uniform ? layout::response_covered : layout::response_solved;
+    r.unit = static_cast<float>(kHertzForce * 1e-4);
+    std::vector<double> c(static_cast<std::size_t>(p.end));
+    for (int k = 2; k <= d.push; ++k) {
+      c[k - 2] =
+          (0.9 * (k < 3 ? 0 : binomial(k, 3)) / binomial(5, 3) + 0.1 * binomial(k, 2) / binomial(5, 2)) * (1 + vary);
+    }
+    for (int k = p.straight; k < p.stiffness; ++k) c[k] = options.uniform ? 0 : 0.1 * vary * (k % 2 == 0 ? 1 : -0.5);
+    for (int k = 0; k <= d.stiffness; ++k) {
+      c[p.stiffness + 3 * k] = 0.75 * (1 - vary);
+      c[p.stiffness + 3 * k + 1] = 0.05;
+      c[p.stiffness + 3 * k + 2] = -0.04;
+    }
+    for (int k = 2; k <= d.stiffness; ++k) c[p.coupling + 3 * (k - 2)] = -0.2;
+    for (int k = p.cubic; k < p.limit; ++k) c[k] = options.uniform ? 0 : 0.004 * (k % 3 - 1);
+    for (std::size_t k = 0; k < c.size(); ++k) {
+      r.coupled.push_back(
+          static_cast<std::int16_t>(std::lround(static_cast<int>(k) < p.limit ? 1e4 * c[k] : 0.3 * 3200)));
+    }
+    content.responses.push_back(r);
+  }
+  content.provenance = R"({"generator": "test"})";
+}
+
 /// Fn = hertz (0.9 s^3 + 0.1 s^2), g = s, skewed phi, mu about 0.3; each response a little different.
 inline void add_responses(ResponseFileContent& content, const ResponseSampleOptions& options) {
+  if (options.coupled > 0) return add_coupled(content, options);
   content.depth_scale = kDepthScale;
   content.sideways_scale = options.friction ? kSidewaysScale : 0;
   content.normal_coefs = 10;

@@ -2,6 +2,8 @@
 // The bytes of a .palp response file, version 1; the prose specification is formats/response-file.md.
 #pragma once
 
+#include "palpate/coupled_layout.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -34,17 +36,18 @@ enum class Section : std::uint32_t {
   lateral = 10,           ///< float[2 * lateral_coefs]; absent when a straight push has no sideways force
   friction = 11,          ///< float[2 growth + 2 sideways + 1 friction coefs]; absent when frictionless
   search = 12,            ///< SearchNode; absent when the contact surface is small
-  provenance = 13         ///< UTF-8 JSON text
+  provenance = 13,        ///< UTF-8 JSON text
+  coupled = 14            ///< float unit, then int16[coupled::count]; only in a file of the coupled model
 };
 
-inline constexpr std::uint32_t kSectionIds = 14;  ///< ids are below this
+inline constexpr std::uint32_t kSectionIds = 15;  ///< ids are below this
 
 /// The section's name as the specification spells it; "?" for an unknown id.
 inline constexpr const char* section_name(std::uint32_t id) {
   constexpr const char* kNames[kSectionIds] = {
       "?",      "META",          "SITES",        "PATCHES",   "SURFACE_VERTICES", "SURFACE_TRIANGLES",
       "TOOLS",  "TOOL_VERTICES", "TOOL_PATCHES", "RESPONSES", "LATERAL",          "FRICTION",
-      "SEARCH", "PROVENANCE"};
+      "SEARCH", "PROVENANCE",    "COUPLED"};
   return id < kSectionIds ? kNames[id] : kNames[0];
 }
 
@@ -53,7 +56,8 @@ enum Feature : std::uint32_t {
   feature_friction = 1u << 1,
   feature_tool_patches = 1u << 2,
   feature_search = 1u << 3,
-  feature_all = 15u
+  feature_coupled = 1u << 4,
+  feature_all = 31u
 };
 
 enum SiteFlag : std::uint32_t {
@@ -69,7 +73,8 @@ enum ResponseFlag : std::uint32_t {
 };
 
 enum class ToolKind : std::uint32_t { point_sphere = 0, profile = 1, mesh = 2 };
-enum class Model : std::uint32_t { separable = 1 };
+enum class Model : std::uint32_t { separable = 1, coupled = 2 };
+inline constexpr double kLimitUnit = 1.0 / 3200;  ///< of the friction limit's coefficients in COUPLED
 
 struct FileHeader {
   unsigned char magic[8];
@@ -100,7 +105,9 @@ struct Meta {
   std::uint32_t subdivision;     ///< k: each patch is k * k triangles of the contact surface
   std::uint32_t normal_coefs, lateral_coefs, growth_coefs, sideways_coefs, friction_coefs;
   std::uint32_t search_nodes;
-  std::uint32_t reserved[12];
+  /// Degrees of the coupled model; all 0 in a file of another.
+  std::uint32_t order, push_degree, straight_degree, stiffness_degree, cubic_degree, quartic_degree, limit_degree;
+  std::uint32_t reserved[5];
 };
 
 struct Site {
@@ -170,6 +177,20 @@ static_assert(std::is_trivially_copyable_v<Meta> && std::is_trivially_copyable_v
 /// Index of the response of (site, tool vertex); tool vertices are numbered over all tools.
 inline constexpr std::uint64_t response_index(const Meta& meta, std::uint32_t site, std::uint32_t tool_vertex) {
   return std::uint64_t{site} * meta.tool_vertex_count + tool_vertex;
+}
+
+inline constexpr bool is_coupled(const Meta& m) { return m.model == static_cast<std::uint32_t>(Model::coupled); }
+
+/// Degrees beyond int's range are made ones that in_range refuses.
+inline constexpr coupled::Degrees coupled_degrees(const Meta& m) {
+  const auto degree = [](std::uint32_t d) { return d < 100 ? static_cast<int>(d) : 100; };
+  return {degree(m.order),        degree(m.push_degree),    degree(m.straight_degree), degree(m.stiffness_degree),
+          degree(m.cubic_degree), degree(m.quartic_degree), degree(m.limit_degree)};
+}
+
+/// Bytes of one element of COUPLED, a multiple of 4.
+inline constexpr std::uint32_t coupled_size(const coupled::Degrees& d) {
+  return 4 + 4 * ((static_cast<std::uint32_t>(coupled::count(d)) + 1) / 2);
 }
 
 /// Bytes of one element of RESPONSES, LATERAL and FRICTION.

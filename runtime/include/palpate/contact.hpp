@@ -98,7 +98,7 @@ private:
     anchor_ = touch.anchor;
     tool_point_ = touch.tool_point;
     offset_depth_ = 0;
-    offset_sideways_ = {};
+    offset_sideways_ = anchored_ = {};
     const Vec3 q = pose.apply(anchor_);
     place(first_point(touch, q), pose);
     const Deflection d = deflection(q);
@@ -108,6 +108,7 @@ private:
     }
     offset_depth_ = was_free_ ? std::fmax(0, d.depth - late_) : d.depth;
     offset_sideways_ = d.sideways;
+    depth_ = d.depth - offset_depth_;
     touching_ = true;
     // At zero depth there is no force yet, but the contact has begun: from here on the tool may push.
     const DepthTerms terms = field_.at_depth(d.depth - offset_depth_);
@@ -156,22 +157,34 @@ private:
   [[nodiscard]] Deflection deflection(const Vec3& q) const {
     const Vec3& n = field_.normal();
     const Vec3 gap = q - c_;
-    return {probe_ - dot(gap, n) - offset_depth_, tangential(gap - offset_sideways_, n)};
+    return {probe_ - dot(gap, n) - offset_depth_, tangential(gap - offset_sideways_ - anchored_, n)};
   }
 
   Tick hold(const Pose& pose) {
     if (profile_) roll(pose);
     const Vec3 q = pose.apply(anchor_);
-    const Deflection d = deflection(q);
+    Deflection d = deflection(q);
     if (!(d.depth > 0)) return release(d);
-    const DepthTerms terms = field_.at_depth(d.depth);
-    if (view_->friction == nullptr) return follow(pose, q, d, {}, terms);
+    if (view_->coupled_laws != nullptr) deepen(d);
+    DepthTerms terms = field_.at_depth(d.depth);
+    if (!view_->has(layout::feature_friction)) return follow(pose, q, d, {}, terms);
     const Vec3 tangential_force = terms.straight + field_.sideways(terms, d.sideways);
     const double size = length(tangential_force);
     if (size > terms.limit * (1 + 1e-9)) {
       return follow(pose, q, d, slip(terms, d.sideways, (1 / size) * tangential_force), terms);
     }
+    field_.couple(terms, d.sideways);
     return output(State::stick, pose, q, terms, tangential_force);
+  }
+
+  /// The anchor rule: sideways motion has been added to the effective deflection; going deeper moves its anchor.
+  void deepen(Deflection& d) {
+    if (d.depth > depth_) {
+      const Vec3 kept = field_.deepened(depth_, d.depth, d.sideways);
+      anchored_ = anchored_ + d.sideways - kept;
+      d.sideways = kept;
+    }
+    depth_ = d.depth;
   }
 
   /// The sideways deflection at which the friction limit holds: c gives way against the force until then.
@@ -219,6 +232,7 @@ private:
     // c rests while the tool moves along n(c): 0.1 nm on a contact of 10 mm.
     if (length(d.sideways - wanted) > 1e-8 * size) {
       const Vec3 target = q - offset_sideways_ - wanted;
+      anchored_ = {};  // c itself goes on
       const Projection found = project(*view_, at_, target);
       if (found.residual > 0.1 * size && hand_over(pose, q, terms.normal_force)) {
         d = deflection(q);
@@ -232,6 +246,8 @@ private:
     Vec3 tangential_force = terms.straight + field_.sideways(terms, d.sideways);
     const double sideways_force = length(tangential_force);
     if (sideways_force > terms.limit) tangential_force = (terms.limit / sideways_force) * tangential_force;
+    depth_ = d.depth;
+    field_.couple(terms, d.sideways);
     return output(State::slide, pose, q, terms, tangential_force);
   }
 
@@ -266,7 +282,7 @@ private:
     if (std::fabs(along - anchor_.z) > 1e-9 * probe_) {
       const Deflection d = deflection(pose.apply(anchor_));
       anchor_.z = along;
-      place(project(*view_, at_, pose.apply(anchor_) - offset_sideways_ - d.sideways), pose);
+      place(project(*view_, at_, pose.apply(anchor_) - offset_sideways_ - anchored_ - d.sideways), pose);
     } else if (std::fabs(profile_meridian(record, anchor_.z, cosine) - meridian_) > 1e-6 * probe_) {
       turn(field_.normal(), pose);
     }
@@ -317,6 +333,10 @@ private:
   double meridian_ = 0;
   double offset_depth_ = 0;  ///< m, subtracted: depth at first sight
   Vec3 offset_sideways_;     ///< m, the same across n(c)
+  // The coupled model's state: the depth of the last tick, and how far the anchor of the sideways deflection has gone
+  // from c (c takes it over when it slides).
+  double depth_ = 0;  ///< m
+  Vec3 anchored_;     ///< m
   Field field_;
 };
 

@@ -2,6 +2,7 @@
 // The local force field of one pair (c, p): responses blended once, then evaluated for any deflection.
 #pragma once
 
+#include "palpate/coupled.hpp"
 #include "palpate/spline.hpp"
 #include "palpate/surface.hpp"
 
@@ -15,7 +16,10 @@ struct DepthTerms {
   double normal_force = 0;  ///< N along n(c)
   double limit = 0;         ///< N, largest tangential force: mu(depth) Fn; infinite in a frictionless file
   Vec3 straight;            ///< N, sideways force of the straight push, across n(c)
-  double growth[9][2] = {};
+  union {
+    double growth[9][2] = {};
+    coupled::AtDepth coupled;  ///< in a file of the coupled model
+  };
   bool beyond = false;  ///< deeper than this pair was sampled
 };
 
@@ -52,6 +56,7 @@ public:
     for (std::uint32_t k = 0; k < m.normal_coefs; ++k) push_[k] = 0;
     for (std::uint32_t k = 0; k < m.lateral_coefs; ++k) lateral_x_[k] = lateral_y_[k] = 0;
     for (std::uint32_t k = 0; k < m.friction_coefs; ++k) mu_[k] = 0;
+    if (view.coupled_laws != nullptr) law_.clear(layout::coupled_degrees(m), m.depth_scale, m.sideways_scale);
     per_scale_ = m.sideways_scale > 0 ? 1 / m.sideways_scale : 0;
     covered_ = limit_ = 0;
     bodies_ = pairs_ = 0;
@@ -68,6 +73,7 @@ public:
       }
     }
     body_[bodies_].first_pair = pairs_;
+    if (view.coupled_laws != nullptr) law_.finish();
   }
 
   [[nodiscard]] const Vec3& normal() const { return normal_; }
@@ -80,6 +86,7 @@ public:
   [[nodiscard]] DepthTerms at_depth(double z) const {
     DepthTerms terms;
     if (!(z > 0)) return terms;
+    if (view_->coupled_laws != nullptr) return coupled_at(z);
     const layout::Meta& m = *view_->meta;
     const double share = z / m.depth_scale;
     const double s = share < 1 ? std::sqrt(share) : 1.0;
@@ -120,6 +127,10 @@ public:
   [[nodiscard]] Vec3 sideways(const DepthTerms& terms, const Vec3& deflection) const {
     Vec3 force;
     const layout::Meta& m = *view_->meta;
+    if (view_->coupled_laws != nullptr && terms.depth > 0) {
+      const coupled::Vec2 push = terms.coupled.energy.gradient(in_basis(deflection), law_.degrees().order);
+      return -push.x * basis_x_ - push.y * basis_y_;
+    }
     if (m.sideways_coefs == 0 || !(terms.depth > 0)) return force;
     const int count = static_cast<int>(m.sideways_coefs);
     for (int i = 0; i < bodies_; ++i) {
@@ -137,9 +148,25 @@ public:
     return force;
   }
 
+  /// Adds what a sideways deflection does to the normal force; the limit stays that of the straight push.
+  void couple(DepthTerms& terms, const Vec3& deflection) const {
+    if (view_->coupled_laws == nullptr || !(terms.depth > 0)) return;
+    terms.normal_force += law_.coupling(terms.coupled, in_basis(deflection));
+  }
+
+  /// The sideways deflection (m) that a contact keeps when it goes deeper from z0 to z1 > z0 >= 0 without moving
+  /// sideways: less, for new area is anchored unstressed. The same in a file of another model.
+  [[nodiscard]] Vec3 deepened(double z0, double z1, const Vec3& deflection) const {
+    if (view_->coupled_laws == nullptr) return deflection;
+    if (!(z0 > 0)) return {};
+    const coupled::Vec2 u = law_.deepen(law_.abscissa(z0), law_.abscissa(z1), in_basis(deflection));
+    return view_->meta->sideways_scale * (u.x * basis_x_ + u.y * basis_y_);
+  }
+
   /// Force of a whole deflection p - c (m, body frame), sticking. Zero where its depth is not positive.
   [[nodiscard]] FieldForce force(const Vec3& deflection) const {
-    const DepthTerms terms = at_depth(-dot(deflection, normal_));
+    DepthTerms terms = at_depth(-dot(deflection, normal_));
+    couple(terms, deflection);
     FieldForce result;
     result.normal = terms.normal_force;
     result.limit = terms.limit;
@@ -179,6 +206,22 @@ private:
     }
   };
 
+  /// u of a deflection (m).
+  [[nodiscard]] coupled::Vec2 in_basis(const Vec3& deflection) const {
+    return {per_scale_ * dot(deflection, basis_x_), per_scale_ * dot(deflection, basis_y_)};
+  }
+
+  [[nodiscard]] DepthTerms coupled_at(double z) const {
+    DepthTerms terms;
+    terms.coupled = law_.at(law_.abscissa(z), false);
+    terms.depth = z;
+    terms.beyond = z > limit_ * kLimitSlack;
+    terms.normal_force = terms.coupled.push;
+    terms.limit = terms.coupled.limit * terms.coupled.push;
+    terms.straight = -terms.coupled.straight.x * basis_x_ - terms.coupled.straight.y * basis_y_;
+    return terms;
+  }
+
   void add_bodies(const BodyPoint& at) {
     double weights[3];
     patch_weights(*view_, at, weights);
@@ -188,7 +231,7 @@ private:
       Body& body = body_[bodies_++];
       body.weight = weights[k];
       body.corner = k;
-      if (view_->lateral == nullptr && view_->friction == nullptr) continue;  // nothing points sideways
+      if ((view_->features & (layout::feature_lateral | layout::feature_friction)) == 0) continue;  // nothing sideways
       const layout::Site& site = view_->sites[patch.vertex[k]];
       const Vec3 n = to_vec(site.normal), t = to_vec(site.tangent);
       const double cosine = dot(n, normal_);
@@ -227,6 +270,11 @@ private:
     const layout::ResponseHead& head = view_->response_head(index);
     limit_ += weight * head.depth_limit;
     if ((head.flags & layout::response_covered) != 0) covered_ += weight;
+    if (view_->coupled_laws != nullptr) {
+      law_.add(view_->coupled_coefs(index), static_cast<double>(view_->coupled_unit(index)), layout::kLimitUnit, weight,
+               {dot(body.x, basis_x_), dot(body.x, basis_y_)});
+      return;
+    }
     const float* push = view_->normal_coefs(index);
     for (std::uint32_t k = 0; k < m.normal_coefs; ++k) push_[k] += weight * push[k];
     if (view_->lateral != nullptr) {
@@ -259,6 +307,7 @@ private:
   double push_[layout::kMaxCoefs] = {};
   double lateral_x_[layout::kMaxCoefs] = {}, lateral_y_[layout::kMaxCoefs] = {};
   double mu_[layout::kMaxCoefs] = {};
+  coupled::Law law_;
 };
 
 }  // namespace palpate::runtime

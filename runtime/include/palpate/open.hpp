@@ -67,21 +67,30 @@ inline bool check_table(const View& v, const layout::SectionEntry* (&entry)[layo
 inline bool check_meta(const layout::Meta& m, Fault& fault) {
   if (!(m.depth_scale >= 1e-9 && m.depth_scale < 1e3))
     return fault.say("META: depth scale must be at least 1e-9 and below 1000 m");
-  if (m.model != static_cast<std::uint32_t>(layout::Model::separable))
+  const bool coupled = layout::is_coupled(m);
+  if (m.model != static_cast<std::uint32_t>(layout::Model::separable) && !coupled)
     return fault.say("META: unknown model %u", m.model);
+  const std::uint32_t degrees[] = {m.order,        m.push_degree,    m.straight_degree, m.stiffness_degree,
+                                   m.cubic_degree, m.quartic_degree, m.limit_degree};
+  for (const std::uint32_t d : degrees) {
+    if (!coupled && d != 0) return fault.say("META: degrees of the coupled model in a file of another");
+  }
+  if (coupled && !coupled::in_range(layout::coupled_degrees(m))) {
+    return fault.say("META: degrees of the coupled model out of range");
+  }
   const bool friction = m.friction_coefs > 0;
-  if (!(friction ? m.sideways_scale >= 1e-9 && m.sideways_scale < 1e3 : m.sideways_scale == 0)) {
+  if (!(friction || coupled ? m.sideways_scale >= 1e-9 && m.sideways_scale < 1e3 : m.sideways_scale == 0)) {
     return fault.say("META: sideways scale must be at least 1e-9 and below 1000 m with friction, 0 without");
   }
   const struct {
     std::uint32_t count;
     bool wanted;
     const char* name;
-  } families[] = {{m.normal_coefs, true, "normal"},
-                  {m.lateral_coefs, m.lateral_coefs > 0, "lateral"},
-                  {m.growth_coefs, friction, "growth"},
-                  {m.sideways_coefs, friction, "sideways"},
-                  {m.friction_coefs, friction, "friction"}};
+  } families[] = {{m.normal_coefs, !coupled, "normal"},
+                  {m.lateral_coefs, !coupled && m.lateral_coefs > 0, "lateral"},
+                  {m.growth_coefs, !coupled && friction, "growth"},
+                  {m.sideways_coefs, !coupled && friction, "sideways"},
+                  {m.friction_coefs, !coupled && friction, "friction"}};
   for (const auto& f : families) {
     if (f.wanted ? f.count < layout::kMinCoefs || f.count > layout::kMaxCoefs : f.count != 0) {
       return fault.say("META: %u %s coefficients, allowed 4 to 32 or, where left out, 0", f.count, f.name);
@@ -101,7 +110,7 @@ inline bool check_meta(const layout::Meta& m, Fault& fault) {
 /// Every section that the scales and counts ask for, of the size they ask for; no other.
 inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[layout::kSectionIds], Fault& fault) {
   const layout::Meta& m = *v.meta;
-  const bool patched = (v.features & layout::feature_tool_patches) != 0;
+  const bool patched = v.has(layout::feature_tool_patches), coupled = layout::is_coupled(m);
   const struct {
     Section id;
     std::uint64_t element, count;
@@ -116,7 +125,9 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
                   {Section::responses, layout::response_size(m), m.response_count},
                   {Section::lateral, layout::lateral_size(m), m.lateral_coefs > 0 ? m.response_count : 0},
                   {Section::friction, layout::friction_size(m), m.friction_coefs > 0 ? m.response_count : 0},
-                  {Section::search, sizeof(layout::SearchNode), m.search_nodes}};
+                  {Section::search, sizeof(layout::SearchNode), m.search_nodes},
+                  {Section::coupled, coupled ? layout::coupled_size(layout::coupled_degrees(m)) : 0,
+                   coupled ? m.response_count : 0}};
   const unsigned char* at[layout::kSectionIds] = {};
   for (const auto& want : expected) {
     const auto id = static_cast<std::uint32_t>(want.id);
@@ -134,9 +145,11 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
   }
   const auto* text = entry[static_cast<std::uint32_t>(Section::provenance)];
   if (text == nullptr || text->element_size != 1) return fault.say("section PROVENANCE is missing");
-  const std::uint32_t features =
-      (m.lateral_coefs > 0 ? layout::feature_lateral : 0u) | (m.friction_coefs > 0 ? layout::feature_friction : 0u) |
-      (m.tool_patch_count > 0 ? layout::feature_tool_patches : 0u) | (m.search_nodes > 0 ? layout::feature_search : 0u);
+  const std::uint32_t features = (m.lateral_coefs + m.straight_degree > 0 ? layout::feature_lateral : 0u) |
+                                 (m.friction_coefs > 0 || coupled ? layout::feature_friction : 0u) |
+                                 (m.tool_patch_count > 0 ? layout::feature_tool_patches : 0u) |
+                                 (m.search_nodes > 0 ? layout::feature_search : 0u) |
+                                 (coupled ? layout::feature_coupled : 0u);
   if (features != v.features) return fault.say("feature bits %#x do not fit the sections present", v.features);
   if (at[2] == nullptr || at[3] == nullptr || at[4] == nullptr || at[5] == nullptr || at[6] == nullptr ||
       at[9] == nullptr) {
@@ -153,6 +166,7 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
   v.lateral = reinterpret_cast<const float*>(at[10]);
   v.friction = reinterpret_cast<const float*>(at[11]);
   v.search = reinterpret_cast<const layout::SearchNode*>(at[12]);
+  v.coupled_laws = at[14];
   v.provenance = reinterpret_cast<const char*>(v.bytes + text->offset);
   v.provenance_size = static_cast<std::size_t>(text->size);
   return true;

@@ -2,6 +2,7 @@
 // Checks of every record of a response file: indices, adjacency, floats, frames, curves, search tree.
 #pragma once
 
+#include "palpate/coupled_check.hpp"
 #include "palpate/math3.hpp"
 #include "palpate/spline.hpp"
 #include "palpate/view.hpp"
@@ -219,6 +220,19 @@ inline bool is_sideways(const float* c, std::uint32_t count, float high) {
   return std::fabs(spline::value(c, static_cast<int>(count), 0.5)) <= 2e-5 * size;
 }
 
+inline bool check_coupled(const View& v, std::uint32_t i, float largest, Fault& fault) {
+  const coupled::Degrees degrees = layout::coupled_degrees(*v.meta);
+  const float unit = v.coupled_unit(i);
+  const std::int16_t* coefs = v.coupled_coefs(i);
+  const int count = coupled::count(degrees);
+  if (!(unit >= 0 && unit <= largest / 32768)) return fault.say("COUPLED: response %u: the unit is out of range", i);
+  if (const char* broken = coupled::broken_rule(coefs, degrees, 10 / layout::kLimitUnit)) {
+    return fault.say("COUPLED: response %u: %s", i, broken);
+  }
+  if (count % 2 != 0 && coefs[count] != 0) return fault.say("COUPLED: response %u: padding is not zero", i);
+  return true;
+}
+
 inline bool check_responses(const View& v, Fault& fault) {
   constexpr float kLargest = 1e12f;  // N; products of two curves and of extrapolations stay finite
   const layout::Meta& m = *v.meta;
@@ -228,6 +242,10 @@ inline bool check_responses(const View& v, Fault& fault) {
       return fault.say("RESPONSES: response %u: depth limit out of range", i);
     if (head.flags != layout::response_solved && head.flags != layout::response_covered) {
       return fault.say("RESPONSES: response %u: must be either solved or covered", i);
+    }
+    if (v.coupled_laws != nullptr) {
+      if (!check_coupled(v, i, kLargest, fault)) return false;
+      continue;
     }
     if (!is_curve(v.normal_coefs(i), m.normal_coefs, 2, 0, kLargest, 1)) {
       return fault.say("RESPONSES: response %u: normal force must start at zero and not decrease", i);

@@ -25,8 +25,9 @@ struct View {
   const layout::ToolVertexRecord* tool_vertices = nullptr;  ///< null when every tool has one vertex
   const layout::Patch* tool_patches = nullptr;              ///< null with tool_vertices
   const unsigned char* responses = nullptr;
-  const float* lateral = nullptr;   ///< null without sideways straight push
-  const float* friction = nullptr;  ///< null in a frictionless file
+  const float* lateral = nullptr;               ///< null without sideways straight push, and in a coupled file
+  const float* friction = nullptr;              ///< null in a frictionless file, and in a coupled one
+  const unsigned char* coupled_laws = nullptr;  ///< null in a file of another model
   const layout::SearchNode* search = nullptr;
   const char* provenance = nullptr;  ///< JSON text, not zero-terminated
   std::size_t provenance_size = 0;
@@ -59,6 +60,15 @@ struct View {
   [[nodiscard]] const float* friction_coefs(std::uint64_t index) const {
     return friction + index * (layout::friction_size(*meta) / sizeof(float));
   }
+  /// N of one unit of a coupled response's coefficients, and these.
+  [[nodiscard]] float coupled_unit(std::uint64_t index) const {
+    return *reinterpret_cast<const float*>(coupled_laws + index * layout::coupled_size(layout::coupled_degrees(*meta)));
+  }
+  [[nodiscard]] const std::int16_t* coupled_coefs(std::uint64_t index) const {
+    return reinterpret_cast<const std::int16_t*>(
+        coupled_laws + index * layout::coupled_size(layout::coupled_degrees(*meta)) + sizeof(float));
+  }
+  [[nodiscard]] bool has(layout::Feature feature) const { return (features & feature) != 0; }
   /// Index of the tool of that name, or tool_count.
   [[nodiscard]] std::uint32_t find_tool(const char* name) const {
     for (std::uint32_t i = 0; i < meta->tool_count; ++i) {
