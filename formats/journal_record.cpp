@@ -115,7 +115,7 @@ std::optional<RecordView> whole_record(const unsigned char* data, std::size_t av
   if (view.type == RecordType::sample) {
     const auto kind = get<std::uint32_t>(at);
     const auto index = get<std::uint32_t>(at);
-    if (view.payload_size != sample_size || kind > 2 || index > 0xFFFFU) return std::nullopt;
+    if (view.payload_size != sample_size || kind > 3 || index > 0xFFFFU) return std::nullopt;
     return view;
   }
   if (view.payload_size < outcome_size) return std::nullopt;

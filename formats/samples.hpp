@@ -30,8 +30,9 @@ struct PairPlan {
 };
 
 /// normal: straight push; tangential: sideways push of a contact that sticks; slipping: of one that slips where
-/// Coulomb's law lets it.
-enum class SampleKind : std::uint8_t { normal = 0, tangential = 1, slipping = 2 };
+/// Coulomb's law lets it; path: a contact that sticks goes deeper or less deep while held sideways (a test, no fit
+/// reads it).
+enum class SampleKind : std::uint8_t { normal = 0, tangential = 1, slipping = 2, path = 3 };
 
 /// One equilibrium that passed its gates.
 struct Sample {

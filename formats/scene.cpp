@@ -170,6 +170,17 @@ void check_sampling(const SamplingScene& sampling, const toml::table& root, cons
   }
 }
 
+void check_response(const Scene& scene, const toml::table& root, const Place& place) {
+  if (scene.response.order == 1) {
+    fail(place.below("response.order"), root["response"]["order"].node(),
+         "got 1; allowed 2 <= x <= 4, or 0 for the least that does");
+  }
+  if (scene.response.model == ResponseScene::Model::coupled && !(scene.friction > 0)) {
+    fail(place.below("response.model"), root["response"]["model"].node(),
+         "\"coupled\" needs [contact] friction > 0: without it nothing holds the contact sideways");
+  }
+}
+
 /// A key of a section that was written outside of it gets a message of its own.
 void check_outside(const toml::table& root, const Place& place) {
   const auto look = [&](const char* name, const auto& keys) {
@@ -225,6 +236,7 @@ Scene read_scene(const std::filesystem::path& file) {
          "missing; a scene needs a surface file, for example:  [body] surface = \"liver.ply\"");
   }
   check_sampling(scene.sampling, root, place);
+  check_response(scene, root, place);
   return scene;
 }
 

@@ -122,7 +122,11 @@ struct SamplingScene {
 
 struct ResponseScene {
   enum class Search { automatic, none, bvh };
-  std::string model = "separable";
+  enum class Model { separable, coupled };
+  Model model = Model::separable;
+  int order = 0;  ///< coupled: of the energy in the sideways deflection, [2, 4]; 0: the least that does
+  double path_share =
+      0.1;  ///< coupled: of the pairs, that are also pushed along paths which the fit never reads, [0, 1]
   Search search = Search::automatic;
   double tolerance = 0.05;  ///< asked relative force error, (0, 1); verify says whether straight pushes meet it
 };

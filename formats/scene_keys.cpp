@@ -296,13 +296,26 @@ const Keys<SamplingScene>& sampling_keys() {
 
 const Keys<ResponseScene>& response_keys() {
   using R = ResponseScene;
+  // Not there for a scene of another model, whose texts (and hashes) know nothing of it.
+  const auto only_coupled = [](Key<R> key, const char* example) {
+    key.affects = Affects::file;
+    key.example = example;
+    key.show = [show = key.show](const R& r) { return r.model == R::Model::coupled ? show(r) : std::string(); };
+    return key;
+  };
   static const Keys<R> keys{
-      {"model", Affects::file, "Response model.", show_choices({"separable"}),
-       [](R& response, const toml::node& value, const toml::table&, const Place& place) {
-         const std::vector<std::string> models{"separable"};
-         response.model = models[to_choice(place, value, models)];
-       },
-       [](const R& response) { return show(response.model); }, ""},
+      affecting(Affects::file, choice("model", &R::model, {"separable", "coupled"},
+                                      "separable: the axes' answers add; coupled: sideways and normal answers act on "
+                                      "each other, and follow a contact that deepens or lifts under side load. It is "
+                                      "sampled in at least 8 directions at 4 depths, and needs friction.")),
+      only_coupled(integer("order", &R::order, {0, 4, false, ""},
+                           "coupled: of the energy in the sideways deflection, 2 to 4; 0: the least whose error on "
+                           "samples held out meets the tolerance."),
+                   "0"),
+      only_coupled(number("path_share", &R::path_share, {0, 1, false, ""},
+                          "coupled: share of the pairs that are also pushed along paths (diagonal, side then deeper, "
+                          "lift under side load) which only test."),
+                   "0.1"),
       affecting(Affects::file, choice("search", &R::search, {"auto", "none", "bvh"},
                                       "Contact search stored in the file; auto: where the body is large.")),
       affecting(Affects::file, number("tolerance", &R::tolerance, {0, 0.99, true, ""},

@@ -92,6 +92,10 @@ std::string canonical_text(const Scene& scene, CanonicalScope scope) {
   }
   append_canonical(text, "contact", contact_keys(), scene, only_solves);
   append_canonical(text, "sampling", sampling_keys(), scene.sampling, only_solves);
+  // What the other model needs is not solved for the first.
+  if (only_solves && scene.response.model == ResponseScene::Model::coupled) {
+    text += "sampling.coupled = " + show(scene.response.path_share) + "\n";
+  }
   append_canonical(text, "response", response_keys(), scene.response, only_solves);
   append_canonical(text, "solver", solver_keys(), scene.solver, only_solves);
   return text;

@@ -111,6 +111,8 @@ nlohmann::ordered_json fit_json(const pipeline::Pipeline& p, const FitReport& re
                               {"responses_covered", report.covered},
                               {"fit_error_normal", figures_json(report.normal)},
                               {"fit_error_tangential", figures_json(report.tangential)},
+                              {"fit_error_paths", figures_json(report.paths)},
+                              {"held_out_p95", report.held_out.p95},
                               {"lateral", report.lateral},
                               {"friction", report.friction},
                               {"file", p.paths.response.string()},
@@ -129,6 +131,14 @@ std::string fit_text(const pipeline::Pipeline& p, const FitReport& report) {
                      " in narrow folds, " + std::to_string(report.outside) + " outside the region)\n";
   text += figures_text("straight pushes", report.normal, p.plan);
   text += figures_text("sideways pushes", report.tangential, p.plan);
+  text += figures_text("paths that it did not read", report.paths, p.plan);
+  if (report.held_out.samples > 0) {
+    char line[160];
+    std::snprintf(line, sizeof line,
+                  "degrees chosen by %zu samples left out: median %.2f %%, 95th percentile %.2f %%\n",
+                  report.held_out.samples, 100 * report.held_out.median, 100 * report.held_out.p95);
+    text += line;
+  }
   return text + p.paths.response.string() + ", " + std::to_string(std::filesystem::file_size(p.paths.response)) +
          " bytes\n";
 }

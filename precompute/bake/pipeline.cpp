@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "formats/error.hpp"
 #include "formats/file.hpp"
@@ -21,6 +22,19 @@ std::string file_name(const Scene& scene) {
   std::string name = scene.name;
   std::replace(name.begin(), name.end(), '/', '_');
   return name;
+}
+
+/// Of the pairs, that are pushed along paths which only test.
+double path_share(const Scene& scene) {
+  return scene.response.model == ResponseScene::Model::coupled ? scene.response.path_share : 0.0;
+}
+
+/// In [0, 1), the same for a pair whatever else is planned (the mixing of splitmix64, Steele et al. 2014).
+double path_draw(const PairPlan& pair) {
+  std::uint64_t x = (std::uint64_t{pair.site} << 32U | pair.tool << 16U | pair.tool_vertex) + 0x9E3779B97F4A7C15U;
+  x = (x ^ (x >> 30U)) * 0xBF58476D1CE4E5B9U;
+  x = (x ^ (x >> 27U)) * 0x94D049BB133111EBU;
+  return static_cast<double>((x ^ (x >> 31U)) >> 11U) * 0x1.0p-53;
 }
 
 void save_seconds(const Pipeline& pipeline, double seconds) {
@@ -66,8 +80,11 @@ PairSolver contact_solver(const Pipeline& p) {
   const PairOptions options = pair_options(p.scene);
   return [&p, options](const PairPlan& pair, const SampleSink& sink) {
     const Tool& tool = p.tools[pair.tool];
-    return solve_pair(p.body, tool, tool.vertices[pair.tool_vertex], pair.frame, bake_path(p.scene, pair.depth),
-                      options, sink);
+    PairPath path = bake_path(p.scene, pair.depth);
+    if (const double draw = path_draw(pair); draw < path_share(p.scene)) {
+      path.side_paths = test_paths(path, 2 * std::numbers::pi * draw / path_share(p.scene));
+    }
+    return solve_pair(p.body, tool, tool.vertices[pair.tool_vertex], pair.frame, path, options, sink);
   };
 }
 
@@ -96,21 +113,37 @@ double bake_seconds(const Pipeline& p) {
   return json.value("seconds", 0.0);
 }
 
-FitReport fit(const Pipeline& p) {
+FitSettings fit_settings(const Scene& scene) {
+  FitSettings settings;
+  settings.depth_scale = scene.sampling.depth;
+  settings.friction = scene.friction > 0;
+  settings.max_refused = scene.sampling.max_refused;
+  if (scene.response.model == ResponseScene::Model::coupled) {
+    settings.coupled = {scene.response.order, scene.response.tolerance};
+  }
+  return settings;
+}
+
+JournalContent samples(const Pipeline& p) {
   if (!std::filesystem::exists(p.paths.journal)) {
     throw Error(ExitCode::io, p.paths.journal.string() + ": there is no journal; run palpate bake first");
   }
-  FitSettings settings;
-  settings.depth_scale = p.scene.sampling.depth;
-  settings.friction = p.scene.friction > 0;
-  settings.max_refused = p.scene.sampling.max_refused;
+  return read_journal(p.paths.journal, p.manifest);
+}
+
+FittedFile fit_file(const Pipeline& p, const JournalContent& journal, const FitSettings& settings) {
   std::vector<std::uint32_t> tool_vertices;
   for (const Tool& tool : p.tools) tool_vertices.push_back(static_cast<std::uint32_t>(tool.vertices.size()));
-  const FittedResponses fitted =
-      fit_responses(p.plan, p.mesh.triangles, tool_vertices, read_journal(p.paths.journal, p.manifest), settings);
-  const ResponseFileContent content = assemble_response(p.scene, p.tools, p.mesh, p.plan, p.manifest, fitted);
-  write_response_file(p.paths.response, encode(content));
-  return fitted.report;
+  FittedFile file;
+  file.fitted = fit_responses(p.plan, p.mesh.triangles, tool_vertices, journal, settings);
+  file.bytes = encode(assemble_response(p.scene, p.tools, p.mesh, p.plan, p.manifest, file.fitted));
+  return file;
+}
+
+FitReport fit(const Pipeline& p) {
+  FittedFile file = fit_file(p, samples(p), fit_settings(p.scene));
+  write_response_file(p.paths.response, file.bytes);
+  return file.fitted.report;
 }
 
 }  // namespace palpate::pipeline

@@ -56,6 +56,19 @@ BakeReport bake(const Pipeline& pipeline, const BakeOptions& options, const Pair
 /// Seconds that all bakes of this manifest took together; 0 when there was none.
 double bake_seconds(const Pipeline& pipeline);
 
+/// What the scene asks of its fit.
+FitSettings fit_settings(const Scene& scene);
+
+/// The journal. Needs plan(). Throws Error(io) when there is none.
+JournalContent samples(const Pipeline& pipeline);
+
+/// The responses of a journal by some settings, and the bytes of their file; nothing is written. Needs plan().
+struct FittedFile {
+  FittedResponses fitted;
+  std::vector<std::byte> bytes;
+};
+FittedFile fit_file(const Pipeline& pipeline, const JournalContent& journal, const FitSettings& settings);
+
 /// Fits the journal and writes the response file. Needs plan().
 FitReport fit(const Pipeline& pipeline);
 

@@ -71,7 +71,7 @@ std::string provenance(const Scene& scene, const Plan& plan, const Hash128& mani
   Json json;
   json["scene"] = scene.name;
   json["units"] = "m, N, Pa";
-  json["model"] = "separable 1";
+  json["model"] = fitted.scales.coupled ? "coupled 1" : "separable 1";
   json["inputs"] = {{"solver", plan.inputs.solver},     {"scene", to_hex(hash128(canonical_text(scene)))},
                     {"body", to_hex(plan.inputs.body)}, {"haptic_mesh", to_hex(plan.inputs.haptic_mesh)},
                     {"tools", Json::array()},           {"manifest", to_hex(manifest)}};
@@ -109,6 +109,15 @@ std::string provenance(const Scene& scene, const Plan& plan, const Hash128& mani
   json["fit"] = {{"error", "|fit - solved| / max(|solved|, 2 % of the pair's peak)"},
                  {"normal", figures(report.normal)}};
   if (report.friction) json["fit"]["tangential"] = figures(report.tangential);
+  if (fitted.scales.coupled) {
+    const coupled::Degrees& d = *fitted.scales.coupled;
+    const fit::HeldOutFigures& held = report.held_out;
+    json["fit"]["paths"] = figures(report.paths);
+    json["fit"]["held_out"] = {
+        {"samples", held.samples}, {"median", held.median}, {"p95", held.p95}, {"worst", held.worst}};
+    json["coupled"] = {{"order", d.order}, {"push", d.push},       {"straight", d.straight}, {"stiffness", d.stiffness},
+                       {"cubic", d.cubic}, {"quartic", d.quartic}, {"limit", d.limit}};
+  }
   // Names may hold bytes that are not UTF-8: they are replaced, not refused.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -121,11 +130,13 @@ ResponseFileContent assemble_response(const Scene& scene, const std::vector<Tool
   content.depth_scale = fitted.scales.depth;
   content.sideways_scale = fitted.scales.sideways;
   const auto count = [](bool there, int coefs) { return there ? static_cast<std::uint32_t>(coefs) : 0U; };
-  content.normal_coefs = count(true, fitted.scales.normal_coefs);
-  content.lateral_coefs = count(fitted.report.lateral, fitted.scales.lateral_coefs);
-  content.growth_coefs = count(fitted.scales.friction(), fitted.scales.growth_coefs);
-  content.sideways_coefs = count(fitted.scales.friction(), fitted.scales.sideways_coefs);
-  content.friction_coefs = count(fitted.scales.friction(), fitted.scales.friction_coefs);
+  const bool curves = !fitted.scales.coupled, friction = curves && fitted.scales.friction();
+  content.coupled = fitted.scales.coupled;
+  content.normal_coefs = count(curves, fitted.scales.normal_coefs);
+  content.lateral_coefs = count(curves && fitted.report.lateral, fitted.scales.lateral_coefs);
+  content.growth_coefs = count(friction, fitted.scales.growth_coefs);
+  content.sideways_coefs = count(friction, fitted.scales.sideways_coefs);
+  content.friction_coefs = count(friction, fitted.scales.friction_coefs);
   add_body(content, mesh, plan);
   for (const Tool& tool : tools) content.tools.push_back(response_tool(tool));
   content.responses = fitted.responses;

@@ -40,6 +40,27 @@ private:
   Eigen::Matrix2d to_target_;
 };
 
+/// Coupled responses are closed under turning and blending: nothing is fitted again.
+SiteCurves blend_coupled(const ContactFrame& frame, double depth, const std::vector<CoverSource>& sources,
+                         const ModelScales& scales) {
+  double total = 0, mean_depth = 0;
+  for (const CoverSource& source : sources) {
+    total += source.weight;
+    mean_depth += source.weight * source.site->depth;
+  }
+  coupled::Law law;
+  law.clear(*scales.coupled, scales.depth, scales.sideways);
+  for (const CoverSource& source : sources) {
+    const Vector3d x = Eigen::Quaterniond::FromTwoVectors(source.frame->n, frame.n) * source.frame->x;
+    const Eigen::Vector2d turned = frame.to_local(x).head<2>().normalized();
+    law.add(source.site->curves.coupled.data(), 1, 1, source.weight / total, {turned.x(), turned.y()});
+  }
+  SiteCurves result;
+  result.depth = std::min(depth, mean_depth / total);
+  result.curves.coupled = Eigen::Map<const Eigen::VectorXd>(law.coefs(), coupled::count(*scales.coupled));
+  return result;
+}
+
 }  // namespace
 
 SiteGraph site_graph(std::size_t sites, const std::vector<std::array<std::int32_t, 3>>& triangles) {
@@ -59,6 +80,7 @@ SiteGraph site_graph(std::size_t sites, const std::vector<std::array<std::int32_
 
 SiteCurves blend_site(const ContactFrame& frame, double depth, const std::vector<CoverSource>& sources,
                       const ModelScales& scales, const std::string& what) {
+  if (scales.coupled) return blend_coupled(frame, depth, sources, scales);
   double total = 0, mean_depth = 0;
   std::vector<CarriedField> fields;
   fields.reserve(sources.size());

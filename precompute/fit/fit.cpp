@@ -10,6 +10,7 @@
 
 #include "formats/error.hpp"
 #include "precompute/bake/bake.hpp"
+#include "precompute/fit/coupled_degrees.hpp"
 #include "precompute/fit/cover.hpp"
 
 namespace palpate {
@@ -80,10 +81,16 @@ std::vector<float> to_floats(const Eigen::VectorXd& coefs) {
   return result;
 }
 
-Response to_response(const SiteCurves& site, bool solved, bool lateral) {
+Response to_response(const SiteCurves& site, bool solved, bool lateral, const ModelScales& scales) {
   Response r;
   r.depth_limit = site.depth;
   r.flags = solved ? layout::response_solved : layout::response_covered;
+  if (scales.coupled) {
+    fit::Quantised quantised = fit::quantise(site.curves.coupled, *scales.coupled, "response");
+    r.unit = quantised.unit;
+    r.coupled = std::move(quantised.coefs);
+    return r;
+  }
   r.normal = to_floats(site.curves.normal);
   if (lateral) {
     r.lateral_x = to_floats(site.curves.lateral_x);
@@ -145,8 +152,20 @@ FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std
   std::partial_sum(tool_vertices.begin(), tool_vertices.end(), first.begin() + 1);
 
   std::vector<SiteRow> rows(first.back(), SiteRow(plan.sites.size()));
-  std::vector<std::pair<double, std::uint32_t>> normal, tangential;
+  std::vector<std::pair<double, std::uint32_t>> normal, tangential, paths;
   std::vector<RefusedPair> refused;
+  std::vector<const std::vector<Sample>*> accepted;
+  for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
+    const JournalPair& solved = *solved_pair(journal, pair);
+    if (!solved.outcome->accepted) continue;
+    accepted.push_back(&solved.samples);
+    report.lateral = report.lateral || has_lateral_force(solved.samples, settings.lateral_threshold);
+  }
+  if (settings.coupled) {
+    const fit::DegreeChoice choice = fit::choose_degrees(accepted, result.scales, report.lateral, *settings.coupled);
+    result.scales.coupled = choice.degrees;
+    report.held_out = choice.held_out;
+  }
   for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
     const JournalPair& solved = *solved_pair(journal, pair);
     if (!solved.outcome->accepted) {
@@ -166,14 +185,15 @@ FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std
     const fit::FitErrors errors = fit::fit_errors(curves, result.scales, solved.samples);
     for (const double e : errors.normal) normal.emplace_back(e, pair);
     for (const double e : errors.tangential) tangential.emplace_back(e, pair);
+    for (const double e : errors.paths) paths.emplace_back(e, pair);
     report.pairs.push_back(pair_figures(pair, errors));
-    report.lateral = report.lateral || has_lateral_force(solved.samples, settings.lateral_threshold);
     rows[first[planned.tool] + planned.tool_vertex][planned.site] = SiteCurves{std::move(curves), planned.depth};
   }
   check_refused(plan, refused, settings.max_refused);
   report.refused = refused.size();
   report.normal = error_figures(normal);
   report.tangential = error_figures(tangential);
+  report.paths = error_figures(paths);
   for (const SkippedPair& pair : plan.skipped) {
     ++(pair.reason == SkipReason::support       ? report.support
        : pair.reason == SkipReason::unreachable ? report.unreachable
@@ -194,7 +214,8 @@ FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std
     for (const auto& site : row) solved.push_back(site.has_value());
     fit::cover_sites(graph, frames, depths, result.scales, row, "tool vertex " + std::to_string(vertex));
     for (std::size_t site = 0; site < row.size(); ++site) {
-      result.responses[site * rows.size() + vertex] = to_response(*row[site], solved[site], report.lateral);
+      result.responses[site * rows.size() + vertex] =
+          to_response(*row[site], solved[site], report.lateral, result.scales);
       report.covered += solved[site] ? 0 : 1;
     }
   }

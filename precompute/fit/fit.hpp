@@ -4,21 +4,24 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "formats/journal.hpp"
 #include "formats/response.hpp"
 #include "precompute/bake/plan.hpp"
+#include "precompute/fit/coupled_degrees.hpp"
 #include "precompute/fit/pair_fit.hpp"
 
 namespace palpate {
 
 struct FitSettings {
-  double depth_scale = 0.0;         ///< m, Z: the scene's depth
-  bool friction = false;            ///< the scene has friction
-  double max_refused = 0.03;        ///< share of the planned pairs, [0, 0.5]
-  double lateral_threshold = 0.01;  ///< straight pushes below this share of their pair's peak are left out
+  double depth_scale = 0.0;                ///< m, Z: the scene's depth
+  bool friction = false;                   ///< the scene has friction
+  double max_refused = 0.03;               ///< share of the planned pairs, [0, 0.5]
+  double lateral_threshold = 0.01;         ///< straight pushes below this share of their pair's peak are left out
+  std::optional<fit::DegreeWish> coupled;  ///< the coupled model; none: separable
 };
 
 /// Median, 95th percentile and worst of relative errors (share of max(|force|, 2 % of the pair's peak)).
@@ -41,6 +44,8 @@ struct FitReport {
   std::size_t support = 0, outside = 0, unreachable = 0;  ///< of those covered, why they were skipped
   bool lateral = false, friction = false;                 ///< sections that the file has
   ErrorFigures normal, tangential;
+  ErrorFigures paths;              ///< along the paths that the fit did not read, by the model's own anchor rule
+  fit::HeldOutFigures held_out;    ///< coupled: of samples left out, by which the degrees were chosen
   std::vector<PairFigures> pairs;  ///< by pair
 };
 

@@ -8,6 +8,8 @@
 #include "formats/error.hpp"
 #include "precompute/fit/friction_limit.hpp"
 #include "precompute/fit/least_squares.hpp"
+#include "precompute/fit/pair_samples.hpp"
+#include "precompute/fit/path_errors.hpp"
 #include "precompute/fit/spline_rows.hpp"
 
 namespace palpate::fit {
@@ -17,7 +19,6 @@ using Eigen::MatrixXd;
 using Eigen::RowVectorXd;
 using Eigen::VectorXd;
 
-constexpr double floor_share = 0.02;  // of the peak force, below which errors count absolutely
 // Priors are weak against data (relative errors): they decide only where no data do.
 constexpr double jump_weight = 3e-3;
 constexpr double continuation_weight = 0.02;
@@ -44,36 +45,11 @@ private:
   VectorXd target_;
 };
 
-struct PairData {
-  std::vector<const Sample*> normal, tangential;
-  double peak = 0.0;   // N, largest force of a straight push
+struct PairData : PairSamples {
   double reach = 0.0;  // s of the deepest straight push
 };
 
 double abscissa(double depth, double scale) { return std::sqrt(std::clamp(depth / scale, 0.0, 1.0)); }
-
-double weight(const Sample& sample, double peak) { return 1.0 / std::max(sample.force.norm(), floor_share * peak); }
-
-PairData sort_samples(const std::vector<Sample>& samples, const ModelScales& scales, const std::string& what) {
-  PairData data;
-  for (const Sample& sample : samples) {
-    if (!sample.force.allFinite() || !sample.deflection.allFinite() || !std::isfinite(sample.friction_limit)) {
-      throw Error(ExitCode::numerical, what + ": sample " + std::to_string(sample.index) + " is not finite");
-    }
-    if (sample.kind == SampleKind::slipping) continue;  // no field of the contact's deflection alone
-    (sample.kind == SampleKind::normal ? data.normal : data.tangential).push_back(&sample);
-  }
-  std::stable_sort(data.normal.begin(), data.normal.end(),
-                   [](const Sample* a, const Sample* b) { return a->deflection.z() < b->deflection.z(); });
-  for (const Sample* sample : data.normal) data.peak = std::max(data.peak, sample->force.norm());
-  if (data.normal.size() < 2 || !(data.normal.front()->deflection.z() > 0) || !(data.peak > 0)) {
-    throw Error(ExitCode::numerical,
-                what + ": a fit needs at least two straight pushes deeper than 0 with a force; there are " +
-                    std::to_string(data.normal.size()));
-  }
-  data.reach = abscissa(data.normal.back()->deflection.z(), scales.depth);
-  return data;
-}
 
 /// Priors of a force curve over s: one cubic where data are scarce; beyond the deepest sample the tangent
 /// stiffness in z there goes on, F(z) = F(d) + F'(d) (z - d).
@@ -93,7 +69,7 @@ VectorXd fit_normal(const PairData& data, const ModelScales& scales, const std::
   const int n = scales.normal_coefs;
   Rows rows(n);
   for (const Sample* sample : data.normal) {
-    const double w = weight(*sample, data.peak) * data.peak;
+    const double w = data.weight(*sample) * data.peak;
     const double s = abscissa(sample->deflection.z(), scales.depth);
     rows.add(w * value_row(n, s), w * sample->force.z() / data.peak);
   }
@@ -108,7 +84,7 @@ VectorXd fit_lateral(const PairData& data, const ModelScales& scales, int axis, 
   const int n = scales.lateral_coefs;
   Rows rows(n);
   for (const Sample* sample : data.normal) {
-    const double w = weight(*sample, data.peak) * data.peak;
+    const double w = data.weight(*sample) * data.peak;
     rows.add(w * value_row(n, abscissa(sample->deflection.z(), scales.depth)), w * sample->force[axis] / data.peak);
   }
   add_curve_priors(rows, n, data.reach);
@@ -175,7 +151,7 @@ void fit_sideways(const PairData& data, const VectorXd& lateral, const ModelScal
     const double s = abscissa(sample.deflection.z(), scales.depth);
     const double u = std::clamp(sample.deflection[axis] / scales.sideways, -1.0, 1.0);
     const double force = sample.force[axis] - straight_push(data, lateral, scales, sample.deflection.z(), axis);
-    const double w = weight(sample, data.peak) * data.peak;
+    const double w = data.weight(sample) * data.peak;
     const RowVectorXd g = value_row(ng, s);
     problem.a.row(i) = g.segment(1, ng - 2);
     problem.a0[i] = g[ng - 1];
@@ -208,8 +184,13 @@ void fit_sideways(const PairData& data, const VectorXd& lateral, const ModelScal
 }  // namespace
 
 PairCurves fit_pair(const std::vector<Sample>& samples, const ModelScales& scales, const std::string& what) {
-  const PairData data = sort_samples(samples, scales, what);
   PairCurves curves;
+  if (scales.coupled) {
+    curves.coupled = fit_coupled(samples, coupled_scales(scales), what);
+    return curves;
+  }
+  PairData data{sort_samples(samples, what)};
+  data.reach = abscissa(data.normal.back()->deflection.z(), scales.depth);
   curves.normal = fit_normal(data, scales, what);
   curves.lateral_x = fit_lateral(data, scales, 0, what);
   curves.lateral_y = fit_lateral(data, scales, 1, what);
@@ -224,6 +205,10 @@ PairCurves fit_pair(const std::vector<Sample>& samples, const ModelScales& scale
 }
 
 Eigen::Vector3d evaluate(const PairCurves& curves, const ModelScales& scales, const Eigen::Vector3d& deflection) {
+  if (scales.coupled) {
+    const CoupledScales own = coupled_scales(scales);
+    return evaluate(make_law(curves.coupled, own), own, deflection);
+  }
   const auto at = [](const VectorXd& coefs, double u) {
     return coefs.size() == 0 ? 0.0 : spline::value(coefs.data(), static_cast<int>(coefs.size()), u);
   };
@@ -244,14 +229,25 @@ double evaluate_friction(const PairCurves& curves, const ModelScales& scales, do
 
 FitErrors fit_errors(const PairCurves& curves, const ModelScales& scales, const std::vector<Sample>& samples) {
   FitErrors errors;
-  double peak = 0;
-  for (const Sample& sample : samples) {
-    if (sample.kind == SampleKind::normal) peak = std::max(peak, sample.force.norm());
-  }
-  for (const Sample& sample : samples) {
-    if (sample.kind == SampleKind::slipping) continue;
-    const double error = (evaluate(curves, scales, sample.deflection) - sample.force).norm() * weight(sample, peak);
-    (sample.kind == SampleKind::normal ? errors.normal : errors.tangential).push_back(error);
+  const PairSamples data = sort_samples(samples, "errors");
+  const auto error = [&](const Sample* s) {
+    return (evaluate(curves, scales, s->deflection) - s->force).norm() * data.weight(*s);
+  };
+  for (const Sample* s : data.normal) errors.normal.push_back(error(s));
+  for (const Sample* s : data.tangential) errors.tangential.push_back(error(s));
+  if (scales.coupled) {
+    const CoupledScales own = coupled_scales(scales);
+    const coupled::Law law = make_law(curves.coupled, own);
+    errors.paths = path_errors(
+        samples, data, [&](const Eigen::Vector2d& e, double depth) { return evaluate(law, own, e, depth); },
+        [&](double from, double to, const Eigen::Vector2d& e) { return deepened(law, own, from, to, e); });
+  } else {  // it knows no past: what it holds is where the tool is
+    errors.paths = path_errors(
+        samples, data,
+        [&](const Eigen::Vector2d& e, double depth) {
+          return evaluate(curves, scales, {e.x(), e.y(), depth});
+        },
+        [](double, double, const Eigen::Vector2d& e) { return e; });
   }
   return errors;
 }

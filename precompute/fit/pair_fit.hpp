@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The curves of the response model (version 1, separable) for one pair, from its samples.
+// The response of one pair from its samples: the curves of the separable model, or the coupled model's coefficients.
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "formats/samples.hpp"
+#include "precompute/fit/coupled_fit.hpp"
 
 namespace palpate::fit {
 
@@ -15,9 +17,15 @@ struct ModelScales {
   double depth = 0.0;     ///< Z, m, > 0
   double sideways = 0.0;  ///< X, m; 0: no sideways pushes were solved (frictionless)
   int normal_coefs = 10, lateral_coefs = 5, growth_coefs = 5, sideways_coefs = 7, friction_coefs = 5;
+  std::optional<palpate::coupled::Degrees>
+      coupled;  ///< of the coupled model, which has no such curves; none: separable
 
   [[nodiscard]] bool friction() const noexcept { return sideways > 0; }
 };
+
+inline CoupledScales coupled_scales(const ModelScales& scales) {
+  return {scales.depth, scales.sideways, *scales.coupled};
+}
 
 /// Spline coefficients; the friction families are empty in a frictionless file.
 struct PairCurves {
@@ -25,12 +33,14 @@ struct PairCurves {
   Eigen::VectorXd growth_x, growth_y;            ///< dimensionless, last coefficient 1
   Eigen::VectorXd sideways_x, sideways_y;        ///< N
   Eigen::VectorXd friction;                      ///< dimensionless
+  Eigen::VectorXd coupled;                       ///< in place of all those: see fit_coupled
 };
 
 /// Relative errors of curves against samples: |model - sample| / max(|sample|, 2 % of the pair's peak force).
 struct FitErrors {
   std::vector<double> normal;      ///< of straight pushes
   std::vector<double> tangential;  ///< of sideways pushes
+  std::vector<double> paths;       ///< along paths that only test
 };
 
 /// Fits `samples` (at least two straight pushes at increasing depths in (0, Z]). `what` names the pair in errors.
@@ -38,7 +48,7 @@ struct FitErrors {
 PairCurves fit_pair(const std::vector<Sample>& samples, const ModelScales& scales, const std::string& what);
 
 /// Force (x, y, n) at a deflection (x, y sideways, depth; m) inside the fitted range (depth is clamped to [0, Z],
-/// sideways to [-X, X]).
+/// sideways to [-X, X], save by the coupled model, which goes on there).
 Eigen::Vector3d evaluate(const PairCurves& curves, const ModelScales& scales, const Eigen::Vector3d& deflection);
 
 /// mu at a depth (m); 0 in a frictionless file.

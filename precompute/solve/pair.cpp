@@ -25,6 +25,7 @@ PairResult attempt(const Body& body, const Tool& tool, const ToolVertex& vertex,
       run.refuse("support: no node of the mesh is held");
     } else if (approach(run) && straight_push(run) && sticking_pushes(run)) {
       slipping_pushes(run);
+      side_paths(run);
       result.outcome.accepted = true;
     }
     result.outcome.factorisations = push.factorisations();

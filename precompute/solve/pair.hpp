@@ -14,6 +14,17 @@
 
 namespace palpate {
 
+/// A way of the tool that sticks and goes deeper or less deep while it is held sideways. It starts at a straight push.
+struct SidePath {
+  struct Point {
+    double sideways = 0.0, depth = 0.0;  ///< m
+  };
+  double from = 0.0;          ///< m, depth of the straight push: the first accepted one from there on
+  double angle = 0.0;         ///< rad, of the sideways direction from +x
+  std::vector<Point> points;  ///< solved one after the other, at most kPathStride - 1
+};
+inline constexpr int kPathStride = 8;
+
 /// What to solve at a pair. Depths in m along -n from first touch, increasing.
 struct PairPath {
   std::vector<double> normal_depths;
@@ -30,10 +41,15 @@ struct PairPath {
                                    ///< refuses nothing. 0: none
   int slip_directions = 0;         ///< of those, evenly spaced; 0: as of the tangential ones
   double slip_reach = 0.0;         ///< their largest sideways deflection over the depth (see gross_slip_reach)
+  std::vector<SidePath> side_paths{};  ///< samples of kind path, first the straight push it starts from; number k's
+                                       ///< indices from k kPathStride on. One that fails ends short and refuses nothing
 };
 
 /// The path the bake uses for a pair of this scene: depths evenly spaced in sqrt(depth).
 PairPath bake_path(const Scene& scene, double depth);
+
+/// Paths that only test: diagonal, side then deeper, lift under side load, within `path`'s depths and reach.
+std::vector<SidePath> test_paths(const PairPath& path, double angle);
 
 struct PairOptions {
   double refine = 1.0;      ///< factor of every element size, the tools' edges and the supports' rim included

@@ -59,5 +59,7 @@ bool straight_push(PairRun& run);
 bool sticking_pushes(PairRun& run);
 /// Sideways pushes of a contact that slips where Coulomb's law lets it. They refuse nothing: limits are then foretold.
 void slipping_pushes(PairRun& run);
+/// Ways deeper and less deep under side load; they refuse nothing either.
+void side_paths(PairRun& run);
 
 }  // namespace palpate

@@ -6,6 +6,11 @@
 #include <algorithm>
 
 namespace palpate {
+namespace {
+
+constexpr int kCoupledDepths = 4, kCoupledDirections = 8;
+
+}  // namespace
 
 PairPath bake_path(const Scene& scene, double depth) {
   PairPath path;
@@ -13,9 +18,11 @@ PairPath bake_path(const Scene& scene, double depth) {
   for (int k = 1; k <= n; ++k) path.normal_depths.push_back(depth * k * k / (static_cast<double>(n) * n));
   path.friction = scene.friction;
   if (scene.friction > 0) {
-    const int m = scene.sampling.tangential_depths;
+    // The coupled model has products of depth and direction to tell apart.
+    const bool coupled = scene.response.model == ResponseScene::Model::coupled;
+    const int m = std::max(scene.sampling.tangential_depths, coupled ? kCoupledDepths : 0);
     for (int k = 1; k <= m; ++k) path.tangential_depths.push_back(path.normal_depths[(n * k + m - 1) / m - 1]);
-    path.tangential_directions = scene.sampling.tangential_directions;
+    path.tangential_directions = std::max(scene.sampling.tangential_directions, coupled ? kCoupledDirections : 0);
     path.tangential_points = scene.sampling.tangential_points;
     // Gross slip of a Hertz contact begins at mu (2 - nu) / (3 (1 - nu)) of the depth (Mindlin 1949); beyond
     // the whole depth a sticking contact without cohesion peels.
@@ -31,6 +38,21 @@ PairPath bake_path(const Scene& scene, double depth) {
     }
   }
   return path;
+}
+
+std::vector<SidePath> test_paths(const PairPath& path, double angle) {
+  const double deepest = path.normal_depths.back(), reach = path.tangential_reach * deepest, shallow = 0.25 * deepest;
+  SidePath diagonal{shallow, angle, {}}, deeper = diagonal, lift{deepest, angle, {}};
+  constexpr int kPoints = 6;
+  for (int k = 1; k <= kPoints; ++k) {
+    const double share = static_cast<double>(k) / kPoints;
+    diagonal.points.push_back({share * reach, shallow + share * (deepest - shallow)});
+    // A third sideways, the rest up or down.
+    const double side = std::min(1.0, 3 * share), way = std::max(0.0, 1.5 * share - 0.5);
+    deeper.points.push_back({side * 0.25 * reach, shallow + way * (deepest - shallow)});
+    lift.points.push_back({side * 0.5 * reach, deepest - way * 0.5 * deepest});
+  }
+  return {diagonal, deeper, lift};
 }
 
 PairOptions pair_options(const Scene& scene) {

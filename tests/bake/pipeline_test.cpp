@@ -10,6 +10,7 @@
 #include <random>
 
 #include "formats/error.hpp"
+#include "palpate/runtime.hpp"
 #include "tests/bake/kill_driver.hpp"
 
 namespace palpate::test {
@@ -155,6 +156,34 @@ TEST_F(SlabPipeline, ANewFitTakesUpTheOldSolves) {
   }
   write_scene(5000, "[response]\nsearch = \"bvh\"\ntolerance = 0.01\n");
   EXPECT_NO_THROW(open("work"));
+}
+
+// Every slice of the coupled model at once: rays and paths solved, degrees chosen, whole numbers written, read again.
+TEST_F(SlabPipeline, ACoupledSceneIsBakedAndFitted) {
+  write_scene(5000, "[contact]\nfriction = 0.3\n[response]\nmodel = \"coupled\"\npath_share = 1\ntolerance = 0.015\n");
+  const Pipeline p = open("work");
+  BakeOptions options;
+  options.threads = 2;
+  const BakeReport bake = pipeline::bake(p, options);
+  EXPECT_EQ(bake.refused.size(), 0U) << (bake.refused.empty() ? "" : bake.refused[0].cause);
+  const FitReport fit = pipeline::fit(p);
+  EXPECT_LT(fit.normal.p95, 0.015);
+  EXPECT_LT(fit.tangential.p95, 0.015);
+  EXPECT_LT(fit.held_out.p95, 0.015);
+  EXPECT_GE(fit.paths.samples, 10 * p.plan.pairs.size());
+  EXPECT_LT(fit.paths.worst, 0.1);
+  const std::vector<std::byte> bytes = read_bytes(p.paths.response);
+  const runtime::OpenResult opened = runtime::View::open(bytes.data(), bytes.size());
+  ASSERT_TRUE(opened) << opened.error;
+  EXPECT_TRUE(layout::is_coupled(*opened.view.meta));
+  EXPECT_EQ(opened.view.section_bytes(layout::Section::friction), 0U);
+  EXPECT_LE(layout::coupled_size(layout::coupled_degrees(*opened.view.meta)) + layout::response_size(*opened.view.meta),
+            140U);
+  // The separable model of the same samples knows nothing of what the paths did before.
+  FitSettings separable = pipeline::fit_settings(p.scene);
+  separable.coupled.reset();
+  const pipeline::FittedFile other = pipeline::fit_file(p, pipeline::samples(p), separable);
+  EXPECT_GT(other.fitted.report.paths.p95, 2 * fit.paths.p95);
 }
 
 TEST_F(SlabPipeline, AFitWithoutABakeSaysSo) {

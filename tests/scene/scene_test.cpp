@@ -279,6 +279,12 @@ TEST_F(SceneTest, CanonicalTextFollowsResultsNotPathsNorNames) {
   };
   EXPECT_EQ(solves(""), solves("[response]\ntolerance = 0.04\nsearch = \"none\"\n[sampling]\nmax_refused = 0.5\n"));
   EXPECT_NE(solves(""), solves("[sampling]\nnormal_points = 13\n"));
+  // The coupled model is fitted to other solves; its order and tolerance only to what is made of them.
+  const std::string coupled = "[response]\nmodel = \"coupled\"\n";
+  EXPECT_NE(solves(""), solves(coupled));
+  EXPECT_NE(solves(coupled), solves(coupled + "path_share = 0.5\n"));
+  EXPECT_EQ(solves(coupled), solves(coupled + "order = 3\ntolerance = 0.01\n"));
+  EXPECT_NE(canonical_text(read(base + coupled)), canonical_text(read(base + coupled + "order = 3\n")));
   // Nothing of the machine is in it.
   EXPECT_EQ(text.find(folder_.path().string()), std::string::npos);
 }

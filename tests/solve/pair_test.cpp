@@ -201,5 +201,42 @@ TEST_F(Pair, AToolThatReachesHeldSurfaceIsRefusedByName) {
   EXPECT_NE(r.outcome.cause.find("support: overlap"), std::string::npos) << r.outcome.cause;
 }
 
+// New area sticks where it lands: at one and the same place of the tool, more of the sideways force is there the deeper
+// it was when it was pushed aside.
+TEST_F(Pair, PathsUnderSideLoadAreSolvedFromTheStraightPush) {
+  scene.response.model = ResponseScene::Model::coupled;
+  scene.solver.mesh_size = 0.7;
+  scene.friction = 0.3;
+  scene.sampling.normal_points = 4;
+  const double depth = 0.004;
+  PairPath path = bake_path(scene, depth);
+  EXPECT_GE(path.tangential_directions, 8);
+  EXPECT_GE(path.tangential_depths.size(), 4u);
+  path.tangential_depths = {depth};
+  path.tangential_directions = 1;
+  path.tangential_points = 1;
+  const double side = path.tangential_reach * 0.25 * depth;
+  path.tangential_reach = side / depth;  // straight down, then as far aside as the path was at a quarter of the depth
+  path.side_paths = {{0.25 * depth, 0.0, {{side, 0.25 * depth}, {side, depth}}}};
+  const Tool tool = make_tool(sphere);
+  const PairResult r = solve_pair(body, tool, tool.vertices[0], ContactFrame{}, path, pair_options(scene));
+  ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
+  EXPECT_EQ(r.outcome.cause, "");
+  std::vector<Sample> paths;
+  double straight_down = 0;
+  for (const Sample& s : r.samples) {
+    if (s.kind == SampleKind::path) paths.push_back(s);
+    if (s.kind == SampleKind::tangential) straight_down = -s.force.x();
+  }
+  ASSERT_EQ(paths.size(), 3u);
+  EXPECT_EQ(paths[0].index, 0);
+  EXPECT_EQ(paths[0].deflection.head<2>().norm(), 0);
+  EXPECT_NEAR(paths[0].deflection.z(), 0.25 * depth, 0.02 * depth);
+  EXPECT_NEAR(paths[2].deflection.x(), side, 0.05 * side);
+  EXPECT_NEAR(paths[2].deflection.z(), depth, 0.02 * depth);
+  EXPECT_LT(-paths[2].force.x(), 0.8 * straight_down);
+  EXPECT_GT(-paths[2].force.x(), 0.8 * -paths[1].force.x());
+}
+
 }  // namespace
 }  // namespace palpate

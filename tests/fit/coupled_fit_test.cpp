@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Fits of the coupled model to pairs with known answers: laws found again, data that no passive law fits, quantisation.
+#include "precompute/fit/coupled_fit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "formats/error.hpp"
+#include "palpate/coupled_check.hpp"
+#include "palpate/response_layout.hpp"
+#include "precompute/fit/coupled_degrees.hpp"
+#include "precompute/solve/pair.hpp"
+
+namespace palpate::fit {
+namespace {
+
+using coupled::Degrees;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr double Z = 0.004, X = 0.0014;
+
+/// Hertz with a sideways force of its own, a stiffness that stiffens, its coupling, and a little of the higher forms.
+VectorXd known(const Degrees& d, double coupling = -0.3) {
+  const coupled::Places p = coupled::places(d);
+  VectorXd c = VectorXd::Zero(p.end);
+  for (int k = 0; k < p.straight; ++k) c[k] = 0.4 * k + 0.1 * k * k + 0.05;
+  for (int k = p.straight; k < p.stiffness; k += 2) {
+    c[k] = 0.05 * (k - p.straight);
+    c[k + 1] = -0.03 * (k - p.straight);
+  }
+  for (int i = 0; i <= d.stiffness; ++i) {
+    c.segment<3>(p.stiffness + 3 * i) << 0.5 + 0.05 * i, 0.03 * i, -0.02;
+    if (i >= 2) c.segment<3>(p.coupling + 3 * (i - 2)) << coupling * (0.5 + 0.05 * i), 0.02, 0.01;
+  }
+  for (int k = p.cubic; k < p.limit; ++k) c[k] = 0.003 * ((k - p.cubic) % 3 - 1);
+  for (int k = p.limit; k < p.end; ++k) c[k] = 0.3 + 0.02 * (k - p.limit);
+  return c;
+}
+
+/// The bake's rays of a law, and with `paths` its test paths by the law's own rule.
+std::vector<Sample> samples_of(const VectorXd& coefs, const CoupledScales& scales, bool paths = false) {
+  const coupled::Law law = make_law(coefs, scales);
+  std::vector<Sample> samples;
+  const auto add = [&](SampleKind kind, std::size_t index, const Vector3d& deflection, const Vector2d& held) {
+    Sample s;
+    s.kind = kind;
+    s.index = static_cast<std::uint16_t>(index);
+    s.deflection = deflection;
+    s.force = evaluate(law, scales, held, deflection.z());
+    s.friction_limit = law.at(law.abscissa(deflection.z()), false).limit;
+    samples.push_back(s);
+  };
+  for (int k = 1; k <= 12; ++k) add(SampleKind::normal, std::size_t(k - 1), {0, 0, Z * k * k / 144}, {0, 0});
+  std::size_t index = 0;
+  for (int level = 1; level <= 4; ++level) {
+    const double z = Z * level * level / 16;
+    for (int d = 0; d < 8; ++d) {
+      for (int k = 1; k <= 3; ++k) {
+        const double r = X / Z * z * k / 3, angle = std::numbers::pi * d / 4;
+        const Vector2d e(r * std::cos(angle), r * std::sin(angle));
+        add(SampleKind::tangential, index++, {e.x(), e.y(), z}, e);
+      }
+    }
+  }
+  for (int number = 0; number < (paths ? 2 : 0); ++number) {  // deeper, and less deep, under side load
+    const double from = number == 0 ? 0.25 * Z : Z, to = number == 0 ? Z : 0.5 * Z;
+    const Vector2d side(0.3 * X * from / Z, 0.2 * X * from / Z);
+    const std::size_t first = std::size_t(number) * kPathStride;
+    add(SampleKind::path, first, {0, 0, from}, {0, 0});
+    for (std::size_t k = 1; k <= 6; ++k) {
+      const double share = static_cast<double>(k) / 6, way = std::max(0.0, 1.5 * share - 0.5);
+      const Vector2d at = std::min(1.0, 3 * share) * side;
+      const double z = from + way * (to - from);
+      add(SampleKind::path, first + k, {at.x(), at.y(), z}, z > from ? deepened(law, scales, from, z, at) : at);
+    }
+  }
+  return samples;
+}
+
+double worst_error(const VectorXd& coefs, const CoupledScales& scales, const std::vector<Sample>& samples) {
+  ModelScales model;
+  model.depth = scales.depth;
+  model.sideways = scales.sideways;
+  model.coupled = scales.degrees;
+  PairCurves curves;
+  curves.coupled = coefs;
+  const FitErrors errors = fit_errors(curves, model, samples);
+  double worst = 0;
+  for (const auto* list : {&errors.normal, &errors.tangential, &errors.paths}) {
+    for (const double e : *list) worst = std::max(worst, e);
+  }
+  return worst;
+}
+
+const Degrees kinds[] = {{2, 5, 0, 3, 0, 0, 3}, {2, 4, 3, 2, 0, 0, 1}, {3, 5, 4, 3, 1, 0, 2}, {4, 5, 4, 3, 1, 1, 3}};
+
+TEST(CoupledFit, FindsALawAgain) {
+  for (const Degrees& d : kinds) {
+    const CoupledScales scales{Z, X, d};
+    const std::vector<Sample> samples = samples_of(known(d), scales, true);
+    const VectorXd coefs = fit_coupled(samples, scales, "pair");
+    EXPECT_EQ(coupled::broken_rule(coefs.data(), d, 10), nullptr);
+    // Rows know nothing of the last term of the normal force, which is not linear: it is there with g, C and Q.
+    EXPECT_LT(worst_error(coefs, scales, samples), d.straight > 0 ? 4e-3 : 1e-3) << d.order;
+    EXPECT_NEAR(coefs[coefs.size() - 1], known(d)[coefs.size() - 1], 5e-3);
+  }
+}
+
+TEST(CoupledFit, DataThatNoPassiveLawFitsStillGiveAPassiveOne) {
+  for (const double coupling : {-1.8, 1.8}) {
+    for (const Degrees& d : kinds) {
+      const CoupledScales scales{Z, X, d};
+      const VectorXd truth = known(d, coupling);
+      ASSERT_NE(coupled::broken_rule(truth.data(), d, 10), nullptr);
+      const std::vector<Sample> samples = samples_of(truth, scales);
+      const VectorXd coefs = fit_coupled(samples, scales, "pair");
+      EXPECT_EQ(coupled::broken_rule(coefs.data(), d, 10), nullptr) << coupling << ' ' << d.order;
+      const double worst = worst_error(coefs, scales, samples);
+      EXPECT_GT(worst, 0.005) << "and its error is reported";
+      EXPECT_LT(worst, 0.3);
+    }
+  }
+}
+
+TEST(CoupledFit, SofteningDataGiveAMonotonePush) {
+  const CoupledScales scales{Z, X, kinds[0]};
+  VectorXd truth = known(kinds[0]);
+  truth[3] = 0.3 * truth[2];
+  const VectorXd coefs = fit_coupled(samples_of(truth, scales), scales, "pair");
+  EXPECT_EQ(coupled::broken_rule(coefs.data(), kinds[0], 10), nullptr);
+}
+
+TEST(CoupledFit, WholeNumbersKeepTheRulesAndTheForces) {
+  std::mt19937 random(11);
+  for (const Degrees& d : kinds) {
+    const CoupledScales scales{Z, X, d};
+    for (const double coupling : {-1.0, -0.5, 0.999, 1.0}) {  // on the very edge, too
+      VectorXd truth = known(d, coupling);
+      const coupled::Places p = coupled::places(d);
+      for (int i = 0; i <= d.stiffness; ++i) {
+        const double slack =
+            std::min(coupled::passive_slack(truth.data(), d, i, 1), coupled::passive_slack(truth.data(), d, i, -1));
+        truth[p.stiffness + 3 * i] -= std::min(slack, 0.0);
+      }
+      const Quantised q = quantise(truth, d, "pair");
+      ASSERT_EQ(q.coefs.size(), static_cast<std::size_t>(p.end));
+      EXPECT_EQ(coupled::broken_rule(q.coefs.data(), d, 10 / layout::kLimitUnit), nullptr) << d.order << coupling;
+      VectorXd back(p.end);
+      for (int k = 0; k < p.end; ++k) {
+        back[k] = q.coefs[std::size_t(k)] * (k < p.limit ? static_cast<double>(q.unit) : layout::kLimitUnit);
+      }
+      EXPECT_LT(worst_error(back, scales, samples_of(truth, scales)), 5e-3);
+    }
+  }
+}
+
+TEST(CoupledFit, PathsAreNotRead) {
+  const CoupledScales scales{Z, X, kinds[3]};
+  std::vector<Sample> samples = samples_of(known(kinds[3]), scales, true);
+  const VectorXd before = fit_coupled(samples, scales, "pair");
+  for (Sample& s : samples) {
+    if (s.kind == SampleKind::path) s.force *= 2;
+  }
+  EXPECT_EQ(fit_coupled(samples, scales, "pair"), before);
+  EXPECT_GT(worst_error(before, scales, samples), 0.4) << "they only test";
+}
+
+TEST(CoupledFit, BadSamplesNameThePair) {
+  const CoupledScales scales{Z, X, kinds[0]};
+  std::vector<Sample> samples = samples_of(known(kinds[0]), scales);
+  samples[30].force.x() = std::nan("");
+  try {
+    fit_coupled(samples, scales, "pair 17");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::numerical);
+    EXPECT_NE(std::string(error.what()).find("pair 17"), std::string::npos);
+  }
+  EXPECT_THROW(fit_coupled({}, scales, "pair"), Error);
+}
+
+TEST(CoupledDegrees, AreTheFewestThatMeetTheTolerance) {
+  ModelScales scales;
+  scales.depth = Z;
+  scales.sideways = X;
+  const auto choose = [&](const Degrees& truth, const DegreeWish& wish) {
+    const std::vector<Sample> samples = samples_of(known(truth), {Z, X, truth});
+    return choose_degrees({&samples}, scales, truth.straight > 0, wish);
+  };
+  const DegreeChoice plain = choose({2, 4, 0, 2, 0, 0, 3}, {0, 0.01});
+  EXPECT_TRUE(plain.met);
+  EXPECT_EQ(plain.degrees.order, 2);
+  EXPECT_EQ(plain.degrees.stiffness, 2);
+  EXPECT_EQ(plain.degrees.straight, 0);
+  EXPECT_GT(plain.held_out.samples, 10u);
+  EXPECT_EQ(choose({2, 4, 0, 2, 0, 0, 3}, {4, 0.01}).degrees.order, 4) << "as the scene asks";
+  const DegreeChoice impossible = choose(kinds[3], {2, 1e-9});
+  EXPECT_FALSE(impossible.met);
+  EXPECT_LT(impossible.held_out.p95, 0.1);
+}
+
+}  // namespace
+}  // namespace palpate::fit
