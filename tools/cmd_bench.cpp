@@ -10,6 +10,7 @@
 #include "tools/response_input.hpp"
 #include "tools/tick_bench.hpp"
 #ifdef PALPATE_SOLVER_BENCH
+#include "tools/bench_models.hpp"
 #include "tools/bench_solver.hpp"
 #endif
 
@@ -19,8 +20,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string file, tool;
-  bool solver = false;
+  std::string file, tool, work;
+  bool solver = false, models = false;
   TickBenchOptions bench;
 };
 
@@ -37,7 +38,12 @@ std::string times_text(const char* name, const TickTimes& times) {
 
 void run(Options options, const Globals& globals) {
 #ifdef PALPATE_SOLVER_BENCH
+  if (options.solver && options.models) throw Error(ExitCode::usage, "--solver and --models exclude each other");
   if (options.solver) return run_solver_bench({options.file, options.bench.contacts}, globals);
+  if (options.models) {
+    if (options.file.empty()) throw Error(ExitCode::usage, "bench --models needs a scene");
+    return run_model_bench({options.file, options.work, options.bench.contacts}, globals);
+  }
 #endif
   if (options.file.empty()) throw Error(ExitCode::usage, "bench needs a response file");
   const ResponseInput input(options.file);
@@ -69,9 +75,14 @@ void run(Options options, const Globals& globals) {
 void add_bench(CLI::App& app, Globals& globals) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("bench", "Times the ticks of a response file");
-  command->add_option("file", options->file, "Response file (.palp); with --solver a scene, or nothing for a block");
+  command->add_option("file", options->file,
+                      "Response file (.palp); with --models a scene, with --solver a scene, or nothing for a block");
 #ifdef PALPATE_SOLVER_BENCH
   command->add_flag("--solver", options->solver, "Curve sets an hour against their error, in place of ticks");
+  command->add_flag("--models", options->models,
+                    "Bytes, error and nanoseconds of every response model on the samples of a scene that was baked for "
+                    "the coupled one");
+  command->add_option("--work", options->work, "With --models: work folder (default: NAME.work beside the scene)");
 #endif
   command->add_option("--tool", options->tool, "Name of the tool; default: the file's first");
   command

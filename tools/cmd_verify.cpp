@@ -59,7 +59,7 @@ std::string line(const char* name, const ErrorStatistics& s) {
 std::string table(const VerifyStatistics& s) {
   return "error (forces: % of the larger of the solved one and 2 % of its contact's peak; limit: % of the solved one)\n"
          "push       forces   median      p95    worst      <1%   <2%   <5%  <10%   worst at\n" +
-         line("normal", s.normal) + line("sideways", s.sideways) + line("limit", s.limit);
+         line("normal", s.normal) + line("sideways", s.sideways) + line("paths", s.paths) + line("limit", s.limit);
 }
 
 Json contacts_json(const VerifyStatistics& s) { return {{"solved", s.accepted}, {"refused", s.refused}}; }
@@ -90,6 +90,7 @@ void compare(const Options& options, const Globals& globals) {
            {"error", to_json(s.normal, contacts)},
            {"error_sideways", to_json(s.sideways, contacts)},
            {"error_friction_limit", to_json(s.limit, contacts)},
+           {"error_paths", to_json(s.paths, contacts)},
            {"contacts", contacts_json(s)},
            {"held_out", to_json(contacts)}},
           table(s));
@@ -162,6 +163,7 @@ void solve(const Options& options, const Globals& globals) {
            {"error", to_json(s.normal, set.contacts)},
            {"error_sideways", to_json(s.sideways, set.contacts)},
            {"error_friction_limit", to_json(s.limit, set.contacts)},
+           {"error_paths", to_json(s.paths, set.contacts)},
            {"tolerance", tolerance},
            {"within_tolerance", s.normal.count > 0 && s.normal.p95 <= tolerance},
            {"tick_ns", cost.tick},

@@ -98,6 +98,11 @@ PairPath held_out_path(const Scene& scene, double depth, double start) {
     path.tangential_start = start;
     path.tangential_points = 2;
     path.slip_directions = 2;
+    if (scene.response.model == ResponseScene::Model::coupled) {
+      path.tangential_depths = {path.normal_depths[n / 3], path.normal_depths[2 * n / 3], depth};
+      path.tangential_directions = 3;
+      path.side_paths = test_paths(path, start);
+    }
   }
   return path;
 }
@@ -110,6 +115,7 @@ void solve(const Scene& scene, const Body& body, const Tool& tool, HeldOut& cont
   contact.accepted = result.outcome.accepted;
   contact.cause = result.outcome.cause;
   if (!contact.accepted) return;
+  std::optional<Vector3d> from;
   for (const Sample& s : result.samples) {
     if (s.kind == SampleKind::slipping) {
       if (s.friction_limit > 0) contact.limits.push_back({s.deflection.z(), s.friction_limit, 0.0, 0.0});
@@ -119,9 +125,40 @@ void solve(const Scene& scene, const Body& body, const Tool& tool, HeldOut& cont
     f.kind = s.kind;
     f.deflection = frame.to_world({s.deflection.x(), s.deflection.y(), -s.deflection.z()});
     f.solved = frame.to_world(s.force);
+    if (s.kind == SampleKind::path && s.index % kPathStride == 0) {
+      from = f.deflection;
+      continue;
+    }
+    f.from = std::exchange(from, std::nullopt);
     contact.forces.push_back(f);
   }
 }
+
+// A path by the runtime's state rule: the effective deflection follows the tool from force to force.
+class Replay {
+public:
+  explicit Replay(const runtime::Field& field) : field_(field) {}
+  runtime::Vec3 go(const ForcePair& to) {
+    constexpr int kSteps = 32;
+    const runtime::Vec3& n = field_.normal();
+    if (to.from) {
+      tool_ = to_runtime(*to.from);
+      held_ = {};
+    }
+    const runtime::Vec3 step = (1.0 / kSteps) * (to_runtime(to.deflection) - tool_);
+    for (int k = 0; k < kSteps; ++k) {
+      const double before = -dot(tool_, n);
+      tool_ = tool_ + step;
+      held_ = held_ + tangential(step, n);
+      if (-dot(tool_, n) > before) held_ = field_.deepened(before, -dot(tool_, n), held_);
+    }
+    return field_.force(held_ + dot(tool_, n) * n).force;
+  }
+
+private:
+  const runtime::Field& field_;
+  runtime::Vec3 tool_, held_;
+};
 
 }  // namespace
 
@@ -201,8 +238,9 @@ void compare_with_file(const runtime::View& view, std::vector<HeldOut>& contacts
     contact.covered = field.covered();
     double peak = 0;
     for (const ForcePair& f : contact.forces) peak = std::max(peak, f.solved.norm());
+    Replay replay(field);
     for (ForcePair& f : contact.forces) {
-      f.baked = to_eigen(field.force(to_runtime(f.deflection)).force);
+      f.baked = to_eigen(f.kind == SampleKind::path ? replay.go(f) : field.force(to_runtime(f.deflection)).force);
       f.error = (f.baked - f.solved).norm() / std::max(f.solved.norm(), 0.02 * peak);
     }
     for (LimitPair& l : contact.limits) {

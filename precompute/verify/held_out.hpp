@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,9 @@ struct ForcePair {
   Eigen::Vector3d solved{0, 0, 0};      ///< N on the tool
   Eigen::Vector3d baked{0, 0, 0};       ///< N
   double error = 0.0;                   ///< |baked - solved| / max(|solved|, 2 % of the contact's peak force)
+  /// Kind path: of its first force the deflection (m) of the straight push that it left from; the tool goes straight
+  /// from force to force.
+  std::optional<Eigen::Vector3d> from;
 };
 
 /// Where a contact that is drawn sideways slips as a whole.
@@ -65,8 +69,9 @@ struct HeldOutSet {
 };
 
 /// Draws the contacts (uniform over the body's area; uniform over the length or area of the tool's patches)
-/// and solves them at depths off the bake's grid, and sideways off its rays where there is friction; until the contact
-/// slips as a whole where the scene wants its friction limit solved.
+/// and solves them at depths off the bake's grid, and sideways off its rays where there is friction; for the coupled
+/// model at three depths, and along test_paths; until the contact slips as a whole where the scene wants its friction
+/// limit solved.
 /// An exception, also of a callback, ends every thread after the solve it is in and is rethrown.
 HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const Body& body,
                           const std::vector<Tool>& tools, const HeldOutOptions& options);

@@ -42,9 +42,10 @@ HeldOut contact_from(const Json& j) {
   for (const Json& f : j.at("forces")) {
     ForcePair force;
     const auto kind = f.at("kind").get<std::string>();
-    if (kind != "normal" && kind != "sideways")
-      throw std::runtime_error("kind is '" + kind + "'; allowed normal, sideways");
-    force.kind = kind == "normal" ? SampleKind::normal : SampleKind::tangential;
+    if (kind != "normal" && kind != "sideways" && kind != "path")
+      throw std::runtime_error("kind is '" + kind + "'; allowed normal, sideways, path");
+    force.kind = kind == "normal" ? SampleKind::normal : kind == "path" ? SampleKind::path : SampleKind::tangential;
+    if (f.contains("from_m")) force.from = vector(f, "from_m");
     force.deflection = vector(f, "deflection_m");
     force.solved = vector(f, "solved_N");
     c.forces.push_back(force);
@@ -66,11 +67,13 @@ nlohmann::ordered_json to_json(const std::vector<HeldOut>& contacts) {
   for (const HeldOut& c : contacts) {
     Json forces = Json::array();
     for (const ForcePair& f : c.forces) {
-      forces.push_back({{"kind", f.kind == SampleKind::normal ? "normal" : "sideways"},
+      const char* kind = f.kind == SampleKind::normal ? "normal" : f.kind == SampleKind::path ? "path" : "sideways";
+      forces.push_back({{"kind", kind},
                         {"deflection_m", list(f.deflection)},
                         {"solved_N", list(f.solved)},
                         {"baked_N", list(f.baked)},
                         {"error", f.error}});
+      if (f.from) forces.back()["from_m"] = list(*f.from);
     }
     all.push_back({{"tool", c.tool},
                    {"tool_patch", c.tool_patch},

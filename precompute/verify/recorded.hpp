@@ -11,7 +11,8 @@
 namespace palpate {
 
 /// [{tool, tool_patch, tool_weights, c, n, x, depth_m, thickness_m, covered, accepted, cause,
-///   forces: [{kind, deflection_m, solved_N, baked_N, error}], limits: [{depth_m, solved, baked, error}]}]
+///   forces: [{kind, deflection_m, solved_N, baked_N, error, from_m of a path's first}],
+///   limits: [{depth_m, solved, baked, error}]}]
 /// with limits only where there are any.
 nlohmann::ordered_json to_json(const std::vector<HeldOut>& contacts);
 

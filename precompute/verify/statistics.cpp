@@ -82,6 +82,7 @@ VerifyStatistics summarise(const std::vector<HeldOut>& contacts) {
   s.normal = of_kind(contacts, SampleKind::normal);
   s.sideways = of_kind(contacts, SampleKind::tangential);
   s.limit = of_limits(contacts);
+  s.paths = of_kind(contacts, SampleKind::path);
   return s;
 }
 
