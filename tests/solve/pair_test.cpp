@@ -232,7 +232,7 @@ TEST_F(Pair, PathsUnderSideLoadAreSolvedFromTheStraightPush) {
   EXPECT_EQ(paths[0].index, 0);
   EXPECT_EQ(paths[0].deflection.head<2>().norm(), 0);
   EXPECT_NEAR(paths[0].deflection.z(), 0.25 * depth, 0.02 * depth);
-  EXPECT_NEAR(paths[2].deflection.x(), side, 0.05 * side);
+  EXPECT_NEAR(paths[2].deflection.x(), side, 0.08 * side);  // less what the anchors give
   EXPECT_NEAR(paths[2].deflection.z(), depth, 0.02 * depth);
   EXPECT_LT(-paths[2].force.x(), 0.8 * straight_down);
   EXPECT_GT(-paths[2].force.x(), 0.8 * -paths[1].force.x());
