@@ -68,6 +68,12 @@ void insert(JournalContent& content, const journal::RecordView& record, std::siz
     pair.outcome = std::move(outcome);
     return;
   }
+  if (record.type == journal::RecordType::check) {
+    PairCheck check = journal::decode_check(record);
+    if (pair.check && !same_bits(*pair.check, check)) clash("check");
+    pair.check = std::move(check);
+    return;
+  }
   const Sample sample = journal::decode_sample(record);
   const auto key = [](const Sample& s) { return std::pair(s.kind, s.index); };
   const auto at = std::lower_bound(pair.samples.begin(), pair.samples.end(), sample,
@@ -115,6 +121,7 @@ void write_fully(int descriptor, const Bytes& bytes, const std::filesystem::path
 }  // namespace
 
 bool same_bits(const Sample& a, const Sample& b) { return journal::encode(0, a) == journal::encode(0, b); }
+bool same_bits(const PairCheck& a, const PairCheck& b) { return journal::encode(0, a) == journal::encode(0, b); }
 
 JournalContent read_journal(const std::filesystem::path& file, const Hash128& manifest) {
   Bytes bytes;
@@ -149,6 +156,8 @@ Journal::~Journal() { ::close(descriptor_); }
 void Journal::append(std::uint32_t pair, const Sample& sample) { write_record(journal::encode(pair, sample)); }
 
 void Journal::append(std::uint32_t pair, const PairOutcome& outcome) { write_record(journal::encode(pair, outcome)); }
+
+void Journal::append(std::uint32_t pair, const PairCheck& check) { write_record(journal::encode(pair, check)); }
 
 void Journal::write_record(const Bytes& record) {
   const std::lock_guard lock(mutex_);

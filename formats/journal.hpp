@@ -16,7 +16,8 @@ namespace palpate {
 
 /// What a journal holds of one pair.
 struct JournalPair {
-  std::vector<Sample> samples;         ///< sorted by (kind, index), each once
+  std::vector<Sample> samples;  ///< sorted by (kind, index), each once
+  std::optional<PairCheck> check;
   std::optional<PairOutcome> outcome;  ///< absent: not finished
 };
 
@@ -27,8 +28,9 @@ struct JournalContent {
   std::uint64_t torn_bytes = 0;                ///< of a torn tail, ignored (reading) or cut off (writing)
 };
 
-/// True when two samples agree in every bit.
+/// True when two samples, two checks agree in every bit.
 bool same_bits(const Sample& a, const Sample& b);
+bool same_bits(const PairCheck& a, const PairCheck& b);
 
 /// Reads a journal without changing it. Throws Error(io) when the file cannot be read; Error(bad_input) when it is
 /// no journal, of another version, of another manifest, or damaged before its tail (with the offset).
@@ -51,6 +53,7 @@ public:
   /// before stays, the part of this record that was written is taken back, and the journal takes no more.
   void append(std::uint32_t pair, const Sample& sample);
   void append(std::uint32_t pair, const PairOutcome& outcome);
+  void append(std::uint32_t pair, const PairCheck& check);
 
   /// Asks the system to put what was appended on the disk. Throws Error(io).
   void sync();

@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t sample_size = 104;
 constexpr std::size_t outcome_size = 32;
+constexpr std::size_t check_size = 24;
 
 template <class T>
 void put(Bytes& bytes, T value) {
@@ -92,6 +93,19 @@ Bytes encode(std::uint32_t pair, const PairOutcome& outcome) {
   return bytes;
 }
 
+Bytes encode(std::uint32_t pair, const PairCheck& check) {
+  const std::size_t cause = std::min(check.cause.size(), max_cause);
+  Bytes bytes = begin_record(check_size + cause, RecordType::check, pair);
+  put(bytes, check.nodes);
+  put(bytes, check.compared);
+  put(bytes, check.foretold);
+  put(bytes, static_cast<std::uint32_t>(cause));
+  put(bytes, check.difference);
+  bytes.insert(bytes.end(), check.cause.begin(), check.cause.begin() + static_cast<std::ptrdiff_t>(cause));
+  put(bytes, checksum::of(bytes.data(), bytes.size()));
+  return bytes;
+}
+
 std::optional<RecordView> whole_record(const unsigned char* data, std::size_t available) {
   if (available < prefix_size + checksum_size) return std::nullopt;
   const unsigned char* at = data;
@@ -102,8 +116,7 @@ std::optional<RecordView> whole_record(const unsigned char* data, std::size_t av
   const auto zero = get<std::uint32_t>(at);
   view.payload = at;
   if (zero != 0 || view.payload_size > max_payload) return std::nullopt;
-  if (type != static_cast<std::uint32_t>(RecordType::sample) &&
-      type != static_cast<std::uint32_t>(RecordType::outcome)) {
+  if (type < static_cast<std::uint32_t>(RecordType::sample) || type > static_cast<std::uint32_t>(RecordType::check)) {
     return std::nullopt;
   }
   view.size = prefix_size + view.payload_size + checksum_size;
@@ -118,9 +131,11 @@ std::optional<RecordView> whole_record(const unsigned char* data, std::size_t av
     if (view.payload_size != sample_size || kind > 3 || index > 0xFFFFU) return std::nullopt;
     return view;
   }
-  if (view.payload_size < outcome_size) return std::nullopt;
-  const unsigned char* cause = view.payload + 20;
-  if (get<std::uint32_t>(cause) != view.payload_size - outcome_size) return std::nullopt;
+  const bool check = view.type == RecordType::check;
+  const std::size_t fixed = check ? check_size : outcome_size;
+  if (view.payload_size < fixed) return std::nullopt;
+  const unsigned char* cause = view.payload + (check ? 12 : 20);
+  if (get<std::uint32_t>(cause) != view.payload_size - fixed) return std::nullopt;
   return view;
 }
 
@@ -153,6 +168,18 @@ PairOutcome decode_outcome(const RecordView& record) {
   outcome.first_touch = get<double>(at);
   outcome.cause.assign(reinterpret_cast<const char*>(at), cause);
   return outcome;
+}
+
+PairCheck decode_check(const RecordView& record) {
+  const unsigned char* at = record.payload;
+  PairCheck check;
+  check.nodes = get<std::uint32_t>(at);
+  check.compared = get<std::uint32_t>(at);
+  check.foretold = get<std::uint32_t>(at);
+  const auto cause = get<std::uint32_t>(at);
+  check.difference = get<double>(at);
+  check.cause.assign(reinterpret_cast<const char*>(at), cause);
+  return check;
 }
 
 }  // namespace palpate::journal

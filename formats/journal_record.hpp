@@ -21,13 +21,14 @@ inline constexpr std::size_t max_cause = 4096;  ///< longer causes are cut
 inline constexpr std::uint32_t version = 1;
 inline constexpr char magic[9] = "PALPJRNL";
 
-enum class RecordType : std::uint32_t { sample = 1, outcome = 2 };
+enum class RecordType : std::uint32_t { sample = 1, outcome = 2, check = 3 };
 
 using Bytes = std::vector<unsigned char>;
 
 Bytes encode_header(const Hash128& manifest);
 Bytes encode(std::uint32_t pair, const Sample& sample);
 Bytes encode(std::uint32_t pair, const PairOutcome& outcome);
+Bytes encode(std::uint32_t pair, const PairCheck& check);
 
 /// Where a whole record lies in a buffer.
 struct RecordView {
@@ -43,5 +44,6 @@ std::optional<RecordView> whole_record(const unsigned char* data, std::size_t av
 
 Sample decode_sample(const RecordView& record);
 PairOutcome decode_outcome(const RecordView& record);
+PairCheck decode_check(const RecordView& record);
 
 }  // namespace palpate::journal

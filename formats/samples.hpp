@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,7 +47,7 @@ struct Sample {
   double contact_area = 0.0;         ///< m^2, undeformed area of the surface in contact
   double penetration = 0.0;          ///< m, largest overlap of tool and tissue that the penalty left
   double min_jacobian = 1.0;         ///< smallest det F over the quadrature points
-  double error_estimate = 0.0;       ///< relative, from contact resolution and residual
+  double error_estimate = 0.0;       ///< relative, of the force: iterate, penalty and mesh together
   std::uint32_t contact_points = 0;  ///< integration points in contact
   std::uint32_t iterations = 0;      ///< minimiser iterations
 };
@@ -62,10 +63,20 @@ struct PairOutcome {
   std::uint32_t factorisations = 0;
 };
 
+/// A pair's straight push beside that on a finer mesh.
+struct PairCheck {
+  std::uint32_t nodes = 0;     ///< of the finer mesh
+  std::uint32_t compared = 0;  ///< samples; 0: none could be
+  std::uint32_t foretold = 0;  ///< of these: differ by no more than the error estimates of both
+  double difference = 0.0;     ///< largest |F - F'| / |F'| over the deeper half
+  std::string cause;           ///< one line: why nothing was compared
+};
+
 /// Everything a pair produced.
 struct PairResult {
   PairOutcome outcome;
   std::vector<Sample> samples;
+  std::optional<PairCheck> check;  ///< of pairs that were drawn for it
 };
 
 }  // namespace palpate

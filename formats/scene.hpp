@@ -134,9 +134,12 @@ struct ResponseScene {
 struct SolverScene {
   double mesh_size = 0.35;  ///< element edge at the contact over the contact radius at full depth, [0.05, 1]
   double growth = 0.7;      ///< growth of the edge length per distance from the contact, (0, 1]
-  double max_size = 0.0;    ///< m; longest edge far away; 0 chooses 1/8 of the bounding-box diagonal
+  double max_size = 0.0;    ///< m; longest edge far away; 0: 1/8 of the box's diagonal, or twice the median wall
   double rim_size = 0.0;    ///< element edge at the rim of the deepest contact, in contact radii, [0, 1]; 0: no ring
   double time_limit = 120;  ///< s for one pair's mesh; beyond it the pair is refused
+  /// Of the pairs, at least one, whose straight push is also solved on a finer mesh, [0, 1]; 0: none.
+  double check_share = 0.01;
+  int check_seed = 1;  ///< of the draw of these pairs
 };
 
 /// A whole scene. Every member has its documented default; read_scene checks ranges.

@@ -125,7 +125,7 @@ std::string solved_text(const HeldOutSet& set, const VerifyStatistics& s, const 
                 "pairs: %zu planned, %zu accepted, %zu refused; held-out contacts: %zu solved, %zu refused "
                 "(%.1f %% of the draws lay at a support, in a fold narrower than the tool or outside the region)\n",
                 pairs.planned, pairs.accepted, pairs.refused, s.accepted, s.refused, 100 * set.untouchable_share);
-  std::string out = text + table(s);
+  std::string out = text + table(s) + to_text(pairs.checks);
   std::snprintf(text, sizeof text,
                 "normal pushes %s the scene's tolerance: 95th percentile %.2f %%, asked %.2f %%\n"
                 "run time: %.0f ns a tick, %.0f bytes a response, %.0f s of bake\n",
@@ -160,6 +160,7 @@ void solve(const Options& options, const Globals& globals) {
           {{"file", p.paths.response.string()},
            {"scene", options.input},
            {"pairs", {{"planned", pairs.planned}, {"accepted", pairs.accepted}, {"refused", pairs.refused}}},
+           {"finer_mesh", to_json(pairs.checks)},
            {"error", to_json(s.normal, set.contacts)},
            {"error_sideways", to_json(s.sideways, set.contacts)},
            {"error_friction_limit", to_json(s.limit, set.contacts)},

@@ -5,9 +5,11 @@
 #include "formats/error.hpp"
 #include "formats/file.hpp"
 #include "formats/journal.hpp"
+#include "precompute/verify/statistics.hpp"
 
 #include <unistd.h>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
@@ -40,12 +42,44 @@ void check_same_plan(const pipeline::Pipeline& p, const runtime::View& view) {
 }
 
 PairCounts count_pairs(const pipeline::Pipeline& p) {
-  PairCounts counts{p.plan.pairs.size(), 0, 0};
+  PairCounts counts;
+  counts.planned = p.plan.pairs.size();
+  MeshChecks& checks = counts.checks;
+  std::vector<double> differences;
   for (const auto& [index, pair] : read_journal(p.paths.journal, p.manifest).pairs) {
     if (!pair.outcome) continue;
     ++(pair.outcome->accepted ? counts.accepted : counts.refused);
+    if (!pair.check) continue;
+    ++(pair.check->compared > 0 ? checks.compared : checks.uncompared);
+    if (pair.check->compared == 0) continue;
+    checks.samples += pair.check->compared;
+    checks.foretold += pair.check->foretold;
+    differences.push_back(pair.check->difference);
+    if (differences.size() > 1 && differences.back() <= checks.worst) continue;
+    checks.worst = differences.back();
+    checks.worst_pair = index;
   }
+  checks.median = quantile(differences, 0.5);
   return counts;
+}
+
+nlohmann::ordered_json to_json(const MeshChecks& checks) {
+  return {{"compared", checks.compared},       {"uncompared", checks.uncompared},
+          {"median", checks.median},           {"worst", checks.worst},
+          {"worst_pair", checks.worst_pair},   {"samples", checks.samples},
+          {"within_estimate", checks.foretold}};
+}
+
+std::string to_text(const MeshChecks& checks) {
+  if (checks.compared + checks.uncompared == 0) return {};
+  char text[256];
+  std::snprintf(
+      text, sizeof text,
+      "finer mesh: %zu pairs compared (%zu could not be), force off by %.2f %% at the median, %.2f %% in pair "
+      "%u; %zu of %zu samples within their error estimates\n",
+      checks.compared, checks.uncompared, 100 * checks.median, 100 * checks.worst, checks.worst_pair, checks.foretold,
+      checks.samples);
+  return text;
 }
 
 void write_report(const fs::path& file, const nlohmann::ordered_json& report) {

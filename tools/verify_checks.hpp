@@ -18,12 +18,25 @@ void check_baked(const pipeline::Pipeline& pipeline);
 /// Throws Error(bad_input) where the response file was not made from this plan. Needs plan().
 void check_same_plan(const pipeline::Pipeline& pipeline, const runtime::View& view);
 
+/// What the bake's own checks on finer meshes say of its straight pushes.
+struct MeshChecks {
+  std::size_t compared = 0, uncompared = 0;  ///< pairs
+  double median = 0.0, worst = 0.0;          ///< relative difference of the force, of the compared
+  std::uint32_t worst_pair = 0;
+  std::size_t samples = 0, foretold = 0;  ///< see PairCheck
+};
+
 struct PairCounts {
   std::size_t planned = 0, accepted = 0, refused = 0;
+  MeshChecks checks;
 };
 
 /// From plan and journal. Throws as read_journal.
 PairCounts count_pairs(const pipeline::Pipeline& pipeline);
+
+nlohmann::ordered_json to_json(const MeshChecks& checks);
+/// One line; empty where nothing was checked.
+std::string to_text(const MeshChecks& checks);
 
 /// Writes the report whole or not at all. Throws Error(io).
 void write_report(const std::filesystem::path& file, const nlohmann::ordered_json& report);

@@ -23,13 +23,13 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 /// Compares what a pair gives now with what the journal already holds of it, and appends what is new.
 class PairSink {
 public:
-  PairSink(std::uint32_t pair, const PairPlan& plan, const std::vector<Sample>& known, Journal& journal)
+  PairSink(std::uint32_t pair, const PairPlan& plan, const JournalPair& known, Journal& journal)
       : pair_(pair), plan_(plan), known_(known), journal_(journal) {}
 
   void operator()(const Sample& sample) {
     const auto same_place = [&](const Sample& s) { return s.kind == sample.kind && s.index == sample.index; };
-    const auto at = std::find_if(known_.begin(), known_.end(), same_place);
-    if (at == known_.end()) {
+    const auto at = std::find_if(known_.samples.begin(), known_.samples.end(), same_place);
+    if (at == known_.samples.end()) {
       journal_.append(pair_, sample);
     } else if (same_bits(*at, sample)) {
       ++met_;
@@ -39,10 +39,12 @@ public:
   }
 
   /// At the pair's end: checks that it gave everything the journal holds of it.
-  void finish() const {
-    if (met_ < known_.size()) {
-      differ(std::to_string(known_.size() - met_) + " samples of the journal did not come again");
+  void finish(const std::optional<PairCheck>& check) const {
+    if (met_ < known_.samples.size()) {
+      differ(std::to_string(known_.samples.size() - met_) + " samples of the journal did not come again");
     }
+    if (known_.check && !(check && same_bits(*known_.check, *check))) differ("its check differs");
+    if (check && !known_.check) journal_.append(pair_, *check);
   }
 
 private:
@@ -53,7 +55,7 @@ private:
 
   std::uint32_t pair_;
   const PairPlan& plan_;
-  const std::vector<Sample>& known_;
+  const JournalPair& known_;
   Journal& journal_;
   std::size_t met_ = 0;
 };
@@ -117,10 +119,9 @@ private:
 
   void solve_one(std::uint32_t pair) {
     const auto known = journal_.content().pairs.find(pair);
-    PairSink sink(pair, pairs_[pair], known == journal_.content().pairs.end() ? none_ : known->second.samples,
-                  journal_);
+    PairSink sink(pair, pairs_[pair], known == journal_.content().pairs.end() ? none_ : known->second, journal_);
     const PairResult result = solve_(pairs_[pair], std::ref(sink));
-    sink.finish();
+    sink.finish(result.check);
     journal_.append(pair, result.outcome);
     const std::lock_guard lock(mutex_);
     outcomes_[pair] = result.outcome;
@@ -186,7 +187,7 @@ private:
   const PairSolver& solve_;
   Journal& journal_;
   const BakeOptions& options_;
-  const std::vector<Sample> none_;
+  const JournalPair none_;
   std::vector<std::uint32_t> open_;
   std::size_t resumed_ = 0;
   const Clock::time_point start_ = Clock::now();

@@ -3,11 +3,14 @@
 #include "precompute/bake/pipeline.hpp"
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <set>
 
 #include "formats/error.hpp"
 #include "formats/file.hpp"
+#include "precompute/draw.hpp"
 #include "precompute/fit/assemble.hpp"
 #include "precompute/solve/prestress.hpp"
 
@@ -77,9 +80,18 @@ void plan(Pipeline& p) {
 }
 
 PairSolver contact_solver(const Pipeline& p) {
-  const PairOptions options = pair_options(p.scene);
-  return [&p, options](const PairPlan& pair, const SampleSink& sink) {
+  const PairOptions scene_options = pair_options(p.scene);
+  const auto name = [](const PairPlan& pair) { return std::array{pair.site, pair.tool, pair.tool_vertex}; };
+  std::set<std::array<std::uint32_t, 3>> checked;
+  const SolverScene& solver = p.scene.solver;
+  for (const std::size_t k :
+       draw_share(p.plan.pairs.size(), solver.check_share, static_cast<std::uint64_t>(solver.check_seed))) {
+    checked.insert(name(p.plan.pairs[k]));
+  }
+  return [&p, scene_options, name, checked](const PairPlan& pair, const SampleSink& sink) {
     const Tool& tool = p.tools[pair.tool];
+    PairOptions options = scene_options;
+    options.check = checked.count(name(pair)) != 0;
     PairPath path = bake_path(p.scene, pair.depth);
     if (const double draw = path_draw(pair); draw < path_share(p.scene)) {
       path.side_paths = test_paths(path, 2 * std::numbers::pi * draw / path_share(p.scene));

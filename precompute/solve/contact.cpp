@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace palpate {
 namespace {
@@ -56,12 +57,14 @@ template <class Visit>
 void ContactEnergy::for_each_near(const VectorXd& x, Visit&& visit) const {
   const Matrix3d to_tool = pose_.linear().transpose();
   const Vector3d middle = pose_ * middle_;
+  // Gaps up to which there is an answer.
+  const double margin = std::max(law_.thickness, multiplier_ / law_.penalty);
   for (std::size_t f = 0; f < faces_.size(); ++f) {
     const Face& face = faces_[f];
     Eigen::Matrix<double, 3, 6> p;
     for (int n = 0; n < 6; ++n) p.col(n) = x.segment<3>(3 * face.nodes[n]);
     const Vector3d centre = p.leftCols<3>().rowwise().mean();
-    const double reach = 1.3 * std::sqrt((p.colwise() - centre).colwise().squaredNorm().maxCoeff());
+    const double reach = 1.3 * std::sqrt((p.colwise() - centre).colwise().squaredNorm().maxCoeff()) + margin;
     const char* held = anchors_.held.data() + f * kPoints;
     const bool anchored = std::any_of(held, held + kPoints, [](char h) { return h != 0; });
     if (!anchored && ((centre - middle).squaredNorm() > (around_ + reach) * (around_ + reach) ||
@@ -85,8 +88,7 @@ Vector3d ContactEnergy::slip(std::size_t point, const Vector3d& at) const {
 double ContactEnergy::value(const VectorXd& x) const {
   double sum = 0;
   for_each_near(x, [&](const Face& face, std::size_t k, const auto&, const Vector3d& at) {
-    const DistanceSample s = shape_.distance(at);
-    if (s.value < 0) sum += 0.5 * penalty_ * face.weight * s.value * s.value;
+    sum += face.weight * answer(k, shape_.distance(at).value).energy;
     if (anchors_.held[k]) {
       sum += 0.5 * anchor_stiffness_ * face.weight * slip(k, at).squaredNorm();
     }
@@ -98,12 +100,10 @@ double ContactEnergy::gradient(const VectorXd& x, VectorXd& gradient) const {
   double sum = 0;
   for_each_near(x, [&](const Face& face, std::size_t k, const auto& shape, const Vector3d& at) {
     const DistanceSample s = shape_.distance(at);
-    if (s.value >= 0 && !anchors_.held[k]) return;
-    Vector3d pull = Vector3d::Zero();
-    if (s.value < 0) {
-      sum += 0.5 * penalty_ * face.weight * s.value * s.value;
-      pull += penalty_ * face.weight * s.value * s.gradient;
-    }
+    const ContactAnswer now = answer(k, s.value);
+    if (now.pressure <= 0 && !anchors_.held[k]) return;
+    sum += face.weight * now.energy;
+    Vector3d pull = -face.weight * now.pressure * s.gradient;
     if (anchors_.held[k]) {
       const Vector3d stretched = slip(k, at);
       sum += 0.5 * anchor_stiffness_ * face.weight * stretched.squaredNorm();
@@ -126,11 +126,12 @@ void ContactEnergy::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& ma
   };
   for_each_near(x, [&](const Face& face, std::size_t k, const auto& shape, const Vector3d& at) {
     const DistanceSample s = shape_.distance(at);
-    if (s.value >= 0 && !anchors_.held[k]) return;
+    const ContactAnswer now = answer(k, s.value);
+    if (now.pressure <= 0 && !anchors_.held[k]) return;
     Matrix3d h = Matrix3d::Zero();
-    if (s.value < 0) {
-      h += penalty_ * face.weight * s.gradient * s.gradient.transpose();
-      if (kind == HessianKind::exact) h += penalty_ * face.weight * s.value * s.hessian;
+    if (now.pressure > 0) {
+      h += face.weight * now.stiffness * s.gradient * s.gradient.transpose();
+      if (kind == HessianKind::exact) h -= face.weight * now.pressure * s.hessian;
     }
     if (anchors_.held[k]) {
       const Vector3d& normal = anchors_.normal[k];
@@ -153,9 +154,9 @@ ContactReport ContactEnergy::report(const VectorXd& x) const {
   ContactReport r;
   for_each_near(x, [&](const Face& face, std::size_t k, const auto&, const Vector3d& at) {
     const DistanceSample s = shape_.distance(at);
-    if (s.value < 0) {
-      r.normal_energy += 0.5 * penalty_ * face.weight * s.value * s.value;
-      r.force += penalty_ * face.weight * s.value * (pose_.linear() * s.gradient);
+    if (const ContactAnswer now = answer(k, s.value); now.pressure > 0) {
+      r.normal_energy -= 0.5 * face.weight * now.pressure * s.value;
+      r.force -= face.weight * now.pressure * (pose_.linear() * s.gradient);
       r.penetration = std::max(r.penetration, -s.value);
       r.area += face.weight;
       ++r.points;
@@ -179,10 +180,10 @@ ContactReport ContactEnergy::report(const VectorXd& x) const {
 
 double ContactEnergy::slip_ratio(const VectorXd& x, const Vector3d& direction, const Vector3d& normal) const {
   double along = 0, across = 0;
-  for_each_near(x, [&](const Face& face, std::size_t, const auto&, const Vector3d& at) {
+  for_each_near(x, [&](const Face& face, std::size_t k, const auto&, const Vector3d& at) {
     const DistanceSample s = shape_.distance(at);
-    if (s.value >= 0) return;
-    const double pressure = -penalty_ * face.weight * s.value;
+    const double pressure = face.weight * answer(k, s.value).pressure;
+    if (pressure <= 0) return;
     const Vector3d g = pose_.linear() * s.gradient;
     const double lean = g.dot(direction);
     along += pressure * std::sqrt(std::max(0.0, 1 - lean * lean));
@@ -191,11 +192,24 @@ double ContactEnergy::slip_ratio(const VectorXd& x, const Vector3d& direction, c
   return across > 0 ? along / across : 1.0;
 }
 
+void ContactEnergy::set_multipliers(std::vector<double> pressures) {
+  multipliers_ = std::move(pressures);
+  multiplier_ = multipliers_.empty() ? 0.0 : *std::max_element(multipliers_.begin(), multipliers_.end());
+}
+
+void ContactEnergy::augment(const VectorXd& x) {
+  std::vector<double> pressures(anchors_.held.size(), 0.0);
+  for_each_near(x, [&](const Face&, std::size_t k, const auto&, const Vector3d& at) {
+    pressures[k] = answer(k, shape_.distance(at).value).pressure;
+  });
+  set_multipliers(std::move(pressures));
+}
+
 void ContactEnergy::stick(const VectorXd& x) {
   for_each_near(x, [&](const Face&, std::size_t k, const auto&, const Vector3d& at) {
     if (anchors_.held[k]) return;
     const DistanceSample s = shape_.distance(at);
-    if (s.value >= 0) return;
+    if (answer(k, s.value).pressure <= 0) return;
     anchors_.held[k] = 1;
     anchors_.position[k] = at;
     anchors_.normal[k] = s.gradient;
@@ -205,7 +219,7 @@ void ContactEnergy::stick(const VectorXd& x) {
 bool ContactEnergy::release(const VectorXd& x) {
   bool any = false;
   for_each_near(x, [&](const Face&, std::size_t k, const auto&, const Vector3d& at) {
-    if (!anchors_.held[k] || shape_.distance(at).value <= 0) return;
+    if (!anchors_.held[k] || answer(k, shape_.distance(at).value).pressure > 0) return;
     anchors_.held[k] = 0;
     any = true;
   });

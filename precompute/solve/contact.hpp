@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Penalty energy of a rigid tool, given as a signed distance function, against the faces of a mesh:
-// normal contact at 16 points a face, and sticking anchors at the points that have touched.
+// Energy of a rigid tool, given as a signed distance function, against the faces of a mesh: normal contact at 16
+// points a face (a penalty unless told), and sticking anchors at the points that have touched.
 #pragma once
 
+#include "precompute/solve/contact_law.hpp"
 #include "precompute/solve/energy_term.hpp"
 #include "precompute/tool/tool.hpp"
 
@@ -15,7 +16,7 @@ namespace palpate {
 /// What the contact does at a state of the body.
 struct ContactReport {
   Eigen::Vector3d force{0, 0, 0};  ///< N on the tool, body frame
-  double normal_energy = 0.0;      ///< J stored in the normal penalty
+  double normal_energy = 0.0;      ///< J, half of pressure times overlap: stored in the normal penalty
   double tangential_energy = 0.0;  ///< J stored in the anchors
   double penetration = 0.0;        ///< m, largest overlap at an integration point
   double area = 0.0;               ///< m^2, undeformed
@@ -23,7 +24,7 @@ struct ContactReport {
   std::uint32_t points = 0;        ///< integration points in contact
 };
 
-/// An integration point of a face: what friction and bonds act on.
+/// An integration point of a face: what friction and bonds act on. They know a penalty without multipliers.
 struct ContactPoint {
   std::size_t index = 0;  ///< of all the contact's points
   std::array<std::int32_t, 6> nodes{};
@@ -46,8 +47,16 @@ public:
   [[nodiscard]] const Eigen::Isometry3d& pose() const { return pose_; }
   [[nodiscard]] const ToolShape& shape() const { return shape_; }
   /// Pressure per overlap (Pa/m) of the normal penalty.
-  void set_penalty(double stiffness) { penalty_ = stiffness; }
-  [[nodiscard]] double penalty() const { return penalty_; }
+  void set_penalty(double stiffness) { law_.penalty = stiffness; }
+  [[nodiscard]] double penalty() const { return law_.penalty; }
+  /// A log barrier of this thickness in the penalty's place, see ContactLaw; 0: the penalty again.
+  void set_barrier(double thickness, double floor) { law_.thickness = thickness, law_.floor = floor; }
+  [[nodiscard]] const ContactLaw& law() const { return law_; }
+  /// Per point a pressure (Pa) that an overlap of 0 answers with (augmented Lagrange); empty: none.
+  void set_multipliers(std::vector<double> pressures);
+  [[nodiscard]] const std::vector<double>& multipliers() const { return multipliers_; }
+  /// Takes the pressures at x as multipliers (Uzawa's step).
+  void augment(const Eigen::VectorXd& x);
   /// The same for the anchors.
   void set_anchor_stiffness(double stiffness) { anchor_stiffness_ = stiffness; }
 
@@ -90,6 +99,9 @@ private:
   [[nodiscard]] Eigen::Vector3d slip(std::size_t point, const Eigen::Vector3d& at) const;
   template <class Visit>
   void for_each_near(const Eigen::VectorXd& x, Visit&& visit) const;
+  [[nodiscard]] ContactAnswer answer(std::size_t point, double gap) const {
+    return law_.answer(gap, multipliers_.empty() ? 0.0 : multipliers_[point]);
+  }
 
   std::vector<Face> faces_;
   std::vector<std::array<std::int32_t, 6>> held_;  // faces that take no part
@@ -97,7 +109,10 @@ private:
   Eigen::Vector3d middle_;  // of the tool in its own frame
   double around_;           // m, radius of the ball about it that holds the tool
   Eigen::Isometry3d pose_;
-  double penalty_ = 0.0, anchor_stiffness_ = 0.0;
+  ContactLaw law_;
+  std::vector<double> multipliers_;  // Pa
+  double multiplier_ = 0.0;          // Pa, the largest of them
+  double anchor_stiffness_ = 0.0;
   Anchors anchors_;
 };
 

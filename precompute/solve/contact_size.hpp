@@ -18,4 +18,8 @@ SizeField contact_size(const Body& body, const Tool& tool, const ToolVertex& ver
                        double depth, double scale, const PairOptions& options,
                        const std::vector<Eigen::Vector3d>& further = {});
 
+/// Longest edge (m) far from the contact: options.max_size, or an eighth of the body's diagonal and no more than twice
+/// the body's median wall, which else bends too stiffly.
+double longest_edge(const Body& body, const PairOptions& options);
+
 }  // namespace palpate

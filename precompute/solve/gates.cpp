@@ -73,4 +73,12 @@ std::optional<std::string> failed_slip_gate(const GateState& s, double answer, d
   return failed_balance(s, s.stored + dissipated - s.work, limits);
 }
 
+std::optional<std::string> failed_check(const PairCheck& check, const GateLimits& limits) {
+  if (check.compared == 0 || check.difference <= limits.finer_mesh) return std::nullopt;
+  char text[128];
+  std::snprintf(text, sizeof text, "finer mesh: the force differs by %.3g, allowed %.3g", check.difference,
+                limits.finer_mesh);
+  return text;
+}
+
 }  // namespace palpate

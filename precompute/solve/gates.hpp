@@ -2,6 +2,7 @@
 // The checks that every solved point passes before it is believed; a failed one names itself and its figure.
 #pragma once
 
+#include "formats/samples.hpp"
 #include "precompute/solve/contact.hpp"
 
 #include <optional>
@@ -14,6 +15,7 @@ struct GateLimits {
   double min_jacobian = 0.0;           ///< an element turned inside out at a quadrature point is refused
   double force_drop = 0.9;             ///< smallest ratio of the normal force to the one before
   double energy_balance = 0.06;        ///< of the tool's work, and a hundredth of the energy scale of the whole push
+  double finer_mesh = 0.1;             ///< relative difference of the force to a finer mesh, see PairCheck
   std::size_t curve_points = 3;        ///< resolved depths of a normal curve (all, where fewer were asked for)
   std::uint32_t resolved_points = 12;  ///< integration points in contact at the deepest and at a sideways push
 };
@@ -42,5 +44,8 @@ std::optional<std::string> failed_sideways_gate(const GateState& state, double a
 /// tool did is stored or was `dissipated` (J, >= 0).
 std::optional<std::string> failed_slip_gate(const GateState& state, double answer, double dissipated,
                                             const GateLimits& limits);
+
+/// Empty where the check found nothing wrong, or nothing to compare.
+std::optional<std::string> failed_check(const PairCheck& check, const GateLimits& limits);
 
 }  // namespace palpate

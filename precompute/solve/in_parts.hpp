@@ -12,6 +12,7 @@ struct StepResult {
   bool converged = false;
   std::string cause;
   std::uint32_t iterations = 0;
+  double energy_error = 0.0;  ///< J, half of the last decrement: how far above its minimum the energy may be
 };
 
 /// Calls step(to, part) for shares `to` of the way, up to 1; a step that fails is halved, down to an eighth of the way.
@@ -25,6 +26,7 @@ StepResult in_parts(Step&& step) {
     const StepResult s = step(next, part);
     total.iterations += s.iterations;
     total.cause = s.cause;
+    total.energy_error = s.energy_error;
     if (s.converged) {
       done = next;
       continue;

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One pair from mesh to samples: the ladder of mesh refinements, and the order of the pushes.
+// One pair from mesh to samples: the ladder of refinements and contacts, and the order of the pushes.
 #include "precompute/solve/pair.hpp"
 
 #include "formats/error.hpp"
+#include "precompute/solve/contact_method.hpp"
 #include "precompute/solve/contact_size.hpp"
+#include "precompute/solve/gates.hpp"
 #include "precompute/solve/pair_run.hpp"
+#include "precompute/solve/sample_difference.hpp"
 
 namespace palpate {
 namespace {
@@ -12,14 +15,20 @@ namespace {
 // Meshes are made of the body free of stress, whatever it has to bear.
 const Body& stress_free(const Body& body) { return body.stress_free ? *body.stress_free : body; }
 
-// `last`: no finer mesh is to come, and a sideways push keeps what it answered before it failed.
-PairResult attempt(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
-                   const PairPath& path, const PairOptions& options, const TetMesh& mesh, bool last) {
+struct Attempt {
   PairResult result;
+  bool contact_failed = false;  // see PairRun
+};
+
+// `last`: no finer mesh is to come, and a sideways push keeps what it answered before it failed.
+Attempt attempt(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
+                const PairPath& path, const PairOptions& options, const TetMesh& mesh, bool last) {
+  Attempt made;
+  PairResult& result = made.result;
   result.outcome.nodes = static_cast<std::uint32_t>(mesh.nodes.size());
   try {
     Push push(stress_free(body), mesh, *tool.shape, touching_pose(vertex, frame),
-              {body.material.young, options.penalty, options.tolerance}, options.materials);
+              {body.material.young, normal_penalty(options), options.tolerance}, options.materials);
     PairRun run{body, tool, vertex, frame, path, options, mesh, last, push, result};
     if (!push.held_anywhere()) {
       run.refuse("support: no node of the mesh is held");
@@ -28,39 +37,105 @@ PairResult attempt(const Body& body, const Tool& tool, const ToolVertex& vertex,
       side_paths(run);
       result.outcome.accepted = true;
     }
+    made.contact_failed = run.contact_failed;
     result.outcome.factorisations = push.factorisations();
   } catch (const Error& e) {
     result.samples.clear();
     result.outcome.cause = e.what();
   }
-  return result;
+  return made;
+}
+
+// Elements of a check, in those checked.
+constexpr double kFiner = 0.75;
+
+// One way of solving a pair after another did not.
+struct Rung {
+  const char* name;  // what its cause stands after
+  ContactMethod method;
+  double penalty;  // factor of the option's
+};
+constexpr Rung kLastRungs[] = {{"stiffer contact", ContactMethod::penalty, 4.0},
+                               {"augmented Lagrange", ContactMethod::augmented, 1.0},
+                               {"log barrier", ContactMethod::barrier, 1.0}};
+
+void add_cause(std::string& causes, const char* name, const std::string& cause) {
+  if (!causes.empty()) causes += std::string("; ") + name + ": ";
+  causes += cause;
+}
+
+// The straight push on a mesh finer than the one with `scale`.
+PairCheck check_of(const PairResult& result, const Body& body, const Tool& tool, const ToolVertex& vertex,
+                   const ContactFrame& frame, const PairPath& path, const PairOptions& options) {
+  PairPath straight = path;
+  straight.tangential_depths.clear();
+  straight.side_paths.clear();
+  straight.tangential_directions = straight.slip_points = 0;
+  PairOptions finer = finer_options(options, body, kFiner);
+  finer.check = false;
+  const PairResult fine = solve_pair(body, tool, vertex, frame, straight, finer);
+  PairCheck check;
+  check.nodes = fine.outcome.nodes;
+  check.cause = fine.outcome.cause;
+  if (!fine.outcome.accepted) return check;
+  PairResult pushed = result;
+  std::erase_if(pushed.samples, [](const Sample& s) { return s.kind != SampleKind::normal; });
+  const SampleDifference d = sample_difference(pushed.samples, fine.samples);
+  check.compared = static_cast<std::uint32_t>(d.compared);
+  check.foretold = static_cast<std::uint32_t>(d.foretold);
+  check.difference = d.straight;
+  return check;
 }
 
 }  // namespace
 
 PairResult solve_on_mesh(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
                          const PairPath& path, const PairOptions& options, const TetMesh& mesh) {
-  return attempt(body, tool, vertex, frame, path, options, mesh, true);
+  return attempt(body, tool, vertex, frame, path, options, mesh, true).result;
 }
 
 PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
                       const PairPath& path, const PairOptions& options, const SampleSink& sink) {
   PairResult result;
   std::string causes;
+  bool contact_failed = false;
+  const auto solve = [&](const TetMesh& mesh, const PairOptions& with, double scale, bool last) {
+    Attempt made = attempt(body, tool, vertex, frame, path, with, mesh, last);
+    result = std::move(made.result);
+    contact_failed = made.contact_failed;
+    if (!result.outcome.accepted || !options.check) return;
+    PairOptions here = with;
+    here.refine *= scale;
+    result.check = check_of(result, body, tool, vertex, frame, path, here);
+    if (const auto failed = failed_check(*result.check, GateLimits{})) {
+      result.outcome.accepted = false;
+      result.outcome.cause = *failed;
+      result.samples.clear();
+    }
+  };
+  VolumeMeshResult mesh;
   for (const double scale : {1.0, 0.8, 0.6}) {
     const SizeField size =
         contact_size(body, tool, vertex, frame, path.normal_depths.back(), options.refine * scale, options);
     const Eigen::Vector3d site = body.material_point(frame.origin).point;
-    const VolumeMeshResult mesh = mesh_volume(stress_free(body), size, {site}, options.mesh);
+    mesh = mesh_volume(stress_free(body), size, {site}, options.mesh);
     result = {};
+    contact_failed = false;
     if (mesh.usable) {
-      result = attempt(body, tool, vertex, frame, path, options, mesh.mesh, scale == 0.6);
+      solve(mesh.mesh, options, scale, scale == 0.6);
     } else {
       result.outcome.cause = "mesh: " + mesh.cause;
     }
     if (result.outcome.accepted) break;
-    if (!causes.empty()) causes += "; finer: ";
-    causes += result.outcome.cause;
+    add_cause(causes, "finer", result.outcome.cause);
+  }
+  for (const Rung& rung : kLastRungs) {
+    if (!contact_failed || options.method != ContactMethod::penalty) break;
+    PairOptions with = options;
+    with.method = rung.method;
+    with.penalty *= rung.penalty;
+    solve(mesh.mesh, with, 0.6, true);
+    if (!result.outcome.accepted) add_cause(causes, rung.name, result.outcome.cause);
   }
   if (!result.outcome.accepted) result.outcome.cause = causes;
   // Samples leave only with a pair that passed: a journal never holds points of an abandoned attempt.

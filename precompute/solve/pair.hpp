@@ -51,20 +51,30 @@ PairPath bake_path(const Scene& scene, double depth);
 /// Paths that only test: diagonal, side then deeper, lift under side load, within `path`'s depths and reach.
 std::vector<SidePath> test_paths(const PairPath& path, double angle);
 
+/// How the tool is kept out of the body: by a penalty whose give is taken off the depth, by multipliers
+/// (augmented.hpp), by a log barrier (barrier.hpp).
+enum class ContactMethod { penalty, augmented, barrier };
+
 struct PairOptions {
   double refine = 1.0;      ///< factor of every element size, the tools' edges and the supports' rim included
   double mesh_size = 0.35;  ///< see SolverScene
   double growth = 0.7;
-  double max_size = 0.0;   ///< m; 0 chooses 1/8 of the body's diagonal
-  double rim_size = 0.0;   ///< element edge at the rim of the deepest contact, in contact radii; 0: no ring of its own.
-                           ///< The traction of a contact that is sheared after it stuck is singular there
-  double penalty = 300.0;  ///< contact penalty in units of E / a (a the current contact radius)
+  double max_size = 0.0;  ///< m; 0: see longest_edge (contact_size.hpp)
+  double rim_size = 0.0;  ///< element edge at the rim of the deepest contact, in contact radii; 0: no ring of its own.
+                          ///< The traction of a contact that is sheared after it stuck is singular there
+  ContactMethod method = ContactMethod::penalty;
+  double penalty = 300.0;   ///< contact penalty in units of E / a (a the current contact radius)
   double tolerance = 1e-3;  ///< a step has converged when its energy error is below its square times E a d^2
+  /// Also solve the straight push on a finer mesh (finer_options); far from it is a gate that fails.
+  bool check = false;
   VolumeMeshOptions mesh;
   std::vector<Material> materials;  ///< per region, for comparisons; empty: the body's
 };
 
 PairOptions pair_options(const Scene& scene);
+
+/// For a check: elements `refine` times as large at the contact, that grow slower and stay smaller far away.
+PairOptions finer_options(PairOptions options, const Body& body, double refine);
 
 /// Called with every accepted sample, in path order.
 using SampleSink = std::function<void(const Sample&)>;
@@ -73,7 +83,9 @@ using SampleSink = std::function<void(const Sample&)>;
 /// solves of two programs.
 inline constexpr int kSolverRevision = 8;
 
-/// Solves `plan` along `path`. Never throws for a numerical failure: the outcome names its cause.
+/// Solves `plan` along `path`. What fails a gate or finds no equilibrium is tried again on finer meshes, then on the
+/// finest with a stiffer penalty, with multipliers and with a log barrier. Never throws for a numerical failure: the
+/// outcome names the cause of every attempt.
 /// Deterministic: the same inputs give the same bits.
 PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
                       const PairPath& path, const PairOptions& options, const SampleSink& sink = {});

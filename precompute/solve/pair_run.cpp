@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "precompute/solve/pair_run.hpp"
 
+#include "precompute/solve/contact_method.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -15,12 +17,17 @@ bool PairRun::refuse(const std::string& cause) {
 }
 
 bool PairRun::stop_short(const std::string& cause, bool nothing_yet) {
-  if (nothing_yet || !last) return refuse(cause);
+  if (nothing_yet || !last) return refuse_contact(cause);
   result.outcome.cause = "stopped short: " + cause;
   return true;
 }
 
 double PairRun::work_scale(double depth) const { return body.material.young * radius(depth) * depth * depth; }
+
+StepResult PairRun::move_to(const Eigen::Vector3d& target, double depth, bool sticking,
+                            const std::vector<Eigen::VectorXd>& starts) const {
+  return move_by(options, push, target, depth, radius(depth), work_scale(depth), sticking, starts);
+}
 
 Sample PairRun::sample(std::uint32_t iterations) const {
   const ContactReport r = push.report();
@@ -30,7 +37,6 @@ Sample PairRun::sample(std::uint32_t iterations) const {
   s.penetration = r.penetration;
   s.min_jacobian = push.min_jacobian();
   s.contact_points = r.points;
-  s.error_estimate = 1e-3 + 2.0 / std::max<double>(r.points, 1);
   s.iterations = iterations;
   return s;
 }

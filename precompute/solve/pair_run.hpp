@@ -16,6 +16,7 @@ struct CurvePoint {
   ContactReport contact;
   double force = 0.0;  ///< N along n
   PushState state;
+  double energy_error = 0.0;  ///< J, see StepResult
 };
 
 struct PairRun {
@@ -32,13 +33,20 @@ struct PairRun {
   Eigen::Vector3d start{0, 0, 0};   ///< m, the tool's translation at first touch
   std::vector<CurvePoint> curve{};  ///< of the straight push; its samples are the result's first, in the same order
 
+  bool contact_failed = false;  ///< refused for what another contact method may mend
+
   /// Ends the pair with a cause and without samples; false, for the caller to return.
   bool refuse(const std::string& cause);
+  /// The same for what another contact method may mend.
+  bool refuse_contact(const std::string& cause) { return contact_failed = true, refuse(cause); }
   /// The end of a sideways push at less than its reach: accepted in the pair's last attempt, else as refuse().
   bool stop_short(const std::string& cause, bool nothing_yet);
   [[nodiscard]] double radius(double depth) const { return contact_radius(vertex, depth); }  ///< m
   [[nodiscard]] double work_scale(double depth) const;                                       ///< J
-  /// Of where the push stands, without friction that a term of its own exerts.
+  /// Push::move_to as the options' contact method does it, of a push to `depth` (m).
+  StepResult move_to(const Eigen::Vector3d& target, double depth, bool sticking,
+                     const std::vector<Eigen::VectorXd>& starts = {}) const;
+  /// Of where the push stands, without friction that a term of its own exerts, and without an error estimate.
   [[nodiscard]] Sample sample(std::uint32_t iterations) const;
   /// The first accepted point from `depth` on: a shallow one may have been too small a contact to believe.
   [[nodiscard]] const CurvePoint& point_from(double depth) const;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a scene asks of its pairs.
+#include "precompute/solve/contact_size.hpp"
 #include "precompute/solve/coulomb_push.hpp"
 #include "precompute/solve/pair.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace palpate {
 namespace {
@@ -62,6 +64,13 @@ PairOptions pair_options(const Scene& scene) {
   options.max_size = scene.solver.max_size;
   options.rim_size = scene.solver.rim_size;
   options.mesh.time_limit = scene.solver.time_limit;
+  return options;
+}
+
+PairOptions finer_options(PairOptions options, const Body& body, double refine) {
+  options.refine *= refine;
+  options.growth *= std::pow(refine, 0.7);
+  options.max_size = longest_edge(body, options) * std::pow(refine, 0.8);
   return options;
 }
 

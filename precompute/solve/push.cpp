@@ -73,12 +73,18 @@ void Push::restore(const PushState& state) {
   contact_.set_translation(state.translation);
   contact_.set_anchors(state.anchors);
   contact_.set_penalty(state.penalty);
+  contact_.set_multipliers(state.multipliers);
   can_extrapolate_ = false;
 }
 
 void Push::stick() {
   contact_.stick(state_.x);
   state_.anchors = contact_.anchors();
+}
+
+void Push::augment() {
+  contact_.augment(state_.x);
+  state_.multipliers = contact_.multipliers();
 }
 
 StepResult Push::step(const Vector3d& target, double contact_radius, double work_scale, bool sticking,
@@ -115,6 +121,7 @@ StepResult Push::step(const Vector3d& target, double contact_radius, double work
     const MinimiserResult m = minimiser_.minimise(*this, x, settling ? rough : options);
     result.iterations += m.iterations;
     factorisations_ += m.factorisations;
+    result.energy_error = 0.5 * m.decrement;
     result.converged = m.converged;
     result.cause = m.cause;
     if (!m.converged) break;

@@ -27,6 +27,7 @@ struct PushState {
   ContactEnergy::Anchors anchors;
   Eigen::Vector3d translation{0, 0, 0};  ///< of the tool (m)
   double penalty = 0.0;                  ///< Pa/m
+  std::vector<double> multipliers;       ///< Pa, of the contact
 };
 
 class Push final : public EnergyProblem {
@@ -53,6 +54,10 @@ public:
   void set_anchor_stiffness(double stiffness) { contact_.set_anchor_stiffness(stiffness); }
   /// Anchors everything that touches now.
   void stick();
+  /// Takes the pressures as multipliers, from the next step on (ContactEnergy::augment).
+  void augment();
+  /// Answers with a log barrier from the next step on (ContactEnergy::set_barrier); it stays, restore() or not.
+  void set_barrier(double thickness, double floor) { contact_.set_barrier(thickness, floor); }
   /// A further part of the energy, from the next step on; it must outlive the push or be taken out before.
   void add(const EnergyTerm& term) { terms_.push_back(&term); }
   void remove(const EnergyTerm& term) { std::erase(terms_, &term); }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Ways of a contact that sticks deeper and less deep under side load, from points of the straight push.
+#include "precompute/solve/error_estimate.hpp"
 #include "precompute/solve/gates.hpp"
 #include "precompute/solve/pair_run.hpp"
 
@@ -38,7 +39,7 @@ std::optional<std::string> go(PairRun& run, const CurvePoint& from, double angle
   const Vector3d target =
       from.state.translation + point.sideways * run.frame.to_world(local) - (point.depth - from.depth) * run.frame.n;
   const double radius = run.radius(point.depth);
-  const StepResult step = run.push.move_to(target, radius, run.work_scale(point.depth), true);
+  const StepResult step = run.move_to(target, point.depth, true);
   ++run.result.outcome.tangential_solves;
   const auto where = " on the path " + std::to_string(1e3 * point.sideways) + " mm sideways at depth " +
                      std::to_string(1e3 * point.depth) + " mm";
@@ -59,6 +60,10 @@ std::optional<std::string> go(PairRun& run, const CurvePoint& from, double angle
   // Of the anchors, under what the side load alone stores in them.
   const double give = 2 * std::max(gate.stored - straight.tangential_energy, 0.0) / -pull;
   s.deflection = (point.sideways - std::min(give, 0.1 * point.sideways)) * local + Vector3d(0, 0, straight.depth);
+  s.error_estimate =
+      run.sample_of(from).error_estimate +
+      error_estimate({gate.contact.force.norm(), point.sideways, give, step.energy_error,
+                      run.push.state().penalty * gate.contact.area, s.contact_points, run.options.growth});
   run.result.samples.push_back(s);
   return std::nullopt;
 }

@@ -69,6 +69,7 @@ private:
     const double give = 2 * friction.stored / -pull;
     s.deflection =
         (reach - std::min(give, 0.1 * reach)) * direction_ + Vector3d(0, 0, run_.sample_of(from_).deflection.z());
+    s.error_estimate = run_.sample_of(from_).error_estimate;
     run_.result.samples.push_back(s);
     return {};
   }
@@ -85,6 +86,10 @@ private:
 void slipping_pushes(PairRun& run) {
   const PairPath& path = run.path;
   if (path.slip_points == 0) return;
+  if (run.options.method != ContactMethod::penalty) {
+    run.result.outcome.cause = "stopped short: slip is solved with a penalty alone";
+    return;
+  }
   const int directions = path.slip_directions > 0 ? path.slip_directions : path.tangential_directions;
   std::uint16_t index = 0;
   for (const double wanted : path.tangential_depths) {

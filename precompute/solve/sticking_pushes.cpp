@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sideways pushes of a contact that sticks, from points of the straight push.
+#include "precompute/solve/error_estimate.hpp"
 #include "precompute/solve/gates.hpp"
 #include "precompute/solve/pair_run.hpp"
 
@@ -56,8 +57,8 @@ private:
     const Vector3d local = run_.direction(direction, path_.tangential_directions);
     const Sample base = run_.sample_of(at);
     const double radius = run_.radius(at.depth);
-    const StepResult step = run_.push.move_to(at.state.translation + reach * run_.frame.to_world(local), radius,
-                                              run_.work_scale(at.depth), true, starts(at, reach, slot));
+    const StepResult step = run_.move_to(at.state.translation + reach * run_.frame.to_world(local), at.depth, true,
+                                         starts(at, reach, slot));
     ++run_.result.outcome.tangential_solves;
     const auto where = " in the push of " + std::to_string(1e3 * reach) + " mm sideways at depth " +
                        std::to_string(1e3 * at.depth) + " mm";
@@ -78,6 +79,9 @@ private:
     // The anchors' own compliance, at a constant contact area: 2 E / Q.
     const double give = 2 * gate.contact.tangential_energy / -pull;
     s.deflection = (reach - std::min(give, 0.1 * reach)) * local + Vector3d(0, 0, base.deflection.z());
+    s.error_estimate = base.error_estimate + error_estimate({gate.contact.force.norm(), reach, give, step.energy_error,
+                                                             run_.push.state().penalty * gate.contact.area,
+                                                             s.contact_points, run_.options.growth});
     run_.result.samples.push_back(s);
     return std::nullopt;
   }

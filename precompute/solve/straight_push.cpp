@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The curve of the straight push: each depth solved from the last, passed by the gates, freed of the penalty's give.
+#include "precompute/solve/error_estimate.hpp"
 #include "precompute/solve/gates.hpp"
 #include "precompute/solve/pair_run.hpp"
 
@@ -19,7 +20,7 @@ double corrected_depth(const std::vector<CurvePoint>& curve, std::size_t k) {
   if (a != b && curve[b].force > 1.05 * curve[a].force && curve[a].force > 0) {
     const double ea = curve[a].contact.normal_energy * curve[a].state.penalty;
     const double eb = curve[b].contact.normal_energy * curve[b].state.penalty;
-    if (ea > 0 && eb > 0) m = std::clamp(std::log(eb / ea) / std::log(curve[b].force / curve[a].force), 1.0, 2.0);
+    if (ea * eb > 0) m = std::clamp(std::log(eb / ea) / std::log(curve[b].force / curve[a].force), 1.0, 2.0);
   }
   return here.depth - m * here.contact.normal_energy / here.force;
 }
@@ -54,13 +55,12 @@ bool straight_push(PairRun& run) {
   std::vector<CurvePoint>& curve = run.curve;
   double work = 0.0;
   for (const double depth : path.normal_depths) {
-    const StepResult step =
-        run.push.move_to(run.start - depth * run.frame.n, run.radius(depth), run.work_scale(depth), sticking);
+    const StepResult step = run.move_to(run.start - depth * run.frame.n, depth, sticking);
     ++run.result.outcome.normal_solves;
     if (!step.converged) {
-      return run.refuse("normal push at depth " + std::to_string(1e3 * depth) + " mm: " + step.cause);
+      return run.refuse_contact("normal push at depth " + std::to_string(1e3 * depth) + " mm: " + step.cause);
     }
-    CurvePoint point{depth, run.push.report(), 0.0, run.push.state()};
+    CurvePoint point{depth, run.push.report(), 0.0, run.push.state(), step.energy_error};
     point.force = point.contact.force.dot(run.frame.n);
     const double last_force = curve.empty() ? 0.0 : curve.back().force;
     const double last_depth = curve.empty() ? 0.0 : curve.back().depth;
@@ -82,7 +82,7 @@ bool straight_push(PairRun& run) {
                          run.work_scale(deepest),
                          sample.min_jacobian,
                          point.contact};
-    if (const auto failed = failed_gate(gate, limits)) return run.refuse(*failed);
+    if (const auto failed = failed_gate(gate, limits)) return run.refuse_contact(*failed);
     curve.push_back(std::move(point));
     sample.friction_limit = path.friction > 0 ? path.friction * slip_ratio(run) : 0.0;
     sample.index = static_cast<std::uint16_t>(curve.size() - 1);
@@ -95,7 +95,13 @@ bool straight_push(PairRun& run) {
                       std::to_string(wanted) + " wanted");
   }
   for (std::size_t k = 0; k < curve.size(); ++k) {
-    run.result.samples[k].deflection = {0, 0, corrected_depth(curve, k)};
+    const CurvePoint& point = curve[k];
+    const double depth = corrected_depth(curve, k);
+    Sample& sample = run.result.samples[k];
+    sample.deflection = {0, 0, depth};
+    sample.error_estimate =
+        error_estimate({point.contact.force.norm(), point.depth, point.depth - depth, point.energy_error,
+                        point.state.penalty * point.contact.area, point.contact.points, run.options.growth});
   }
   return true;
 }

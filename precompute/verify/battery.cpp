@@ -3,8 +3,8 @@
 
 #include "formats/error.hpp"
 #include "precompute/solve/pair.hpp"
+#include "precompute/solve/sample_difference.hpp"
 #include "precompute/verify/parallel.hpp"
-#include "precompute/verify/sample_difference.hpp"
 
 #include <algorithm>
 #include <chrono>

@@ -4,6 +4,7 @@
 #include "formats/error.hpp"
 #include "precompute/solve/contact_size.hpp"
 #include "precompute/solve/push.hpp"
+#include "precompute/solve/sample_difference.hpp"
 
 #include <sys/resource.h>
 
@@ -30,15 +31,6 @@ PairOptions pair_options(const CcxMesh& mesh, const CcxCase& c, const CcxSetting
   options.max_size = c.body.diagonal / 8 * std::sqrt(factor);
   options.penalty = settings.penalty;
   return options;
-}
-
-// The force at a depth near that of sample k, by the power law through it and a neighbour.
-double force_at(const std::vector<Sample>& curve, std::size_t k, double depth) {
-  const Sample& here = curve[k];
-  const Sample& other = curve[k > 0 ? k - 1 : 1];
-  const double power =
-      std::log(other.force.z() / here.force.z()) / std::log(other.deflection.z() / here.deflection.z());
-  return here.force.z() * std::pow(depth / here.deflection.z(), power);
 }
 
 }  // namespace
@@ -77,7 +69,7 @@ CcxSolve solve_ours(const CcxCase& c, const CcxMesh& mesh, bool plain, const Ccx
     solve.cause = std::to_string(result.samples.size()) + " of " + std::to_string(c.depths.size()) + " depths resolved";
   } else {
     for (std::size_t k = 0; k < c.depths.size(); ++k) {
-      solve.forces.push_back(force_at(result.samples, k, c.depths[k]));
+      solve.forces.push_back(force_at(result.samples[k], result.samples[k > 0 ? k - 1 : 1], c.depths[k]).z());
     }
   }
   return solve;

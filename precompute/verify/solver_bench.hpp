@@ -3,7 +3,7 @@
 #pragma once
 
 #include "precompute/solve/pair.hpp"
-#include "precompute/verify/sample_difference.hpp"
+#include "precompute/solve/sample_difference.hpp"
 
 #include <functional>
 #include <string>

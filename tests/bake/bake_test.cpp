@@ -168,6 +168,30 @@ TEST_F(BakeLoop, AReSolvedPairThatLosesASampleIsAnError) {
   EXPECT_NE(text.find("36 samples"), std::string::npos) << text;
 }
 
+TEST_F(BakeLoop, ChecksAreKeptAndMustComeAgain) {
+  const FakeSolver solver;
+  double difference = 0.02;
+  const PairSolver checked = [&](const PairPlan& plan, const SampleSink& sink) {
+    PairResult result = solver(plan, sink);
+    if (plan.site % 4 == 0) result.check = PairCheck{5000, 12, 12, difference, {}};
+    return result;
+  };
+  bake(checked);
+  std::size_t count = 0;
+  for (const auto& [pair, data] : content().pairs) count += data.check && data.check->difference == difference;
+  EXPECT_EQ(count, 10U);
+
+  // Pair 8 has its check and no outcome, as a kill leaves it.
+  std::filesystem::remove(folder_ / "samples.journal");
+  Journal(folder_ / "samples.journal", manifest_).append(8, PairCheck{5000, 12, 12, difference, {}});
+  EXPECT_EQ(bake(checked).accepted, 40U);
+  std::filesystem::remove(folder_ / "samples.journal");
+  Journal(folder_ / "samples.journal", manifest_).append(8, PairCheck{5000, 12, 12, 2 * difference, {}});
+  const auto [code, text] = error_of([&] { bake(checked); });
+  EXPECT_EQ(code, ExitCode::numerical);
+  EXPECT_NE(text.find("its check differs"), std::string::npos) << text;
+}
+
 TEST_F(BakeLoop, AWorkersErrorEndsTheBakeAndKeepsTheRest) {
   FakeSolver solver;
   const PairSolver broken = [&](const PairPlan& plan, const SampleSink& sink) {

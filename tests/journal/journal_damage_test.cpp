@@ -13,13 +13,15 @@ namespace {
 
 constexpr std::size_t header = 64, record = 128;
 
-/// Three samples of two pairs and an outcome; returns the record borders after the header.
+/// Three samples of two pairs, a check and an outcome; returns the record borders after the header.
 std::vector<std::size_t> write_small(const std::filesystem::path& file, const Hash128& manifest) {
   Journal journal(file, manifest);
   std::vector<std::size_t> borders{header};
   journal.append(0, make_sample(0, 0));
   borders.push_back(std::filesystem::file_size(file));
   journal.append(1, make_sample(1, 0));
+  borders.push_back(std::filesystem::file_size(file));
+  journal.append(0, make_check("no mesh"));
   borders.push_back(std::filesystem::file_size(file));
   journal.append(0, make_outcome(false, "a cause"));
   borders.push_back(std::filesystem::file_size(file));
@@ -60,7 +62,7 @@ TEST_F(JournalFiles, TailOfZerosOrNoiseIsCut) {
   for (const std::string& tail : {std::string(4096, '\0'), std::string(777, '\xff'), std::string(3, '\x01')}) {
     write_bytes(whole + tail);
     EXPECT_EQ(read_journal(file_, manifest_).torn_bytes, tail.size());
-    EXPECT_EQ(Journal(file_, manifest_).content().records, 4U);
+    EXPECT_EQ(Journal(file_, manifest_).content().records, 5U);
     EXPECT_EQ(bytes(), whole);
   }
 }
@@ -77,7 +79,7 @@ TEST_F(JournalFiles, FlippedBytesAreFoundOrCut) {
       if (at >= last) {
         // The last record cannot be told from a torn one.
         const JournalContent content = read_journal(file_, manifest_);
-        EXPECT_EQ(content.records, 3U);
+        EXPECT_EQ(content.records, 4U);
         EXPECT_EQ(content.torn_bytes, whole.size() - last);
         continue;
       }

@@ -42,6 +42,16 @@ inline PairOutcome make_outcome(bool accepted, std::string cause = {}) {
   return outcome;
 }
 
+inline PairCheck make_check(std::string cause = {}) {
+  PairCheck check;
+  check.nodes = 5123;
+  check.compared = cause.empty() ? 12 : 0;
+  check.foretold = cause.empty() ? 11 : 0;
+  check.difference = cause.empty() ? 0.013 : 0.0;
+  check.cause = std::move(cause);
+  return check;
+}
+
 class JournalFiles : public testing::Test {
 protected:
   void SetUp() override {

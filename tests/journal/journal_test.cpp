@@ -16,12 +16,14 @@ TEST_F(JournalFiles, RoundTripKeepsEveryBit) {
     journal.append(3, make_sample(3, 0));
     journal.append(3, make_sample(3, 2, SampleKind::slipping));
     journal.append(3, make_sample(3, 0, SampleKind::tangential));
+    journal.append(3, make_check());
     journal.append(3, make_outcome(true));
+    journal.append(0, make_check("no mesh"));
     journal.append(0, make_outcome(false, "penetration 0.4 of the contact radius"));
     journal.sync();
   }
   const JournalContent content = read_journal(file_, manifest_);
-  EXPECT_EQ(content.records, 6U);
+  EXPECT_EQ(content.records, 8U);
   EXPECT_EQ(content.torn_bytes, 0U);
   ASSERT_EQ(content.pairs.size(), 2U);
   const JournalPair& pair = content.pairs.at(3);
@@ -30,6 +32,10 @@ TEST_F(JournalFiles, RoundTripKeepsEveryBit) {
   EXPECT_TRUE(same_bits(pair.samples[1], make_sample(3, 1)));
   EXPECT_TRUE(same_bits(pair.samples[2], make_sample(3, 0, SampleKind::tangential)));
   EXPECT_TRUE(same_bits(pair.samples[3], make_sample(3, 2, SampleKind::slipping)));
+  ASSERT_TRUE(pair.check.has_value());
+  EXPECT_TRUE(same_bits(*pair.check, make_check()));
+  EXPECT_EQ(pair.check->difference, 0.013);
+  EXPECT_EQ(content.pairs.at(0).check->cause, "no mesh");
   ASSERT_TRUE(pair.outcome.has_value());
   EXPECT_TRUE(pair.outcome->accepted);
   EXPECT_EQ(pair.outcome->tangential_solves, 24U);

@@ -75,5 +75,20 @@ TEST(SidewaysGates, AnAnswerAlongThePushAndAPeeledContactAreRefused) {
   EXPECT_EQ(failed_sideways_gate(peeled, -0.01, {})->rfind("contact resolution", 0), 0U);
 }
 
+TEST(CheckGate, AForceFarFromThatOfTheFinerMeshIsRefused) {
+  PairCheck check;
+  check.compared = 6;
+  check.difference = 0.03;
+  EXPECT_EQ(failed_check(check, {}), std::nullopt);
+  for (const double far : {0.2, kNan}) {
+    check.difference = far;
+    const auto failed = failed_check(check, {});
+    ASSERT_TRUE(failed.has_value());
+    EXPECT_EQ(failed->rfind("finer mesh", 0), 0U) << *failed;
+  }
+  check.compared = 0;  // nothing to compare
+  EXPECT_EQ(failed_check(check, {}), std::nullopt);
+}
+
 }  // namespace
 }  // namespace palpate

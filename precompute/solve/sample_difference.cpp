@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "precompute/verify/sample_difference.hpp"
+#include "precompute/solve/sample_difference.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -38,17 +38,30 @@ double secant(const std::vector<Sample>& samples, const Sample& s) {
 
 }  // namespace
 
+Vector3d force_at(const Sample& here, const Sample& neighbour, double depth) {
+  const double run = std::log(neighbour.deflection.z() / here.deflection.z());
+  const double rise = std::log(neighbour.force.norm() / here.force.norm());
+  return here.force * std::pow(depth / here.deflection.z(), rise / run);
+}
+
 SampleDifference sample_difference(const std::vector<Sample>& samples, const std::vector<Sample>& reference) {
   SampleDifference d;
   // Unlike std::max, keeps a NaN: what cannot be compared must not look alike.
   const auto raise = [](double& to, double value) { to = value <= to ? to : value; };
-  const auto relative = [&](const Sample& a, const Sample& b) {
+  const auto relative = [&](const Sample& of, const Sample& other, const Vector3d& force) {
+    const double difference = (of.force - force).norm() / force.norm();
     ++d.compared;
-    return (a.force - b.force).norm() / b.force.norm();
+    d.foretold += difference <= of.error_estimate + other.error_estimate;
+    return difference;
   };
   const auto a = straight(samples), b = straight(reference);
-  for (std::size_t k = 0; 2 * k < std::min(a.size(), b.size()); ++k) {
-    raise(d.straight, relative(*a[k], *b[k]));
+  const std::size_t count = std::min(a.size(), b.size());
+  for (std::size_t k = 0; k < count; ++k) {
+    const Sample& other = *b[k];
+    const Vector3d force =
+        b.size() > 1 ? force_at(other, *b[k + 1 < b.size() ? k + 1 : k - 1], a[k]->deflection.z()) : other.force;
+    const double difference = relative(*a[k], other, force);
+    if (2 * k < count) raise(d.straight, difference);
   }
   double depth = -1, angle = 0;
   for (const Sample& s : samples) {
@@ -56,7 +69,7 @@ SampleDifference sample_difference(const std::vector<Sample>& samples, const std
     const auto same = [&](const Sample& r) { return r.kind == s.kind && r.index == s.index; };
     const auto other = std::find_if(reference.begin(), reference.end(), same);
     if (other == reference.end()) continue;
-    raise(d.sideways, relative(s, *other));
+    raise(d.sideways, relative(s, *other, other->force));
     const double turned = std::atan2(s.deflection.y(), s.deflection.x());
     const bool first = s.deflection.z() != depth || std::abs(turned - angle) > 1e-3;
     depth = s.deflection.z();
