@@ -202,7 +202,9 @@ void check_usage(const Options& options) {
   if (!options.family.empty() && options.battery.empty()) {
     throw Error(ExitCode::usage, "--family belongs to --battery");
   }
-  if (!options.cases.empty() && options.other.empty()) throw Error(ExitCode::usage, "--case belongs to --compare");
+  if (!options.cases.empty() && options.other.empty() && options.battery.empty()) {
+    throw Error(ExitCode::usage, "--case belongs to --battery and --compare");
+  }
   if (options.input.empty() && !own && !options.slide && !options.two_tips) {
     throw Error(ExitCode::usage,
                 "verify needs a scene, a response file, or --battery, --compare, --paper, --slide, --two-tips");
@@ -214,7 +216,7 @@ void run(const Options& options, const Globals& globals) {
   const ContactsCommand contacts{options.input, options.report, options.contacts, options.radii};
   if (options.slide) return run_slide(contacts, globals);
   if (options.two_tips) return run_two_tips(contacts, globals);
-  if (!options.battery.empty()) return run_battery_command({options.report, options.family, options.seed}, globals);
+  if (!options.battery.empty()) return run_battery_command({options.report, options.family, options.cases, options.seed}, globals);
   if (!options.other.empty()) return run_ccx_command({options.report, options.cases}, globals);
   if (!options.paper.empty()) return run_paper_command({options.paper, options.report}, globals);
   if (!options.samples.empty()) return compare(options, globals);
@@ -237,7 +239,7 @@ void add_verify(CLI::App& app, Globals& globals) {
   command->add_option("--family", options->family, "Only this family of the battery");
   command->add_option("--compare", options->other, "Instead of a scene: forces and times beside another program's")
       ->check(CLI::IsMember({"ccx"}));
-  command->add_option("--case", options->cases, "Only the cases of the comparison with this in their name");
+  command->add_option("--case", options->cases, "Only the cells or cases with this in their name");
   command->add_flag("--slide", options->slide, "Slides the tool over a few contacts of the scene, or over a block");
   command->add_flag("--two-tips", options->two_tips, "Two tips at once at a few contacts of the scene, or on a block");
   command->add_option("--contacts", options->contacts, "Of --slide and --two-tips, spread evenly over the scene's plan")

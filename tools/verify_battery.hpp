@@ -12,6 +12,7 @@ namespace palpate::cli {
 struct BatteryCommand {
   std::string report;  ///< JSON file; empty: none
   std::string family;  ///< only this one; empty: all
+  std::string cells;   ///< only those with this in their name; empty: all
   std::uint64_t seed = 1;
 };
 

@@ -2,6 +2,7 @@
 #include "precompute/verify/battery.hpp"
 
 #include "formats/error.hpp"
+#include "precompute/draw.hpp"
 #include "precompute/solve/pair.hpp"
 #include "precompute/solve/sample_difference.hpp"
 #include "precompute/verify/parallel.hpp"
@@ -13,7 +14,6 @@
 #include <map>
 #include <mutex>
 #include <new>
-#include <random>
 
 namespace palpate {
 namespace {
@@ -21,7 +21,8 @@ namespace {
 using Eigen::Vector3d;
 using End = CellResult::End;
 
-PairResult solve(const StiffCell& cell, const Body& body, double refine) {
+PairResult solve(const StiffCell& cell, const Body& body, double refine,
+                 ContactMethod method = ContactMethod::penalty) {
   const Tool tool = make_tool(cell.scene.tools.at(0));
   ContactFrame frame;
   frame.origin = body.query->closest(cell.site).point;
@@ -29,11 +30,8 @@ PairResult solve(const StiffCell& cell, const Body& body, double refine) {
   frame.x = frame.n.unitOrthogonal();
   frame.y = frame.n.cross(frame.x);
   PairOptions options = pair_options(cell.scene);
-  if (refine < 1) {
-    options.refine = refine;
-    options.growth *= 0.7;
-    options.max_size = body.diagonal / 12;
-  }
+  options.method = method;
+  if (refine < 1) options = finer_options(options, body, refine);
   return solve_pair(body, tool, tool.vertices.at(0), frame, bake_path(cell.scene, cell.depth), options);
 }
 
@@ -75,6 +73,20 @@ CellResult run(const StiffCell& cell) {
   return result;
 }
 
+void compare(CellResult& result, const PairResult& other) {
+  result.check_cause = other.outcome.cause;
+  if (!other.outcome.accepted) return;
+  const SampleDifference d = sample_difference(result.samples, other.samples);
+  if (d.compared == 0) {
+    result.check_cause = "no sample of the check matches";
+    return;
+  }
+  result.difference = std::max(d.straight, d.sideways);
+  result.compared = d.compared;
+  result.foretold = d.foretold;
+  result.check_cause.clear();
+}
+
 // Elements at most 0.6 times as large; a cell that converged on a finer rung of the ladder needs smaller ones still.
 void check(const StiffCell& cell, CellResult& result) {
   constexpr double kMoreNodes = 1.3;
@@ -82,21 +94,18 @@ void check(const StiffCell& cell, CellResult& result) {
     const Body body = prepare_body(cell.scene, cell.surface);
     for (const double refine : {0.6, 0.36}) {
       const PairResult fine = solve(cell, body, refine);
-      result.check_cause = fine.outcome.cause;
-      if (!fine.outcome.accepted) return;
-      if (fine.outcome.nodes < kMoreNodes * result.nodes) {
+      if (fine.outcome.accepted && fine.outcome.nodes < kMoreNodes * result.nodes) {
         result.check_cause = "the check's mesh is hardly finer";
         continue;
       }
-      const SampleDifference d = sample_difference(result.samples, fine.samples);
-      if (d.compared == 0) {
-        result.check_cause = "no sample of the check matches";
-        return;
-      }
-      result.difference = std::max(d.straight, d.sideways);
-      result.check_cause.clear();
-      return;
+      compare(result, fine);
+      break;
     }
+    if (result.difference) return;
+    const std::string finer = result.check_cause;
+    compare(result, solve(cell, body, 1.0, ContactMethod::augmented));
+    result.augmented = result.difference.has_value();
+    result.check_cause = result.augmented ? finer : finer + "; augmented Lagrange: " + result.check_cause;
   } catch (const std::exception& error) {
     rethrow_if_unsound();
     result.check_cause = error.what();
@@ -110,12 +119,11 @@ std::vector<std::size_t> draw(const std::vector<StiffCell>& cells, const Battery
   for (std::size_t k = 0; k < cells.size(); ++k) {
     if (result.cells[k].end == End::converged) families[cells[k].family].push_back(k);
   }
-  std::mt19937_64 engine(options.seed);
   std::vector<std::size_t> drawn;
-  for (auto& [family, numbers] : families) {
-    for (std::size_t k = numbers.size(); k > 1; --k) std::swap(numbers[k - 1], numbers[engine() % k]);
-    const auto count = std::size_t(std::ceil(options.verified_share * double(numbers.size())));
-    drawn.insert(drawn.end(), numbers.begin(), numbers.begin() + std::ptrdiff_t(std::min(count, numbers.size())));
+  for (const auto& [family, numbers] : families) {
+    for (const std::size_t k : draw_share(numbers.size(), options.verified_share, options.seed)) {
+      drawn.push_back(numbers[k]);
+    }
   }
   return drawn;
 }
@@ -156,8 +164,11 @@ BatteryFigures battery_figures(const std::vector<StiffCell>& cells, const Batter
     f.converged += converged;
     f.core += cells[k].core;
     f.core_converged += cells[k].core && converged;
-    f.unchecked += !cell.check_cause.empty();
+    f.unchecked += !cell.difference && !cell.check_cause.empty();
     f.verified += cell.difference && *cell.difference <= tolerance;
+    f.augmented += cell.augmented;
+    f.compared += cell.compared;
+    f.foretold += cell.foretold;
     f.wrong += cell.difference && !(*cell.difference <= tolerance);
     f.slowest = std::max(f.slowest, cell.seconds);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Runs stiff cells and checks a seeded share of the converged ones against finer meshes.
+// Runs stiff cells and checks a seeded share of the converged ones against finer meshes, or another contact.
 #pragma once
 
 #include "formats/samples.hpp"
@@ -16,7 +16,8 @@ namespace palpate {
 struct BatteryOptions {
   std::uint64_t seed = 1;
   double verified_share = 0.2;  ///< of the converged cells of every family, [0, 1]
-  double tolerance = 0.05;      ///< largest relative difference to the finer mesh, over the deeper half of the curve
+  double tolerance = 0.05;      ///< largest relative difference to the check, over the deeper half of the curve
+  double limit = 600.0;         ///< s that a cell may take; one that takes longer is an error of the solver
   unsigned threads = 1;
   std::function<bool()> stop;  ///< polled between cells
   std::function<void(std::size_t done, std::size_t total)> progress;
@@ -29,8 +30,11 @@ struct CellResult {
   std::vector<Sample> samples;       ///< of a converged cell
   double seconds = 0.0;              ///< of the solve, check aside
   std::uint32_t nodes = 0;           ///< of its mesh
-  std::optional<double> difference;  ///< to the finer mesh; none: not drawn, or not checked
-  std::string check_cause;           ///< why a drawn cell could not be checked
+  std::optional<double> difference;  ///< to the check; none: not drawn, or not checked
+  bool augmented = false;            ///< the check was the augmented-Lagrange solve
+  std::size_t compared = 0;          ///< samples that the check had a partner for ...
+  std::size_t foretold = 0;          ///< ... of which this many differ by no more than their error estimates
+  std::string check_cause;           ///< why a drawn cell could not be checked by a finer mesh, or at all
 };
 
 struct BatteryResult {
@@ -39,15 +43,17 @@ struct BatteryResult {
 };
 
 /// Bake's own entry point for every cell (pair.hpp); the check has elements at most 0.6 times as large that grow
-/// slower, and at least 1.3 times the nodes. A cell whose force is not finite counts as refused by name. Throws
-/// Error(io) where the installation is broken.
+/// slower, and at least 1.3 times the nodes; where no such mesh is solved, it is the augmented-Lagrange solve on the
+/// cell's own. A cell whose force is not finite counts as refused by name. Throws Error(io) where the installation is
+/// broken.
 BatteryResult run_battery(const std::vector<StiffCell>& cells, const BatteryOptions& options);
 
 /// What a table says of a set of cells.
 struct BatteryFigures {
   std::size_t cells = 0, converged = 0, core = 0, core_converged = 0;
-  std::size_t verified = 0, wrong = 0, unchecked = 0;  ///< of the drawn ones
-  double slowest = 0.0;                                ///< s
+  std::size_t verified = 0, augmented = 0, wrong = 0, unchecked = 0;  ///< of the drawn ones
+  std::size_t compared = 0, foretold = 0;                             ///< samples, see CellResult
+  double slowest = 0.0;                                               ///< s
 };
 
 /// `family` empty: of all.

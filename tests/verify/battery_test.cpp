@@ -3,6 +3,7 @@
 // All cells: palpate verify --battery stiff.
 #include "precompute/verify/battery.hpp"
 
+#include "precompute/draw.hpp"
 #include "precompute/solve/sample_difference.hpp"
 #include "precompute/verify/parallel.hpp"
 #include "precompute/verify/solver_bench.hpp"
@@ -90,6 +91,31 @@ TEST(Battery, ConvergesChecksAndRefusesByName) {
   EXPECT_EQ(battery_figures(cells, result, options.tolerance, "open").cells, 1U);
 }
 
+// One cell of every family, drawn by a seed, on fewer points than the command solves.
+TEST(Battery, ADrawnCellOfEveryFamilyConvergesOrSaysWhyNot) {
+  std::map<std::string, std::vector<StiffCell>> families;
+  for (const StiffCell& cell : stiff_cells()) families[cell.family].push_back(cell);
+  std::vector<StiffCell> cells;
+  for (const auto& [family, all] : families) {
+    cells.push_back(all[draw_share(all.size(), 1e-6, 20).at(0)]);
+    cells.back().scene.sampling.normal_points = 4;
+  }
+  BatteryOptions options;
+  options.verified_share = 0;
+  options.threads = 2;
+  const BatteryResult result = run_battery(cells, options);
+  std::size_t converged = 0;
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    const CellResult& cell = result.cells[k];
+    EXPECT_TRUE(cell.end == CellResult::End::converged ? cell.samples.size() >= 3 : !cell.cause.empty())
+        << cells[k].family << ", " << cells[k].name;
+    EXPECT_TRUE(cell.end == CellResult::End::converged || !cells[k].core)
+        << cells[k].family << ", " << cells[k].name << ": " << cell.cause;
+    converged += cell.end == CellResult::End::converged;
+  }
+  EXPECT_GE(converged, cells.size() * 7 / 10);
+}
+
 Sample sample(SampleKind kind, std::uint16_t index, const Eigen::Vector3d& deflection, const Eigen::Vector3d& force) {
   Sample s;
   s.kind = kind;
@@ -138,6 +164,18 @@ TEST(SolverBench, RowsComeNearerToTheReference) {
   }
   EXPECT_LT(rows[1].difference.straight, rows[0].difference.straight);
   EXPECT_GT(rows[1].nodes, rows[0].nodes);
+}
+
+TEST(DrawShare, IsAShareOfDifferentNumbersBySeed) {
+  const auto drawn = draw_share(40, 0.2, 1);
+  EXPECT_EQ(drawn.size(), 8U);
+  EXPECT_EQ(std::set<std::size_t>(drawn.begin(), drawn.end()).size(), 8U);
+  for (const std::size_t k : drawn) EXPECT_LT(k, 40U);
+  EXPECT_EQ(draw_share(40, 0.2, 1), drawn);
+  EXPECT_NE(draw_share(40, 0.2, 2), drawn);
+  EXPECT_EQ(draw_share(40, 1e-6, 1).size(), 1U);
+  EXPECT_TRUE(draw_share(40, 0, 1).empty());
+  EXPECT_TRUE(draw_share(0, 1, 1).empty());
 }
 
 TEST(ParallelFor, DoesEachPieceOnceAndStopsWhenAsked) {
