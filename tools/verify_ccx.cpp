@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -21,6 +22,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kSameMesh = 0.01, kFinerMesh = 0.02;
+constexpr double kSettings = 0.0025;  // what a setting counts as converged with: a quarter of what is allowed
+constexpr double kFaster = 40;
 
 // Element sizes: the first three are timed, the last one has CalculiX on a quarter of the block.
 const std::vector<double> kSizes{std::numbers::sqrt2, 1.0, std::numbers::sqrt2 / 2, 0.5};
@@ -56,8 +59,16 @@ public:
   [[nodiscard]] const Json& json() const { return json_; }
 
   void judge() const {
+    const auto beyond = [](const char* what, double change) {
+      return fmt::format("{} changes a force by {:.2f} %, allowed {:.2f}", what, 100 * change, 100 * kSettings);
+    };
+    if (!(changed_ <= kSettings)) throw Error(ExitCode::tolerance, beyond("a finer setting", changed_));
     if (!(same_ <= kSameMesh)) throw Error(ExitCode::tolerance, off("on the same mesh", same_, kSameMesh));
     if (!(finer_ <= kFinerMesh)) throw Error(ExitCode::tolerance, off("against the finer mesh", finer_, kFinerMesh));
+    if (!(least_ratio_ >= kFaster)) {
+      throw Error(ExitCode::tolerance,
+                  fmt::format("at equal error {:.0f} times as fast as CalculiX, wanted {:.0f}", least_ratio_, kFaster));
+    }
   }
 
 private:
@@ -129,7 +140,7 @@ private:
   // The first case of each tool, on the base mesh: what a finer setting changes.
   void settings() {
     text_ +=
-        "\nLargest change of a force when a setting is made finer (base mesh):\n\n"
+        "\nLargest change of a force when a setting is made finer (base mesh; allowed 0.25 %):\n\n"
         "| case | ccx: facets half as large | ccx: contact 3 times as stiff | ccx: 2 increments a depth | ours: "
         "contact 3 times as stiff |\n|---|---|---|---|---|\n";
     json_["settings"] = Json::array();
@@ -151,6 +162,7 @@ private:
                                            outcomes_[k].ours[kBase]));
       text_ += fmt::format("| {} | {:.3f} % | {:.3f} % | {:.3f} % | {:.3f} % |\n", c.name, 100 * changes[0],
                            100 * changes[1], 100 * changes[2], 100 * changes[3]);
+      for (const double change : changes) changed_ = change <= changed_ ? changed_ : change;  // keeps a NaN
       json_["settings"].push_back({{"case", c.name},
                                    {"ccx_facets", changes[0]},
                                    {"ccx_stiffness", changes[1]},
@@ -201,6 +213,7 @@ private:
       for (const TimeRatio& r : time_ratios(ours, ccx)) {
         ratios += fmt::format("| {} | {:.2f} % | {:.2f} | {:.1f} | {:.0f} | {:.0f} |\n", c.name, 100 * r.error, r.ours,
                               r.other, r.other / r.ours, (r.other + o.meshing) / (r.ours + o.meshing));
+        least_ratio_ = std::min(least_ratio_, r.other / r.ours);
         json["ratios"].push_back(
             {{"error", r.error}, {"ours_s", r.ours}, {"ccx_s", r.other}, {"ratio", r.other / r.ours}});
       }
@@ -218,7 +231,8 @@ private:
   CcxSettings settings_;
   std::vector<CcxCase> cases_;
   std::vector<Outcome> outcomes_;
-  double same_ = 0.0, finer_ = 0.0;
+  double same_ = 0.0, finer_ = 0.0, changed_ = 0.0;
+  double least_ratio_ = std::numeric_limits<double>::infinity();
   std::string text_;
   Json json_;
 };
