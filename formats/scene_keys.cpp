@@ -330,7 +330,8 @@ const Keys<SolverScene>& solver_keys() {
       number("mesh_size", &S::mesh_size, {0.05, 1, false, ""},
              "Element edge at the contact, in contact radii at full depth."),
       number("growth", &S::growth, {0, 1, true, ""}, "Growth of the edge length per distance from the contact."),
-      number("max_size", &S::max_size, kLengthOrAuto, "Longest element edge; 0: 1/8 of the bounding box's diagonal, at most twice the median wall."),
+      number("max_size", &S::max_size, kLengthOrAuto,
+             "Longest element edge; 0: 1/8 of the bounding box's diagonal, at most twice the median wall."),
       number("rim_size", &S::rim_size, {0, 1, false, ""},
              "Element edge of a ring of fine elements at the deepest contact's rim, in contact radii: for an accurate "
              "tangential stiffness, at the price of time; 0: no ring."),

@@ -15,6 +15,14 @@ std::string say(const char* gate, double figure, double limit, double depth) {
   return text;
 }
 
+}  // namespace
+
+bool sinks_into_held(const GateState& s, const GateLimits& limits) {
+  return s.contact.held_overlap > limits.penetration * s.contact_radius;
+}
+
+namespace {
+
 // What every believed contact satisfies, whatever way the tool came.
 std::optional<std::string> failed_contact(const GateState& s, const GateLimits& limits) {
   if (!std::isfinite(s.force) || !std::isfinite(s.stored)) {
@@ -25,7 +33,7 @@ std::optional<std::string> failed_contact(const GateState& s, const GateLimits& 
     return say("minimum Jacobian", s.min_jacobian, limits.min_jacobian, s.depth);
   }
   // Held surface answers with no force: a tool that sinks into it is not in the contact that was asked for.
-  if (s.contact.held_overlap > limits.penetration * s.contact_radius) {
+  if (sinks_into_held(s, limits)) {
     return say("support: overlap of tool and held surface over contact radius",
                s.contact.held_overlap / s.contact_radius, limits.penetration, s.depth);
   }

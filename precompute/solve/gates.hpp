@@ -33,11 +33,14 @@ struct GateState {
   ContactReport contact;
 };
 
+/// Whether the tool is in surface that is held: no other contact method mends that.
+bool sinks_into_held(const GateState& state, const GateLimits& limits);
+
 /// Empty when the state may be believed; else the name of the gate, the figure and its limit.
 std::optional<std::string> failed_gate(const GateState& state, const GateLimits& limits);
 
-/// The same for a sideways push: `answer` (N) is the change of the force along the push, which must oppose it. Growth
-/// and work are not asked for, a resolved contact is: a contact that peels ends in a few points.
+/// failed_gate for a sideways push: `answer` (N) is the change of the force along the push, which must oppose it.
+/// Growth and work are not asked for, a resolved contact is: a contact that peels ends in a few points.
 std::optional<std::string> failed_sideways_gate(const GateState& state, double answer, const GateLimits& limits);
 
 /// The same with Coulomb friction, where work and stored energy are known from the start of the sideways push: what the

@@ -82,7 +82,9 @@ bool straight_push(PairRun& run) {
                          run.work_scale(deepest),
                          sample.min_jacobian,
                          point.contact};
-    if (const auto failed = failed_gate(gate, limits)) return run.refuse_contact(*failed);
+    if (const auto failed = failed_gate(gate, limits)) {
+      return sinks_into_held(gate, limits) ? run.refuse(*failed) : run.refuse_contact(*failed);
+    }
     curve.push_back(std::move(point));
     sample.friction_limit = path.friction > 0 ? path.friction * slip_ratio(run) : 0.0;
     sample.index = static_cast<std::uint16_t>(curve.size() - 1);

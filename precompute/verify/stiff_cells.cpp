@@ -34,6 +34,8 @@ StiffCell block(const std::string& family, double width = kWidth, double height 
   cell.scene.supports = {half_space({0, 0, -height * (1 - 1e-6)}, {0, 0, 1})};
   cell.scene.tools.resize(1);
   cell.scene.tools[0].radius = radius;
+  // A punch that is pushed deeper than it is long is a disc under the surface.
+  cell.scene.tools[0].length = std::max(cell.scene.tools[0].length, 6 * radius);
   cell.scene.sampling.normal_points = 8;
   return cell;
 }
