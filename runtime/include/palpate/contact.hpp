@@ -178,7 +178,7 @@ private:
   }
 
   /// The anchor rule: sideways motion has been added to the effective deflection; going deeper moves its anchor.
-  void deepen(Deflection& d) {
+  [[gnu::noinline]] void deepen(Deflection& d) {
     if (d.depth > depth_) {
       const Vec3 kept = field_.deepened(depth_, d.depth, d.sideways);
       anchored_ = anchored_ + d.sideways - kept;

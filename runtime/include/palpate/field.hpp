@@ -84,53 +84,14 @@ public:
 
   /// Terms at depth z (m); all zero for z <= 0.
   [[nodiscard]] DepthTerms at_depth(double z) const {
-    DepthTerms terms;
-    if (!(z > 0)) return terms;
-    if (view_->coupled_laws != nullptr) return coupled_at(z);
-    const layout::Meta& m = *view_->meta;
-    const double share = z / m.depth_scale;
-    const double s = share < 1 ? std::sqrt(share) : 1.0;
-    const double extra = share < 1 ? 0 : 0.5 * (share - 1);  // linear in z beyond Z: ds/dz = 1 / (2 Z) there
-    terms.depth = z;
-    terms.beyond = z > limit_ * kLimitSlack;
-    // Curves of as many coefficients have one basis.
-    spline::Basis basis = spline::basis(static_cast<int>(m.normal_coefs), s);
-    std::uint32_t basis_of = m.normal_coefs;
-    const auto choose = [&](std::uint32_t count) {
-      if (count != basis_of) basis = spline::basis(static_cast<int>(count), s);
-      basis_of = count;
-    };
-    const auto curve = [&](const auto* coefs) {
-      const double inside = spline::combine(basis, coefs);
-      return extra > 0 ? inside + extra * spline::slope_at_1(coefs, static_cast<int>(basis_of)) : inside;
-    };
-    terms.normal_force = curve(push_);
-    if (m.lateral_coefs > 0) {
-      choose(m.lateral_coefs);
-      terms.straight = curve(lateral_x_) * basis_x_ + curve(lateral_y_) * basis_y_;
-    }
-    terms.limit = HUGE_VAL;
-    if (m.friction_coefs == 0) return terms;
-    choose(m.friction_coefs);
-    terms.limit = spline::combine(basis, mu_) * terms.normal_force;
-    choose(m.growth_coefs);
-    for (int j = 0; j < pairs_; ++j) {
-      for (std::uint32_t axis = 0; axis < 2; ++axis) {
-        const double value = curve(pair_[j].coefs + axis * m.growth_coefs);
-        terms.growth[j][axis] = value > 0 ? pair_[j].weight * value : 0;
-      }
-    }
-    return terms;
+    return view_->coupled_laws != nullptr ? coupled_at(z) : separable_at(z);
   }
 
   /// Sideways force at a sideways deflection (m, body frame; its part along n(c) does not count).
   [[nodiscard]] Vec3 sideways(const DepthTerms& terms, const Vec3& deflection) const {
     Vec3 force;
     const layout::Meta& m = *view_->meta;
-    if (view_->coupled_laws != nullptr && terms.depth > 0) {
-      const coupled::Vec2 push = terms.coupled.energy.gradient(in_basis(deflection), law_.degrees().order);
-      return -push.x * basis_x_ - push.y * basis_y_;
-    }
+    if (view_->coupled_laws != nullptr) return coupled_sideways(terms, deflection);
     if (m.sideways_coefs == 0 || !(terms.depth > 0)) return force;
     const int count = static_cast<int>(m.sideways_coefs);
     for (int i = 0; i < bodies_; ++i) {
@@ -150,13 +111,12 @@ public:
 
   /// Adds what a sideways deflection does to the normal force; the limit stays that of the straight push.
   void couple(DepthTerms& terms, const Vec3& deflection) const {
-    if (view_->coupled_laws == nullptr || !(terms.depth > 0)) return;
-    terms.normal_force += law_.coupling(terms.coupled, in_basis(deflection));
+    if (view_->coupled_laws != nullptr) terms.normal_force += coupling(terms, deflection);
   }
 
   /// The sideways deflection (m) that a contact keeps when it goes deeper from z0 to z1 > z0 >= 0 without moving
   /// sideways: less, for new area is anchored unstressed. The same in a file of another model.
-  [[nodiscard]] Vec3 deepened(double z0, double z1, const Vec3& deflection) const {
+  [[nodiscard, gnu::noinline]] Vec3 deepened(double z0, double z1, const Vec3& deflection) const {
     if (view_->coupled_laws == nullptr) return deflection;
     if (!(z0 > 0)) return {};
     const coupled::Vec2 u = law_.deepen(law_.abscissa(z0), law_.abscissa(z1), in_basis(deflection));
@@ -211,8 +171,59 @@ private:
     return {per_scale_ * dot(deflection, basis_x_), per_scale_ * dot(deflection, basis_y_)};
   }
 
-  [[nodiscard]] DepthTerms coupled_at(double z) const {
+  [[nodiscard, gnu::always_inline]] inline DepthTerms separable_at(double z) const {
     DepthTerms terms;
+    if (!(z > 0)) return terms;
+    const layout::Meta& m = *view_->meta;
+    const double share = z / m.depth_scale;
+    const double s = share < 1 ? std::sqrt(share) : 1.0;
+    const double extra = share < 1 ? 0 : 0.5 * (share - 1);  // linear in z beyond Z: ds/dz = 1 / (2 Z) there
+    terms.depth = z;
+    terms.beyond = z > limit_ * kLimitSlack;
+    // Curves of as many coefficients have one basis.
+    spline::Basis basis = spline::basis(static_cast<int>(m.normal_coefs), s);
+    std::uint32_t basis_of = m.normal_coefs;
+    const auto choose = [&](std::uint32_t count) {
+      if (count != basis_of) basis = spline::basis(static_cast<int>(count), s);
+      basis_of = count;
+    };
+    const auto curve = [&](const auto* coefs) {
+      const double inside = spline::combine(basis, coefs);
+      return extra > 0 ? inside + extra * spline::slope_at_1(coefs, static_cast<int>(basis_of)) : inside;
+    };
+    terms.normal_force = curve(push_);
+    if (m.lateral_coefs > 0) {
+      choose(m.lateral_coefs);
+      terms.straight = curve(lateral_x_) * basis_x_ + curve(lateral_y_) * basis_y_;
+    }
+    terms.limit = HUGE_VAL;
+    if (m.friction_coefs == 0) return terms;
+    choose(m.friction_coefs);
+    terms.limit = spline::combine(basis, mu_) * terms.normal_force;
+    choose(m.growth_coefs);
+    for (int j = 0; j < pairs_; ++j) {
+      for (std::uint32_t axis = 0; axis < 2; ++axis) {
+        const double value = curve(pair_[j].coefs + axis * m.growth_coefs);
+        terms.growth[j][axis] = value > 0 ? pair_[j].weight * value : 0;
+      }
+    }
+    return terms;
+  }
+
+  // What only the coupled model needs stays out of line: inlined into a tick it would slow the others by a tenth.
+  [[nodiscard, gnu::noinline]] Vec3 coupled_sideways(const DepthTerms& terms, const Vec3& deflection) const {
+    if (!(terms.depth > 0)) return {};
+    const coupled::Vec2 push = terms.coupled.energy.gradient(in_basis(deflection), law_.degrees().order);
+    return -push.x * basis_x_ - push.y * basis_y_;
+  }
+
+  [[nodiscard, gnu::noinline]] double coupling(const DepthTerms& terms, const Vec3& deflection) const {
+    return terms.depth > 0 ? law_.coupling(terms.coupled, in_basis(deflection)) : 0;
+  }
+
+  [[nodiscard, gnu::noinline]] DepthTerms coupled_at(double z) const {
+    DepthTerms terms;
+    if (!(z > 0)) return terms;
     terms.coupled = law_.at(law_.abscissa(z), false);
     terms.depth = z;
     terms.beyond = z > limit_ * kLimitSlack;
