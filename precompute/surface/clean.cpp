@@ -110,12 +110,17 @@ CleanSurface clean_surface(const Surface& input, const CleanOptions& options, co
   }
   if (options.smooth > 0) {
     const SurfaceQuery facets(surface);
-    surface = smooth(surface, options.smooth);
+    const Smoothed smoothed = smooth(surface, options.smooth);
+    surface = smoothed.surface;
     const auto left = examine(surface);
     if (!left.clean())
       fail("smooth = " + std::to_string(options.smooth) + " spoils the surface: " + joined(left.lines()));
     label_parts(surface, facets, true);
     report.action += ", smoothed";
+    if (smoothed.kept_edges > 0) {
+      report.findings.push_back(
+          fmt::format("{} edges kept straight: rounded, the surface would cross itself there", smoothed.kept_edges));
+    }
   }
   if (report.action != "used as it is") std::tie(report.largest_move, report.mean_move) = distances(surface, original);
   result.query = std::make_shared<const SurfaceQuery>(surface);

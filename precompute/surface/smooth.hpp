@@ -6,9 +6,15 @@
 
 namespace palpate {
 
+struct Smoothed {
+  Surface surface;
+  std::size_t kept_edges = 0;  ///< left straight: rounded, the surface would cross itself there
+};
+
 /// `rounds` of modified butterfly subdivision (Zorin, Schroeder and Sweldens 1996): four triangles for one in every
-/// round, through all vertices. The surface must be closed and manifold; part names stay, the labels are to be made
-/// anew.
-Surface smooth(const Surface& surface, int rounds);
+/// round, through all vertices. Where the rounded surface would cross itself, as in a fold of a wrapped organ, edges
+/// are halved as they are; a surface that does not cross itself therefore never comes to. It must be closed and
+/// manifold; part names stay, the labels are to be made anew.
+Smoothed smooth(const Surface& surface, int rounds);
 
 }  // namespace palpate
