@@ -34,6 +34,7 @@ public:
       cause = step.cause;
       if (step.converged && k == 0) {
         base_ = run_.frame.to_local(slip.force());
+        base_stored_ = slip.friction().stored;
         slip.open_account();
       } else if (step.converged) {
         cause = take(slip, reach, step.iterations, static_cast<std::uint16_t>(index + k - 1));
@@ -66,7 +67,7 @@ private:
     gate.contact = run_.push.report();
     if (const auto failed = failed_slip_gate(gate, pull, slip.dissipated(), GateLimits{})) return *failed;
     if (friction.gross()) s.friction_limit = s.force.head<2>().norm() / s.force.z();
-    const double give = 2 * friction.stored / -pull;
+    const double give = 2 * std::max(friction.stored - base_stored_, 0.0) / -pull;
     s.deflection =
         (reach - std::min(give, 0.1 * reach)) * direction_ + Vector3d(0, 0, run_.sample_of(from_).deflection.z());
     s.error_estimate = run_.sample_of(from_).error_estimate;
@@ -78,7 +79,8 @@ private:
   const CurvePoint& from_;
   const Vector3d direction_;
   const double radius_;
-  Vector3d base_{0, 0, 0};  // N, where the push began
+  Vector3d base_{0, 0, 0};    // N, where the push began
+  double base_stored_ = 0.0;  // J, there in the elastic slip
 };
 
 }  // namespace

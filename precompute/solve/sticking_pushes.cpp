@@ -76,8 +76,8 @@ private:
     gate.contact = run_.push.report();
     gate.stored = gate.contact.tangential_energy;
     if (const auto failed = failed_sideways_gate(gate, pull, GateLimits{})) return *failed + where;
-    // The anchors' own compliance, at a constant contact area: 2 E / Q.
-    const double give = 2 * gate.contact.tangential_energy / -pull;
+    // The anchors' own compliance, at a constant contact area: 2 E / Q, E without what the straight push had sheared.
+    const double give = 2 * std::max(gate.stored - at.contact.tangential_energy, 0.0) / -pull;
     s.deflection = (reach - std::min(give, 0.1 * reach)) * local + Vector3d(0, 0, base.deflection.z());
     s.error_estimate = base.error_estimate + error_estimate({gate.contact.force.norm(), reach, give, step.energy_error,
                                                              run_.push.state().penalty * gate.contact.area,

@@ -3,6 +3,7 @@
 #include "precompute/solve/pair.hpp"
 
 #include "precompute/geometry/solids.hpp"
+#include "precompute/solve/sample_difference.hpp"
 #include "precompute/surface/support_rim.hpp"
 #include "precompute/surface/supports.hpp"
 #include "tests/support/bodies.hpp"
@@ -100,6 +101,31 @@ TEST_F(Pair, StickingPushIsStifferAndSidewaysAnswerIsSymmetric) {
     least = std::min(least, stiffness);
   }
   EXPECT_LT(largest / least, 1.08);
+}
+
+// What the straight push has sheared in its anchors is no give of the sideways push that follows.
+TEST_F(Pair, SidewaysStiffnessIsNoMatterOfTheAnchors) {
+  const Tool tool = make_tool(sphere);
+  scene.friction = 0.3;
+  scene.sampling.normal_points = 4;
+  const PairPath path = bake_path(scene, 0.005);
+  PairOptions options = pair_options(scene);
+  const PairResult usual = solve_pair(body, tool, tool.vertices[0], ContactFrame{}, path, options);
+  options.penalty *= 4;
+  const PairResult stiffer = solve_pair(body, tool, tool.vertices[0], ContactFrame{}, path, options);
+  ASSERT_TRUE(usual.outcome.accepted) << usual.outcome.cause;
+  ASSERT_TRUE(stiffer.outcome.accepted) << stiffer.outcome.cause;
+  const SampleDifference difference = sample_difference(usual.samples, stiffer.samples);
+  ASSERT_GT(difference.compared, 20U);
+  EXPECT_LT(difference.stiffness, 0.02);
+  EXPECT_LT(difference.sideways, 0.01);
+  const double first = path.tangential_reach * path.tangential_depths.back() / path.tangential_points;
+  for (const Sample& s : usual.samples) {
+    const bool deep = int(s.index) >= path.tangential_directions * path.tangential_points;
+    if (s.kind != SampleKind::tangential || !deep || int(s.index) % path.tangential_points != 0) continue;
+    EXPECT_GT(s.deflection.head<2>().norm(), 0.97 * first);
+    EXPECT_LT(s.deflection.head<2>().norm(), first);
+  }
 }
 
 TEST_F(Pair, FrictionLimitIsTheCoefficientOnAFlatContactAndMoreOnADeepOne) {
