@@ -44,10 +44,40 @@ Matrix3d contracted(const Tangent& t, const Eigen::RowVector3d& left, const Eige
   return sum;
 }
 
+// Of the shear modulus. One element between two free faces bends by changing volume on one side and on the other, which
+// its mean does not see: sheets would be a quarter too soft. At 2 sheets of 2 and 4 mm are within 2 % of refined ones;
+// a block knows nothing of it.
+constexpr double kSpanning = 2.0;
+
+// Of the corners on the outside, in proportion to the area round them; zero elsewhere.
+std::vector<Vector3d> outer_normals(const TetMesh& mesh) {
+  std::vector<Vector3d> normals(mesh.nodes.size(), Vector3d::Zero());
+  for (const auto& f : mesh.faces) {
+    const Vector3d &a = mesh.nodes[f[0]], &b = mesh.nodes[f[1]], &c = mesh.nodes[f[2]];
+    const Vector3d normal = (b - a).cross(c - a);
+    for (int k = 0; k < 3; ++k) normals[f[k]] += normal;
+  }
+  return normals;
+}
+
+// From one side of the body to the other: two corners look in opposite directions.
+bool spans(const std::vector<Vector3d>& normals, const std::array<std::int32_t, 10>& nodes) {
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j < i; ++j) {
+      const Vector3d &a = normals[nodes[i]], &b = normals[nodes[j]];
+      if (a.dot(b) < -0.5 * a.norm() * b.norm()) return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 ElasticEnergy::ElasticEnergy(const TetMesh& mesh, std::vector<Material> materials) : materials_(std::move(materials)) {
   elements_.reserve(mesh.tets.size());
+  const std::vector<Vector3d> normals = outer_normals(mesh);
+  std::vector<double> spanning;  // Pa
+  for (const Material& m : materials_) spanning.push_back(m.bulk > 0 ? kSpanning * m.shear_modulus() : 0);
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
     Element e;
     e.nodes = mesh.tets[t];
@@ -63,7 +93,11 @@ ElasticEnergy::ElasticEnergy(const TetMesh& mesh, std::vector<Material> material
     e.slopes.bottomRows<3>() = inverse;
     e.slopes.row(0) = -inverse.colwise().sum();
     e.material = mesh.regions.empty() ? 0 : mesh.regions[t];
-    materials_.at(static_cast<std::size_t>(e.material));  // throws where the region has none
+    const Material& material = materials_.at(static_cast<std::size_t>(e.material));  // throws where the region has none
+    e.local = material.local;
+    if (spans(normals, e.nodes)) {
+      e.local = std::min(e.local + spanning[e.material], std::max(e.local, material.bulk));
+    }
     elements_.push_back(e);
   }
   make_batches();
@@ -90,7 +124,7 @@ void ElasticEnergy::make_batches() {
         batch.mu[lane] = material.mu;
         batch.slope[lane] = material.slope;
         batch.bulk[lane] = material.bulk;
-        batch.local[lane] = material.local;
+        batch.local[lane] = e.local;
         if (laws) batch.laws[lane] = &material;
       }
       batches_.push_back(batch);
@@ -144,8 +178,8 @@ void ElasticEnergy::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& ma
       tangents[q] = material.law_tangent(fs[q]);
       if (kind == HessianKind::convex) tangents[q] = positive_part(tangents[q]);
     }
-    const double mu = e.volume * material.mu, bulk = e.volume * (material.volumetric_curvature() - material.local);
-    const double local = e.volume * material.local / kPoints;
+    const double mu = e.volume * material.mu, bulk = e.volume * (material.volumetric_curvature() - e.local);
+    const double local = e.volume * e.local / kPoints;
     const double slope = e.volume * material.volumetric_slope(dilatation) / kPoints;
     for (int a = 0; a < 10; ++a) {
       for (int b = 0; b <= a; ++b) {

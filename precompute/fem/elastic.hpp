@@ -19,7 +19,8 @@ enum class HessianKind { exact, convex };
 
 class ElasticEnergy {
 public:
-  /// `materials[region]`. The mesh's nodes are the stress-free state.
+  /// `materials[region]`. The mesh's nodes are the stress-free state. Elements that reach from one side of a thin body
+  /// to the other have twice the shear modulus on top of their material's `local`, at most its bulk modulus.
   ElasticEnergy(const TetMesh& mesh, std::vector<Material> materials);
   ElasticEnergy(const ElasticEnergy&) = delete;
   ElasticEnergy& operator=(const ElasticEnergy&) = delete;
@@ -39,6 +40,7 @@ private:
     std::array<std::int32_t, 10> nodes;
     Eigen::Matrix<double, 4, 3> slopes;  // gradients of the barycentric coordinates, 1/m
     double volume = 0.0;                 // m^3
+    double local = 0.0;                  // Pa, see Material
     std::int32_t material = 0;
   };
   void make_batches();

@@ -61,6 +61,14 @@ Problem cook(int cells) {
           {}};
 }
 
+// A clamped plate of 6 x 2 x 0.5, its end pushed sideways.
+Problem plate(int cells, int layers) {
+  return {test::block_mesh(lines(6, 3 * cells), lines(2, cells), lines(0.5, layers)),
+          [](const Vector3d& at) { return at.x() < 1e-9; },
+          [](const Vector3d& at) { return at.x() > 6 - 1e-9 ? Vector3d(0, 0, 0.1) : Vector3d(0, 0, 0); },
+          {}};
+}
+
 // A cube in a rigid box that it slides in, pressed in the middle of its top: the rest has to rise.
 Problem confined(int cells) {
   Body box;
@@ -91,6 +99,11 @@ protected:
 
 TEST_P(Locking, CookTypeBendingIsThatOfARefinedMesh) {
   EXPECT_NEAR(compliance(cook(3), soft) / compliance(cook(6), soft), 1, 0.01);
+}
+
+// One element over the thickness: its mean dilatation alone would let it bend a third too far.
+TEST_P(Locking, APlateOfOneLayerBendsLikeARefinedOne) {
+  EXPECT_NEAR(compliance(plate(2, 1), soft) / compliance(plate(6, 3), soft), 1, 0.1);
 }
 
 // Three elements under the whole of a load are too few for better; they err on the soft side.
