@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Stated contacts and deflections of a golden file, and what today's runtime answers to them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "palpate/runtime.hpp"
+
+namespace palpate::test {
+
+/// A line of a .forces file: a word, what is asked, "=", what is answered. The words:
+///
+///     force    triangle b0 b1 b2 tool patch w0 w1 w2 dx dy dz = fx fy fz limit
+///     deepen   triangle b0 b1 b2 tool patch w0 w1 w2 z0 z1 ex ey ez = ex ey ez
+///     distance px py pz = d
+///
+/// force: the contact (triangle and barycentric weights on the body; tool, tool patch and weights on the tool), the
+/// deflection p - c (m), the force on the tool (N) while it sticks and the largest tangential force (N, inf in a
+/// frictionless file). deepen: the effective sideways deflection (m) before and after the tool goes from depth z0 to z1
+/// (m). distance: a point (m) and its distance from the contact surface (m), negative inside.
+struct GoldenLine {
+  std::string word;
+  std::vector<double> asked, answered;
+};
+
+/// The answers of the runtime. Throws std::runtime_error for a line that asks for nothing it knows.
+inline std::vector<double> answer(const runtime::View& view, const std::string& word,
+                                  const std::vector<double>& asked) {
+  using runtime::Vec3;
+  const auto vec = [&](std::size_t at) { return Vec3{asked.at(at), asked.at(at + 1), asked.at(at + 2)}; };
+  if (word == "distance") return {locate(view, vec(0)).signed_distance};
+  const runtime::BodyPoint at{static_cast<std::uint32_t>(asked.at(0)), {asked.at(1), asked.at(2), asked.at(3)}};
+  const runtime::ToolPoint on_tool{static_cast<std::uint32_t>(asked.at(5)), {asked.at(6), asked.at(7), asked.at(8)}};
+  const runtime::Field field(view, static_cast<std::uint32_t>(asked.at(4)), at, on_tool);
+  if (word == "deepen") {
+    const Vec3 e = field.deepened(asked.at(9), asked.at(10), vec(11));
+    return {e.x, e.y, e.z};
+  }
+  if (word != "force") throw std::runtime_error("unknown golden line: " + word);
+  const runtime::FieldForce f = field.force(vec(9));
+  return {f.force.x, f.force.y, f.force.z, f.limit};
+}
+
+}  // namespace palpate::test

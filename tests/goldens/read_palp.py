@@ -1,0 +1,646 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reads response files and evaluates them, written from formats/response-file.md alone: Python's standard library, no
+line of Palpate's own code.
+
+read_palp.py FOLDER      every FOLDER/*.palp: reads all fields, checks what the specification says that a reader checks,
+                         and compares with the answers in the .forces file beside it (tests/goldens/goldens.hpp);
+                         ends with 1 where one differs
+read_palp.py FILE.palp   prints every field as text
+"""
+import json
+import math
+import pathlib
+import struct
+import sys
+
+M64 = (1 << 64) - 1
+LATERAL, FRICTION, TOOL_PATCHES, SEARCH, COUPLED = (1 << bit for bit in range(5))
+
+
+class Bad(Exception):
+    pass
+
+
+def need(good, what):
+    if not good:
+        raise Bad(what)
+
+
+def xxh64(data):
+    p1, p2, p3, p4, p5 = (0x9E3779B185EBCA87, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9, 0x85EBCA77C2B2AE63,
+                          0x27D4EB2F165667C5)
+    rotate = lambda v, n: (v << n | v >> (64 - n)) & M64
+    step = lambda lane, word: rotate((lane + word * p2) & M64, 31) * p1 & M64
+    whole = len(data) // 32 * 32
+    h = p5
+    if whole:
+        lanes = [(p1 + p2) & M64, p2, 0, -p1 & M64]
+        for words in struct.iter_unpack("<4Q", data[:whole]):
+            lanes = [step(lane, word) for lane, word in zip(lanes, words)]
+        h = sum(rotate(lane, n) for lane, n in zip(lanes, (1, 7, 12, 18))) & M64
+        for lane in lanes:
+            h = ((h ^ step(0, lane)) * p1 + p4) & M64
+    h = (h + len(data)) & M64
+    rest = data[whole:]
+    while len(rest) >= 8:
+        h = (rotate(h ^ step(0, int.from_bytes(rest[:8], "little")), 27) * p1 + p4) & M64
+        rest = rest[8:]
+    if len(rest) >= 4:
+        h = (rotate(h ^ (int.from_bytes(rest[:4], "little") * p1 & M64), 23) * p2 + p3) & M64
+        rest = rest[4:]
+    for byte in rest:
+        h = rotate(h ^ (byte * p5 & M64), 11) * p1 & M64
+    h = (h ^ h >> 33) * p2 & M64
+    h = (h ^ h >> 29) * p3 & M64
+    return h ^ h >> 32
+
+
+# Vectors as tuples.
+def add(*vs):
+    return tuple(map(sum, zip(*vs)))
+
+
+def mul(s, v):
+    return tuple(s * x for x in v)
+
+
+def dot(a, b):
+    return sum(x * y for x, y in zip(a, b))
+
+
+def sub(a, b):
+    return add(a, mul(-1, b))
+
+
+def cross(a, b):
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def unit(v):
+    return mul(1 / math.sqrt(dot(v, v)), v)
+
+
+def text(raw):
+    need(0 in raw, "a name without its zero")
+    return raw[:raw.index(0)].decode()
+
+
+def is_unit(v):
+    return abs(dot(v, v) - 1) < 1e-3
+
+
+class File:
+    """Every field, by the names of the specification."""
+
+    def __init__(self, data):
+        self.data = data
+        need(len(data) >= 64, "shorter than a header")
+        magic, version, count, size, checksum, self.features = struct.unpack_from("<8s2I2QI", data)
+        need(magic == b"PALPATE\0", "magic bytes")
+        need(version == 1, "version")
+        need(size == len(data) and size % 64 == 0, "size")
+        need(xxh64(data[:24] + bytes(8) + data[32:]) == checksum, "checksum")
+        need(count <= 32 and not any(data[36:64]) and self.features < 32, "header")
+        self.sections = {}
+        covered = bytearray(len(data))
+        covered[:64 + 32 * count] = b"\1" * (64 + 32 * count)
+        last, end = 0, 64 + 32 * count
+        for i in range(count):
+            number, element, offset, size, elements = struct.unpack_from("<2I3Q", data, 64 + 32 * i)
+            need(number > last and number < 15, "section ids")
+            need(offset % 64 == 0 and offset >= end and offset + size <= len(data), "section place")
+            need(1 <= elements < 1 << 31 and size == elements * element, "section size")
+            self.sections[number] = (element, elements, data[offset:offset + size])
+            covered[offset:offset + size] = b"\1" * size
+            last, end = number, offset + size
+        need(all(c or not b for c, b in zip(covered, data)), "bytes between sections are not zero")
+        self.read_meta()
+        self.read_body()
+        self.read_tools()
+        self.read_responses()
+        self.read_search()
+        provenance = self.section(13, 1)
+        self.provenance = json.loads(provenance)
+        need(isinstance(self.provenance, dict), "PROVENANCE")
+        need(not self.sections, "sections that do not belong here: %s" % list(self.sections))
+
+    def section(self, number, element, count=None):
+        need(number in self.sections, "section %d is missing" % number)
+        have, elements, data = self.sections.pop(number)
+        need(have == element and count in (None, elements), "section %d: elements" % number)
+        return data
+
+    def records(self, number, layout, count):
+        return list(struct.iter_unpack(layout, self.section(number, struct.calcsize(layout), count)))
+
+    def read_meta(self):
+        meta = struct.unpack("<2d23I20s", self.section(1, 128, 1))
+        self.Z, self.X, self.model = meta[:3]
+        (self.site_count, self.patch_count, self.vertex_count, self.triangle_count, self.tool_count,
+         self.tool_vertex_count, self.tool_patch_count, self.response_count, self.k) = meta[3:12]
+        self.counts = meta[12:17]  # normal, lateral, growth, sideways, friction
+        self.search_nodes = meta[17]
+        self.degrees = meta[18:25]  # order, push, straight, stiffness, cubic, quartic, limit
+        need(not any(meta[25]), "META: zero bytes")
+        need(1e-9 <= self.Z < 1000 and 1 <= self.k <= 1024, "META: scale or subdivision")
+        need(self.response_count == self.site_count * self.tool_vertex_count, "META: responses")
+        normal, lateral, growth, sideways, friction = self.counts
+        need(self.model in (1, 2), "META: model")
+        if self.model == 2:
+            order, push, straight, stiffness, cubic, quartic, limit = self.degrees
+            need(not any(self.counts), "META: curves in a coupled file")
+            need(2 <= order <= 4 and 2 <= push <= 6 and (straight == 0 or 2 <= straight <= 6) and 2 <= stiffness <= 6
+                 and (cubic <= stiffness if order > 2 else cubic == 0)
+                 and (quartic <= stiffness if order > 3 else quartic == 0) and limit <= 6, "META: degrees")
+        else:
+            need(not any(self.degrees), "META: degrees in a separable file")
+            need(all(4 <= n <= 32 for n in self.counts if n) and normal, "META: coefficients")
+            need(bool(growth) == bool(sideways) == bool(friction), "META: growth, sideways, friction")
+        need(1e-9 <= self.X < 1000 if friction or self.model == 2 else self.X == 0, "META: sideways scale")
+        need(self.features == (LATERAL * bool(lateral or self.degrees[2]) | FRICTION * bool(friction or self.model == 2)
+                               | TOOL_PATCHES * bool(self.tool_patch_count) | SEARCH * bool(self.search_nodes)
+                               | COUPLED * (self.model == 2)), "features")
+
+    def is_limit(self, depth):
+        return 0 < depth <= self.Z * (1 + 1e-5)
+
+    def read_body(self):
+        self.sites = []
+        for r in self.records(2, "<10f2I", self.site_count):
+            site = {"position": r[:3], "normal": r[3:6], "tangent": r[6:9], "depth_limit": r[9], "flags": r[10]}
+            need(all(abs(x) < 1e5 for x in r[:3]) and is_unit(r[3:6]) and is_unit(r[6:9])
+                 and abs(dot(r[3:6], r[6:9])) < 1e-3 and self.is_limit(r[9]) and r[10] < 4 and r[11] == 0, "SITES")
+            self.sites.append(site)
+        self.patches = self.records(3, "<3I", self.patch_count)
+        need(all(len(set(p)) == 3 and max(p) < self.site_count for p in self.patches), "PATCHES")
+        self.vertices = self.records(4, "<3f", self.vertex_count)
+        need(all(abs(x) < 1e5 for v in self.vertices for x in v), "SURFACE_VERTICES")
+        self.triangles = []
+        for r in self.records(5, "<7I6H", self.triangle_count):
+            grid = [(r[7 + 2 * i], r[8 + 2 * i], self.k - r[7 + 2 * i] - r[8 + 2 * i]) for i in range(3)]
+            self.triangles.append({"vertex": r[:3], "neighbour": r[3:6], "patch": r[6], "grid": grid})
+            need(len(set(r[:3])) == 3 and max(r[:3]) < self.vertex_count and max(r[3:6]) < self.triangle_count
+                 and r[6] < self.patch_count and min(map(min, grid)) >= 0, "SURFACE_TRIANGLES")
+        for number, t in enumerate(self.triangles):
+            for i in range(3):
+                a, b = (i + 1) % 3, (i + 2) % 3
+                other = self.triangles[t["neighbour"][i]]
+                theirs = [j for j in range(3) if other["neighbour"][j] == number
+                          and other["vertex"][(j + 1) % 3] == t["vertex"][b]
+                          and other["vertex"][(j + 2) % 3] == t["vertex"][a]]
+                need(theirs, "SURFACE_TRIANGLES: neighbours")
+                j = theirs[0]
+                need(self.weights_at(t, a) == self.weights_at(other, (j + 2) % 3)
+                     and self.weights_at(t, b) == self.weights_at(other, (j + 1) % 3), "SURFACE_TRIANGLES: weights")
+
+    def weights_at(self, triangle, corner):
+        sites = self.patches[triangle["patch"]]
+        return {site: weight for site, weight in zip(sites, triangle["grid"][corner]) if weight}
+
+    def read_tools(self):
+        self.tools = []
+        patched = bool(self.features & TOOL_PATCHES)
+        vertex = patch = 0
+        for r in self.records(6, "<32s5I3f", self.tool_count):
+            tool = dict(zip(("name", "kind", "first_vertex", "vertex_count", "first_patch", "patch_count", "radius",
+                             "probe_radius", "axis_length"), (text(r[0]),) + r[1:]))
+            need(tool["name"] and tool["kind"] < 3 and tool["vertex_count"] > 0 and all(0 <= x < 1e5 for x in r[6:]),
+                 "TOOLS")
+            need((tool["first_vertex"], tool["first_patch"]) == (vertex, patch) and patched == (tool["patch_count"] > 0)
+                 and (patched or tool["vertex_count"] == 1), "TOOLS: vertices and patches")
+            need(tool["kind"] == 2 or tool["axis_length"] > 0 or tool["vertex_count"] == 1, "TOOLS: no axis")
+            need(tool["kind"] == 1 or tool["axis_length"] == 0, "TOOLS: axis")
+            need(tool["kind"] != 2 or tool["probe_radius"] == 0, "TOOLS: probe radius")
+            vertex += tool["vertex_count"]
+            patch += tool["patch_count"]
+            self.tools.append(tool)
+        need((vertex, patch) == (self.tool_vertex_count, self.tool_patch_count), "TOOLS: all")
+        self.tool_vertices, self.tool_patches = [], []
+        if not patched:
+            return
+        for r in self.records(7, "<10f24s", self.tool_vertex_count):
+            self.tool_vertices.append({"point": r[:3], "normal": r[3:6], "tangent": r[6:9], "meridian": r[9],
+                                       "name": text(r[10])})
+            need(all(abs(x) < 1e5 for x in r[:3] + r[9:10]) and is_unit(r[3:6]) and is_unit(r[6:9])
+                 and abs(dot(r[3:6], r[6:9])) < 1e-3, "TOOL_VERTICES")
+        self.tool_patches = self.records(8, "<3I", self.tool_patch_count)
+        for tool in self.tools:
+            own = range(tool["first_vertex"], tool["first_vertex"] + tool["vertex_count"])
+            last = -math.inf
+            for p in self.tool_patches[tool["first_patch"]:tool["first_patch"] + tool["patch_count"]]:
+                need(all(v in own for v in p), "TOOL_PATCHES")
+                if tool["kind"] == 1:
+                    low, high = (self.tool_vertices[v]["meridian"] for v in p[:2])
+                    need(last <= low <= high, "TOOL_PATCHES: segments")
+                    last = high
+
+    def read_responses(self):
+        normal, lateral, growth, sideways, friction = self.counts
+        self.responses = []
+        for r in self.records(9, "<fI%df" % normal, self.response_count):
+            need(self.is_limit(r[0]) and r[1] in (1, 2), "RESPONSES")
+            need(self.model == 2 or r[2:4] == (0, 0) and all(a <= b for a, b in zip(r[2:], r[3:])) and r[-1] <= 1e12,
+                 "RESPONSES: normal force")
+            self.responses.append({"depth_limit": r[0], "flags": r[1], "Fn": r[2:]})
+        if lateral:
+            for to, r in zip(self.responses, self.records(10, "<%df" % (2 * lateral), self.response_count)):
+                to["Fx"], to["Fy"] = r[:lateral], r[lateral:]
+                need(not any(to["Fx"][:2] + to["Fy"][:2]) and all(abs(c) <= 1e12 for c in r), "LATERAL")
+        if friction:
+            size = 2 * growth + 2 * sideways + friction
+            for to, r in zip(self.responses, self.records(11, "<%df" % size, self.response_count)):
+                r = list(r)
+                for name, count in (("gx", growth), ("gy", growth), ("phix", sideways), ("phiy", sideways),
+                                    ("mu", friction)):
+                    to[name], r = tuple(r[:count]), r[count:]
+                for g in (to["gx"], to["gy"]):
+                    need(g[0] == 0 and all(0 <= c <= 1000 for c in g), "FRICTION: growth")
+                for phi in (to["phix"], to["phiy"]):
+                    need(all(a >= b for a, b in zip(phi, phi[1:])) and all(abs(c) <= 1e12 for c in phi)
+                         and abs(spline(phi, 0.5)) <= 2e-5 * max(abs(phi[0]), abs(phi[-1])), "FRICTION: sideways")
+                need(all(0 <= c <= 10 for c in to["mu"]), "FRICTION: limit")
+        if self.model == 2:
+            count = sum(len(indices) * len(parts) for indices, parts in self.families().values())
+            layout = "<f%dh" % (count + count % 2)
+            for to, r in zip(self.responses, self.records(14, layout, self.response_count)):
+                need(0 <= r[0] <= 1e12 / 32768 and not any(r[1 + count:]), "COUPLED")
+                to["unit"], to["coefs"] = r[0], r[1:1 + count]
+                self.check_passive(self.coupled_parts(to))
+
+    def families(self):
+        """Name: the indices of the coefficients that are stored, the harmonic of each part (0: one number)."""
+        order, push, straight, stiffness, cubic, quartic, limit = self.degrees
+        families = {"F": (range(2, push + 1), (0,))}
+        if straight:
+            families["g"] = (range(2, straight + 1), (1,))
+        families["K'"] = (range(stiffness + 1), (0, 2))
+        families["A"] = (range(2, stiffness + 1), (0, 2))
+        if order > 2:
+            families["C'"] = (range(cubic + 1), (1, 3))
+        if order > 3:
+            families["Q'"] = (range(quartic + 1), (0, 2, 4))
+        families["mu"] = (range(limit + 1), (0,))
+        return {name: (indices, [h for h in parts for _ in range(2 if h else 1)])
+                for name, (indices, parts) in families.items()}
+
+    def coupled_parts(self, response):
+        """Name: {harmonic: Bernstein coefficients, 0 where not stored}, N but for mu; harmonics as complex numbers."""
+        coefs = list(response["coefs"])
+        result = {}
+        for name, (indices, parts) in self.families().items():
+            scale = 1 / 3200 if name == "mu" else response["unit"]
+            family = {h: [0] * (indices[-1] + 1) for h in parts}
+            for i in indices:
+                for h in sorted(family):
+                    value = complex(coefs.pop(0), coefs.pop(0)) if h else coefs.pop(0)
+                    family[h][i] = scale * value
+            result[name] = family
+        return result
+
+    def check_passive(self, law):
+        n = self.degrees[3]
+        raised = lambda name, h, i: raise_degree(law[name][h], n)[i] if name in law else 0
+        need(all(a <= b for a, b in zip([0] + law["F"][0], law["F"][0])), "COUPLED: F")
+        need(all(0 <= c <= 10 for c in law["mu"][0]), "COUPLED: mu")
+        largest = max(abs(part) for name in ("K'", "A", "C'", "Q'") if name in law
+                      for family in law[name].values() for c in family
+                      for part in (complex(c).real, complex(c).imag))
+        for i in range(n + 1):
+            margin = 6 * (abs(raised("C'", 1, i)) + abs(raised("C'", 3, i))) + 12 * sum(
+                abs(raised("Q'", h, i)) for h in (0, 2, 4))
+            for sign in (1, -1):
+                mean, second = (law["K'"][h][i] + sign * law["A"][h][i] for h in (0, 2))
+                need(mean - abs(second) - margin >= -1e-12 * largest, "COUPLED: inequalities")
+
+    def read_search(self):
+        self.search = []
+        if not self.search_nodes:
+            return
+        for r in self.records(12, "<3fI3fI", self.search_nodes):
+            self.search.append({"lower": r[:3], "first": r[3], "upper": r[4:7], "count": r[7]})
+        holds = lambda node, p: all(l <= x <= u for l, x, u in zip(node["lower"], p, node["upper"]))
+        visited, next_triangle, open_nodes = set(), 0, [(0, 1)]
+        while open_nodes:
+            number, depth = open_nodes.pop()
+            need(number not in visited and depth <= 48, "SEARCH: not a tree")
+            visited.add(number)
+            node = self.search[number]
+            if node["count"]:
+                need(node["first"] == next_triangle, "SEARCH: order")
+                next_triangle += node["count"]
+                need(next_triangle <= self.triangle_count, "SEARCH: triangles")
+                for t in self.triangles[node["first"]:next_triangle]:
+                    need(all(holds(node, self.vertices[v]) for v in t["vertex"]), "SEARCH: box of a leaf")
+                continue
+            need(number < node["first"] < self.search_nodes - 1, "SEARCH: children")
+            for child in (node["first"] + 1, node["first"]):
+                need(holds(node, self.search[child]["lower"]) and holds(node, self.search[child]["upper"]), "SEARCH: box")
+                open_nodes.append((child, depth + 1))
+        need(len(visited) == self.search_nodes and next_triangle == self.triangle_count, "SEARCH: left out")
+
+    # Evaluation.
+
+    def contact(self, triangle, b):
+        """Weights of the patch's sites, n(c), and each site's frame carried to c."""
+        t = self.triangles[triangle]
+        numbers = self.patches[t["patch"]]
+        a = [sum(b[c] * t["grid"][c][i] for c in range(3)) / self.k for i in range(3)]
+        n = add(*(mul(a[i], self.sites[numbers[i]]["normal"]) for i in range(3)))
+        if math.sqrt(dot(n, n)) <= 1e-6:
+            p = [self.vertices[v] for v in t["vertex"]]
+            n = cross(sub(p[1], p[0]), sub(p[2], p[0]))
+        n = unit(n)
+        frames = []
+        for number in numbers:
+            ux, normal = self.sites[number]["tangent"], self.sites[number]["normal"]
+            if dot(normal, n) > -0.999:
+                ux = sub(ux, mul(dot(ux, n) / (1 + dot(normal, n)), add(normal, n)))
+            ux = unit(sub(ux, mul(dot(ux, n), n)))
+            frames.append((ux, cross(n, ux)))
+        return numbers, a, n, frames
+
+    def pairs(self, contact, tool, patch, w):
+        """(weight, site's frame, response) of every response that takes part."""
+        numbers, a, _, frames = contact
+        corners = self.tool_patches[patch] if self.tool_patches else (self.tools[tool]["first_vertex"],)
+        if self.tools[tool]["vertex_count"] == 1:
+            corners, w = (self.tools[tool]["first_vertex"],), (1,)
+        return [(a[i] * weight, frames[i], self.responses[numbers[i] * self.tool_vertex_count + vertex])
+                for i in range(3) for vertex, weight in zip(corners, w) if a[i] > 0 and weight > 0]
+
+    def force(self, triangle, b, tool, patch, w, delta):
+        contact = self.contact(triangle, b)
+        n = contact[2]
+        z = -dot(delta, n)
+        pairs = self.pairs(contact, tool, patch, w)
+        if z <= 0:
+            return (0.0, 0.0, 0.0, 0.0)
+        if self.model == 2:
+            law, ux, uy = self.law(pairs, n)
+            fn, side, limit = law.force(z, complex(dot(delta, ux), dot(delta, uy)) / self.X)
+            return add(mul(fn, n), mul(side.real, ux), mul(side.imag, uy)) + (limit,)
+        total, fn, mu = (0, 0, 0), 0, 0
+        for weight, (ux, uy), r in pairs:
+            along = [self.beyond(r[name], z) if name in r else 0 for name in ("Fn", "Fx", "Fy")]
+            if self.counts[4]:
+                s = min(1, math.sqrt(z / self.Z))
+                along[1] += max(0, self.beyond(r["gx"], z)) * self.phi(r["phix"], dot(delta, ux))
+                along[2] += max(0, self.beyond(r["gy"], z)) * self.phi(r["phiy"], dot(delta, uy))
+                mu += weight * spline(r["mu"], s)
+            fn += weight * along[0]
+            total = add(total, mul(weight * along[0], n), mul(weight * along[1], ux), mul(weight * along[2], uy))
+        return total + (mu * fn if self.counts[4] else math.inf,)
+
+    def beyond(self, coefs, z):
+        """A curve of depth, on beyond Z."""
+        share = z / self.Z
+        if share <= 1:
+            return spline(coefs, math.sqrt(share))
+        return coefs[-1] + 3 * (len(coefs) - 3) * (coefs[-1] - coefs[-2]) * (share - 1) / 2
+
+    def phi(self, coefs, x):
+        r, m = x / self.X, len(coefs) - 3
+        if r > 1:
+            return coefs[-1] + 3 * m * (coefs[-1] - coefs[-2]) * (r - 1) / 2
+        if r < -1:
+            return coefs[0] + 3 * m * (coefs[1] - coefs[0]) * (r + 1) / 2
+        return spline(coefs, (r + 1) / 2)
+
+    def law(self, pairs, n):
+        """The blend in one tangent basis at c, and that basis."""
+        ux = unit(cross(n, (1, 0, 0) if abs(n[0]) < 0.6 else (0, 1, 0)))
+        uy = cross(n, ux)
+        blend = {}
+        for weight, (x, _), response in pairs:
+            turn = complex(dot(x, ux), dot(x, uy))
+            for name, family in self.coupled_parts(response).items():
+                to = blend.setdefault(name, {h: [0] * len(coefs) for h, coefs in family.items()})
+                for h, coefs in family.items():
+                    to[h] = [old + weight * c * (turn ** h if h else 1) for old, c in zip(to[h], coefs)]
+        return Law(blend, self.Z, self.X, self.degrees), ux, uy
+
+    def deepen(self, triangle, b, tool, patch, w, z0, z1, e):
+        contact = self.contact(triangle, b)
+        law, ux, uy = self.law(self.pairs(contact, tool, patch, w), contact[2])
+        if z0 <= 0:
+            return (0.0, 0.0, 0.0)
+        u = law.deepen(z0, z1, complex(dot(e, ux), dot(e, uy)) / self.X)
+        return add(mul(self.X * u.real, ux), mul(self.X * u.imag, uy))
+
+    def distance(self, p):
+        """From the contact surface; inside by the angle that it fills as seen from p."""
+        nearest, angle = math.inf, 0.0
+        for t in self.triangles:
+            a, b, c = (sub(self.vertices[v], p) for v in t["vertex"])
+            nearest = min(nearest, distance_to_triangle(a, b, c))
+            la, lb, lc = (math.sqrt(dot(v, v)) for v in (a, b, c))
+            angle += 2 * math.atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb)
+        return -nearest if angle > 2 * math.pi else nearest
+
+
+def distance_to_triangle(a, b, c):
+    """Of the origin."""
+    n = cross(sub(b, a), sub(c, a))
+    edges = [(a, b), (b, c), (c, a)]
+    if dot(n, n) > 0 and all(dot(cross(sub(q, p), mul(-1, p)), n) >= 0 for p, q in edges):
+        return abs(dot(a, n)) / math.sqrt(dot(n, n))
+    best = math.inf
+    for p, q in edges:
+        d = sub(q, p)
+        share = max(0, min(1, -dot(p, d) / dot(d, d))) if dot(d, d) > 0 else 0
+        at = add(p, mul(share, d))
+        best = min(best, math.sqrt(dot(at, at)))
+    return best
+
+
+def spline(coefs, u):
+    """Cox and de Boor's recursion over all functions, not only those that are not zero."""
+    n, m = len(coefs), len(coefs) - 3
+    knots = [0, 0, 0] + [i / m for i in range(m + 1)] + [1, 1, 1]
+    interval = 3 + min(int(m * u), m - 1)
+    values = [1.0 if j == interval else 0.0 for j in range(n + 3)]
+    for d in range(1, 4):
+        part = lambda up, down: up / down if down else 0
+        values = [part(u - knots[j], knots[j + d] - knots[j]) * values[j]
+                  + part(knots[j + d + 1] - u, knots[j + d + 1] - knots[j + 1]) * values[j + 1]
+                  for j in range(n + 3 - d)]
+    return sum(c * v for c, v in zip(coefs, values))
+
+
+def bernstein(coefs, s):
+    n = len(coefs) - 1
+    return sum(c * math.comb(n, i) * s ** i * (1 - s) ** (n - i) for i, c in enumerate(coefs))
+
+
+def derivative(coefs):
+    n = len(coefs) - 1
+    return [n * (b - a) for a, b in zip(coefs, coefs[1:])] or [0]
+
+
+def integral(coefs):
+    sums = [0]
+    for c in coefs:
+        sums.append(sums[-1] + c / len(coefs))
+    return sums
+
+
+def raise_degree(coefs, to):
+    n = len(coefs) - 1
+    return [sum(coefs[j] * math.comb(n, j) * math.comb(to - n, i - j) for j in range(n + 1) if 0 <= i - j <= to - n)
+            / math.comb(to, i) for i in range(to + 1)]
+
+
+class Form:
+    """A form of degree d in u: {harmonic: number}; beyond |u| = 1 on along the ray where d > 2."""
+
+    def __init__(self, degree, parts):
+        self.degree, self.parts = degree, parts
+
+    def inside(self, u):
+        value, slope = 0.0, 0j
+        for h, c in self.parts.items():
+            r, along = abs(u) ** (self.degree - h), (complex(c).conjugate() * u ** h).real
+            value += r * along
+            if self.degree > h:
+                slope += (self.degree - h) * abs(u) ** (self.degree - h - 2) * u * along
+            if h:
+                slope += r * h * c * u.conjugate() ** (h - 1)
+        return value, slope
+
+    def at(self, u):
+        """Value and gradient."""
+        if self.degree == 2 or abs(u) <= 1:
+            return self.inside(u)
+        r, d = abs(u), self.degree
+        v = u / r
+        value, slope = self.inside(v)
+        return (1 + d * (r - 1)) * value, d * value * v + (1 + d * (r - 1)) / r * (slope - d * value * v)
+
+
+def real_dot(a, b):
+    return (a.conjugate() * b).real
+
+
+class Law:
+    """The coupled response of one contact."""
+
+    def __init__(self, blend, Z, X, degrees):
+        self.blend, self.Z, self.X, self.degrees = blend, Z, X, degrees
+
+    def depth_of(self, t):
+        return self.Z * (t * t if t < 1 else 2 * t - 1)
+
+    def at(self, z):
+        """s, F, mu, g, g', A and the energies with their rates."""
+        s, more = min(1, math.sqrt(z / self.Z)), max(0, z / self.Z - 1) / 2
+        on = lambda coefs: bernstein(coefs, s) + more * bernstein(derivative(coefs), s)
+        F, mu = on(self.blend["F"][0]), bernstein(self.blend["mu"][0], s)
+        g = self.blend["g"][1] if "g" in self.blend else [0, 0]
+        forms, rates = [], []
+        for name, degree in (("K'", 2), ("C'", 3), ("Q'", 4)):
+            family = self.blend.get(name, {})
+            # u K u / 2 = |u|^2 m / 2 + Re(h2* u^2) / 2
+            half = 0.5 if degree == 2 else 1
+            forms.append(Form(degree, {h: half * on(integral(c)) for h, c in family.items()}))
+            rates.append(Form(degree, {h: half * bernstein(c, s) for h, c in family.items()}))
+        A = Form(2, {h: 0.5 * bernstein(c, s) for h, c in self.blend["A"].items()})
+        return s, F, mu, on(g), bernstein(derivative(g), s), A, forms, rates
+
+    def terms(self, z, u):
+        """T, r, |T| h and the normal force."""
+        s, F, mu, g, g1, A, forms, rates = self.at(z)
+        T = g + sum(f.at(u)[1] for f in forms)
+        r = sum(f.at(u)[0] for f in rates) - A.at(u)[0]
+        K = forms[0].parts
+        moved, m, h2 = rates[0].at(u)[1], 2 * K[0], 2 * K[2]  # K'u; K as a mean and a second harmonic
+        det = m * m - abs(h2) ** 2
+        h = abs(m * moved - h2 * moved.conjugate()) / det if det > 1e-24 * m * m else 0
+        fn = real_dot(g1, u) + A.at(u)[0]
+        if self.degrees[2] or self.degrees[0] > 2:
+            fn += max(0, r - abs(T) * h)
+        return T, r, abs(T) * h, F + self.X / self.Z * fn / (2 * s), mu * F
+
+    def force(self, z, u):
+        T, _, _, fn, limit = self.terms(z, u)
+        return fn, -T, limit
+
+    def deepen(self, z0, z1, u, steps=160):
+        """The rule as a differential equation in t, by Runge and Kutta's method of order 4."""
+        t0, t1 = (math.sqrt(z / self.Z) if z < self.Z else 1 + (z / self.Z - 1) / 2 for z in (z0, z1))
+        step = (t1 - t0) / steps
+
+        def rate(t, v):
+            z = self.depth_of(t)
+            _, _, _, _, _, _, forms, rates = self.at(z)
+            # The Hessian of V by its definition, column by column, from the gradient.
+            d = 1e-6
+            gradient = lambda w: sum(f.at(w)[1] for f in forms)
+            a, b = ((gradient(v + d * e) - gradient(v - d * e)) / (2 * d) for e in (1, 1j))
+            want = sum(f.at(v)[1] for f in rates)
+            det = a.real * b.imag - a.imag * b.real
+            dq = complex(want.real * b.imag - want.imag * b.real, a.real * want.imag - a.imag * want.real) / det
+            T, r, least, _, _ = self.terms(z, v)
+            if self.degrees[2] or self.degrees[0] > 2:
+                missing = min(r, least) - real_dot(T, dq)
+                if missing > 0 and abs(T) > 0:
+                    dq += missing / abs(T) ** 2 * T
+            return -dq
+
+        for i in range(steps):
+            t = t0 + i * step
+            a = rate(t, u)
+            b = rate(t + step / 2, u + step / 2 * a)
+            c = rate(t + step / 2, u + step / 2 * b)
+            u = u + step / 6 * (a + 2 * b + 2 * c + rate(t + step, u + step * c))
+        return u
+
+
+def compare(folder):
+    worst, lines = {}, 0
+    for path in sorted(folder.glob("*.palp")):
+        file = File(path.read_bytes())
+        need(path.with_suffix(".forces").exists(), "%s: no .forces beside it" % path)
+        for line in path.with_suffix(".forces").read_text().splitlines():
+            asked, answered = (part.split() for part in line.split("="))
+            word, a = asked[0], [float(x) for x in asked[1:]]
+            answered = [float(x) for x in answered]
+            where = (int(a[0]), a[1:4], int(a[4]), int(a[5]), a[6:9]) if word != "distance" else ()
+            tolerance = 1e-6
+            if word == "force":
+                now = file.force(*where, tuple(a[9:12]))
+            elif word == "deepen":
+                now = file.deepen(*where, a[9], a[10], tuple(a[11:14]))
+                if file.degrees[0] > 2 or file.degrees[2]:  # the specification says what the runtime's steps amount to
+                    tolerance = 1e-2
+            else:
+                need(word == "distance", "unknown line: " + line)
+                now = (file.distance(tuple(a)),)
+            need(len(now) == len(answered), "answers of " + line)
+            size = max((abs(x) for x in answered if math.isfinite(x)), default=0)
+            for x, y in zip(now, answered):
+                error = 0 if x == y else abs(x - y) / size if size else math.inf
+                worst[path.stem, word] = max(worst.get((path.stem, word), 0), error)
+                need(error <= tolerance, "%s: %s\ngot %s, off by %g" % (path.name, line, now, error))
+            lines += 1
+    need(lines > 0, "no golden in " + str(folder))
+    for (name, word), error in worst.items():
+        print("%-14s %-9s largest difference %.1e" % (name, word, error))
+    print("%d lines agree" % lines)
+
+
+def main():
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    path = pathlib.Path(sys.argv[1])
+    try:
+        if path.is_dir():
+            compare(path)
+        else:
+            fields = {k: v for k, v in vars(File(path.read_bytes())).items() if k not in ("data", "sections")}
+            print(json.dumps(fields, indent=1))
+    except (Bad, OSError) as error:
+        sys.exit("%s: %s" % (path, error))
+
+
+main()
