@@ -6,6 +6,7 @@ set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 palpate_install
+palpate_install clang-14 libclang-rt-14-dev || echo "palpate: without clang the fuzzer is skipped" >&2
 status=0
 
 palpate_build release
