@@ -27,7 +27,7 @@ struct BodyScene {
   double wrap_alpha = 0.0;         ///< m; 0 chooses the smallest tool's radius, within 1/50 to 1/20 of the diagonal
   double wrap_offset = 0.0;        ///< m; 0 chooses wrap_alpha / 30
   int smooth = 0;                  ///< rounds of interpolating subdivision of the clean surface, [0, 3]
-  double capsule_thickness = 0.0;  ///< m, of a thin sheet on the whole surface; 0: none
+  double capsule_thickness = 0.0;  ///< m, of a thin sheet on the outside; 0: none
   double capsule_young = 0.0;      ///< Pa, of that sheet; > 0 where there is one
 };
 

@@ -136,10 +136,9 @@ const Keys<BodyScene>& body_keys() {
        integer("smooth", &BodyScene::smooth, {0, 3, false, ""},
                "Rounds of subdivision through the clean surface's vertices, for files whose facets a small tip would "
                "feel; sharp edges become round."),
-       number(
-           "capsule_thickness", &BodyScene::capsule_thickness, kLengthOrAuto,
-           "Of a thin sheet on the surface, walls of cavities included, that stretches and does not bend (an organ's "
-           "capsule); 0: none."),
+       number("capsule_thickness", &BodyScene::capsule_thickness, kLengthOrAuto,
+              "Of a thin sheet on the outside (not in cavities) that stretches and does not bend (an organ's capsule); "
+              "0: none."),
        number("capsule_young", &BodyScene::capsule_young, {0, 1e12, false, "Pa"},
               "Of that sheet, incompressible neo-Hookean.")});
   return keys;
@@ -273,7 +272,8 @@ const Keys<SamplingScene>& sampling_keys() {
              "Edge length at sharp margins, at most spacing; 0: spacing / 2."),
       number("depth", &S::depth, {0, 1, true, "m"}, "Deepest push."),
       number("depth_fraction", &S::depth_fraction, {0, 0.8, true, ""},
-             "Deepest push as a share of the local thickness, where that is less than depth."),
+             "Deepest push as a share of the local thickness, where that is less than depth; over a cavity of wall and "
+             "cavity together."),
       integer("normal_points", &S::normal_points, {4, 64, false, ""}, "Solved points of a straight push."),
       integer("tangential_depths", &S::tangential_depths, {2, 8, false, ""},
               "Depths at which it is pushed sideways; at most normal_points."),

@@ -2,12 +2,14 @@
 #include "precompute/fem/membrane.hpp"
 
 #include "precompute/fem/face_shape.hpp"
+#include "precompute/fem/pressure.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 namespace palpate {
 namespace {
@@ -56,7 +58,10 @@ Eigen::Matrix<double, 3, 6> gather(const Face& face, const VectorXd& x) {
 
 MembraneEnergy::MembraneEnergy(const TetMesh& mesh, const std::vector<char>& fixed, const MembraneOptions& options) {
   if (!(options.thickness > 0)) return;
+  std::set<std::array<std::int32_t, 6>> hollow;
+  for (const MeshFaces& wall : cavity_walls(mesh)) hollow.insert(wall.begin(), wall.end());
   for (const auto& nodes : mesh.faces) {
+    if (hollow.count(nodes) > 0) continue;
     if (std::all_of(nodes.begin(), nodes.end(), [&](std::int32_t n) { return fixed[n] != 0; })) continue;
     const Vector3d &a = mesh.nodes[nodes[0]], &b = mesh.nodes[nodes[1]], &c = mesh.nodes[nodes[2]];
     const Vector3d u = (a - c).normalized(), v = (a - c).cross(b - c).cross(a - c).normalized();

@@ -18,7 +18,7 @@ struct MembraneOptions {
 /// Cauchy-Green tensor in the surface (2 x 2), mu = young / 3. It has no stiffness against bending.
 class MembraneEnergy {
 public:
-  /// Faces whose six nodes are all `fixed` have none.
+  /// On the outside of the mesh: walls of cavities have none, nor have faces whose six nodes are all `fixed`.
   MembraneEnergy(const TetMesh& mesh, const std::vector<char>& fixed, const MembraneOptions& options);
 
   /// Energy (J) at node positions x (3 N, m); infinite where a face has no area left.

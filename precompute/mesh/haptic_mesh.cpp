@@ -55,6 +55,18 @@ Vector3d place(const Body& body, const Vector3d& flat, const Vector3d& normal, d
   return along_out <= along_in ? Vector3d(flat + along_out * normal) : Vector3d(flat - along_in * normal);
 }
 
+// How far in there is something that a push could squeeze: the wall, and behind the wall of a cavity the cavity with
+// it, which gives way until its walls meet.
+double room(const Body& body, const Vector3d& point, const Vector3d& normal, double thickness) {
+  const Vector3d behind = point - thickness * normal;
+  if (!body.in_cavity(behind)) return thickness;
+  const double skip = 1e-3 * thickness;
+  const std::optional<double> near = body.query->ray(point, -normal, skip);
+  if (!near || !body.in_cavity(point - *near * normal)) return thickness;
+  const std::optional<double> far = body.query->ray(point, -normal, *near + skip);
+  return std::max(thickness, far.value_or(thickness));
+}
+
 bool touchable(const HapticMesh& mesh, std::int32_t site) { return mesh.selected[site] != 0 && mesh.held[site] == 0; }
 
 // Largest distance that the middle of a fine triangle may have from the surface.
@@ -165,7 +177,8 @@ HapticMesh make_haptic_mesh(const Scene& scene, const Body& body) {
     mesh.normals.push_back(normal);
     mesh.tangents.push_back(tangent_of(normal));
     mesh.thickness.push_back(body.query->thickness(point, normal));
-    mesh.depth.push_back(std::min(sampling.depth, sampling.depth_fraction * mesh.thickness.back()));
+    mesh.depth.push_back(
+        std::min(sampling.depth, sampling.depth_fraction * room(body, point, normal, mesh.thickness.back())));
     mesh.held.push_back(body.held(point) ? 1 : 0);
     const auto& box = sampling.within_box;
     const bool inside =

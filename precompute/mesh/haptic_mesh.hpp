@@ -30,7 +30,7 @@ struct HapticMesh {
   std::vector<Eigen::Vector3d> normals;   ///< unit, outward, averaged over a third of the spacing
   std::vector<Eigen::Vector3d> tangents;  ///< unit, orthogonal to normals: the global x axis (y where n is near x)
   std::vector<double> thickness;          ///< m
-  std::vector<double> depth;              ///< m: min(scene depth, depth_fraction * thickness)
+  std::vector<double> depth;              ///< m: min(scene depth, depth_fraction * (thickness; over a cavity with it))
   std::vector<std::uint8_t> held;         ///< on a support
   std::vector<std::uint8_t> selected;     ///< inside sampling.within_box (or no box given) and not in a cavity
   std::vector<std::array<std::int32_t, 3>> triangles;

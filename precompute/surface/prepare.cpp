@@ -7,6 +7,7 @@
 #include "precompute/geometry/solids.hpp"
 #include "precompute/geometry/topology.hpp"
 #include "precompute/mesh/remesh.hpp"
+#include "precompute/surface/cavities.hpp"
 #include "precompute/surface/clean.hpp"
 #include "precompute/surface/examine.hpp"
 #include "precompute/surface/support_rim.hpp"
@@ -120,23 +121,6 @@ void separate_bases(Body& body, const std::vector<double>& edges, const std::str
               name + ": a region lies too close to the body's surface or to another region to be meshed");
 }
 
-// Marks the triangles of components that enclose a negative volume; empty where there is none.
-std::vector<char> cavity_walls(const Surface& surface) {
-  const auto labels = triangle_components(surface, true);
-  const auto count = labels.empty() ? 0 : *std::max_element(labels.begin(), labels.end()) + 1;
-  std::vector<char> walls;
-  for (std::int32_t k = 0; count > 1 && k < count; ++k) {
-    std::vector<bool> in(labels.size());
-    for (std::size_t t = 0; t < labels.size(); ++t) in[t] = labels[t] == k;
-    if (signed_volume(keep_triangles(surface, in)) > 0) continue;
-    walls.resize(labels.size(), 0);
-    for (std::size_t t = 0; t < labels.size(); ++t) {
-      if (in[t]) walls[t] = 1;
-    }
-  }
-  return walls;
-}
-
 // m; 0 where every tool is a mesh.
 double smallest_tip(const Scene& scene) {
   double radius = 0.0;
@@ -189,7 +173,7 @@ Body prepare_body(const Scene& scene, const Surface& surface) {
   body.capsule_young = scene.body.capsule_young;
   body.diagonal = diagonal(body.query->surface());
   body.prestress = scene.prestress;
-  body.cavity = cavity_walls(body.query->surface());
+  body.cavity = cavity_triangles(body.query->surface());
   body.base_size = std::min(body.diagonal / 25.0, edge_for(body.report.area, base_triangles));
   body.base = coarse_copy(body.query->surface(), body.base_size, name);
 

@@ -4,6 +4,7 @@
 
 #include "precompute/geometry/feature_normals.hpp"
 #include "precompute/geometry/topology.hpp"
+#include "precompute/surface/cavities.hpp"
 #include "precompute/surface/kernel.hpp"
 
 #include <fmt/format.h>
@@ -96,7 +97,7 @@ void measure(const SurfaceQuery& query, SurfaceReport& report) {
   }
   const bool thin = report.thickness_median < diagonal(surface) / 20.0;
   const bool sheet = report.thickness_median * report.area < 3.0 * report.volume;
-  report.thin_bag = thin && sheet && report.volume < 0.35 * hull_volume(surface);
+  report.thin_bag = thin && sheet && cavity_triangles(surface).empty() && report.volume < 0.35 * hull_volume(surface);
 }
 
 std::pair<double, double> distances(const Surface& from, const SurfaceQuery& to) {

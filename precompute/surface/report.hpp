@@ -23,7 +23,7 @@ std::vector<SurfacePoint> spread_points(const Surface& surface, std::size_t coun
 ///
 /// thin_bag: median thickness below a twentieth of the diagonal, the surface a sheet rather than a rod
 /// (thickness x area / volume below 3: 2 for a plate, 4 for a rod, 6 for a ball) that is bent round
-/// something (volume below 0.35 of the convex hull's).
+/// something (volume below 0.35 of the convex hull's). A shell with a cavity of its own is what it should be.
 void measure(const SurfaceQuery& query, SurfaceReport& report);
 
 /// Distances from the vertices and triangle centres of `from` to `to`: {largest, mean} in m.

@@ -9,7 +9,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
 #include <vector>
 
@@ -79,6 +81,35 @@ TEST(Membrane, RigidMotionCostsNothing) {
   VectorXd g(x.size());
   EXPECT_NEAR(sheet.gradient(x, g), 0, 1e-12);
   EXPECT_LT(g.cwiseAbs().maxCoeff(), 1e-10);
+}
+
+// A capsule lies round an organ: the walls of its cavities have none.
+TEST(Membrane, CavitiesHaveNone) {
+  const TetMesh whole = cube({0, 1, 2, 3});
+  TetMesh hollow = whole;
+  hollow.tets.clear();
+  for (const auto& t : whole.tets) {
+    const Vector3d middle = (whole.nodes[t[0]] + whole.nodes[t[1]] + whole.nodes[t[2]] + whole.nodes[t[3]]) / 4;
+    if ((middle - Vector3d(1.5, 1.5, 1.5)).cwiseAbs().maxCoeff() > 0.5) hollow.tets.push_back(t);
+  }
+  hollow.regions.assign(hollow.tets.size(), 0);
+  // Every face of the middle cell, seen from the tetrahedra round it.
+  std::map<std::array<std::int32_t, 3>, std::array<std::int32_t, 6>> once;
+  constexpr int kFaces[4][6] = {{0, 2, 1, 6, 5, 4}, {0, 1, 3, 4, 8, 7}, {1, 2, 3, 5, 9, 8}, {2, 0, 3, 6, 7, 9}};
+  for (const auto& t : hollow.tets) {
+    for (const auto& f : kFaces) {
+      std::array<std::int32_t, 6> face{};
+      for (std::size_t k = 0; k < 6; ++k) face[k] = t[std::size_t(f[k])];
+      std::array<std::int32_t, 3> key{face[0], face[1], face[2]};
+      std::sort(key.begin(), key.end());
+      if (!once.try_emplace(key, face).second) once.erase(key);
+    }
+  }
+  hollow.faces.clear();
+  for (const auto& [key, face] : once) hollow.faces.push_back(face);
+  ASSERT_EQ(hollow.faces.size(), whole.faces.size() + 12);
+  const Eigen::Matrix3d stretch = Vector3d(1.2, 0.9, 1.1).asDiagonal();
+  EXPECT_NEAR(Sheet(hollow).value(mapped(hollow, stretch)) / Sheet(whole).value(mapped(whole, stretch)), 1, 1e-12);
 }
 
 // A face without area is refused by an infinite energy, not by a NaN.

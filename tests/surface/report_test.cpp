@@ -55,6 +55,9 @@ TEST(Report, ThinBags) {
   EXPECT_FALSE(measured(bent_rod()).thin_bag) << "a vessel is thin, but no sheet";
   EXPECT_FALSE(measured(box_surface({0, 0, 0}, {0.2, 0.2, 0.003}, 8)).thin_bag) << "a plate is round nothing";
   EXPECT_FALSE(measured(sphere_surface({0, 0, 0}, 0.1)).thin_bag);
+  Surface inner = sphere_surface({0, 0, 0}, 0.098);
+  for (auto& t : inner.triangles) std::swap(t[1], t[2]);
+  EXPECT_FALSE(measured(together(sphere_surface({0, 0, 0}, 0.1), inner)).thin_bag) << "a shell with a cavity";
 }
 
 TEST(Report, PointsAreSpreadByAreaAndAlwaysTheSame) {
