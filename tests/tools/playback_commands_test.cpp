@@ -44,6 +44,31 @@ TEST_F(Playback, OneContactIsOneContact) {
   EXPECT_NE(result.out.find(" 1 contact;"), std::string::npos) << result.out;
 }
 
+TEST_F(Playback, CompareTellsWhereAnOrganIsStiffer) {
+  ResponseSampleOptions options;
+  options.uniform = true;
+  ResponseFileContent content = ball_content(options);
+  write_response_file(folder() / "even.palp", encode(content));
+  for (Response& r : content.responses) {
+    for (float& f : r.normal) f *= 1.25F;
+  }
+  for (float& f : content.responses[4].normal) f *= 1.2F;  // the site on top
+  write_response_file(folder() / "stiff.palp", encode(content));
+  const Json json = Json::parse(run({"compare", "stiff.palp", "even.palp", "--json"}).out);
+  EXPECT_EQ(json["sites"], content.sites.size());
+  EXPECT_NEAR(json["median"]["ratio"].get<double>(), 1.25, 0.01);
+  EXPECT_NEAR(json["largest"]["ratio"].get<double>(), 1.5, 0.01);
+  EXPECT_NEAR(json["largest"]["position_m"][2].get<double>(), kBallRadius, 1e-6);
+  const Json shallow = Json::parse(run({"compare", "stiff.palp", "even.palp", "--depth", "1e-4", "--json"}).out);
+  EXPECT_NEAR(shallow["largest"]["depth_m"].get<double>(), 1e-4, 1e-12);
+  ResponseSampleOptions odd;
+  odd.cells = 5;  // no site in the middle of a face, where the ball has one
+  write_response_file(folder() / "odd.palp", encode(box_content(odd)));
+  const RunResult far = run({"compare", "stiff.palp", "odd.palp", "--within", "1e-9"});
+  EXPECT_EQ(far.exit_code, 2);
+  EXPECT_NE(far.error.find("a larger --within"), std::string::npos) << far.error;
+}
+
 TEST_F(Playback, InspectTellsNoMoreThanTheFileDoes) {
   ResponseSampleOptions options;
   options.friction = false;  // lateral stays: a straight push has a sideways force
