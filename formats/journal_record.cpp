@@ -14,6 +14,7 @@ namespace palpate::journal {
 namespace {
 
 constexpr std::size_t sample_size = 104;
+constexpr std::size_t torque_size = 48;  // rotation and torque, behind the sample
 constexpr std::size_t outcome_size = 32;
 constexpr std::size_t check_size = 24;
 
@@ -23,6 +24,9 @@ void put(Bytes& bytes, T value) {
   bytes.resize(at + sizeof value);
   std::memcpy(bytes.data() + at, &value, sizeof value);
 }
+
+/// Of the kinds whose rotation and torque are kept.
+constexpr bool has_torque(std::uint32_t kind) { return kind == static_cast<std::uint32_t>(SampleKind::grasped); }
 
 template <class T>
 T get(const unsigned char*& from) {
@@ -62,8 +66,10 @@ Bytes encode_header(const Hash128& manifest) {
 }
 
 Bytes encode(std::uint32_t pair, const Sample& sample) {
-  Bytes bytes = begin_record(sample_size, RecordType::sample, pair);
-  put(bytes, static_cast<std::uint32_t>(sample.kind));
+  const auto kind = static_cast<std::uint32_t>(sample.kind);
+  const bool torque = has_torque(kind);
+  Bytes bytes = begin_record(sample_size + (torque ? torque_size : 0), RecordType::sample, pair);
+  put(bytes, kind);
   put(bytes, static_cast<std::uint32_t>(sample.index));
   for (int i = 0; i < 3; ++i) put(bytes, sample.deflection[i]);
   for (int i = 0; i < 3; ++i) put(bytes, sample.force[i]);
@@ -74,6 +80,8 @@ Bytes encode(std::uint32_t pair, const Sample& sample) {
   put(bytes, sample.error_estimate);
   put(bytes, sample.contact_points);
   put(bytes, sample.iterations);
+  for (int i = 0; i < 3 && torque; ++i) put(bytes, sample.rotation[i]);
+  for (int i = 0; i < 3 && torque; ++i) put(bytes, sample.torque[i]);
   put(bytes, checksum::of(bytes.data(), bytes.size()));
   return bytes;
 }
@@ -128,7 +136,8 @@ std::optional<RecordView> whole_record(const unsigned char* data, std::size_t av
   if (view.type == RecordType::sample) {
     const auto kind = get<std::uint32_t>(at);
     const auto index = get<std::uint32_t>(at);
-    if (view.payload_size != sample_size || kind > 3 || index > 0xFFFFU) return std::nullopt;
+    const std::size_t size = sample_size + (has_torque(kind) ? torque_size : 0);
+    if (view.payload_size != size || kind > 4 || index > 0xFFFFU) return std::nullopt;
     return view;
   }
   const bool check = view.type == RecordType::check;
@@ -153,6 +162,10 @@ Sample decode_sample(const RecordView& record) {
   sample.error_estimate = get<double>(at);
   sample.contact_points = get<std::uint32_t>(at);
   sample.iterations = get<std::uint32_t>(at);
+  if (has_torque(static_cast<std::uint32_t>(sample.kind))) {
+    sample.rotation = get_vector(at);
+    sample.torque = get_vector(at);
+  }
   return sample;
 }
 

@@ -32,14 +32,15 @@ struct PairPlan {
 
 /// normal: straight push; tangential: sideways push of a contact that sticks; slipping: of one that slips where
 /// Coulomb's law lets it; path: a contact that sticks goes deeper or less deep while held sideways (a test, no fit
-/// reads it).
-enum class SampleKind : std::uint8_t { normal = 0, tangential = 1, slipping = 2, path = 3 };
+/// reads it); grasped: any move of a contact that was bonded.
+enum class SampleKind : std::uint8_t { normal = 0, tangential = 1, slipping = 2, path = 3, grasped = 4 };
 
 /// One equilibrium that passed its gates.
 struct Sample {
   SampleKind kind = SampleKind::normal;
   std::uint16_t index = 0;  ///< position in the pair's deflection path
-  /// p - c in the contact frame: (x, y) sideways (m) and, third, the depth along the INWARD normal (m, >= 0).
+  /// p - c in the contact frame: (x, y) sideways (m) and, third, the depth along the INWARD normal (m; grasped: of
+  /// either sign, else >= 0).
   Eigen::Vector3d deflection{0, 0, 0};
   Eigen::Vector3d force{0, 0, 0};    ///< N on the tool, components (x, y, n); a push answers with n > 0
   double friction_limit = 0.0;       ///< mu(depth): gross-slip tangential force over force.z; of normal samples
@@ -50,6 +51,9 @@ struct Sample {
   double error_estimate = 0.0;       ///< relative, of the force: iterate, penalty and mesh together
   std::uint32_t contact_points = 0;  ///< integration points in contact
   std::uint32_t iterations = 0;      ///< minimiser iterations
+  // Only grasped samples keep these:
+  Eigen::Vector3d rotation{0, 0, 0};  ///< rad, of the tool about p since the bond, axis times angle in (x, y, n)
+  Eigen::Vector3d torque{0, 0, 0};    ///< N m on the tool about p, components (x, y, n)
 };
 
 /// How a pair ended.

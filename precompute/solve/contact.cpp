@@ -46,7 +46,7 @@ ContactEnergy::ContactEnergy(const TetMesh& mesh, const std::vector<char>& fixed
     const Vector3d a = mesh.nodes[nodes[0]], b = mesh.nodes[nodes[1]], c = mesh.nodes[nodes[2]];
     faces_.push_back({nodes, 0.5 * (b - a).cross(c - a).norm() / kPoints});
   }
-  anchors_.held.assign(faces_.size() * kPoints, 0);
+  anchors_.held.assign(faces_.size() * kPoints, Hold::none);
   anchors_.position.assign(faces_.size() * kPoints, Vector3d::Zero());
   anchors_.normal = anchors_.position;
 }
@@ -65,8 +65,8 @@ void ContactEnergy::for_each_near(const VectorXd& x, Visit&& visit) const {
     for (int n = 0; n < 6; ++n) p.col(n) = x.segment<3>(3 * face.nodes[n]);
     const Vector3d centre = p.leftCols<3>().rowwise().mean();
     const double reach = 1.3 * std::sqrt((p.colwise() - centre).colwise().squaredNorm().maxCoeff()) + margin;
-    const char* held = anchors_.held.data() + f * kPoints;
-    const bool anchored = std::any_of(held, held + kPoints, [](char h) { return h != 0; });
+    const Hold* held = anchors_.held.data() + f * kPoints;
+    const bool anchored = std::any_of(held, held + kPoints, [](Hold h) { return h != Hold::none; });
     if (!anchored && ((centre - middle).squaredNorm() > (around_ + reach) * (around_ + reach) ||
                       shape_.distance(to_tool * (centre - pose_.translation())).value > reach)) {
       continue;
@@ -89,7 +89,7 @@ double ContactEnergy::value(const VectorXd& x) const {
   double sum = 0;
   for_each_near(x, [&](const Face& face, std::size_t k, const auto&, const Vector3d& at) {
     sum += face.weight * answer(k, shape_.distance(at).value).energy;
-    if (anchors_.held[k]) {
+    if (anchored(k)) {
       sum += 0.5 * anchor_stiffness_ * face.weight * slip(k, at).squaredNorm();
     }
   });
@@ -101,10 +101,10 @@ double ContactEnergy::gradient(const VectorXd& x, VectorXd& gradient) const {
   for_each_near(x, [&](const Face& face, std::size_t k, const auto& shape, const Vector3d& at) {
     const DistanceSample s = shape_.distance(at);
     const ContactAnswer now = answer(k, s.value);
-    if (now.pressure <= 0 && !anchors_.held[k]) return;
+    if (now.pressure <= 0 && !anchored(k)) return;
     sum += face.weight * now.energy;
     Vector3d pull = -face.weight * now.pressure * s.gradient;
-    if (anchors_.held[k]) {
+    if (anchored(k)) {
       const Vector3d stretched = slip(k, at);
       sum += 0.5 * anchor_stiffness_ * face.weight * stretched.squaredNorm();
       pull += anchor_stiffness_ * face.weight * stretched;
@@ -127,13 +127,13 @@ void ContactEnergy::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& ma
   for_each_near(x, [&](const Face& face, std::size_t k, const auto& shape, const Vector3d& at) {
     const DistanceSample s = shape_.distance(at);
     const ContactAnswer now = answer(k, s.value);
-    if (now.pressure <= 0 && !anchors_.held[k]) return;
+    if (now.pressure <= 0 && !anchored(k)) return;
     Matrix3d h = Matrix3d::Zero();
-    if (now.pressure > 0) {
+    if (now.stiffness > 0) {
       h += face.weight * now.stiffness * s.gradient * s.gradient.transpose();
       if (kind == HessianKind::exact) h -= face.weight * now.pressure * s.hessian;
     }
-    if (anchors_.held[k]) {
+    if (anchored(k)) {
       const Vector3d& normal = anchors_.normal[k];
       h += anchor_stiffness_ * face.weight * (Matrix3d::Identity() - normal * normal.transpose());
     }
@@ -152,21 +152,34 @@ void ContactEnergy::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& ma
 
 ContactReport ContactEnergy::report(const VectorXd& x) const {
   ContactReport r;
+  Vector3d moment = Vector3d::Zero(), give = Vector3d::Zero();  // in the tool's frame
+  double bonded_area = 0.0;
   for_each_near(x, [&](const Face& face, std::size_t k, const auto&, const Vector3d& at) {
     const DistanceSample s = shape_.distance(at);
-    if (const ContactAnswer now = answer(k, s.value); now.pressure > 0) {
+    const auto act = [&](const Vector3d& force) {
+      r.force += pose_.linear() * force;
+      moment += at.cross(force);
+    };
+    if (const ContactAnswer now = answer(k, s.value); now.pressure > 0 || bonded(k)) {
       r.normal_energy -= 0.5 * face.weight * now.pressure * s.value;
-      r.force -= face.weight * now.pressure * (pose_.linear() * s.gradient);
+      act(-face.weight * now.pressure * s.gradient);
       r.penetration = std::max(r.penetration, -s.value);
       r.area += face.weight;
       ++r.points;
     }
-    if (anchors_.held[k]) {
+    if (anchored(k)) {
       const Vector3d stretched = slip(k, at);
       r.tangential_energy += 0.5 * anchor_stiffness_ * face.weight * stretched.squaredNorm();
-      r.force += anchor_stiffness_ * face.weight * (pose_.linear() * stretched);
+      act(anchor_stiffness_ * face.weight * stretched);
+      if (bonded(k)) {
+        r.bond_gap = std::max(r.bond_gap, s.value);
+        give += face.weight * (stretched + s.value * s.gradient);
+        bonded_area += face.weight;
+      }
     }
   });
+  r.moment = pose_.linear() * moment;
+  if (bonded_area > 0) r.bond_give = pose_.linear() * give / bonded_area;
   const Eigen::Isometry3d to_tool = pose_.inverse();
   for (const auto& nodes : held_) {
     for (const auto& w : kShape) {
@@ -207,10 +220,10 @@ void ContactEnergy::augment(const VectorXd& x) {
 
 void ContactEnergy::stick(const VectorXd& x) {
   for_each_near(x, [&](const Face&, std::size_t k, const auto&, const Vector3d& at) {
-    if (anchors_.held[k]) return;
+    if (anchored(k)) return;
     const DistanceSample s = shape_.distance(at);
     if (answer(k, s.value).pressure <= 0) return;
-    anchors_.held[k] = 1;
+    anchors_.held[k] = Hold::stuck;
     anchors_.position[k] = at;
     anchors_.normal[k] = s.gradient;
   });
@@ -219,11 +232,18 @@ void ContactEnergy::stick(const VectorXd& x) {
 bool ContactEnergy::release(const VectorXd& x) {
   bool any = false;
   for_each_near(x, [&](const Face&, std::size_t k, const auto&, const Vector3d& at) {
-    if (!anchors_.held[k] || answer(k, shape_.distance(at).value).pressure > 0) return;
-    anchors_.held[k] = 0;
+    if (anchors_.held[k] != Hold::stuck || answer(k, shape_.distance(at).value).pressure > 0) return;
+    anchors_.held[k] = Hold::none;
     any = true;
   });
   return any;
+}
+
+void ContactEnergy::bond(const VectorXd& x) {
+  stick(x);
+  for_each_near(x, [&](const Face&, std::size_t k, const auto&, const Vector3d& at) {
+    if (answer(k, shape_.distance(at).value).pressure > 0) anchors_.held[k] = Hold::bonded;
+  });
 }
 
 std::vector<ContactPoint> ContactEnergy::touching(const VectorXd& x) const {

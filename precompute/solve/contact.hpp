@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Energy of a rigid tool, given as a signed distance function, against the faces of a mesh: normal contact at 16
-// points a face (a penalty unless told), and sticking anchors at the points that have touched.
+// points a face (a penalty unless told), sticking anchors at the points that have touched, bonds that also bear a pull.
 #pragma once
 
 #include "precompute/solve/contact_law.hpp"
@@ -15,13 +15,16 @@ namespace palpate {
 
 /// What the contact does at a state of the body.
 struct ContactReport {
-  Eigen::Vector3d force{0, 0, 0};  ///< N on the tool, body frame
-  double normal_energy = 0.0;      ///< J, half of pressure times overlap: stored in the normal penalty
-  double tangential_energy = 0.0;  ///< J stored in the anchors
-  double penetration = 0.0;        ///< m, largest overlap at an integration point
-  double area = 0.0;               ///< m^2, undeformed
-  double held_overlap = 0.0;       ///< m, largest overlap with held surface, which gives no force
-  std::uint32_t points = 0;        ///< integration points in contact
+  Eigen::Vector3d force{0, 0, 0};      ///< N on the tool, body frame
+  Eigen::Vector3d moment{0, 0, 0};     ///< N m on the tool about the origin of its frame, body frame
+  double normal_energy = 0.0;          ///< J, half of pressure times overlap: stored in the normal penalty
+  double tangential_energy = 0.0;      ///< J stored in the anchors
+  double penetration = 0.0;            ///< m, largest overlap at an integration point
+  double area = 0.0;                   ///< m^2, undeformed
+  double held_overlap = 0.0;           ///< m, largest overlap with held surface, which gives no force
+  std::uint32_t points = 0;            ///< integration points in contact, or bonded
+  double bond_gap = 0.0;               ///< m, largest gap at a bonded point
+  Eigen::Vector3d bond_give{0, 0, 0};  ///< m, mean way of bonded points from where they were bonded, body frame
 };
 
 /// An integration point of a face: what friction and bonds act on. They know a penalty without multipliers.
@@ -72,8 +75,11 @@ public:
 
   /// Anchors every point in contact that has no anchor; it is unstressed where it stands.
   void stick(const Eigen::VectorXd& x);
-  /// Lets go of anchored points that have left the contact. True when any did.
+  /// Lets go of anchored points that have left the contact, unless they are bonded. True when any did.
   bool release(const Eigen::VectorXd& x);
+  /// Bonds every point in contact, with the anchor that it has or is given where it stands: from then on it answers a
+  /// gap as it does an overlap, and is not released. Bonds know a penalty alone, without multipliers or barrier.
+  void bond(const Eigen::VectorXd& x);
 
   /// The points that overlap the tool, by index.
   [[nodiscard]] std::vector<ContactPoint> touching(const Eigen::VectorXd& x) const;
@@ -81,8 +87,9 @@ public:
   /// Smallest signed distance of the surface's integration points and corners to the tool (m).
   [[nodiscard]] double gap(const Eigen::VectorXd& x) const;
 
+  enum class Hold : char { none, stuck, bonded };
   struct Anchors {
-    std::vector<char> held;
+    std::vector<Hold> held;
     std::vector<Eigen::Vector3d> position, normal;  // of the tool's surface there, in the tool frame
   };
   [[nodiscard]] const Anchors& anchors() const { return anchors_; }
@@ -99,7 +106,10 @@ private:
   [[nodiscard]] Eigen::Vector3d slip(std::size_t point, const Eigen::Vector3d& at) const;
   template <class Visit>
   void for_each_near(const Eigen::VectorXd& x, Visit&& visit) const;
+  [[nodiscard]] bool anchored(std::size_t point) const { return anchors_.held[point] != Hold::none; }
+  [[nodiscard]] bool bonded(std::size_t point) const { return anchors_.held[point] == Hold::bonded; }
   [[nodiscard]] ContactAnswer answer(std::size_t point, double gap) const {
+    if (bonded(point)) return law_.bonded(gap);
     return law_.answer(gap, multipliers_.empty() ? 0.0 : multipliers_[point]);
   }
 

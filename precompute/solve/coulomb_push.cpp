@@ -28,8 +28,9 @@ CoulombPush::CoulombPush(Push& push, const CoulombOptions& options)
   PushState state = push.state();
   std::vector<FrictionEnergy::Anchor> anchors;
   for (std::size_t k = 0; k < state.anchors.held.size(); ++k) {
-    if (state.anchors.held[k]) anchors.push_back({k, state.anchors.position[k], 0.0});
-    state.anchors.held[k] = 0;
+    ContactEnergy::Hold& held = state.anchors.held[k];
+    if (held != ContactEnergy::Hold::none) anchors.push_back({k, state.anchors.position[k], 0.0});
+    held = ContactEnergy::Hold::none;
   }
   friction_.set_anchors(std::move(anchors));
   push.restore(state);

@@ -23,8 +23,8 @@ bool sinks_into_held(const GateState& s, const GateLimits& limits) {
 
 namespace {
 
-// What every believed contact satisfies, whatever way the tool came.
-std::optional<std::string> failed_contact(const GateState& s, const GateLimits& limits) {
+// What every believed contact satisfies, pressed or pulled.
+std::optional<std::string> failed_state(const GateState& s, const GateLimits& limits) {
   if (!std::isfinite(s.force) || !std::isfinite(s.stored)) {
     return "finite: the force or energy is not a number at depth " + std::to_string(1e3 * s.depth) + " mm";
   }
@@ -42,7 +42,22 @@ std::optional<std::string> failed_contact(const GateState& s, const GateLimits& 
     return say("penetration over contact radius", s.contact.penetration / s.contact_radius, limits.penetration,
                s.depth);
   }
+  return std::nullopt;
+}
+
+// A contact that is not bonded can only press, whatever way the tool came.
+std::optional<std::string> failed_contact(const GateState& s, const GateLimits& limits) {
+  if (auto failed = failed_state(s, limits)) return failed;
   if (s.force <= 0) return say("force sign (N)", s.force, 0.0, s.depth);
+  return std::nullopt;
+}
+
+std::optional<std::string> failed_answer(const char* name, const GateState& s, double answer,
+                                         const GateLimits& limits) {
+  if (!(answer < 0)) return say(name, answer, 0.0, s.depth);
+  if (s.contact.points < limits.resolved_points) {
+    return say("contact resolution (points)", s.contact.points, limits.resolved_points, s.depth);
+  }
   return std::nullopt;
 }
 
@@ -67,11 +82,16 @@ std::optional<std::string> failed_gate(const GateState& s, const GateLimits& lim
 
 std::optional<std::string> failed_sideways_gate(const GateState& s, double answer, const GateLimits& limits) {
   if (auto failed = failed_contact(s, limits)) return failed;
-  if (!(answer < 0)) return say("sideways answer (N)", answer, 0.0, s.depth);
-  if (s.contact.points < limits.resolved_points) {
-    return say("contact resolution (points)", s.contact.points, limits.resolved_points, s.depth);
-  }
-  return std::nullopt;
+  return failed_answer("sideways answer (N)", s, answer, limits);
+}
+
+std::optional<std::string> failed_grasp_gate(const GateState& s, double answer, const GateLimits& limits) {
+  if (auto failed = failed_state(s, limits)) return failed;
+  const double give = s.contact.bond_give.norm() / s.contact_radius, gap = s.contact.bond_gap / s.contact_radius;
+  if (give > limits.bond_give) return say("give of the bond over contact radius", give, limits.bond_give, s.depth);
+  if (gap > limits.bond_gap) return say("gap of the bond over contact radius", gap, limits.bond_gap, s.depth);
+  if (auto failed = failed_answer("answer of the grasp (N, N m)", s, answer, limits)) return failed;
+  return failed_balance(s, s.stored - s.work, limits);
 }
 
 std::optional<std::string> failed_slip_gate(const GateState& s, double answer, double dissipated,

@@ -12,6 +12,8 @@ namespace palpate {
 
 struct GateLimits {
   double penetration = 0.03;           ///< of the contact radius
+  double bond_give = 0.03;             ///< of the contact radius, mean over a bonded contact
+  double bond_gap = 0.2;               ///< of the contact radius, at a point: tension at the rim of a bond is singular
   double min_jacobian = 0.0;           ///< an element turned inside out at a quadrature point is refused
   double force_drop = 0.9;             ///< smallest ratio of the normal force to the one before
   double energy_balance = 0.06;        ///< of the tool's work, and a hundredth of the energy scale of the whole push
@@ -42,6 +44,10 @@ std::optional<std::string> failed_gate(const GateState& state, const GateLimits&
 /// failed_gate for a sideways push: `answer` (N) is the change of the force along the push, which must oppose it.
 /// Growth and work are not asked for, a resolved contact is: a contact that peels ends in a few points.
 std::optional<std::string> failed_sideways_gate(const GateState& state, double answer, const GateLimits& limits);
+
+/// The same for a contact that is grasped, in any move: a pull is as good as a push, and `work` and `stored` count from
+/// the grasp. `answer` (N, or N m of a turn) is the change of the force along the move.
+std::optional<std::string> failed_grasp_gate(const GateState& state, double answer, const GateLimits& limits);
 
 /// The same with Coulomb friction, where work and stored energy are known from the start of the sideways push: what the
 /// tool did is stored or was `dissipated` (J, >= 0).

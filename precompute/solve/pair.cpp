@@ -32,7 +32,7 @@ Attempt attempt(const Body& body, const Tool& tool, const ToolVertex& vertex, co
     PairRun run{body, tool, vertex, frame, path, options, mesh, last, push, result};
     if (!push.held_anywhere()) {
       run.refuse("support: no node of the mesh is held");
-    } else if (approach(run) && straight_push(run) && sticking_pushes(run)) {
+    } else if (approach(run) && straight_push(run) && sticking_pushes(run) && grasped_pulls(run)) {
       slipping_pushes(run);
       side_paths(run);
       result.outcome.accepted = true;
@@ -71,6 +71,7 @@ PairCheck check_of(const PairResult& result, const Body& body, const Tool& tool,
   straight.tangential_depths.clear();
   straight.side_paths.clear();
   straight.tangential_directions = straight.slip_points = 0;
+  straight.grasp_depth = 0.0;
   PairOptions finer = finer_options(options, body, kFiner);
   finer.check = false;
   const PairResult fine = solve_pair(body, tool, vertex, frame, straight, finer);

@@ -43,6 +43,16 @@ struct PairPath {
   double slip_reach = 0.0;         ///< their largest sideways deflection over the depth (see gross_slip_reach)
   std::vector<SidePath> side_paths{};  ///< samples of kind path, first the straight push it starts from; number k's
                                        ///< indices from k kPathStride on. One that fails ends short and refuses nothing
+  double grasp_depth = 0.0;  ///< m; > 0: the contact of the first accepted normal depth from there on is bonded, and
+                             ///< what follows are samples of kind grasped, at least at three depths; what fails beyond
+                             ///< ends short and refuses nothing
+  std::vector<double> grasp_depths;  ///< m, of either sign: the bonded tool is moved to each, out or further in
+  int grasp_directions = 0;          ///< evenly spaced; sideways from the deepest push, depth 0 and the furthest pull
+  int grasp_points = 2;              ///< per sideways move
+  double grasp_reach = 0.0;          ///< m, of a sideways move
+  double grasp_turn = 0.0;    ///< rad; > 0: the bonded tool is turned by as much about x, y and n, both ways, the
+                              ///< point by which it touched resting
+  int grasp_turn_points = 1;  ///< of each turn
 };
 
 /// The path the bake uses for a pair of this scene: depths evenly spaced in sqrt(depth).

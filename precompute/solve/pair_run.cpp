@@ -33,6 +33,9 @@ Sample PairRun::sample(std::uint32_t iterations) const {
   const ContactReport r = push.report();
   Sample s;
   s.force = frame.to_local(r.force);
+  // About the point of first touch, which has gone with the tool.
+  const Eigen::Vector3d arm = push.contact().pose().linear() * vertex.point;
+  s.torque = frame.to_local(r.moment - arm.cross(r.force));
   s.contact_area = r.area;
   s.penetration = r.penetration;
   s.min_jacobian = push.min_jacobian();

@@ -65,6 +65,8 @@ bool approach(PairRun& run);
 bool straight_push(PairRun& run);
 /// Sideways pushes of a contact that sticks.
 bool sticking_pushes(PairRun& run);
+/// Pulls, pushes and turns of a contact that is bonded.
+bool grasped_pulls(PairRun& run);
 /// Sideways pushes of a contact that slips where Coulomb's law lets it. They refuse nothing: limits are then foretold.
 void slipping_pushes(PairRun& run);
 /// Ways deeper and less deep under side load; they refuse nothing either.

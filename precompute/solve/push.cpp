@@ -82,6 +82,11 @@ void Push::stick() {
   state_.anchors = contact_.anchors();
 }
 
+void Push::bond() {
+  contact_.bond(state_.x);
+  state_.anchors = contact_.anchors();
+}
+
 void Push::augment() {
   contact_.augment(state_.x);
   state_.multipliers = contact_.multipliers();

@@ -54,6 +54,8 @@ public:
   void set_anchor_stiffness(double stiffness) { contact_.set_anchor_stiffness(stiffness); }
   /// Anchors everything that touches now.
   void stick();
+  /// The same for good: it also bears a pull.
+  void bond();
   /// Takes the pressures as multipliers, from the next step on (ContactEnergy::augment).
   void augment();
   /// Answers with a log barrier from the next step on (ContactEnergy::set_barrier); it stays, restore() or not.

@@ -57,16 +57,36 @@ TEST_P(ContactOfTool, DerivativesMatchDifferences) {
   EXPECT_LT(test::gradient_error(problem, x, 1e-6), 1e-5) << c.name << " anchored";
   EXPECT_LT(test::hessian_error(problem, mesh, x, 1e-7), 1e-4) << c.name << " anchored";
 
-  // The reported force is the derivative of the energy along the tool's motion.
-  const Vector3d at = contact.translation(), force = contact.report(x).force;
+  // Bonded points are held from outside as well: the tool is pulled half out of the contact.
+  contact.bond(x);
+  const std::uint32_t bonded = contact.report(x).points;
+  contact.set_translation(contact.translation() + Vector3d(0.01, 0, 0.05));
+  contact.release(x);
+  EXPECT_GE(contact.report(x).points, bonded);
+  EXPECT_GT(contact.report(x).bond_give.norm(), 1e-3);
+  EXPECT_GT(contact.report(x).bond_gap, 0.01);
+  EXPECT_LT(test::gradient_error(problem, x, 1e-6), 1e-5) << c.name << " bonded";
+  EXPECT_LT(test::hessian_error(problem, mesh, x, 1e-7), 1e-4) << c.name << " bonded";
+
+  // The reported force and moment are the derivatives of the energy along the tool's motion.
+  const Vector3d at = contact.translation(), force = contact.report(x).force, moment = contact.report(x).moment;
+  const Eigen::Matrix3d rest = contact.pose().linear();
   for (int k = 0; k < 3; ++k) {
     contact.set_translation(at + 1e-6 * Vector3d::Unit(k));
     const double up = contact.value(x);
     contact.set_translation(at - 1e-6 * Vector3d::Unit(k));
     const double down = contact.value(x);
     EXPECT_NEAR(-(up - down) / 2e-6, force[k], 1e-5 * force.norm());
+    contact.set_translation(at);
+    const auto turned = [&](double angle) {
+      contact.set_rotation(Eigen::AngleAxisd(angle, Vector3d::Unit(k)) * rest);
+      return contact.value(x);
+    };
+    EXPECT_NEAR(-(turned(1e-6) - turned(-1e-6)) / 2e-6, moment[k], 1e-5 * moment.norm());
+    contact.set_rotation(rest);
   }
 }
+
 // Body and tool turned and carried together: what does not touch still gives no force, and a stuck contact the same
 // one.
 TEST_P(ContactOfTool, MovedAsARigidBodyWithTheBodyItGivesNoNewForce) {

@@ -27,6 +27,10 @@ inline Sample make_sample(unsigned pair, unsigned index, SampleKind kind = Sampl
   sample.error_estimate = 0.01;
   sample.contact_points = 40 + index;
   sample.iterations = 17;
+  if (kind == SampleKind::grasped) {
+    sample.rotation = {0.01, -0.02, 0.03 * index};
+    sample.torque = {1e-5, 2e-5 * pair, -3e-5};
+  }
   return sample;
 }
 

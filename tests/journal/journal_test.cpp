@@ -15,6 +15,7 @@ TEST_F(JournalFiles, RoundTripKeepsEveryBit) {
     journal.append(3, make_sample(3, 1));
     journal.append(3, make_sample(3, 0));
     journal.append(3, make_sample(3, 2, SampleKind::slipping));
+    journal.append(3, make_sample(3, 0, SampleKind::grasped));
     journal.append(3, make_sample(3, 0, SampleKind::tangential));
     journal.append(3, make_check());
     journal.append(3, make_outcome(true));
@@ -23,15 +24,17 @@ TEST_F(JournalFiles, RoundTripKeepsEveryBit) {
     journal.sync();
   }
   const JournalContent content = read_journal(file_, manifest_);
-  EXPECT_EQ(content.records, 8U);
+  EXPECT_EQ(content.records, 9U);
   EXPECT_EQ(content.torn_bytes, 0U);
   ASSERT_EQ(content.pairs.size(), 2U);
   const JournalPair& pair = content.pairs.at(3);
-  ASSERT_EQ(pair.samples.size(), 4U);
+  ASSERT_EQ(pair.samples.size(), 5U);
   EXPECT_TRUE(same_bits(pair.samples[0], make_sample(3, 0)));
   EXPECT_TRUE(same_bits(pair.samples[1], make_sample(3, 1)));
   EXPECT_TRUE(same_bits(pair.samples[2], make_sample(3, 0, SampleKind::tangential)));
   EXPECT_TRUE(same_bits(pair.samples[3], make_sample(3, 2, SampleKind::slipping)));
+  EXPECT_TRUE(same_bits(pair.samples[4], make_sample(3, 0, SampleKind::grasped)));
+  EXPECT_EQ(pair.samples[4].torque, make_sample(3, 0, SampleKind::grasped).torque);
   ASSERT_TRUE(pair.check.has_value());
   EXPECT_TRUE(same_bits(*pair.check, make_check()));
   EXPECT_EQ(pair.check->difference, 0.013);

@@ -37,6 +37,22 @@ struct Fault {
 
 class Gates : public ::testing::TestWithParam<Fault> {};
 
+// Only a contact that is bonded may pull; it too must answer against the move, and its energy must be accounted for.
+TEST(Gates, APullIsRightWhereTheContactIsGrasped) {
+  GateState pull = good();
+  pull.force = -0.02;
+  EXPECT_TRUE(failed_gate(pull, GateLimits{}));
+  EXPECT_FALSE(failed_grasp_gate(pull, -0.001, GateLimits{}));
+  EXPECT_TRUE(failed_grasp_gate(pull, 0.001, GateLimits{}));
+  GateState loose = pull, torn = pull;
+  loose.contact.bond_give = {0, 0, 1e-4};
+  torn.contact.bond_gap = 1e-3;
+  EXPECT_EQ(failed_grasp_gate(loose, -0.001, GateLimits{})->rfind("give of the bond", 0), 0U);
+  EXPECT_EQ(failed_grasp_gate(torn, -0.001, GateLimits{})->rfind("gap of the bond", 0), 0U);
+  pull.stored = 0.5 * pull.work;
+  EXPECT_EQ(failed_grasp_gate(pull, -0.001, GateLimits{})->rfind("energy balance", 0), 0U);
+}
+
 TEST(Gates, AGoodStatePasses) {
   EXPECT_EQ(failed_gate(good(), {}), std::nullopt);
   EXPECT_EQ(failed_sideways_gate(good(), -0.01, {}), std::nullopt);
