@@ -171,6 +171,18 @@ void add_coupled(Sections& sections, const ResponseFileContent& c) {
   sections.add(Section::coupled, laws.data(), size, c.responses.size());
 }
 
+void add_grasps(Sections& sections, const ResponseFileContent& c) {
+  const std::size_t size = layout::grasp_size(c.grasp_coefs);
+  std::vector<std::byte> grasps(size * c.responses.size());
+  for (std::size_t i = 0; i < c.responses.size(); ++i) {
+    const Response& r = c.responses[i];
+    const layout::GraspHead head{static_cast<float>(r.grasp_depth), static_cast<float>(r.grasp_pulled)};
+    std::memcpy(grasps.data() + i * size, &head, sizeof head);
+    std::memcpy(grasps.data() + i * size + sizeof head, r.grasp.data(), r.grasp.size() * sizeof(float));
+  }
+  sections.add(Section::grasp, grasps.data(), size, c.responses.size());
+}
+
 void add_responses(Sections& sections, const ResponseFileContent& c, const layout::Meta& meta) {
   std::vector<std::byte> heads;
   std::vector<float> lateral, friction;
@@ -197,6 +209,7 @@ void add_responses(Sections& sections, const ResponseFileContent& c, const layou
     sections.add(Section::friction, friction.data(), layout::friction_size(meta), c.responses.size());
   }
   if (c.coupled) add_coupled(sections, c);
+  if (c.grasp_coefs > 0) add_grasps(sections, c);
 }
 
 }  // namespace
@@ -240,11 +253,11 @@ std::vector<std::byte> encode(const ResponseFileContent& c) {
   add_responses(sections, c, meta);
   sections.add(Section::meta, &meta, sizeof meta, 1);
   sections.add(Section::provenance, c.provenance.data(), 1, c.provenance.size());
-  const std::uint32_t features = (c.lateral_coefs + meta.straight_degree > 0 ? layout::feature_lateral : 0u) |
-                                 (c.growth_coefs > 0 || c.coupled ? layout::feature_friction : 0u) |
-                                 (has_tool_patches(c) ? layout::feature_tool_patches : 0u) |
-                                 (c.search.empty() ? 0u : layout::feature_search) |
-                                 (c.coupled ? layout::feature_coupled : 0u);
+  const std::uint32_t features =
+      (c.lateral_coefs + meta.straight_degree > 0 ? layout::feature_lateral : 0u) |
+      (c.growth_coefs > 0 || c.coupled ? layout::feature_friction : 0u) |
+      (has_tool_patches(c) ? layout::feature_tool_patches : 0u) | (c.search.empty() ? 0u : layout::feature_search) |
+      (c.coupled ? layout::feature_coupled : 0u) | (c.grasp_coefs > 0 ? layout::feature_grasp : 0u);
   std::vector<std::byte> bytes = sections.assemble(features);
   detail::check_bytes(bytes);
   return bytes;

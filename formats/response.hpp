@@ -71,6 +71,9 @@ struct Response {
   // The coupled model, in place of all these: see palpate/coupled_layout.hpp.
   float unit = 0.0f;                  ///< N of one unit of the coefficients (those of mu: layout::kLimitUnit)
   std::vector<std::int16_t> coupled;  ///< count(degrees) of them, which meet coupled::broken_rule
+  // In a file with grasps: see palpate/grasp_law.hpp.
+  double grasp_depth = 0.0, grasp_pulled = 0.0;  ///< m; depth 0: this tool does not hold on
+  std::vector<float> grasp;                      ///< curves Fx, Fy, Fn (N), kxx, kxy, kyy (N/m), one after the other
 };
 
 /// Everything a file holds. A count of 0 leaves the family, and its section, out.
@@ -83,7 +86,8 @@ struct ResponseFileContent {
   std::uint32_t sideways_coefs = 0;
   std::uint32_t friction_coefs = 0;
   std::optional<palpate::coupled::Degrees>
-      coupled;  ///< a file of the coupled model, all counts above 0; none: separable
+      coupled;                    ///< a file of the coupled model, all counts above 0; none: separable
+  std::uint32_t grasp_coefs = 0;  ///< 0 or [4, 32]
 
   std::vector<ResponseSite> sites;
   std::vector<std::array<std::uint32_t, 3>> patches;  ///< of the haptic mesh; corners index sites

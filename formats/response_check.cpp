@@ -64,6 +64,7 @@ void check_responses(const ResponseFileContent& c) {
     check_family(r.sideways_y, c.sideways_coefs, "sideways y", i);
     check_family(r.friction, c.friction_coefs, "friction", i);
     check_family(r.coupled, c.coupled ? static_cast<std::uint32_t>(coupled::count(*c.coupled)) : 0, "coupled", i);
+    check_family(r.grasp, layout::kGraspCurves * c.grasp_coefs, "grasp", i);
   }
 }
 
@@ -84,7 +85,7 @@ void check_bytes(const std::vector<std::byte>& bytes) {
   const std::string fault = opened.error;
   // Curves come from the fit, all the rest from the scene and its surfaces.
   bool curves = false;
-  for (const char* section : {"RESPONSES: ", "LATERAL: ", "FRICTION: ", "COUPLED: "})
+  for (const char* section : {"RESPONSES: ", "LATERAL: ", "FRICTION: ", "COUPLED: ", "GRASP: "})
     curves = curves || fault.rfind(section, 0) == 0;
   throw Error(curves ? ExitCode::numerical : ExitCode::bad_input, "response file: " + fault);
 }

@@ -28,6 +28,7 @@ TEST(ResponseFile, ReadsBackWhatWasWritten) {
   options.tools = Options::Tools::all;
   options.subdivision = 3;
   options.search = true;
+  options.grasp = true;
   const ResponseFileContent content = test::ball_content(options);
   const std::vector<std::byte> bytes = encode(content);
   const runtime::OpenResult opened = View::open(bytes.data(), bytes.size());
@@ -58,6 +59,8 @@ TEST(ResponseFile, ReadsBackWhatWasWritten) {
     EXPECT_EQ(0, std::memcmp(v.lateral_coefs(i) + 6, r.lateral_y.data(), 4 * r.lateral_y.size()));
     EXPECT_EQ(0, std::memcmp(v.friction_coefs(i) + 2 * 5 + 7, r.sideways_y.data(), 4 * r.sideways_y.size()));
     EXPECT_EQ(0, std::memcmp(v.friction_coefs(i) + 2 * 5 + 2 * 7, r.friction.data(), 4 * r.friction.size()));
+    EXPECT_EQ(v.grasp_head(i).pulled, static_cast<float>(r.grasp_pulled));
+    EXPECT_EQ(0, std::memcmp(v.grasp_curves(i), r.grasp.data(), 4 * r.grasp.size()));
   }
   EXPECT_EQ(std::string(v.provenance, v.provenance_size), content.provenance);
 }
@@ -71,8 +74,8 @@ TEST(ResponseFile, FrictionlessOneTipFlatFileHasNoSectionItDoesNotUse) {
   const runtime::OpenResult opened = View::open(bytes.data(), bytes.size());
   ASSERT_TRUE(opened) << opened.error;
   EXPECT_EQ(opened.view.features, 0U);
-  for (const Section absent :
-       {Section::tool_vertices, Section::tool_patches, Section::lateral, Section::friction, Section::search}) {
+  for (const Section absent : {Section::tool_vertices, Section::tool_patches, Section::lateral, Section::friction,
+                               Section::search, Section::grasp}) {
     EXPECT_EQ(opened.view.section_bytes(absent), 0U);
   }
   EXPECT_EQ(opened.view.header().section_count, 8U);

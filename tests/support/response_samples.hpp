@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "formats/response.hpp"
+#include "palpate/spline.hpp"
 
 namespace palpate::test {
 
@@ -21,7 +22,8 @@ struct ResponseSampleOptions {
   bool lateral = true;
   bool uniform = false;  ///< every site answers alike
   bool search = false;
-  int coupled = 0;  ///< order of the coupled model; 0: separable
+  int coupled = 0;     ///< order of the coupled model; 0: separable
+  bool grasp = false;  ///< the first tool holds on
   std::uint32_t subdivision = 1;
   int cells = 4;  ///< box: cells along an edge
   enum class Tools { sphere, capsule, mesh, all } tools = Tools::sphere;
@@ -30,6 +32,8 @@ struct ResponseSampleOptions {
 inline constexpr double kDepthScale = 0.005, kSidewaysScale = 0.002, kTipRadius = 0.005, kStemLength = 0.03;
 inline constexpr double kBoxSize = 0.06, kBallRadius = 0.03;
 inline constexpr double kHertzForce = 2.0;  ///< N at the depth scale
+/// N/m, of a grasp along the normal and sideways, there where it is neither deep nor pulled.
+inline constexpr double kGraspStiffness = 500.0, kGraspSideways = 300.0;
 
 namespace sample_detail {
 
@@ -145,6 +149,34 @@ inline void add_coupled(ResponseFileContent& content, const ResponseSampleOption
   content.provenance = R"({"generator": "test"})";
 }
 
+/// A straight line along the normal, and a sideways stiffness that grows with the depth; of uniform files as large in
+/// all directions.
+inline void add_grasps(ResponseFileContent& content, const ResponseSampleOptions& options) {
+  constexpr int n = 6;
+  content.grasp_coefs = n;
+  const double range = layout::kGraspRange * kDepthScale;
+  const std::size_t vertices = content.tool_vertex_count();
+  for (std::size_t i = 0; i < content.responses.size(); ++i) {
+    Response& r = content.responses[i];
+    r.grasp.assign(6 * n, 0.0f);
+    if (i % vertices >= content.tools.front().vertices.size()) continue;
+    const double vary = options.uniform ? 0 : 0.2 * std::sin(1.3 * static_cast<double>(i));
+    r.grasp_depth = r.depth_limit / 2;
+    r.grasp_pulled = r.depth_limit;
+    const auto set = [&](int curve, int k, double value) { r.grasp[curve * n + k] = static_cast<float>(value); };
+    for (int k = 0; k < n; ++k) {
+      const double z = range * (2 * spline::greville(n, k) - 1);
+      const double grows = kGraspSideways * (1 + 0.1 * std::clamp(k, 1, n - 2));
+      set(0, k, 20 * vary * z);
+      set(1, k, -10 * vary * z);
+      set(2, k, kGraspStiffness * (1 + vary) * z);
+      set(3, k, grows * (1 + vary));
+      set(4, k, 0.3 * grows * vary);
+      set(5, k, grows * (1 - vary));
+    }
+  }
+}
+
 /// Fn = hertz (0.9 s^3 + 0.1 s^2), g = s, skewed phi, mu about 0.3; each response a little different.
 inline void add_responses(ResponseFileContent& content, const ResponseSampleOptions& options) {
   if (options.coupled > 0) return add_coupled(content, options);
@@ -234,6 +266,7 @@ inline ResponseFileContent box_content(const ResponseSampleOptions& options = {}
   subdivide_surface(content, options.subdivision);
   add_tools(content, options.tools);
   add_responses(content, options);
+  if (options.grasp) add_grasps(content, options);
   if (options.search) add_search(content);
   return content;
 }
@@ -273,6 +306,7 @@ inline ResponseFileContent ball_content(const ResponseSampleOptions& options = {
   for (Triple& p : content.surface_vertices) p = scaled(normalised(p), kBallRadius);
   add_tools(content, options.tools);
   add_responses(content, options);
+  if (options.grasp) add_grasps(content, options);
   if (options.search) add_search(content);
   return content;
 }

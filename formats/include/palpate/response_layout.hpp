@@ -37,17 +37,18 @@ enum class Section : std::uint32_t {
   friction = 11,          ///< float[2 growth + 2 sideways + 1 friction coefs]; absent when frictionless
   search = 12,            ///< SearchNode; absent when the contact surface is small
   provenance = 13,        ///< UTF-8 JSON text
-  coupled = 14            ///< float unit, then int16[coupled::count]; only in a file of the coupled model
+  coupled = 14,           ///< float unit, then int16[coupled::count]; only in a file of the coupled model
+  grasp = 15              ///< GraspHead, then float[6 * coefs]; absent when no tool holds on
 };
 
-inline constexpr std::uint32_t kSectionIds = 15;  ///< ids are below this
+inline constexpr std::uint32_t kSectionIds = 16;  ///< ids are below this
 
 /// The section's name as the specification spells it; "?" for an unknown id.
 inline constexpr const char* section_name(std::uint32_t id) {
   constexpr const char* kNames[kSectionIds] = {
       "?",      "META",          "SITES",        "PATCHES",   "SURFACE_VERTICES", "SURFACE_TRIANGLES",
       "TOOLS",  "TOOL_VERTICES", "TOOL_PATCHES", "RESPONSES", "LATERAL",          "FRICTION",
-      "SEARCH", "PROVENANCE",    "COUPLED"};
+      "SEARCH", "PROVENANCE",    "COUPLED",      "GRASP"};
   return id < kSectionIds ? kNames[id] : kNames[0];
 }
 
@@ -57,7 +58,8 @@ enum Feature : std::uint32_t {
   feature_tool_patches = 1u << 2,
   feature_search = 1u << 3,
   feature_coupled = 1u << 4,
-  feature_all = 31u
+  feature_grasp = 1u << 5,
+  feature_all = 63u
 };
 
 enum SiteFlag : std::uint32_t {
@@ -157,6 +159,12 @@ struct ResponseHead {
   std::uint32_t flags;
 };
 
+/// Of one response; both 0 where its tool does not hold on.
+struct GraspHead {
+  float depth;   ///< m, at which the contact was bonded
+  float pulled;  ///< m, how far out of the body it was sampled
+};
+
 /// Box over the triangles below a node. count 0: children are nodes `first` and `first + 1`.
 struct SearchNode {
   float lower[3];
@@ -171,7 +179,7 @@ static_assert(sizeof(SectionEntry) == 32 && offsetof(SectionEntry, offset) == 8)
 static_assert(sizeof(Meta) == 128 && offsetof(Meta, model) == 16);
 static_assert(sizeof(Site) == 48 && sizeof(Patch) == 12 && sizeof(Point) == 12);
 static_assert(sizeof(SurfaceTriangle) == 40 && sizeof(ToolRecord) == 64 && sizeof(ToolVertexRecord) == 64);
-static_assert(sizeof(ResponseHead) == 8 && sizeof(SearchNode) == 32);
+static_assert(sizeof(ResponseHead) == 8 && sizeof(GraspHead) == 8 && sizeof(SearchNode) == 32);
 static_assert(std::is_trivially_copyable_v<Meta> && std::is_trivially_copyable_v<ToolRecord>);
 
 /// Index of the response of (site, tool vertex); tool vertices are numbered over all tools.
@@ -199,5 +207,10 @@ inline constexpr std::uint32_t lateral_size(const Meta& m) { return 8 * m.latera
 inline constexpr std::uint32_t friction_size(const Meta& m) {
   return 4 * (2 * m.growth_coefs + 2 * m.sideways_coefs + m.friction_coefs);
 }
+
+/// GRASP: curves Fx, Fy, Fn, kxx, kxy, kyy of as many coefficients each, over (z / (kGraspRange Z) + 1) / 2.
+inline constexpr std::uint32_t kGraspCurves = 6;
+inline constexpr double kGraspRange = 1.25;
+inline constexpr std::uint32_t grasp_size(std::uint32_t coefs) { return 8 + 4 * kGraspCurves * coefs; }
 
 }  // namespace palpate::layout

@@ -63,7 +63,7 @@ public:
     add_bodies(body_point);
     std::uint32_t corner[3];
     double weight[3];
-    const int corners = tool_corners(tool, tool_point, corner, weight);
+    const int corners = tool_corners(view, tool, tool_point, corner, weight);
     const layout::Patch& patch = view.patches[view.triangles[body_point.triangle].patch];
     for (int i = 0; i < bodies_; ++i) {
       body_[i].first_pair = pairs_;
@@ -243,37 +243,9 @@ private:
       body.weight = weights[k];
       body.corner = k;
       if ((view_->features & (layout::feature_lateral | layout::feature_friction)) == 0) continue;  // nothing sideways
-      const layout::Site& site = view_->sites[patch.vertex[k]];
-      const Vec3 n = to_vec(site.normal), t = to_vec(site.tangent);
-      const double cosine = dot(n, normal_);
-      Vec3 carried = t;
-      if (cosine > -0.999) carried = t - (dot(t, normal_) / (1 + cosine)) * (n + normal_);
-      body.x = unit(tangential(carried, normal_), basis_x_);
+      body.x = carried_tangent(view_->sites[patch.vertex[k]], normal_, basis_x_);
       body.y = cross(normal_, body.x);
     }
-  }
-
-  /// Distinct tool vertices of a tool point with their weights; returns how many.
-  int tool_corners(std::uint32_t tool, const ToolPoint& at, std::uint32_t (&corner)[3], double (&weight)[3]) const {
-    const layout::ToolRecord& record = view_->tools[tool];
-    if (view_->tool_patches == nullptr || record.vertex_count == 1) {
-      corner[0] = record.first_vertex;
-      weight[0] = 1;
-      return 1;
-    }
-    const layout::Patch& patch = view_->tool_patches[at.patch];
-    int count = 0;
-    for (int k = 0; k < 3; ++k) {
-      if (!(at.weights[k] > 0)) continue;
-      int same = 0;
-      while (same < count && corner[same] != patch.vertex[k]) ++same;
-      if (same == count) {
-        corner[count] = patch.vertex[k];
-        weight[count++] = 0;
-      }
-      weight[same] += at.weights[k];
-    }
-    return count;
   }
 
   void add_pair(const Body& body, std::uint64_t index, double weight) {

@@ -143,13 +143,25 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
     }
     at[id] = v.bytes + e->offset;
   }
+  if (const auto* grasp = entry[static_cast<std::uint32_t>(Section::grasp)]) {
+    // Its coefficients are counted by the size of an element.
+    const std::uint32_t coefs = grasp->element_size > 8 ? (grasp->element_size - 8) / (4 * layout::kGraspCurves) : 0;
+    if (coefs < layout::kMinCoefs || coefs > layout::kMaxCoefs || grasp->element_size != layout::grasp_size(coefs) ||
+        grasp->count != m.response_count) {
+      return fault.say("section GRASP: %llu elements of %u bytes, expected %u of 8 and 24 for each of 4 to 32",
+                       static_cast<unsigned long long>(grasp->count), grasp->element_size, m.response_count);
+    }
+    v.grasps = v.bytes + grasp->offset;
+    v.grasp_coefs = coefs;
+  }
   const auto* text = entry[static_cast<std::uint32_t>(Section::provenance)];
   if (text == nullptr || text->element_size != 1) return fault.say("section PROVENANCE is missing");
   const std::uint32_t features = (m.lateral_coefs + m.straight_degree > 0 ? layout::feature_lateral : 0u) |
                                  (m.friction_coefs > 0 || coupled ? layout::feature_friction : 0u) |
                                  (m.tool_patch_count > 0 ? layout::feature_tool_patches : 0u) |
                                  (m.search_nodes > 0 ? layout::feature_search : 0u) |
-                                 (coupled ? layout::feature_coupled : 0u);
+                                 (coupled ? layout::feature_coupled : 0u) |
+                                 (v.grasps != nullptr ? layout::feature_grasp : 0u);
   if (features != v.features) return fault.say("feature bits %#x do not fit the sections present", v.features);
   if (at[2] == nullptr || at[3] == nullptr || at[4] == nullptr || at[5] == nullptr || at[6] == nullptr ||
       at[9] == nullptr) {

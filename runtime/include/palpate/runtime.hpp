@@ -6,4 +6,5 @@
 /// with View::open; then, per tool, a Contact and one tick for every pose. Field and locate are the level
 /// below, for a program that finds its contacts itself. Lengths in metres, forces in newtons, body frame.
 #include "palpate/contact.hpp"
+#include "palpate/grasp.hpp"
 #include "palpate/open.hpp"

@@ -68,6 +68,40 @@ inline Vec3 normal(const View& view, const BodyPoint& at) {
   return unit(face_normal(view, at.triangle), to_vec(view.sites[view.patches[t.patch].vertex[0]].normal));
 }
 
+/// The x axis of a site's frame, carried to a point with unit normal `n` by the smallest rotation between the normals;
+/// `otherwise` where they are opposed.
+inline Vec3 carried_tangent(const layout::Site& site, const Vec3& n, const Vec3& otherwise) {
+  const Vec3 own = to_vec(site.normal), t = to_vec(site.tangent);
+  const double cosine = dot(own, n);
+  Vec3 carried = t;
+  if (cosine > -0.999) carried = t - (dot(t, n) / (1 + cosine)) * (own + n);
+  return unit(tangential(carried, n), otherwise);
+}
+
+/// Distinct vertices, numbered over all tools, of a tool point with their weights; returns how many.
+inline int tool_corners(const View& view, std::uint32_t tool, const ToolPoint& at, std::uint32_t (&corner)[3],
+                        double (&weight)[3]) {
+  const layout::ToolRecord& record = view.tools[tool];
+  if (view.tool_patches == nullptr || record.vertex_count == 1) {
+    corner[0] = record.first_vertex;
+    weight[0] = 1;
+    return 1;
+  }
+  const layout::Patch& patch = view.tool_patches[at.patch];
+  int count = 0;
+  for (int k = 0; k < 3; ++k) {
+    if (!(at.weights[k] > 0)) continue;
+    int same = 0;
+    while (same < count && corner[same] != patch.vertex[k]) ++same;
+    if (same == count) {
+      corner[count] = patch.vertex[k];
+      weight[count++] = 0;
+    }
+    weight[same] += at.weights[k];
+  }
+  return count;
+}
+
 /// Leaves a triangle across the edge opposite `corner`: the same point seen from the neighbour.
 inline BodyPoint cross_edge(const View& view, const BodyPoint& at, int corner) {
   const layout::SurfaceTriangle& t = view.triangles[at.triangle];

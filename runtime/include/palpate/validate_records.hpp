@@ -273,6 +273,52 @@ inline bool check_responses(const View& v, Fault& fault) {
   return true;
 }
 
+/// A response of a tool that holds on has its curves; that of another is zero.
+inline bool check_grasp(const View& v, std::uint64_t index, bool holds, Fault& fault) {
+  constexpr float kLargest = 1e12f;  // N, N/m
+  const auto i = static_cast<std::uint32_t>(index);
+  const std::uint32_t n = v.grasp_coefs;
+  const layout::GraspHead& head = v.grasp_head(index);
+  const float* c = v.grasp_curves(index);
+  const double most = v.meta->depth_scale;
+  if (holds ? !is_limit(head.depth, most) || !(head.pulled == 0 || is_limit(head.pulled, most))
+            : head.depth != 0 || head.pulled != 0) {
+    return fault.say("GRASP: response %u: depth or pull out of range, or not as the tool's others", i);
+  }
+  for (std::uint32_t k = 0; k < layout::kGraspCurves; ++k) {
+    if (!is_curve(c + k * n, n, holds ? 0 : n, -kLargest, kLargest, k == 2 ? 1 : 0)) {
+      return fault.say("GRASP: response %u: curves must be finite, and the normal force not decrease", i);
+    }
+  }
+  for (std::uint32_t k = 3; k < layout::kGraspCurves; ++k) {
+    const float* curve = c + k * n;
+    if (curve[0] != curve[1] || curve[n - 1] != curve[n - 2]) {
+      return fault.say("GRASP: response %u: stiffness must be level at its ends", i);
+    }
+  }
+  const float *xx = c + 3 * n, *xy = c + 4 * n, *yy = c + 5 * n;
+  for (std::uint32_t k = 0; k < n; ++k) {
+    if (xx[k] < 0 || yy[k] < 0 || double{xy[k]} * xy[k] > double{xx[k]} * yy[k]) {
+      return fault.say("GRASP: response %u: stiffness must be positive semidefinite", i);
+    }
+  }
+  return true;
+}
+
+/// All responses of a tool have a grasp, or none.
+inline bool check_grasps(const View& v, Fault& fault) {
+  for (std::uint32_t t = 0; v.grasps != nullptr && t < v.meta->tool_count; ++t) {
+    const layout::ToolRecord& tool = v.tools[t];
+    const bool holds = v.grasp_head(tool.first_vertex).depth != 0;
+    for (std::uint32_t site = 0; site < v.meta->site_count; ++site) {
+      for (std::uint32_t k = 0; k < tool.vertex_count; ++k) {
+        if (!check_grasp(v, layout::response_index(*v.meta, site, tool.first_vertex + k), holds, fault)) return false;
+      }
+    }
+  }
+  return true;
+}
+
 inline bool is_inside(const layout::SearchNode& box, const float (&p)[3]) {
   for (int k = 0; k < 3; ++k) {
     if (!(p[k] >= box.lower[k] && p[k] <= box.upper[k])) return false;
@@ -325,7 +371,7 @@ inline bool check_records(const View& v, Fault& fault) {
     return fault.say("PROVENANCE: not a JSON object");
   }
   return check_sites(v, fault) && check_surface(v, fault) && check_tools(v, fault) && check_responses(v, fault) &&
-         check_search(v, fault);
+         check_grasps(v, fault) && check_search(v, fault);
 }
 
 }  // namespace palpate::runtime::detail

@@ -31,6 +31,8 @@ struct View {
   const layout::SearchNode* search = nullptr;
   const char* provenance = nullptr;  ///< JSON text, not zero-terminated
   std::size_t provenance_size = 0;
+  const unsigned char* grasps = nullptr;  ///< null when no tool holds on
+  std::uint32_t grasp_coefs = 0;          ///< of each of their curves
 
   /// Checks `size` bytes at `data` (aligned to 8) against the specification; defined in open.hpp.
   static OpenResult open(const void* data, std::size_t size);
@@ -67,6 +69,13 @@ struct View {
   [[nodiscard]] const std::int16_t* coupled_coefs(std::uint64_t index) const {
     return reinterpret_cast<const std::int16_t*>(
         coupled_laws + index * layout::coupled_size(layout::coupled_degrees(*meta)) + sizeof(float));
+  }
+  [[nodiscard]] const layout::GraspHead& grasp_head(std::uint64_t index) const {
+    return *reinterpret_cast<const layout::GraspHead*>(grasps + index * layout::grasp_size(grasp_coefs));
+  }
+  /// Coefficients of Fx, Fy, Fn, kxx, kxy, kyy.
+  [[nodiscard]] const float* grasp_curves(std::uint64_t index) const {
+    return reinterpret_cast<const float*>(grasps + index * layout::grasp_size(grasp_coefs) + sizeof(layout::GraspHead));
   }
   [[nodiscard]] bool has(layout::Feature feature) const { return (features & feature) != 0; }
   /// Index of the tool of that name, or tool_count.
