@@ -113,7 +113,7 @@ void check_tool(const ToolScene& tool, const toml::table& table, const Place& pl
   static const std::array<const char*, 6> names{"sphere", "punch", "capsule", "mesh", "cone", "needle"};
   const auto shape = static_cast<std::size_t>(tool.shape);
   for (const auto& [key, value] : table) {
-    if (key == "name" || key == "shape") continue;
+    if (key == "name" || key == "shape" || key == "grasp_depth") continue;
     if (std::find(used[shape].begin(), used[shape].end(), key.str()) == used[shape].end()) {
       fail(place.below(key.str()), &value,
            std::string("a tool of shape ") + show(std::string(names[shape])) +
@@ -237,6 +237,11 @@ Scene read_scene(const std::filesystem::path& file) {
   }
   check_sampling(scene.sampling, root, place);
   check_response(scene, root, place);
+  for (const ToolScene& tool : scene.tools) {
+    if (tool.grasp_depth <= scene.sampling.depth) continue;
+    fail(place.below("tool.grasp_depth"), root.get("tool"),
+         "got " + show(tool.grasp_depth) + "; allowed x <= sampling.depth = " + show(scene.sampling.depth) + " m");
+  }
   return scene;
 }
 

@@ -101,6 +101,7 @@ struct ToolScene {
   SurfaceSource surface;      ///< mesh: a closed surface, its frame is the tool frame
   bool whole = true;          ///< capsule: contacts = "all" (every patch of the tool) or "tip" (one tool vertex)
   double spacing = 0.0;       ///< m; mesh: edge length of the tool patches; 0 chooses a third of its size
+  double grasp_depth = 0.0;   ///< m, at most sampling.depth; > 0: the contact that forms there can be bonded and pulled
 };
 
 struct SamplingScene {

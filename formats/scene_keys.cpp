@@ -228,6 +228,12 @@ const Keys<SupportScene>& support_keys() {
 }
 
 const Keys<ToolScene>& tool_keys() {
+  Key<ToolScene> grasp = number("grasp_depth", &ToolScene::grasp_depth, kLengthOrAuto,
+                                "A tool that can hold on: the contact that it makes at this depth, at most "
+                                "sampling.depth, is bonded, and then pulled out and aside as well; 0: it cannot.");
+  // Solves of tools that cannot stay valid.
+  grasp.show = [show = grasp.show](const ToolScene& tool) { return tool.grasp_depth > 0 ? show(tool) : std::string(); };
+  grasp.example = "0.002";
   // The response file has a field of fixed length for it: too long a name must not be found after the bake.
   static const Keys<ToolScene> keys = join<ToolScene>(
       join<ToolScene>(
@@ -254,7 +260,8 @@ const Keys<ToolScene>& tool_keys() {
         },
         [](const ToolScene& tool) { return show(std::string(tool.whole ? "all" : "tip")); }, ""},
        number("spacing", &ToolScene::spacing, kLengthOrAuto,
-              "mesh: edge length of the tool's patches; 0: a third of its size.")});
+              "mesh: edge length of the tool's patches; 0: a third of its size."),
+       grasp});
   return keys;
 }
 

@@ -22,6 +22,7 @@ constexpr FeatureName kFeatures[] = {
     {layout::feature_lateral, "lateral", "a straight push has no sideways force"},
     {layout::feature_friction, "friction", "frictionless: no sticking, nothing opposes a sideways motion"},
     {layout::feature_tool_patches, "tool_patches", "each tool touches by one vertex only"},
+    {layout::feature_grasp, "grasp", "no tool holds on to the body: a pull lets go"},
     {layout::feature_search, "search", "no search tree: the contact surface is searched triangle by triangle"}};
 
 /// The shape as a scene names it.

@@ -59,7 +59,8 @@ std::string line(const char* name, const ErrorStatistics& s) {
 std::string table(const VerifyStatistics& s) {
   return "error (forces: % of the larger of the solved one and 2 % of its contact's peak; limit: % of the solved one)\n"
          "push       forces   median      p95    worst      <1%   <2%   <5%  <10%   worst at\n" +
-         line("normal", s.normal) + line("sideways", s.sideways) + line("paths", s.paths) + line("limit", s.limit);
+         line("normal", s.normal) + line("sideways", s.sideways) + line("paths", s.paths) + line("grasped", s.grasped) +
+         line("limit", s.limit);
 }
 
 Json contacts_json(const VerifyStatistics& s) { return {{"solved", s.accepted}, {"refused", s.refused}}; }
@@ -91,6 +92,7 @@ void compare(const Options& options, const Globals& globals) {
            {"error_sideways", to_json(s.sideways, contacts)},
            {"error_friction_limit", to_json(s.limit, contacts)},
            {"error_paths", to_json(s.paths, contacts)},
+           {"error_grasped", to_json(s.grasped, contacts)},
            {"contacts", contacts_json(s)},
            {"held_out", to_json(contacts)}},
           table(s));
@@ -165,6 +167,7 @@ void solve(const Options& options, const Globals& globals) {
            {"error_sideways", to_json(s.sideways, set.contacts)},
            {"error_friction_limit", to_json(s.limit, set.contacts)},
            {"error_paths", to_json(s.paths, set.contacts)},
+           {"error_grasped", to_json(s.grasped, set.contacts)},
            {"tolerance", tolerance},
            {"within_tolerance", s.normal.count > 0 && s.normal.p95 <= tolerance},
            {"tick_ns", cost.tick},
@@ -216,7 +219,8 @@ void run(const Options& options, const Globals& globals) {
   const ContactsCommand contacts{options.input, options.report, options.contacts, options.radii};
   if (options.slide) return run_slide(contacts, globals);
   if (options.two_tips) return run_two_tips(contacts, globals);
-  if (!options.battery.empty()) return run_battery_command({options.report, options.family, options.cases, options.seed}, globals);
+  if (!options.battery.empty())
+    return run_battery_command({options.report, options.family, options.cases, options.seed}, globals);
   if (!options.other.empty()) return run_ccx_command({options.report, options.cases}, globals);
   if (!options.paper.empty()) return run_paper_command({options.paper, options.report}, globals);
   if (!options.samples.empty()) return compare(options, globals);

@@ -112,9 +112,11 @@ nlohmann::ordered_json fit_json(const pipeline::Pipeline& p, const FitReport& re
                               {"fit_error_normal", figures_json(report.normal)},
                               {"fit_error_tangential", figures_json(report.tangential)},
                               {"fit_error_paths", figures_json(report.paths)},
+                              {"fit_error_grasped", figures_json(report.grasped)},
                               {"held_out_p95", report.held_out.p95},
                               {"lateral", report.lateral},
                               {"friction", report.friction},
+                              {"grasp", report.grasp},
                               {"file", p.paths.response.string()},
                               {"bytes", std::filesystem::file_size(p.paths.response)},
                               {"pairs", nlohmann::ordered_json::array()}};
@@ -132,6 +134,7 @@ std::string fit_text(const pipeline::Pipeline& p, const FitReport& report) {
   text += figures_text("straight pushes", report.normal, p.plan);
   text += figures_text("sideways pushes", report.tangential, p.plan);
   text += figures_text("paths that it did not read", report.paths, p.plan);
+  text += figures_text("grasped contacts", report.grasped, p.plan);
   if (report.held_out.samples > 0) {
     char line[160];
     std::snprintf(line, sizeof line,

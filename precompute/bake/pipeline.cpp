@@ -93,6 +93,7 @@ PairSolver contact_solver(const Pipeline& p) {
     PairOptions options = scene_options;
     options.check = checked.count(name(pair)) != 0;
     PairPath path = bake_path(p.scene, pair.depth);
+    add_grasp(path, p.scene, tool.scene, pair.depth);
     if (const double draw = path_draw(pair); draw < path_share(p.scene)) {
       path.side_paths = test_paths(path, 2 * std::numbers::pi * draw / path_share(p.scene));
     }
@@ -133,6 +134,7 @@ FitSettings fit_settings(const Scene& scene) {
   if (scene.response.model == ResponseScene::Model::coupled) {
     settings.coupled = {scene.response.order, scene.response.tolerance};
   }
+  for (const ToolScene& tool : scene.tools) settings.grasps.push_back(tool.grasp_depth > 0);
   return settings;
 }
 

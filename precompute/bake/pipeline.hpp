@@ -47,7 +47,7 @@ Pipeline prepare(const std::filesystem::path& scene_file, const Options& options
 /// samples have been solved for it, throws Error(bad_input) instead of orphaning them.
 void plan(Pipeline& pipeline);
 
-/// The solver the bake uses: bake_path, pair_options, solve_pair. `pipeline` must outlive it.
+/// The solver the bake uses: bake_path, add_grasp, pair_options, solve_pair. `pipeline` must outlive it.
 PairSolver contact_solver(const Pipeline& pipeline);
 
 /// Solves what is open, with `solver` or the contact solver. Needs plan(). The time spent is added to bake.json.

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/scene.hpp"
+#include "precompute/fit/grasp_fit.hpp"
 #include "precompute/mesh/haptic_mesh.hpp"
 #include "precompute/tool/tool.hpp"
 
@@ -109,6 +110,7 @@ std::string provenance(const Scene& scene, const Plan& plan, const Hash128& mani
   json["fit"] = {{"error", "|fit - solved| / max(|solved|, 2 % of the pair's peak)"},
                  {"normal", figures(report.normal)}};
   if (report.friction) json["fit"]["tangential"] = figures(report.tangential);
+  if (report.grasp) json["fit"]["grasped"] = figures(report.grasped);
   if (fitted.scales.coupled) {
     const coupled::Degrees& d = *fitted.scales.coupled;
     const fit::HeldOutFigures& held = report.held_out;
@@ -137,6 +139,7 @@ ResponseFileContent assemble_response(const Scene& scene, const std::vector<Tool
   content.growth_coefs = count(friction, fitted.scales.growth_coefs);
   content.sideways_coefs = count(friction, fitted.scales.sideways_coefs);
   content.friction_coefs = count(friction, fitted.scales.friction_coefs);
+  content.grasp_coefs = count(fitted.report.grasp, fit::kGraspCoefs);
   add_body(content, mesh, plan);
   for (const Tool& tool : tools) content.tools.push_back(response_tool(tool));
   content.responses = fitted.responses;

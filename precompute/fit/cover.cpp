@@ -40,6 +40,12 @@ private:
   Eigen::Matrix2d to_target_;
 };
 
+/// Cosine and sine of the source's x axis in `frame`.
+Eigen::Vector2d turned(const ContactFrame& frame, const CoverSource& source) {
+  const Vector3d x = Eigen::Quaterniond::FromTwoVectors(source.frame->n, frame.n) * source.frame->x;
+  return frame.to_local(x).head<2>().normalized();
+}
+
 /// Coupled responses are closed under turning and blending: nothing is fitted again.
 SiteCurves blend_coupled(const ContactFrame& frame, double depth, const std::vector<CoverSource>& sources,
                          const ModelScales& scales) {
@@ -51,9 +57,8 @@ SiteCurves blend_coupled(const ContactFrame& frame, double depth, const std::vec
   coupled::Law law;
   law.clear(*scales.coupled, scales.depth, scales.sideways);
   for (const CoverSource& source : sources) {
-    const Vector3d x = Eigen::Quaterniond::FromTwoVectors(source.frame->n, frame.n) * source.frame->x;
-    const Eigen::Vector2d turned = frame.to_local(x).head<2>().normalized();
-    law.add(source.site->curves.coupled.data(), 1, 1, source.weight / total, {turned.x(), turned.y()});
+    const Eigen::Vector2d turn = turned(frame, source);
+    law.add(source.site->curves.coupled.data(), 1, 1, source.weight / total, {turn.x(), turn.y()});
   }
   SiteCurves result;
   result.depth = std::min(depth, mean_depth / total);
@@ -61,26 +66,9 @@ SiteCurves blend_coupled(const ContactFrame& frame, double depth, const std::vec
   return result;
 }
 
-}  // namespace
-
-SiteGraph site_graph(std::size_t sites, const std::vector<std::array<std::int32_t, 3>>& triangles) {
-  std::vector<std::set<std::uint32_t>> near(sites);
-  for (const auto& t : triangles) {
-    for (int k = 0; k < 3; ++k) {
-      const auto a = static_cast<std::uint32_t>(t[k]), b = static_cast<std::uint32_t>(t[(k + 1) % 3]);
-      near[a].insert(b);
-      near[b].insert(a);
-    }
-  }
-  SiteGraph graph;
-  graph.reserve(sites);
-  for (const auto& set : near) graph.emplace_back(set.begin(), set.end());
-  return graph;
-}
-
-SiteCurves blend_site(const ContactFrame& frame, double depth, const std::vector<CoverSource>& sources,
-                      const ModelScales& scales, const std::string& what) {
-  if (scales.coupled) return blend_coupled(frame, depth, sources, scales);
+/// The field is sampled and fitted again: curves are not closed under turning.
+SiteCurves blend_separable(const ContactFrame& frame, double depth, const std::vector<CoverSource>& sources,
+                           const ModelScales& scales, const std::string& what) {
   double total = 0, mean_depth = 0;
   std::vector<CarriedField> fields;
   fields.reserve(sources.size());
@@ -118,6 +106,37 @@ SiteCurves blend_site(const ContactFrame& frame, double depth, const std::vector
     }
   }
   result.curves = fit_pair(samples, scales, what);
+  return result;
+}
+
+}  // namespace
+
+SiteGraph site_graph(std::size_t sites, const std::vector<std::array<std::int32_t, 3>>& triangles) {
+  std::vector<std::set<std::uint32_t>> near(sites);
+  for (const auto& t : triangles) {
+    for (int k = 0; k < 3; ++k) {
+      const auto a = static_cast<std::uint32_t>(t[k]), b = static_cast<std::uint32_t>(t[(k + 1) % 3]);
+      near[a].insert(b);
+      near[b].insert(a);
+    }
+  }
+  SiteGraph graph;
+  graph.reserve(sites);
+  for (const auto& set : near) graph.emplace_back(set.begin(), set.end());
+  return graph;
+}
+
+SiteCurves blend_site(const ContactFrame& frame, double depth, const std::vector<CoverSource>& sources,
+                      const ModelScales& scales, const std::string& what) {
+  SiteCurves result = scales.coupled ? blend_coupled(frame, depth, sources, scales)
+                                     : blend_separable(frame, depth, sources, scales, what);
+  double total = 0;
+  for (const CoverSource& source : sources) total += source.weight;
+  std::vector<GraspShare> grasps;
+  for (const CoverSource& source : sources) {
+    if (source.site->grasp) grasps.push_back({&*source.site->grasp, source.weight / total, turned(frame, source)});
+  }
+  if (!grasps.empty()) result.grasp = blend_grasps(grasps, scales.depth);
   return result;
 }
 

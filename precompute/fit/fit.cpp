@@ -81,10 +81,17 @@ std::vector<float> to_floats(const Eigen::VectorXd& coefs) {
   return result;
 }
 
-Response to_response(const SiteCurves& site, bool solved, bool lateral, const ModelScales& scales) {
+Response to_response(const SiteCurves& site, bool solved, const FitReport& report, const ModelScales& scales) {
   Response r;
   r.depth_limit = site.depth;
   r.flags = solved ? layout::response_solved : layout::response_covered;
+  if (site.grasp) {
+    r.grasp_depth = site.grasp->depth;
+    r.grasp_pulled = site.grasp->pulled;
+    r.grasp = to_floats(site.grasp->curves);
+  } else if (report.grasp) {  // another tool of the scene holds on
+    r.grasp.assign(layout::kGraspCurves * fit::kGraspCoefs, 0.0F);
+  }
   if (scales.coupled) {
     fit::Quantised quantised = fit::quantise(site.curves.coupled, *scales.coupled, "response");
     r.unit = quantised.unit;
@@ -92,7 +99,7 @@ Response to_response(const SiteCurves& site, bool solved, bool lateral, const Mo
     return r;
   }
   r.normal = to_floats(site.curves.normal);
-  if (lateral) {
+  if (report.lateral) {
     r.lateral_x = to_floats(site.curves.lateral_x);
     r.lateral_y = to_floats(site.curves.lateral_y);
   }
@@ -152,7 +159,7 @@ FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std
   std::partial_sum(tool_vertices.begin(), tool_vertices.end(), first.begin() + 1);
 
   std::vector<SiteRow> rows(first.back(), SiteRow(plan.sites.size()));
-  std::vector<std::pair<double, std::uint32_t>> normal, tangential, paths;
+  std::vector<std::pair<double, std::uint32_t>> normal, tangential, paths, grasped;
   std::vector<RefusedPair> refused;
   std::vector<const std::vector<Sample>*> accepted;
   for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
@@ -174,8 +181,12 @@ FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std
     }
     const PairPlan& planned = plan.pairs[pair];
     PairCurves curves;
+    std::optional<fit::GraspCurves> grasp;
     try {
       curves = fit::fit_pair(solved.samples, result.scales, "fit");
+      if (planned.tool < settings.grasps.size() && settings.grasps[planned.tool]) {
+        grasp = fit::fit_grasp(solved.samples, result.scales.depth, "fit");
+      }
     } catch (const Error& error) {  // one odd pair is covered from its neighbours like a refused one
       refused.push_back({pair, error.what()});
       continue;
@@ -186,14 +197,21 @@ FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std
     for (const double e : errors.normal) normal.emplace_back(e, pair);
     for (const double e : errors.tangential) tangential.emplace_back(e, pair);
     for (const double e : errors.paths) paths.emplace_back(e, pair);
+    if (grasp) {
+      const std::vector<double> own = fit::grasp_errors(*grasp, result.scales.depth, solved.samples);
+      for (const double e : own) grasped.emplace_back(e, pair);
+      report.grasp = true;
+    }
     report.pairs.push_back(pair_figures(pair, errors));
-    rows[first[planned.tool] + planned.tool_vertex][planned.site] = SiteCurves{std::move(curves), planned.depth};
+    rows[first[planned.tool] + planned.tool_vertex][planned.site] =
+        SiteCurves{std::move(curves), planned.depth, std::move(grasp)};
   }
   check_refused(plan, refused, settings.max_refused);
   report.refused = refused.size();
   report.normal = error_figures(normal);
   report.tangential = error_figures(tangential);
   report.paths = error_figures(paths);
+  report.grasped = error_figures(grasped);
   for (const SkippedPair& pair : plan.skipped) {
     ++(pair.reason == SkipReason::support       ? report.support
        : pair.reason == SkipReason::unreachable ? report.unreachable
@@ -214,8 +232,7 @@ FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std
     for (const auto& site : row) solved.push_back(site.has_value());
     fit::cover_sites(graph, frames, depths, result.scales, row, "tool vertex " + std::to_string(vertex));
     for (std::size_t site = 0; site < row.size(); ++site) {
-      result.responses[site * rows.size() + vertex] =
-          to_response(*row[site], solved[site], report.lateral, result.scales);
+      result.responses[site * rows.size() + vertex] = to_response(*row[site], solved[site], report, result.scales);
       report.covered += solved[site] ? 0 : 1;
     }
   }

@@ -22,6 +22,7 @@ struct FitSettings {
   double max_refused = 0.03;               ///< share of the planned pairs, [0, 0.5]
   double lateral_threshold = 0.01;         ///< straight pushes below this share of their pair's peak are left out
   std::optional<fit::DegreeWish> coupled;  ///< the coupled model; none: separable
+  std::vector<bool> grasps;                ///< per tool, whether it holds on; empty: none does
 };
 
 /// Median, 95th percentile and worst of relative errors (share of max(|force|, 2 % of the pair's peak)).
@@ -42,9 +43,10 @@ struct FitReport {
   std::size_t shortened = 0;                              ///< of the accepted: a sideways push ended early
   std::size_t covered = 0;                                ///< responses taken from neighbours: refused and skipped ones
   std::size_t support = 0, outside = 0, unreachable = 0;  ///< of those covered, why they were skipped
-  bool lateral = false, friction = false;                 ///< sections that the file has
+  bool lateral = false, friction = false, grasp = false;  ///< sections that the file has
   ErrorFigures normal, tangential;
   ErrorFigures paths;              ///< along the paths that the fit did not read, by the model's own anchor rule
+  ErrorFigures grasped;            ///< of tools that hold on
   fit::HeldOutFigures held_out;    ///< coupled: of samples left out, by which the degrees were chosen
   std::vector<PairFigures> pairs;  ///< by pair
 };

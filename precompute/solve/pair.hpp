@@ -58,6 +58,10 @@ struct PairPath {
 /// The path the bake uses for a pair of this scene: depths evenly spaced in sqrt(depth).
 PairPath bake_path(const Scene& scene, double depth);
 
+/// Adds the grasp of a tool that holds on: its grasp depth (all of `depth` where that is less) among the normal ones,
+/// its bonded contact evenly from as far out as `depth` is deep to the bottom.
+void add_grasp(PairPath& path, const Scene& scene, const ToolScene& tool, double depth);
+
 /// Paths that only test: diagonal, side then deeper, lift under side load, within `path`'s depths and reach.
 std::vector<SidePath> test_paths(const PairPath& path, double angle);
 

@@ -42,6 +42,24 @@ PairPath bake_path(const Scene& scene, double depth) {
   return path;
 }
 
+void add_grasp(PairPath& path, const Scene& scene, const ToolScene& tool, double depth) {
+  if (!(tool.grasp_depth > 0)) return;
+  path.grasp_depth = std::min(tool.grasp_depth, depth);
+  // One that is there already, but for a few per cent, is not solved twice.
+  const auto near = [&](double other) { return std::abs(other - path.grasp_depth) < 0.03 * depth; };
+  const auto found = std::find_if(path.normal_depths.begin(), path.normal_depths.end(), near);
+  if (found != path.normal_depths.end()) {
+    path.grasp_depth = *found;
+  } else {
+    path.normal_depths.insert(std::upper_bound(path.normal_depths.begin(), path.normal_depths.end(), path.grasp_depth),
+                              path.grasp_depth);
+  }
+  const int half = std::max(2, scene.sampling.normal_points / 2);
+  for (int k = -half; k <= half; ++k) path.grasp_depths.push_back(depth * k / half);
+  path.grasp_directions = scene.sampling.tangential_directions;
+  path.grasp_reach = depth / 2;
+}
+
 std::vector<SidePath> test_paths(const PairPath& path, double angle) {
   const double deepest = path.normal_depths.back(), reach = path.tangential_reach * deepest, shallow = 0.25 * deepest;
   SidePath diagonal{shallow, angle, {}}, deeper = diagonal, lift{deepest, angle, {}};

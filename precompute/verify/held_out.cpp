@@ -86,7 +86,7 @@ ContactFrame frame_at(const runtime::View& view, const runtime::BodyPoint& at, c
 
 // `start`: of the sideways directions, in the frame at which the tool was baked. It leaves the bake's rays without
 // turning the tool, so that x, y and what lies between them are compared.
-PairPath held_out_path(const Scene& scene, double depth, double start) {
+PairPath held_out_path(const Scene& scene, const ToolScene& tool, double depth, double start) {
   PairPath path = bake_path(scene, depth);
   // Off the grid of the bake everywhere but at the deepest point.
   const int n = scene.sampling.normal_points;
@@ -104,14 +104,21 @@ PairPath held_out_path(const Scene& scene, double depth, double start) {
       path.side_paths = test_paths(path, start);
     }
   }
+  add_grasp(path, scene, tool, depth);
+  if (path.grasp_depth > 0) {
+    const double spacing = path.grasp_depths[1] - path.grasp_depths[0];
+    for (double& d : path.grasp_depths) d += d < 0 ? 0.4 * spacing : -0.4 * spacing;
+    path.grasp_directions = 2;
+    path.tangential_start = start;
+  }
   return path;
 }
 
 void solve(const Scene& scene, const Body& body, const Tool& tool, HeldOut& contact, double start) {
   const ToolVertex vertex = interpolate(tool, static_cast<std::int32_t>(contact.tool_patch), contact.tool_weights);
   const ContactFrame& frame = contact.frame;
-  const PairResult result =
-      solve_pair(body, tool, vertex, frame, held_out_path(scene, contact.depth, start), pair_options(scene));
+  const PairResult result = solve_pair(body, tool, vertex, frame,
+                                       held_out_path(scene, tool.scene, contact.depth, start), pair_options(scene));
   contact.accepted = result.outcome.accepted;
   contact.cause = result.outcome.cause;
   if (!contact.accepted) return;
@@ -236,11 +243,18 @@ void compare_with_file(const runtime::View& view, std::vector<HeldOut>& contacts
     const runtime::Location at = runtime::locate(view, to_runtime(contact.frame.origin));
     const runtime::Field field(view, contact.tool, at.at, tool_point);
     contact.covered = field.covered();
+    const runtime::GraspField grasp(view, contact.tool, at.at, tool_point);
     double peak = 0;
     for (const ForcePair& f : contact.forces) peak = std::max(peak, f.solved.norm());
     Replay replay(field);
     for (ForcePair& f : contact.forces) {
-      f.baked = to_eigen(f.kind == SampleKind::path ? replay.go(f) : field.force(to_runtime(f.deflection)).force);
+      const runtime::Vec3 deflection = to_runtime(f.deflection);
+      if (f.kind == SampleKind::grasped && !(grasp.depth() > 0)) {
+        throw Error(ExitCode::bad_input, "a recorded contact is grasped; the file has no grasp for that tool");
+      }
+      f.baked = to_eigen(f.kind == SampleKind::path      ? replay.go(f)
+                         : f.kind == SampleKind::grasped ? grasp.force(deflection).force
+                                                         : field.force(deflection).force);
       f.error = (f.baked - f.solved).norm() / std::max(f.solved.norm(), 0.02 * peak);
     }
     for (LimitPair& l : contact.limits) {

@@ -70,9 +70,9 @@ struct HeldOutSet {
 
 /// Draws the contacts (uniform over the body's area; uniform over the length or area of the tool's patches)
 /// and solves them at depths off the bake's grid, and sideways off its rays where there is friction; for the coupled
-/// model at three depths, and along test_paths; until the contact slips as a whole where the scene wants its friction
-/// limit solved.
-/// An exception, also of a callback, ends every thread after the solve it is in and is rethrown.
+/// model at three depths, and along test_paths; pulled and drawn aside where the tool holds on; until the contact slips
+/// as a whole where the scene wants its friction limit solved. An exception, also of a callback, ends every thread
+/// after the solve it is in and is rethrown.
 HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const Body& body,
                           const std::vector<Tool>& tools, const HeldOutOptions& options);
 

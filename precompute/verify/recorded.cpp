@@ -5,7 +5,10 @@
 #include "formats/error.hpp"
 #include "formats/file.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <string_view>
+#include <utility>
 
 namespace palpate {
 namespace {
@@ -14,6 +17,11 @@ using Json = nlohmann::ordered_json;
 using Eigen::Vector3d;
 
 constexpr std::size_t kLargestReport = std::size_t{1} << 30;
+
+constexpr std::pair<SampleKind, std::string_view> kKinds[] = {{SampleKind::normal, "normal"},
+                                                              {SampleKind::tangential, "sideways"},
+                                                              {SampleKind::path, "path"},
+                                                              {SampleKind::grasped, "grasped"}};
 
 Json list(const Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
 
@@ -42,9 +50,12 @@ HeldOut contact_from(const Json& j) {
   for (const Json& f : j.at("forces")) {
     ForcePair force;
     const auto kind = f.at("kind").get<std::string>();
-    if (kind != "normal" && kind != "sideways" && kind != "path")
-      throw std::runtime_error("kind is '" + kind + "'; allowed normal, sideways, path");
-    force.kind = kind == "normal" ? SampleKind::normal : kind == "path" ? SampleKind::path : SampleKind::tangential;
+    const auto known =
+        std::find_if(std::begin(kKinds), std::end(kKinds), [&](const auto& k) { return k.second == kind; });
+    if (known == std::end(kKinds)) {
+      throw std::runtime_error("kind is '" + kind + "'; allowed normal, sideways, path, grasped");
+    }
+    force.kind = known->first;
     if (f.contains("from_m")) force.from = vector(f, "from_m");
     force.deflection = vector(f, "deflection_m");
     force.solved = vector(f, "solved_N");
@@ -67,8 +78,9 @@ nlohmann::ordered_json to_json(const std::vector<HeldOut>& contacts) {
   for (const HeldOut& c : contacts) {
     Json forces = Json::array();
     for (const ForcePair& f : c.forces) {
-      const char* kind = f.kind == SampleKind::normal ? "normal" : f.kind == SampleKind::path ? "path" : "sideways";
-      forces.push_back({{"kind", kind},
+      const auto kind =
+          std::find_if(std::begin(kKinds), std::end(kKinds), [&](const auto& k) { return k.first == f.kind; });
+      forces.push_back({{"kind", kind->second},
                         {"deflection_m", list(f.deflection)},
                         {"solved_N", list(f.solved)},
                         {"baked_N", list(f.baked)},

@@ -83,6 +83,7 @@ VerifyStatistics summarise(const std::vector<HeldOut>& contacts) {
   s.sideways = of_kind(contacts, SampleKind::tangential);
   s.limit = of_limits(contacts);
   s.paths = of_kind(contacts, SampleKind::path);
+  s.grasped = of_kind(contacts, SampleKind::grasped);
   return s;
 }
 

@@ -18,7 +18,8 @@ struct ErrorStatistics {
 struct VerifyStatistics {
   std::size_t contacts = 0, accepted = 0, refused = 0;
   ErrorStatistics normal, sideways, limit;
-  ErrorStatistics paths;  ///< deeper or less deep under side load, followed by the model's own rule
+  ErrorStatistics paths;    ///< deeper or less deep under side load, followed by the model's own rule
+  ErrorStatistics grasped;  ///< of tools that hold on
 };
 
 VerifyStatistics summarise(const std::vector<HeldOut>& contacts);

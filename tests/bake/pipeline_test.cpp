@@ -96,6 +96,43 @@ TEST_F(SlabPipeline, FrictionlessSlabLeavesOutWhatItDoesNotNeed) {
   EXPECT_EQ(header.features & (layout::feature_friction | layout::feature_tool_patches | layout::feature_search), 0U);
 }
 
+// One tool that only presses and one that can hold on: solved, fitted, stored and answered again.
+TEST_F(SlabPipeline, AToolThatHoldsOnHasItsPullsInTheFile) {
+  write_scene(5000, "[[tool]]\nname = \"forceps\"\nradius = 0.004\ngrasp_depth = 0.001\n");
+  const Pipeline p = open("work");
+  BakeOptions options;
+  options.threads = 2;
+  const BakeReport bake = pipeline::bake(p, options);
+  EXPECT_EQ(bake.refused.size(), 0U) << (bake.refused.empty() ? "" : bake.refused[0].cause);
+  const FitReport fit = pipeline::fit(p);
+  EXPECT_TRUE(fit.grasp);
+  EXPECT_GT(fit.grasped.samples, 10 * p.plan.pairs.size() / 2);
+  EXPECT_LT(fit.grasped.median, 0.03);
+  const std::vector<std::byte> bytes = read_bytes(p.paths.response);
+  const runtime::OpenResult opened = runtime::View::open(bytes.data(), bytes.size());
+  ASSERT_TRUE(opened) << opened.error;
+  const JournalContent journal = read_journal(p.paths.journal, p.manifest);
+  int pulls = 0;
+  for (const auto& [pair, data] : journal.pairs) {
+    const PairPlan& plan = p.plan.pairs[pair];
+    const runtime::Location at =
+        runtime::locate(opened.view, {plan.frame.origin.x(), plan.frame.origin.y(), plan.frame.origin.z()});
+    const runtime::GraspField field(opened.view, plan.tool, at.at, {});
+    EXPECT_EQ(field.depth() > 0, plan.tool == 1);
+    for (const Sample& s : data.samples) {
+      EXPECT_TRUE(s.kind == SampleKind::normal || plan.tool == 1);
+      if (s.kind != SampleKind::grasped || s.deflection.z() > -0.001) continue;
+      const Eigen::Vector3d d = plan.frame.to_world({s.deflection.x(), s.deflection.y(), -s.deflection.z()});
+      const runtime::Vec3 force = field.force({d.x(), d.y(), d.z()}).force;
+      EXPECT_LT((Eigen::Vector3d(force.x, force.y, force.z) - plan.frame.to_world(s.force)).norm(),
+                0.1 * s.force.norm());
+      EXPECT_LT(s.force.z(), 0);
+      ++pulls;
+    }
+  }
+  EXPECT_GT(pulls, 0);
+}
+
 // Delays are shares of a whole run as measured here, so that the kills hit real work on any machine; a run that was
 // done before its kill begins anew.
 TEST_F(SlabPipeline, KillsAndThreadsEndInTheSameFile) {

@@ -130,6 +130,7 @@ shape = "punch"
 radius = 0.004
 edge_radius = 0.0005
 length = 0.02
+grasp_depth = 0.003
 [[tool]]
 shape = "capsule"
 radius = 0.003
@@ -192,6 +193,7 @@ time_limit = 60
   EXPECT_EQ(scene.tools[1].shape, ToolScene::Shape::punch);
   EXPECT_TRUE(scene.tools[1].whole);
   EXPECT_EQ(scene.tools[1].edge_radius, 0.0005);
+  EXPECT_EQ(scene.tools[1].grasp_depth, 0.003);
   EXPECT_EQ(scene.tools[2].name, "tool3");
   EXPECT_FALSE(scene.tools[2].whole);
   EXPECT_EQ(scene.tools[3].surface.file, folder_.path() / "grasper.obj");

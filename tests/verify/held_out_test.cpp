@@ -39,18 +39,21 @@ protected:
   HeldOutSet solve(ToolScene::Shape shape, test::ResponseSampleOptions::Tools record) {
     test::ResponseSampleOptions sample;
     sample.tools = record;
+    sample.grasp = grasp_depth_ > 0;
     bytes_ = encode(test::box_content(sample));
     const runtime::OpenResult opened = runtime::View::open(bytes_.data(), bytes_.size());
     ToolScene tool;
     tool.shape = shape;
     tool.radius = test::kTipRadius;
     tool.length = test::kStemLength;
+    tool.grasp_depth = grasp_depth_;
     return solve_held_out(opened.view, scene_, body_, {make_tool(tool)}, options_);
   }
 
   Body body_;
   Scene scene_;
   HeldOutOptions options_;
+  double grasp_depth_ = 0.0;
   std::vector<std::byte> bytes_;
 };
 
@@ -73,6 +76,22 @@ TEST_F(HeldOutSolves, AToolThatMustKeepItsSpinIsPushedObliquely) {
     }
   }
   EXPECT_GE(oblique, 6u);
+}
+
+TEST_F(HeldOutSolves, AToolThatHoldsOnIsPulledToo) {
+  grasp_depth_ = 0.001;
+  const HeldOutSet set = solve(ToolScene::Shape::sphere, test::ResponseSampleOptions::Tools::sphere);
+  ASSERT_TRUE(set.contacts[0].accepted) << set.contacts[0].cause;
+  int out = 0, aside = 0;
+  for (const ForcePair& f : set.contacts[0].forces) {
+    if (f.kind != SampleKind::grasped) continue;
+    const Eigen::Vector3d& n = set.contacts[0].frame.n;
+    const double depth = -f.deflection.dot(n);
+    out += depth < -5e-4 && f.solved.dot(n) < 0 && f.baked.dot(n) < 0 ? 1 : 0;
+    aside += (f.deflection + depth * n).norm() > 5e-4 ? 1 : 0;
+  }
+  EXPECT_GE(out, 1);
+  EXPECT_GE(aside, 3);
 }
 
 TEST_F(HeldOutSolves, AnExceptionEndsEveryThreadAndIsRethrown) {

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Linear least squares with weak priors: one smooth curve where data are scarce, straight on beyond them.
+#include "precompute/fit/grasp_fit.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "formats/error.hpp"
+#include "palpate/grasp_law.hpp"
+#include "precompute/fit/least_squares.hpp"
+#include "precompute/fit/spline_rows.hpp"
+
+namespace palpate::fit {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int n = kGraspCoefs;
+constexpr double kFloor = 0.02;  // of the peak force, below which errors count absolutely
+constexpr double kPrior = 1e-2;  // weight of smoothness against relative errors
+constexpr double kAside = 0.01;  // of Z: straight pulls are sideways by less
+constexpr double kLeast = 1e-3;  // smaller over larger stiffness
+constexpr double kLowest = -10;  // peaks: least coefficient of Fn
+
+double abscissa(double depth, double scale) {
+  return std::clamp(0.5 * (depth / (layout::kGraspRange * scale) + 1), 0.0, 1.0);
+}
+
+grasp::Law make_law(const GraspCurves& grasp, double scale) {
+  grasp::Law law;
+  law.clear(n, scale);
+  law.add(grasp.curves.data(), 1);
+  return law;
+}
+
+std::vector<const Sample*> unturned(const std::vector<Sample>& samples) {
+  std::vector<const Sample*> result;
+  for (const Sample& s : samples) {
+    if (s.kind == SampleKind::grasped && s.rotation.isZero(0)) result.push_back(&s);
+  }
+  return result;
+}
+
+// Of a straight line they are zero. Without the jumps a zigzag of coefficients would pass, which bends nowhere in the
+// middle of an interval.
+MatrixXd prior_rows() {
+  const MatrixXd bends = bend_rows(n), jumps = jump_rows(n);
+  MatrixXd rows(bends.rows() + jumps.rows(), n);
+  rows << bends, jumps;
+  return kPrior * rows;
+}
+
+double peak_force(const std::vector<const Sample*>& samples) {
+  double peak = 0;
+  for (const Sample* s : samples) peak = std::max(peak, s->force.norm());
+  return peak;
+}
+
+// Fx, Fy, kxx, kxy, kyy together: every sample has two equations, linear in all of them. Stiffnesses are level at
+// their ends, so that the law goes on beyond them: their unknowns are two fewer.
+void fit_sideways(const std::vector<const Sample*>& samples, double scale, double peak, const std::string& what,
+                  VectorXd& curves) {
+  MatrixXd level = MatrixXd::Zero(n, n - 2);
+  level(0, 0) = level(n - 1, n - 3) = 1;
+  level.middleRows(1, n - 2).setIdentity();
+  const MatrixXd bends = prior_rows();
+  const auto count = static_cast<Eigen::Index>(samples.size());
+  MatrixXd all = MatrixXd::Zero(2 * count + 5 * bends.rows(), 5 * n);
+  VectorXd target = VectorXd::Zero(all.rows());
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Sample& s = *samples[static_cast<std::size_t>(i)];
+    const double weight = peak / std::max(s.force.norm(), kFloor * peak);
+    const Eigen::RowVectorXd value = weight * value_row(n, abscissa(s.deflection.z(), scale));
+    const double x = s.deflection.x() / scale, y = s.deflection.y() / scale;  // stiffnesses in peak / Z
+    all.row(2 * i).segment(0, n) = value;
+    all.row(2 * i).segment(2 * n, n) = -x * value;
+    all.row(2 * i).segment(3 * n, n) = -y * value;
+    all.row(2 * i + 1).segment(n, n) = value;
+    all.row(2 * i + 1).segment(3 * n, n) = -x * value;
+    all.row(2 * i + 1).segment(4 * n, n) = -y * value;
+    target[2 * i] = weight * s.force.x() / peak;
+    target[2 * i + 1] = weight * s.force.y() / peak;
+  }
+  for (int k = 0; k < 5; ++k) all.block(2 * count + k * bends.rows(), k * n, bends.rows(), n) = bends;
+  MatrixXd rows(all.rows(), 2 * n + 3 * (n - 2));
+  rows.leftCols(2 * n) = all.leftCols(2 * n);
+  for (int k = 0; k < 3; ++k) rows.middleCols(2 * n + k * (n - 2), n - 2) = all.middleCols((2 + k) * n, n) * level;
+  const VectorXd solved = solve_linear(rows, target, what + ", grasp sideways curves");
+  curves.segment(0, 2 * n) = peak * solved.segment(0, 2 * n);
+  VectorXd stiffness(3 * n);
+  for (int k = 0; k < 3; ++k) {
+    stiffness.segment(k * n, n) = peak / scale * (level * solved.segment(2 * n + k * (n - 2), n - 2));
+  }
+  for (int i = 0; i < n; ++i) {
+    Eigen::Matrix2d k;
+    k << stiffness[i], stiffness[n + i], stiffness[n + i], stiffness[2 * n + i];
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(k);
+    const Eigen::Vector2d values = eigen.eigenvalues().cwiseMax(kLeast * std::max(eigen.eigenvalues()[1], 0.0));
+    k = eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
+    curves[3 * n + i] = k(0, 0);
+    curves[4 * n + i] = k(0, 1);
+    curves[5 * n + i] = k(1, 1);
+  }
+}
+
+// Fn, from what sideways deflections do not add along the normal. Unknown are how far its first coefficient is above
+// kLowest, and the increments to the others.
+void fit_normal(const std::vector<const Sample*>& samples, double scale, double peak, const std::string& what,
+                GraspCurves& grasp) {
+  MatrixXd coefs = MatrixXd::Zero(n, n);
+  for (int i = 0; i < n; ++i) coefs.row(i).head(i + 1).setOnes();
+  grasp.curves.segment(2 * n, n).setZero();
+  const grasp::Law sideways = make_law(grasp, scale);
+  const MatrixXd bends = prior_rows();
+  const auto count = static_cast<Eigen::Index>(samples.size());
+  MatrixXd rows(count + bends.rows(), n);
+  VectorXd target = VectorXd::Zero(rows.rows());
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Sample& s = *samples[static_cast<std::size_t>(i)];
+    const double weight = peak / std::max(s.force.norm(), kFloor * peak);
+    const double coupling = sideways.force({s.deflection.x(), s.deflection.y(), s.deflection.z()}).n;
+    rows.row(i) = weight * value_row(n, abscissa(s.deflection.z(), scale));
+    target[i] = weight * ((s.force.z() - coupling) / peak - kLowest);
+  }
+  rows.bottomRows(bends.rows()) = bends;
+  const VectorXd rise = coefs * solve_nonnegative(rows * coefs, target, what + ", grasp normal curve");
+  grasp.curves.segment(2 * n, n) = peak * (rise.array() + kLowest).matrix();
+}
+
+}  // namespace
+
+GraspCurves fit_grasp(const std::vector<Sample>& samples, double depth_scale, const std::string& what) {
+  const std::vector<const Sample*> taken = unturned(samples);
+  GraspCurves grasp;
+  long straight = 0;
+  for (const Sample* s : taken) {
+    if (!s->force.allFinite() || !s->deflection.allFinite()) {
+      throw Error(ExitCode::numerical, what + ": grasped sample " + std::to_string(s->index) + " is not finite");
+    }
+    grasp.pulled = std::max(grasp.pulled, -s->deflection.z());
+    straight += s->deflection.head<2>().norm() < kAside * depth_scale ? 1 : 0;
+  }
+  if (straight < 3) {
+    throw Error(ExitCode::numerical,
+                what + ": a grasp needs straight pulls at three depths; there are " + std::to_string(straight));
+  }
+  const double peak = peak_force(taken);
+  if (!(peak > 0)) throw Error(ExitCode::numerical, what + ": a grasp without any force");
+  grasp.depth = taken.front()->deflection.z();
+  grasp.pulled = std::min(grasp.pulled, depth_scale);
+  grasp.curves = VectorXd::Zero(static_cast<Eigen::Index>(layout::kGraspCurves) * n);
+  fit_sideways(taken, depth_scale, peak, what, grasp.curves);
+  fit_normal(taken, depth_scale, peak, what, grasp);
+  return grasp;
+}
+
+GraspCurves blend_grasps(const std::vector<GraspShare>& shares, double depth_scale) {
+  GraspCurves blend;
+  grasp::Law law;
+  law.clear(n, depth_scale);
+  for (const GraspShare& s : shares) {
+    blend.depth += s.share * s.grasp->depth;
+    blend.pulled += s.share * s.grasp->pulled;
+    law.add(s.grasp->curves.data(), s.share, s.turned.x(), s.turned.y());
+  }
+  blend.curves = Eigen::Map<const VectorXd>(law.coefs(), static_cast<Eigen::Index>(layout::kGraspCurves) * n);
+  return blend;
+}
+
+Eigen::Vector3d evaluate(const GraspCurves& grasp, double depth_scale, const Eigen::Vector3d& deflection) {
+  const grasp::Triple f = make_law(grasp, depth_scale).force({deflection.x(), deflection.y(), deflection.z()});
+  return {f.x, f.y, f.n};
+}
+
+std::vector<double> grasp_errors(const GraspCurves& grasp, double depth_scale, const std::vector<Sample>& samples) {
+  const std::vector<const Sample*> taken = unturned(samples);
+  const double peak = peak_force(taken);
+  std::vector<double> errors;
+  for (const Sample* s : taken) {
+    errors.push_back((evaluate(grasp, depth_scale, s->deflection) - s->force).norm() /
+                     std::max(s->force.norm(), kFloor * peak));
+  }
+  return errors;
+}
+
+}  // namespace palpate::fit
