@@ -18,7 +18,7 @@ f 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\
 set(common "[body]\nsurface = \"slab.obj\"\n[[tool]]\nname = \"tip\"\nradius = 0.005\n\
 [[support]]\nhalf_space = { point = [0, 0, -0.0299], normal = [0, 0, 1] }\n\
 [sampling]\nspacing = 0.012\ndepth = 0.003\nnormal_points = 8\n\
-within_box = { min = [-0.02, -0.02, -0.001], max = [0.02, 0.02, 0.001] }\n\
+within_box = { min = [-0.015, -0.015, -0.001], max = [0.015, 0.015, 0.001] }\n\
 [solver]\nmax_size = 0.03\n")
 file(WRITE ${FOLDER}/slab.toml "${common}")
 file(WRITE ${FOLDER}/rough.toml "${common}[contact]\nfriction = 0.3\n")
