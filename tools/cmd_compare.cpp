@@ -3,6 +3,7 @@
 #include "formats/error.hpp"
 #include "tools/output.hpp"
 #include "tools/response_input.hpp"
+#include "tools/straight_press.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -40,21 +41,6 @@ std::vector<Site> solved_sites(const runtime::View& view, std::uint32_t tool) {
   return sites;
 }
 
-// N on the tool, upright over the site, after a straight push to that depth (m).
-double force_at(const runtime::View& view, std::uint32_t tool, const Site& site, double depth) {
-  const Vec3 up = runtime::to_vec(view.sites[site.number].normal);
-  runtime::Pose pose = runtime::Pose::from_quaternion(1.000001 + up.z, -up.y, up.x, 0, site.position);
-  pose.translation = site.position - runtime::find_touch(view, tool, pose).clearance * up;
-  runtime::Contact contact(view, tool);
-  constexpr int kSteps = 200;
-  runtime::Tick last = contact.tick(pose);
-  for (int k = 0; k < kSteps; ++k) {
-    pose.translation = pose.translation - depth / kSteps * up;
-    last = contact.tick(pose);
-  }
-  return runtime::length(last.force);
-}
-
 struct Pair {
   Vec3 position;
   double depth = 0.0, force = 0.0, other = 0.0;  // m, N, N
@@ -74,8 +60,8 @@ std::vector<Pair> compare(const Options& options, const ResponseInput& file, con
     }
     if (nearest == nullptr) continue;
     Pair pair{site.position, std::min({site.limit, nearest->limit, options.depth}), 0, 0};
-    pair.force = force_at(file.view(), tool, site, pair.depth);
-    pair.other = force_at(other.view(), other_tool, *nearest, pair.depth);
+    pair.force = straight_press(file.view(), tool, site.number, pair.depth);
+    pair.other = straight_press(other.view(), other_tool, nearest->number, pair.depth);
     if (pair.force > 0 && pair.other > 0) pairs.push_back(pair);
   }
   std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.ratio() < b.ratio(); });

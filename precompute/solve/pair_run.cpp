@@ -44,6 +44,17 @@ Sample PairRun::sample(std::uint32_t iterations) const {
   return s;
 }
 
+GateState PairRun::sideways_gate(double depth, const Sample& sample) const {
+  GateState gate;
+  gate.depth = depth;
+  gate.contact_radius = radius(depth);
+  gate.force = sample.force.z();
+  gate.min_jacobian = sample.min_jacobian;
+  gate.contact = push.report();
+  gate.stored = gate.contact.tangential_energy;
+  return gate;
+}
+
 const CurvePoint& PairRun::point_from(double depth) const {
   return *std::find_if(curve.begin(), curve.end(), [&](const CurvePoint& p) { return p.depth >= depth * (1 - 1e-9); });
 }

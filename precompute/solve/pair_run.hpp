@@ -2,6 +2,7 @@
 // One pair on one mesh: what its pushes share, and the pushes in their order.
 #pragma once
 
+#include "precompute/solve/gates.hpp"
 #include "precompute/solve/pair.hpp"
 #include "precompute/solve/push.hpp"
 
@@ -48,6 +49,8 @@ struct PairRun {
                      const std::vector<Eigen::VectorXd>& starts = {}) const;
   /// Of where the push stands, without friction that a term of its own exerts, and without an error estimate.
   [[nodiscard]] Sample sample(std::uint32_t iterations) const;
+  /// Of a contact that was moved sideways at that depth (m) while it stuck.
+  [[nodiscard]] GateState sideways_gate(double depth, const Sample& sample) const;
   /// The first accepted point from `depth` on: a shallow one may have been too small a contact to believe.
   [[nodiscard]] const CurvePoint& point_from(double depth) const;
   [[nodiscard]] const Sample& sample_of(const CurvePoint& point) const {

@@ -38,7 +38,6 @@ std::optional<std::string> go(PairRun& run, const CurvePoint& from, double angle
   const Vector3d local(std::cos(angle), std::sin(angle), 0);
   const Vector3d target =
       from.state.translation + point.sideways * run.frame.to_world(local) - (point.depth - from.depth) * run.frame.n;
-  const double radius = run.radius(point.depth);
   const StepResult step = run.move_to(target, point.depth, true);
   ++run.result.outcome.tangential_solves;
   const auto where = " on the path " + std::to_string(1e3 * point.sideways) + " mm sideways at depth " +
@@ -49,13 +48,7 @@ std::optional<std::string> go(PairRun& run, const CurvePoint& from, double angle
   s.index = static_cast<std::uint16_t>(index);
   const Straight straight = straight_at(run, point.depth);
   const double pull = (s.force - straight.force).dot(local);
-  GateState gate;
-  gate.depth = point.depth;
-  gate.contact_radius = radius;
-  gate.force = s.force.z();
-  gate.min_jacobian = s.min_jacobian;
-  gate.contact = run.push.report();
-  gate.stored = gate.contact.tangential_energy;
+  const GateState gate = run.sideways_gate(point.depth, s);
   if (const auto failed = failed_sideways_gate(gate, pull, GateLimits{})) return *failed + where;
   // Of the anchors, under what the side load alone stores in them.
   const double give = 2 * std::max(gate.stored - straight.tangential_energy, 0.0) / -pull;

@@ -56,7 +56,6 @@ private:
     const int slot = direction * path_.tangential_points + point - 1;
     const Vector3d local = run_.direction(direction, path_.tangential_directions);
     const Sample base = run_.sample_of(at);
-    const double radius = run_.radius(at.depth);
     const StepResult step = run_.move_to(at.state.translation + reach * run_.frame.to_world(local), at.depth, true,
                                          starts(at, reach, slot));
     ++run_.result.outcome.tangential_solves;
@@ -68,13 +67,7 @@ private:
     s.kind = SampleKind::tangential;
     s.index = index;
     const double pull = (s.force - base.force).dot(local);
-    GateState gate;
-    gate.depth = at.depth;
-    gate.contact_radius = radius;
-    gate.force = s.force.z();
-    gate.min_jacobian = s.min_jacobian;
-    gate.contact = run_.push.report();
-    gate.stored = gate.contact.tangential_energy;
+    const GateState gate = run_.sideways_gate(at.depth, s);
     if (const auto failed = failed_sideways_gate(gate, pull, GateLimits{})) return *failed + where;
     // The anchors' own compliance, at a constant contact area: 2 E / Q, E without what the straight push had sheared.
     const double give = 2 * std::max(gate.stored - at.contact.tangential_energy, 0.0) / -pull;

@@ -64,6 +64,15 @@ mesh_size = 0.7
     const Pipeline p = open(work);
     pipeline::bake(p, options);
   }
+  /// Of the scene as written, every pair accepted.
+  [[nodiscard]] Pipeline baked() const {
+    Pipeline p = open("work");
+    BakeOptions options;
+    options.threads = 2;
+    const BakeReport report = pipeline::bake(p, options);
+    EXPECT_EQ(report.refused.size(), 0U) << (report.refused.empty() ? "" : report.refused[0].cause);
+    return p;
+  }
   [[nodiscard]] std::vector<std::byte> file(const std::string& work) const {
     const Pipeline p = open(work);
     pipeline::fit(p);
@@ -99,11 +108,7 @@ TEST_F(SlabPipeline, FrictionlessSlabLeavesOutWhatItDoesNotNeed) {
 // One tool that only presses and one that can hold on: solved, fitted, stored and answered again.
 TEST_F(SlabPipeline, AToolThatHoldsOnHasItsPullsInTheFile) {
   write_scene(5000, "[[tool]]\nname = \"forceps\"\nradius = 0.004\ngrasp_depth = 0.001\n");
-  const Pipeline p = open("work");
-  BakeOptions options;
-  options.threads = 2;
-  const BakeReport bake = pipeline::bake(p, options);
-  EXPECT_EQ(bake.refused.size(), 0U) << (bake.refused.empty() ? "" : bake.refused[0].cause);
+  const Pipeline p = baked();
   const FitReport fit = pipeline::fit(p);
   EXPECT_TRUE(fit.grasp);
   EXPECT_GT(fit.grasped.samples, 10 * p.plan.pairs.size() / 2);
@@ -198,11 +203,7 @@ TEST_F(SlabPipeline, ANewFitTakesUpTheOldSolves) {
 // Every slice of the coupled model at once: rays and paths solved, degrees chosen, whole numbers written, read again.
 TEST_F(SlabPipeline, ACoupledSceneIsBakedAndFitted) {
   write_scene(5000, "[contact]\nfriction = 0.3\n[response]\nmodel = \"coupled\"\npath_share = 1\ntolerance = 0.015\n");
-  const Pipeline p = open("work");
-  BakeOptions options;
-  options.threads = 2;
-  const BakeReport bake = pipeline::bake(p, options);
-  EXPECT_EQ(bake.refused.size(), 0U) << (bake.refused.empty() ? "" : bake.refused[0].cause);
+  const Pipeline p = baked();
   const FitReport fit = pipeline::fit(p);
   EXPECT_LT(fit.normal.p95, 0.015);
   EXPECT_LT(fit.tangential.p95, 0.025);  // so coarse elements scatter by as much
