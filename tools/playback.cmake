@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # What play, inspect, compare and bench share with their tests: response files opened, motions read and played, plots,
-# timing. Of the runtime's functions the linker keeps the copy that it meets first, and copies differ by what was inlined
-# (a tenth of a tick): contacts are ticked in these libraries alone, and commands name palpate_tick_bench before
-# palpate_playback, so that the bench times its own.
+# timing.
 add_library(palpate_playback STATIC motion_file.cpp play.cpp plot.cpp response_input.cpp straight_press.cpp)
 target_link_libraries(palpate_playback PUBLIC palpate_runtime palpate_response palpate_file PRIVATE palpate_settings)
 if(PALPATE_BENCH)
