@@ -3,6 +3,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "tools/command.hpp"
+#include "tools/commands.hpp"
 #include "tools/output.hpp"
 #include "tools/pipeline_steps.hpp"
 
@@ -29,11 +31,11 @@ void run(const Options& options, const Globals& globals) {
 
 void add_bake(CLI::App& app, Globals& globals) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("bake", "Solves every open pair; goes on where an earlier bake stopped");
-  command->add_option("scene", options->scene, "Scene file")->required();
-  command->add_option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
-  command->add_flag("--resume", options->resume, "Go on with what is there (always so; accepted for scripts)");
-  command->callback([options, &globals] { run(*options, globals); });
+  Command command(app, "bake", "Solves every open pair; goes on where an earlier bake stopped");
+  command.option("scene", options->scene, "Scene file").required();
+  command.option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
+  command.flag("--resume", options->resume, "Go on with what is there (always so; accepted for scripts)");
+  command.runs([options, &globals] { run(*options, globals); });
 }
 
 }  // namespace palpate::cli

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/error.hpp"
+#include "tools/command.hpp"
 #include "tools/commands.hpp"
 #include "tools/output.hpp"
 #include "tools/response_input.hpp"
@@ -74,29 +75,29 @@ void run(Options options, const Globals& globals) {
 
 void add_bench(CLI::App& app, Globals& globals) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("bench", "Times the ticks of a response file");
-  command->add_option("file", options->file,
-                      "Response file (.palp); with --models a scene, with --solver a scene, or nothing for a block");
+  Command command(app, "bench", "Times the ticks of a response file");
+  command.option("file", options->file,
+                 "Response file (.palp); with --models a scene, with --solver a scene, or nothing for a block");
 #ifdef PALPATE_SOLVER_BENCH
-  command->add_flag("--solver", options->solver, "Curve sets an hour against their error, in place of ticks");
-  command->add_flag("--models", options->models,
-                    "Bytes, error and nanoseconds of every response model on the samples of a scene that was baked for "
-                    "the coupled one");
-  command->add_option("--work", options->work, "With --models: work folder (default: NAME.work beside the scene)");
+  command.flag("--solver", options->solver, "Curve sets an hour against their error, in place of ticks");
+  command.flag("--models", options->models,
+               "Bytes, error and nanoseconds of every response model on the samples of a scene that was baked for "
+               "the coupled one");
+  command.option("--work", options->work, "With --models: work folder (default: NAME.work beside the scene)");
 #endif
-  command->add_option("--tool", options->tool, "Name of the tool; default: the file's first");
+  command.option("--tool", options->tool, "Name of the tool; default: the file's first");
   command
-      ->add_option("--contacts", options->bench.contacts,
-                   "Random contacts; with --solver (8 unless told) spread evenly over the scene's plan")
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str();
-  command->add_option("--seed", options->bench.seed, "Of the random contacts")->capture_default_str();
-  command->add_option("--seconds", options->bench.seconds, "Measured for each contact and state")
-      ->check(number_in(0.001, 10.0))
-      ->capture_default_str();
-  command->callback([options, command, &globals] {
+      .option("--contacts", options->bench.contacts,
+              "Random contacts; with --solver (8 unless told) spread evenly over the scene's plan")
+      .check(whole_in(1, 10000))
+      .shows_default();
+  command.option("--seed", options->bench.seed, "Of the random contacts").shows_default();
+  command.option("--seconds", options->bench.seconds, "Measured for each contact and state")
+      .check(number_in(0.001, 10.0))
+      .shows_default();
+  command.runs([options, command, &globals] {
     constexpr int kSolved = 8;  // of a solve of seconds fewer are asked for than of a tick of nanoseconds
-    if (options->solver && command->count("--contacts") == 0) options->bench.contacts = kSolved;
+    if (options->solver && !command.given("--contacts")) options->bench.contacts = kSolved;
     run(*options, globals);
   });
 }

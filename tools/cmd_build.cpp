@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // `palpate build`: every stage from a scene to its response file, going on with what is there.
 #include "precompute/surface/report.hpp"
+#include "tools/command.hpp"
 #include "tools/commands.hpp"
 #include "tools/output.hpp"
 #include "tools/pipeline_steps.hpp"
@@ -36,11 +37,11 @@ void run(const Options& options, const Globals& globals) {
 
 void add_build(CLI::App& app, Globals& globals) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("build", "Bakes a scene: mesh, plan, bake, fit; writes NAME.palp");
-  command->add_option("scene", options->scene, "Scene file (TOML)")->required();
-  command->add_option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
-  command->add_option("-o,--output", options->output, "Response file (default: NAME.palp beside the scene)");
-  command->callback([options, &globals] { run(*options, globals); });
+  Command command(app, "build", "Bakes a scene: mesh, plan, bake, fit; writes NAME.palp");
+  command.option("scene", options->scene, "Scene file (TOML)").required();
+  command.option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
+  command.option("-o,--output", options->output, "Response file (default: NAME.palp beside the scene)");
+  command.runs([options, &globals] { run(*options, globals); });
 }
 
 }  // namespace palpate::cli

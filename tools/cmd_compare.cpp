@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // palpate compare: how much stiffer one baked organ is than another, site by site, pressed straight in equally deep.
 #include "formats/error.hpp"
+#include "tools/command.hpp"
+#include "tools/commands.hpp"
 #include "tools/output.hpp"
 #include "tools/response_input.hpp"
 #include "tools/straight_press.hpp"
@@ -109,17 +111,16 @@ void run(const Options& options, const Globals& globals) {
 
 void add_compare(CLI::App& app, Globals& globals) {
   auto options = std::make_shared<Options>();
-  CLI::App* command =
-      app.add_subcommand("compare", "How much stiffer one response file is than another, at sites of the same place");
-  command->add_option("file", options->file, "Response file")->required();
-  command->add_option("other", options->other, "Response file that it is set against")->required();
-  command->add_option("--tool", options->tool, "Name of the tool in both; left out: the first");
-  command->add_option("--within", options->within, "Sites this close (m) are the same place")
-      ->check(number_in(0, 1))
-      ->capture_default_str();
-  command->add_option("--depth", options->depth, "Deepest push (m); left out: as deep as both were sampled")
-      ->check(number_in(1e-6, 1));
-  command->callback([options, &globals] { run(*options, globals); });
+  Command command(app, "compare", "How much stiffer one response file is than another, at sites of the same place");
+  command.option("file", options->file, "Response file").required();
+  command.option("other", options->other, "Response file that it is set against").required();
+  command.option("--tool", options->tool, "Name of the tool in both; left out: the first");
+  command.option("--within", options->within, "Sites this close (m) are the same place")
+      .check(number_in(0, 1))
+      .shows_default();
+  command.option("--depth", options->depth, "Deepest push (m); left out: as deep as both were sampled")
+      .check(number_in(1e-6, 1));
+  command.runs([options, &globals] { run(*options, globals); });
 }
 
 }  // namespace palpate::cli

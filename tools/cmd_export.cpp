@@ -7,6 +7,7 @@
 
 #include "formats/error.hpp"
 #include "formats/file.hpp"
+#include "tools/command.hpp"
 #include "tools/commands.hpp"
 #include "tools/export.hpp"
 #include "tools/output.hpp"
@@ -105,29 +106,24 @@ void run(const Options& options, const Globals& globals) {
 
 void add_export(CLI::App& app, Globals& globals) {
   auto options = std::make_shared<Options>();
-  CLI::App* command =
-      app.add_subcommand("export", "Writes a response file's curves as CSV, its body with a field as GLB or .vtu");
-  command->add_option("file", options->file, "Response file (.palp)")->required();
-  command->add_option("--curves", options->curves, "CSV: force and friction limit of every response along pushes");
-  command->add_option("--glb", options->glb, "GLB: the body, coloured, with the fields as vertex attributes");
-  command->add_option("--vtu", options->vtu, "VTK unstructured grid: the body with the fields as point data");
+  Command command(app, "export", "Writes a response file's curves as CSV, its body with a field as GLB or .vtu");
+  command.option("file", options->file, "Response file (.palp)").required();
+  command.option("--curves", options->curves, "CSV: force and friction limit of every response along pushes");
+  command.option("--glb", options->glb, "GLB: the body, coloured, with the fields as vertex attributes");
+  command.option("--vtu", options->vtu, "VTK unstructured grid: the body with the fields as point data");
   command
-      ->add_option(
-          "--field", options->field,
-          "What the colours show: stiffness (N/m), force (N), friction (N, the largest sideways force), covered "
-          "(share taken from neighbours), error (where a file holds it)")
-      ->check(CLI::IsMember({"stiffness", "force", "friction", "covered", "error"}))
-      ->type_name("FIELD")
-      ->capture_default_str();
-  command->add_option("--depth", options->depth, "m, of fields and sideways curves; default: half the depth scale")
-      ->check(number_in(1e-9, 1e3));
-  command->add_option("--tool", options->tool, "Tool of the fields; default: the file's first");
-  command->add_option("--tool-vertex", options->tool_vertex, "Its vertex that presses, by number")
-      ->capture_default_str();
-  command->add_option("--points", options->points, "Points of a curve")
-      ->check(CLI::Range(2, 10000))
-      ->capture_default_str();
-  command->callback([options, &globals] { run(*options, globals); });
+      .option("--field", options->field,
+              "What the colours show: stiffness (N/m), force (N), friction (N, the largest sideways force), covered "
+              "(share taken from neighbours), error (where a file holds it)")
+      .check(one_of({"stiffness", "force", "friction", "covered", "error"}))
+      .named("FIELD")
+      .shows_default();
+  command.option("--depth", options->depth, "m, of fields and sideways curves; default: half the depth scale")
+      .check(number_in(1e-9, 1e3));
+  command.option("--tool", options->tool, "Tool of the fields; default: the file's first");
+  command.option("--tool-vertex", options->tool_vertex, "Its vertex that presses, by number").shows_default();
+  command.option("--points", options->points, "Points of a curve").check(whole_in(2, 10000)).shows_default();
+  command.runs([options, &globals] { run(*options, globals); });
 }
 
 }  // namespace palpate::cli

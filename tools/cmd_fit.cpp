@@ -3,6 +3,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "tools/command.hpp"
+#include "tools/commands.hpp"
 #include "tools/output.hpp"
 #include "tools/pipeline_steps.hpp"
 
@@ -28,11 +30,11 @@ void run(const Options& options, const Globals& globals) {
 
 void add_fit(CLI::App& app, Globals& globals) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("fit", "Fits the solved samples and writes the response file NAME.palp");
-  command->add_option("scene", options->scene, "Scene file")->required();
-  command->add_option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
-  command->add_option("-o,--output", options->output, "Response file (default: NAME.palp beside the scene)");
-  command->callback([options, &globals] { run(*options, globals); });
+  Command command(app, "fit", "Fits the solved samples and writes the response file NAME.palp");
+  command.option("scene", options->scene, "Scene file").required();
+  command.option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
+  command.option("-o,--output", options->output, "Response file (default: NAME.palp beside the scene)");
+  command.runs([options, &globals] { run(*options, globals); });
 }
 
 }  // namespace palpate::cli

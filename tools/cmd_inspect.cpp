@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "tools/command.hpp"
 #include "tools/commands.hpp"
 #include "tools/output.hpp"
 #include "tools/response_input.hpp"
@@ -155,9 +156,9 @@ std::string as_text(const runtime::View& v, const Json& json) {
 
 void add_inspect(CLI::App& app, Globals& globals) {
   auto file = std::make_shared<std::string>();
-  CLI::App* command = app.add_subcommand("inspect", "Lists what a response file holds and what was left out");
-  command->add_option("file", *file, "Response file (.palp)")->required();
-  command->callback([file, &globals] {
+  Command command(app, "inspect", "Lists what a response file holds and what was left out");
+  command.option("file", *file, "Response file (.palp)").required();
+  command.runs([file, &globals] {
     const ResponseInput input(*file);
     const Json json = describe(input.view(), *file);
     globals.json ? print_json(json) : print(as_text(input.view(), json));

@@ -5,6 +5,8 @@
 #include "precompute/body.hpp"
 #include "precompute/solve/prestress.hpp"
 #include "precompute/surface/report.hpp"
+#include "tools/command.hpp"
+#include "tools/commands.hpp"
 #include "tools/output.hpp"
 
 #include <memory>
@@ -69,10 +71,10 @@ void run(const Arguments& arguments, const Globals& globals) {
 
 void add_mesh(CLI::App& app, Globals& globals) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("mesh", "Prepares the organ's surface and reports what was done to it");
-  command->add_option("scene", arguments->scene, "Scene file")->required();
-  command->add_option("--out", arguments->out, "Folder for the prepared surfaces (.ply)");
-  command->callback([arguments, &globals] { run(*arguments, globals); });
+  Command command(app, "mesh", "Prepares the organ's surface and reports what was done to it");
+  command.option("scene", arguments->scene, "Scene file").required();
+  command.option("--out", arguments->out, "Folder for the prepared surfaces (.ply)");
+  command.runs([arguments, &globals] { run(*arguments, globals); });
 }
 
 }  // namespace palpate::cli

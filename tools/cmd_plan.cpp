@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // palpate plan: which pairs a scene asks for, written as the manifest.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "precompute/bake/pipeline.hpp"
+#include "tools/command.hpp"
 #include "tools/commands.hpp"
 #include "tools/output.hpp"
 
@@ -62,10 +62,10 @@ void run(const Options& options, const Globals& globals) {
 
 void add_plan(CLI::App& app, Globals& globals) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("plan", "Lists every pair to be solved (NAME.work/manifest.json)");
-  command->add_option("scene", options->scene, "Scene file")->required();
-  command->add_option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
-  command->callback([options, &globals] { run(*options, globals); });
+  Command command(app, "plan", "Lists every pair to be solved (NAME.work/manifest.json)");
+  command.option("scene", options->scene, "Scene file").required();
+  command.option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
+  command.runs([options, &globals] { run(*options, globals); });
 }
 
 }  // namespace palpate::cli

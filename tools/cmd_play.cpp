@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/file.hpp"
+#include "tools/command.hpp"
 #include "tools/commands.hpp"
 #include "tools/output.hpp"
 #include "tools/play.hpp"
@@ -65,13 +66,13 @@ void run(const Options& options, const Globals& globals) {
 
 void add_play(CLI::App& app, Globals& globals) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("play", "Plays a motion against a response file");
-  command->add_option("file", options->file, "Response file (.palp)")->required();
-  command->add_option("motion", options->motion, "Motion (CSV: t,x,y,z,qw,qx,qy,qz in s and m)")->required();
-  command->add_option("--out", options->out, "Write forces and torques here (CSV)");
-  command->add_option("--plot", options->plot, "Write a plot of force and depth here (SVG)");
-  command->add_option("--tool", options->tool, "Name of the tool; default: the file's first");
-  command->callback([options, &globals] { run(*options, globals); });
+  Command command(app, "play", "Plays a motion against a response file");
+  command.option("file", options->file, "Response file (.palp)").required();
+  command.option("motion", options->motion, "Motion (CSV: t,x,y,z,qw,qx,qy,qz in s and m)").required();
+  command.option("--out", options->out, "Write forces and torques here (CSV)");
+  command.option("--plot", options->plot, "Write a plot of force and depth here (SVG)");
+  command.option("--tool", options->tool, "Name of the tool; default: the file's first");
+  command.runs([options, &globals] { run(*options, globals); });
 }
 
 }  // namespace palpate::cli

@@ -3,6 +3,8 @@
 #include "formats/error.hpp"
 #include "formats/scene.hpp"
 #include "formats/tissues.hpp"
+#include "tools/command.hpp"
+#include "tools/commands.hpp"
 #include "tools/output.hpp"
 
 #include <cstdio>
@@ -63,17 +65,17 @@ void add_scene(CLI::App& app, Globals& globals) {
     bool reference = false, tissues = false;
   };
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("scene", "Checks a scene file, or prints the reference of all its keys");
-  CLI::Option* file = command->add_option("scene", arguments->file, "Scene file");
-  CLI::Option* reference =
-      command->add_flag("--reference", arguments->reference, "Print every key with default, range and help, as TOML");
-  CLI::Option* tissues =
-      command->add_flag("--tissues", arguments->tissues, "Print the tissues that a material may name, with sources");
-  file->excludes(reference)->excludes(tissues);
-  command->callback([arguments, &globals] {
+  Command command(app, "scene", "Checks a scene file, or prints the reference of all its keys");
+  Option file = command.option("scene", arguments->file, "Scene file");
+  Option reference =
+      command.flag("--reference", arguments->reference, "Print every key with default, range and help, as TOML");
+  Option tissues =
+      command.flag("--tissues", arguments->tissues, "Print the tissues that a material may name, with sources");
+  file.excludes(reference).excludes(tissues);
+  command.runs([arguments, &globals] {
     if (arguments->reference) return print(scene_reference());
     if (arguments->tissues) return print(tissues_text());
-    if (arguments->file.empty()) throw CLI::RequiredError("scene");
+    if (arguments->file.empty()) throw Error(ExitCode::usage, "scene is required");
     run(arguments->file, globals);
   });
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // palpate synth: writes a synthetic organ with scene and motion.
 #include "datasets-synthetic/dataset.hpp"
+#include "tools/command.hpp"
+#include "tools/commands.hpp"
 #include "tools/output.hpp"
 
 #include <algorithm>
@@ -49,57 +51,45 @@ void run(const Arguments& arguments, const Globals& globals) {
 void add_synth(CLI::App& app, Globals& globals) {
   auto arguments = std::make_shared<Arguments>();
   synth::DatasetOptions& o = arguments->options;
-  CLI::App* command = app.add_subcommand("synth", "Writes a synthetic organ with scene and motion, from a seed");
+  Command command(app, "synth", "Writes a synthetic organ with scene and motion, from a seed");
 
-  command->add_option("organ", arguments->organ, "slab, ball, liver, kidney (with its pyramids) or bladder")
-      ->required()
-      ->check(CLI::IsMember(kOrgans))
-      ->type_name("ORGAN");
-  command->add_option("--out", arguments->folder, "Folder to write to; created when missing")->required();
-  command->add_option("--seed", o.seed, "Seed of the liver's shape and of the probed place")
-      ->check(CLI::NonNegativeNumber)  // else -1 would wrap round
-      ->capture_default_str();
-  command->add_option("--scale", o.scale, "Size of the organ, 1: adult")
-      ->check(number_in(0.1, 10.0))
-      ->capture_default_str();
-  const CLI::Validator length = number_in(1e-4, 1.0);
-  command->add_option("--edge", o.edge, "Edge length of the organ's surface (m)")->check(length);
-  command->add_option("--young", o.young, "Young's modulus (Pa); left out: the organ's")->check(number_in(1e-3, 1e12));
-  command->add_option("--poisson", o.poisson, "Poisson's ratio")->check(number_in(0.0, 0.4999))->capture_default_str();
-  command->add_flag("--inclusion", o.inclusion, "With a stiff ball inside");
-  command->add_option("--inclusion-radius", o.inclusion_radius, "Its radius (m)")->check(length)->needs("--inclusion");
-  command->add_option("--inclusion-gap", o.inclusion_gap, "Tissue over it (m)")->check(length)->needs("--inclusion");
-  command->add_option("--inclusion-young", o.inclusion_young, "Its modulus (Pa)")
-      ->check(number_in(1e-3, 1e12))
-      ->needs("--inclusion")
-      ->capture_default_str();
-  command->add_flag("--tumour", o.tumour, "liver: the inclusion is a tumour; both have published stiffnesses")
-      ->needs("--inclusion");
-  command->add_option("--pressure", o.pressure, "bladder: pressure inside (Pa)")
-      ->check(number_in(0.0, 1e9))
-      ->capture_default_str();
-  command->add_option("--tool", arguments->instrument, "sphere, punch, capsule or stylus")
-      ->check(CLI::IsMember(kInstruments))
-      ->type_name("TOOL")
-      ->capture_default_str();
-  command->add_flag("--tool-mesh", o.instrument_as_mesh, "Write the instrument as a closed mesh (sphere, capsule)");
-  command->add_option("--tool-radius", o.tool_radius, "Radius of the tip (m)")->check(length)->capture_default_str();
-  command->add_option("--tool-length", o.tool_length, "Length of capsule or stylus (m)")
-      ->check(length)
-      ->capture_default_str();
-  command->add_option("--friction", o.friction, "Coulomb coefficient")
-      ->check(number_in(0.0, 2.0))
-      ->capture_default_str();
-  command->add_option("--spacing", o.spacing, "Edge length of the body's patches (m)")->check(length);
-  command->add_option("--depth", o.depth, "Deepest push (m)")->check(length)->capture_default_str();
-  command->add_option("--motion", arguments->motion, "probe or scan")
-      ->check(CLI::IsMember(kMotions))
-      ->type_name("MOTION")
-      ->capture_default_str();
-  command->add_option("--rate", o.motion_rate, "Rows of the motion a second")
-      ->check(number_in(1.0, 1e4))
-      ->capture_default_str();
-  command->callback([arguments, &globals] { run(*arguments, globals); });
+  command.option("organ", arguments->organ, "slab, ball, liver, kidney (with its pyramids) or bladder")
+      .required()
+      .check(one_of(kOrgans))
+      .named("ORGAN");
+  command.option("--out", arguments->folder, "Folder to write to; created when missing").required();
+  command.option("--seed", o.seed, "Seed of the liver's shape and of the probed place").shows_default();
+  command.option("--scale", o.scale, "Size of the organ, 1: adult").check(number_in(0.1, 10.0)).shows_default();
+  const Check length = number_in(1e-4, 1.0);
+  command.option("--edge", o.edge, "Edge length of the organ's surface (m)").check(length);
+  command.option("--young", o.young, "Young's modulus (Pa); left out: the organ's").check(number_in(1e-3, 1e12));
+  command.option("--poisson", o.poisson, "Poisson's ratio").check(number_in(0.0, 0.4999)).shows_default();
+  command.flag("--inclusion", o.inclusion, "With a stiff ball inside");
+  command.option("--inclusion-radius", o.inclusion_radius, "Its radius (m)").check(length).needs("--inclusion");
+  command.option("--inclusion-gap", o.inclusion_gap, "Tissue over it (m)").check(length).needs("--inclusion");
+  command.option("--inclusion-young", o.inclusion_young, "Its modulus (Pa)")
+      .check(number_in(1e-3, 1e12))
+      .needs("--inclusion")
+      .shows_default();
+  command.flag("--tumour", o.tumour, "liver: the inclusion is a tumour; both have published stiffnesses")
+      .needs("--inclusion");
+  command.option("--pressure", o.pressure, "bladder: pressure inside (Pa)").check(number_in(0.0, 1e9)).shows_default();
+  command.option("--tool", arguments->instrument, "sphere, punch, capsule or stylus")
+      .check(one_of(kInstruments))
+      .named("TOOL")
+      .shows_default();
+  command.flag("--tool-mesh", o.instrument_as_mesh, "Write the instrument as a closed mesh (sphere, capsule)");
+  command.option("--tool-radius", o.tool_radius, "Radius of the tip (m)").check(length).shows_default();
+  command.option("--tool-length", o.tool_length, "Length of capsule or stylus (m)").check(length).shows_default();
+  command.option("--friction", o.friction, "Coulomb coefficient").check(number_in(0.0, 2.0)).shows_default();
+  command.option("--spacing", o.spacing, "Edge length of the body's patches (m)").check(length);
+  command.option("--depth", o.depth, "Deepest push (m)").check(length).shows_default();
+  command.option("--motion", arguments->motion, "probe or scan")
+      .check(one_of(kMotions))
+      .named("MOTION")
+      .shows_default();
+  command.option("--rate", o.motion_rate, "Rows of the motion a second").check(number_in(1.0, 1e4)).shows_default();
+  command.runs([arguments, &globals] { run(*arguments, globals); });
 }
 
 }  // namespace palpate::cli

@@ -4,6 +4,8 @@
 #include "precompute/bake/reach.hpp"
 #include "precompute/verify/limits.hpp"
 #include "precompute/verify/recorded.hpp"
+#include "tools/command.hpp"
+#include "tools/commands.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/output.hpp"
 #include "tools/pipeline_steps.hpp"
@@ -236,43 +238,41 @@ void run(const Options& options, const Globals& globals) {
 
 void add_verify(CLI::App& app, Globals& globals) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("verify", "Compares baked with solved forces; exit code 5 beyond a limit");
-  command->add_option("input", options->input, "Scene (solves held-out contacts) or, with --samples, a response file");
-  command->add_option("--battery", options->battery, "Instead of a scene: the cells of the stability table")
-      ->check(CLI::IsMember({"stiff"}));
-  command->add_option("--family", options->family, "Only this family of the battery");
-  command->add_option("--compare", options->other, "Instead of a scene: forces and times beside another program's")
-      ->check(CLI::IsMember({"ccx"}));
-  command->add_option("--case", options->cases, "Only the cells or cases with this in their name");
-  command->add_flag("--slide", options->slide, "Slides the tool over a few contacts of the scene, or over a block");
-  command->add_flag("--two-tips", options->two_tips, "Two tips at once at a few contacts of the scene, or on a block");
-  command->add_option("--contacts", options->contacts, "Of --slide and --two-tips, spread evenly over the scene's plan")
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str();
-  command->add_option("--radii", options->radii, "Length of a slide in contact radii")
-      ->check(number_in(0.1, 100))
-      ->capture_default_str();
-  command->add_option("--paper", options->paper,
-                      "Instead of a scene: figures 2 and 4 of Hayward and Mahvash (2004); scenes and plots (SVG) go to "
-                      "this folder");
-  command->add_option("--count", options->count, "Held-out contacts")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  command->add_option("--seed", options->seed, "Seed of their places, or of the battery's draw")->capture_default_str();
-  command->add_option("--samples", options->samples, "Report of an earlier verify: compare without solving");
-  const CLI::Validator error = number_in(0, 1000);
-  command->add_option("--max-p95", options->limits.p95, "Largest 95th percentile of the relative normal force error")
-      ->check(error);
-  command->add_option("--max-p95-sideways", options->limits.p95_sideways, "The same of the sideways pushes' error")
-      ->check(error);
+  Command command(app, "verify", "Compares baked with solved forces; exit code 5 beyond a limit");
+  command.option("input", options->input, "Scene (solves held-out contacts) or, with --samples, a response file");
+  command.option("--battery", options->battery, "Instead of a scene: the cells of the stability table")
+      .check(one_of({"stiff"}));
+  command.option("--family", options->family, "Only this family of the battery");
+  command.option("--compare", options->other, "Instead of a scene: forces and times beside another program's")
+      .check(one_of({"ccx"}));
+  command.option("--case", options->cases, "Only the cells or cases with this in their name");
+  command.flag("--slide", options->slide, "Slides the tool over a few contacts of the scene, or over a block");
+  command.flag("--two-tips", options->two_tips, "Two tips at once at a few contacts of the scene, or on a block");
+  command.option("--contacts", options->contacts, "Of --slide and --two-tips, spread evenly over the scene's plan")
+      .check(whole_in(1, 10000))
+      .shows_default();
+  command.option("--radii", options->radii, "Length of a slide in contact radii")
+      .check(number_in(0.1, 100))
+      .shows_default();
+  command.option("--paper", options->paper,
+                 "Instead of a scene: figures 2 and 4 of Hayward and Mahvash (2004); scenes and plots (SVG) go to "
+                 "this folder");
+  command.option("--count", options->count, "Held-out contacts").check(whole_in(1, 100000)).shows_default();
+  command.option("--seed", options->seed, "Seed of their places, or of the battery's draw").shows_default();
+  command.option("--samples", options->samples, "Report of an earlier verify: compare without solving");
+  const Check error = number_in(0, 1000);
+  command.option("--max-p95", options->limits.p95, "Largest 95th percentile of the relative normal force error")
+      .check(error);
+  command.option("--max-p95-sideways", options->limits.p95_sideways, "The same of the sideways pushes' error")
+      .check(error);
   command
-      ->add_option("--max-refused-share", options->limits.refused_share,
-                   "Largest share of held-out contacts that no solve was accepted for; 0.1 where another limit is set")
-      ->check(number_in(0, 1));
-  command->add_option("--report", options->report, "Also write the JSON report to this file (usable as --samples)");
-  command->add_option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
-  command->add_option("--response", options->response, "Response file (default: NAME.palp beside the scene)");
-  command->callback([options, &globals] { run(*options, globals); });
+      .option("--max-refused-share", options->limits.refused_share,
+              "Largest share of held-out contacts that no solve was accepted for; 0.1 where another limit is set")
+      .check(number_in(0, 1));
+  command.option("--report", options->report, "Also write the JSON report to this file (usable as --samples)");
+  command.option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
+  command.option("--response", options->response, "Response file (default: NAME.palp beside the scene)");
+  command.runs([options, &globals] { run(*options, globals); });
 }
 
 }  // namespace palpate::cli

@@ -8,22 +8,22 @@
 //     void add_foo(CLI::App& app, Globals& globals) {
 //       struct Options { std::string scene; double limit = 1.0; };
 //       auto options = std::make_shared<Options>();          // must outlive parsing
-//       CLI::App* command = app.add_subcommand("foo", "Does foo");
-//       command->add_option("scene", options->scene, "Scene file")->required();
-//       command->add_option("--limit", options->limit, "Largest foo (m)")->check(number_in(1e-6, 1.0));
-//       command->callback([options, &globals] { run_foo(*options, globals); });
+//       Command command(app, "foo", "Does foo");
+//       command.option("scene", options->scene, "Scene file").required();
+//       command.option("--limit", options->limit, "Largest foo (m)").check(number_in(1e-6, 1.0));
+//       command.runs([options, &globals] { run_foo(*options, globals); });
 //     }
 //
-// Rules: check numbers by number_in, since CLI::Range and CLI::PositiveNumber let NaN through; take files as plain
-// strings, without CLI::ExistingFile (a missing file is exit code 4, not wrong usage); throw palpate::Error, main turns
-// it into the message and the exit code; never call exit(). Results go to standard output by output.hpp, progress and
-// messages to standard error. Work that lasts and can be saved polls interrupted() under an InterruptPolling
-// (interrupt.hpp), saves what it has and throws Interrupted; anything else is ended by a signal at once.
+// Rules: check numbers (command.hpp); take files as plain strings (a missing file is exit code 4, not wrong usage);
+// throw palpate::Error, main turns it into the message and the exit code; never call exit(). Results go to standard
+// output by output.hpp, progress and messages to standard error. Work that lasts and can be saved polls interrupted()
+// under an InterruptPolling (interrupt.hpp), saves what it has and throws Interrupted; anything else is ended by a
+// signal at once.
 #pragma once
 
-#include <CLI/CLI.hpp>
-#include <sstream>
-#include <string>
+namespace CLI {
+class App;
+}
 
 namespace palpate::cli {
 
@@ -33,19 +33,6 @@ struct Globals {
   bool quiet = false;  ///< --quiet: no progress and no notes on standard error (errors stay)
   int threads = 1;     ///< --threads: worker threads, at least 1; default: one a processor
 };
-
-/// Checks that an option is a number in [low, high]; NaN is not.
-inline CLI::Validator number_in(double low, double high) {
-  std::ostringstream range;
-  range << "[" << low << ", " << high << "]";
-  return CLI::Validator(
-      [low, high, text = range.str()](const std::string& value) -> std::string {
-        double number = 0;
-        if (CLI::detail::lexical_cast(value, number) && number >= low && number <= high) return {};
-        return "got " + value + "; allowed " + text;
-      },
-      "in " + range.str());
-}
 
 #define PALPATE_COMMAND(name) void add_##name(CLI::App& app, Globals& globals);
 #include "command_list.inc"

@@ -6,6 +6,7 @@
 #include "tools/interrupt.hpp"
 #include "tools/output.hpp"
 
+#include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>

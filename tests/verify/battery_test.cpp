@@ -97,7 +97,7 @@ TEST(Battery, ADrawnCellOfEveryFamilyConvergesOrSaysWhyNot) {
   for (const StiffCell& cell : stiff_cells()) families[cell.family].push_back(cell);
   std::vector<StiffCell> cells;
   for (const auto& [family, all] : families) {
-    cells.push_back(all[draw_share(all.size(), 1e-6, 20).at(0)]);
+    cells.push_back(all[draw_share(all.size(), 1e-6, 23).at(0)]);
     cells.back().scene.sampling.normal_points = 4;
   }
   BatteryOptions options;

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One command of the `palpate` executable and its options: what the commands need of CLI11, without its header. (Every
+// file that includes CLI11 compiles the whole of it again, five seconds each.)
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace palpate::cli {
+
+/// What the value of an option has to be.
+struct Check {
+  std::string description;                                      ///< for the help text
+  std::function<std::string(const std::string& value)> refuse;  ///< what is wrong with it; empty: nothing
+};
+
+/// A number in [low, high]; NaN is not.
+Check number_in(double low, double high);
+
+/// A whole number in [low, high].
+Check whole_in(long long low, long long high);
+
+/// One of these words.
+Check one_of(std::vector<std::string> words);
+
+/// An option of a command; a handle, to be copied at will.
+class Option {
+public:
+  explicit Option(CLI::Option* option) : option_(option) {}
+
+  Option required();
+  Option check(const Check& check);
+  Option shows_default();                       ///< in the help text: the value that the variable has now
+  Option named(const std::string& value_name);  ///< in the help text, what stands for a value
+  Option needs(const std::string& other);       ///< wrong usage without the other one
+  Option excludes(Option other);                ///< wrong usage together with the other one
+
+private:
+  CLI::Option* option_;
+};
+
+/// A command; a handle, to be copied at will. The variables must outlive parsing.
+class Command {
+public:
+  Command(CLI::App& app, const std::string& name, const std::string& help);
+
+  /// `names` is "file" (by its place) or "--file".
+  Option option(const std::string& names, std::string& value, const std::string& help);
+  Option option(const std::string& names, double& value, const std::string& help);
+  Option option(const std::string& names, std::optional<double>& value, const std::string& help);
+  Option option(const std::string& names, int& value, const std::string& help);
+  Option option(const std::string& names, std::uint32_t& value, const std::string& help);
+  Option option(const std::string& names, std::uint64_t& value, const std::string& help);
+  Option flag(const std::string& names, bool& value, const std::string& help);
+
+  /// What the command does once its line is parsed.
+  void runs(std::function<void()> action);
+
+  /// Whether the line gives an option; to be asked while the command runs.
+  bool given(const std::string& name) const;
+
+private:
+  CLI::App* command_;
+};
+
+}  // namespace palpate::cli
