@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// palpate bench: nanoseconds a tick and bytes a response of a file, or what the solver's curves cost, on this machine.
+// palpate bench: nanoseconds a tick and bytes a response of a file, seconds to open one, or what the solver's curves
+// cost, on this machine.
+#include <unistd.h>
+
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "formats/error.hpp"
+#include "formats/file.hpp"
 #include "tools/command.hpp"
 #include "tools/commands.hpp"
+#include "tools/open_bench.hpp"
 #include "tools/output.hpp"
 #include "tools/response_input.hpp"
 #include "tools/tick_bench.hpp"
@@ -22,7 +28,8 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   std::string file, tool, work;
-  bool solver = false, models = false;
+  bool solver = false, models = false, open = false;
+  double bytes = 0;
   TickBenchOptions bench;
 };
 
@@ -37,6 +44,50 @@ std::string times_text(const char* name, const TickTimes& times) {
   return line;
 }
 
+/// A file of its own in the folder for temporary files, removed again.
+class TemporaryFile {
+public:
+  explicit TemporaryFile(const std::vector<std::byte>& bytes)
+      : path_(std::filesystem::temp_directory_path() / ("palpate-open-" + std::to_string(::getpid()) + ".palp")) {
+    write_file(path_, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  }
+  ~TemporaryFile() {
+    std::error_code ignored;  // a file left behind spoils no result
+    std::filesystem::remove(path_, ignored);
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+private:
+  std::filesystem::path path_;
+};
+
+void run_open(const Options& options, const Globals& globals) {
+  constexpr int kRounds = 7;
+  std::unique_ptr<TemporaryFile> large;
+  if (options.bytes > 0) {
+    note(globals, "writing a file of the body many times over");
+    large = std::make_unique<TemporaryFile>(repeat_body(ResponseInput(options.file).view(), options.bytes));
+  }
+  const OpenBench bench = bench_open(large ? large->path() : std::filesystem::path(options.file), kRounds);
+  if (globals.json) {
+    print_json({{"file", options.file},
+                {"machine", machine_name()},
+                {"bytes", bench.bytes},
+                {"responses", bench.responses},
+                {"open_s", {{"median", bench.validated}, {"worst", bench.validated_most}}},
+                {"open_trusted_s", {{"median", bench.trusted}}}});
+    return;
+  }
+  char text[300];
+  std::snprintf(text, sizeof text,
+                "%s\n%.4g MB, %u responses\nopen    median %9.4f s   worst %9.4f s\ntrusted median %9.1f us\n",
+                machine_name().c_str(), 1e-6 * static_cast<double>(bench.bytes), bench.responses, bench.validated,
+                bench.validated_most, 1e6 * bench.trusted);
+  print(text);
+}
+
 void run(Options options, const Globals& globals) {
 #ifdef PALPATE_SOLVER_BENCH
   if (options.solver && options.models) throw Error(ExitCode::usage, "--solver and --models exclude each other");
@@ -47,6 +98,7 @@ void run(Options options, const Globals& globals) {
   }
 #endif
   if (options.file.empty()) throw Error(ExitCode::usage, "bench needs a response file");
+  if (options.open) return run_open(options, globals);
   const ResponseInput input(options.file);
   options.bench.tool = input.tool(options.tool);
   const std::string tool = input.view().tools[options.bench.tool].name;
@@ -85,6 +137,14 @@ void add_bench(CLI::App& app, Globals& globals) {
                "the coupled one");
   command.option("--work", options->work, "With --models: work folder (default: NAME.work beside the scene)");
 #endif
+  command.flag("--open", options->open,
+               "Seconds to map, validate and open the file, its pages in memory, and to open it unchecked, in place of "
+               "ticks");
+  command
+      .option("--bytes", options->bytes,
+              "With --open: of a temporary file of at least so many bytes, in which the body is repeated")
+      .check(number_in(1, 4e9))
+      .needs("--open");
   command.option("--tool", options->tool, "Name of the tool; default: the file's first");
   command
       .option("--contacts", options->bench.contacts,

@@ -5,7 +5,7 @@ add_library(palpate_playback STATIC motion_file.cpp play.cpp plot.cpp response_i
 target_link_libraries(palpate_playback PUBLIC palpate_runtime palpate_response palpate_file PRIVATE palpate_settings)
 if(PALPATE_BENCH)
   find_package(benchmark REQUIRED)
-  add_library(palpate_tick_bench STATIC tick_bench.cpp)
+  add_library(palpate_tick_bench STATIC open_bench.cpp tick_bench.cpp)
   target_link_libraries(palpate_tick_bench PUBLIC palpate_runtime PRIVATE palpate_formats benchmark::benchmark
                                                                          palpate_settings)
 endif()

@@ -86,6 +86,21 @@ TEST(Damage, ASizeThatIsNoMultipleOf64IsRefused) {
   EXPECT_NE(std::string(result.error).find("multiple of 64"), std::string::npos) << result.error;
 }
 
+// A trusted opening gives the same view; what it looks at is still checked, what it trusts is not.
+TEST(Damage, ATrustedOpeningReadsNoRecord) {
+  std::vector<std::byte> bytes = small_file();
+  const OpenResult checked = View::open(bytes.data(), bytes.size());
+  const OpenResult trusted = View::open_trusted(bytes.data(), bytes.size());
+  ASSERT_TRUE(trusted) << trusted.error;
+  EXPECT_EQ(std::memcmp(&checked.view, &trusted.view, sizeof(View)), 0);
+  EXPECT_FALSE(View::open_trusted(bytes.data(), bytes.size() - 64));
+  bytes[bytes.size() - 1] ^= std::byte{1};
+  EXPECT_FALSE(View::open(bytes.data(), bytes.size()));
+  EXPECT_TRUE(View::open_trusted(bytes.data(), bytes.size()));
+  bytes[offsetof(layout::FileHeader, features)] ^= std::byte{1};
+  EXPECT_FALSE(View::open_trusted(bytes.data(), bytes.size()));
+}
+
 TEST(Damage, TrailingBytesAreRefused) {
   std::vector<std::byte> bytes = small_file();
   bytes.resize(bytes.size() + 8);

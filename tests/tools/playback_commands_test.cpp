@@ -121,6 +121,32 @@ TEST_F(Playback, BenchNamesTheMachineAndTimesEveryState) {
   }
 }
 
+TEST_F(Playback, BenchOpensTheFileAndALargerOneOfTheSameBody) {
+  if (listed_commands().count("bench") == 0) GTEST_SKIP() << "built without Google Benchmark";
+  ResponseSampleOptions options;
+  options.search = true;  // whose tree is grown over all copies, and read by the validation that is timed
+  options.tools = ResponseSampleOptions::Tools::all;
+  write_response_file(folder() / "search.palp", encode(box_content(options)));
+  options.coupled = 4;
+  write_response_file(folder() / "coupled.palp", encode(box_content(options)));
+  for (const char* file : {"box.palp", "search.palp", "coupled.palp"}) {
+    const Json once = Json::parse(run({"bench", file, "--open", "--json"}).out);
+    EXPECT_EQ(once["bytes"], std::filesystem::file_size(folder() / file));
+    const RunResult result = run({"bench", file, "--open", "--bytes", "3e6", "--json"});
+    ASSERT_EQ(result.exit_code, 0) << result.error;
+    const Json many = Json::parse(result.out);
+    EXPECT_GE(many["bytes"], 3000000);
+    EXPECT_LT(many["bytes"], 4000000);
+    EXPECT_GT(many["responses"], 5 * once["responses"].get<int>());
+    EXPECT_EQ(many["responses"].get<int>() % once["responses"].get<int>(), 0);
+    for (const Json& times : {once, many}) {
+      EXPECT_GT(times["open_trusted_s"]["median"], 0);
+      EXPECT_GT(times["open_s"]["median"], times["open_trusted_s"]["median"]);
+      EXPECT_GE(times["open_s"]["worst"], times["open_s"]["median"]);
+    }
+  }
+}
+
 TEST_F(Playback, BadInputsEndWithTheirCodeAndCause) {
   write("empty.palp", "");
   write("text.palp", std::string(5000, 'x'));
@@ -146,6 +172,10 @@ TEST_F(Playback, BadInputsEndWithTheirCodeAndCause) {
       {{"play", "box.palp", "push.csv", "--tool", "knife"}, 2, {"no tool 'knife'", "ball, rod, gem"}},
       {{"play", "box.palp", "push.csv", "--out", "none/f.csv"}, 4, {"none/f.csv"}},
       {{"play", "box.palp"}, 1, {"motion"}},
+      {{"bench", "none.palp", "--open"}, 4, {"none.palp", "No such file"}},
+      {{"bench", "damaged.palp", "--open"}, 2, {"damaged.palp", "checksum"}},
+      {{"bench", "box.palp", "--bytes", "1e6"}, 1, {"--open"}},
+      {{"bench", "box.palp", "--open", "--bytes", "1e10"}, 1, {"--bytes"}},
   };
   for (const Case& bad : cases) {
     SCOPED_TRACE(bad.arguments[0] + " " + bad.arguments[1]);
