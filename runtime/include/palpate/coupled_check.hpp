@@ -8,20 +8,37 @@
 
 namespace palpate::coupled {
 
+namespace detail {
+
+struct Binomials {
+  double at[kMaxDegree + 1][kMaxDegree + 1] = {};
+};
+constexpr Binomials make_binomials() {
+  Binomials b;
+  for (int n = 0; n <= kMaxDegree; ++n) {
+    b.at[n][0] = 1;
+    for (int k = 1; k <= n; ++k) b.at[n][k] = b.at[n - 1][k - 1] + b.at[n - 1][k];
+  }
+  return b;
+}
+inline constexpr Binomials kBinomials = make_binomials();
+
+/// A reader takes it some twenty times a response: std::hypot would be half of its time.
+inline double length(double a, double b) { return std::sqrt(a * a + b * b); }
+
+}  // namespace detail
+
 /// Coefficient `index` of a family of `components` parts after its degree was raised from `from` to `to`.
 template <class Scalar>
 double raised(const Scalar* family, int components, int component, int from, int to, int index) {
   // c'[i] = sum over j of c[j] binomial(from, j) binomial(to - from, i - j) / binomial(to, i)
-  const auto binomial = [](int n, int k) {
-    double result = k < 0 || k > n ? 0 : 1;
-    for (int i = 0; i < k && i < n; ++i) result = result * (n - i) / (i + 1);
-    return result;
-  };
+  const auto& binomial = detail::kBinomials.at;
+  const int first = index > to - from ? index - (to - from) : 0, last = index < from ? index : from;
   double sum = 0;
-  for (int j = 0; j <= from; ++j) {
-    sum += binomial(from, j) * binomial(to - from, index - j) * static_cast<double>(family[j * components + component]);
+  for (int j = first; j <= last; ++j) {
+    sum += binomial[from][j] * binomial[to - from][index - j] * static_cast<double>(family[j * components + component]);
   }
-  return sum / binomial(to, index);
+  return sum / binomial[to][index];
 }
 
 /// What the smallest eigenvalue of K' +- A must reach at coefficient `index` of the stiffness for the cubic and quartic
@@ -32,8 +49,8 @@ double margin(const Scalar* coefs, const Degrees& d, int index) {
   const Places p = places(d);
   double sum = 0;
   const auto size = [&](int place, int components, int first, int degree) {
-    return std::hypot(raised(coefs + place, components, first, degree, d.stiffness, index),
-                      raised(coefs + place, components, first + 1, degree, d.stiffness, index));
+    return detail::length(raised(coefs + place, components, first, degree, d.stiffness, index),
+                          raised(coefs + place, components, first + 1, degree, d.stiffness, index));
   };
   if (d.order > 2) sum += 6 * (size(p.cubic, 4, 0, d.cubic) + size(p.cubic, 4, 2, d.cubic));
   if (d.order > 3) {
@@ -43,16 +60,22 @@ double margin(const Scalar* coefs, const Degrees& d, int index) {
   return sum;
 }
 
-/// How far the smallest eigenvalue of K' + sign A at coefficient `index` is above its margin; negative: not passive.
+/// Smallest eigenvalue of K' + sign A at coefficient `index`.
 template <class Scalar>
-double passive_slack(const Scalar* coefs, const Degrees& d, int index, int sign) {
+double least_stiffness(const Scalar* coefs, const Degrees& d, int index, int sign) {
   const Places p = places(d);
   double k[3];
   for (int c = 0; c < 3; ++c) {
     k[c] = static_cast<double>(coefs[p.stiffness + 3 * index + c]);
     if (index >= 2) k[c] += sign * static_cast<double>(coefs[p.coupling + 3 * (index - 2) + c]);
   }
-  return k[0] - std::hypot(k[1], k[2]) - margin(coefs, d, index);
+  return k[0] - detail::length(k[1], k[2]);
+}
+
+/// How far that is above its margin; negative: not passive.
+template <class Scalar>
+double passive_slack(const Scalar* coefs, const Degrees& d, int index, int sign) {
+  return least_stiffness(coefs, d, index, sign) - margin(coefs, d, index);
 }
 
 /// Null, or what breaks the rules: F from zero and not decreasing, mu in [0, largest], K' +- A above their margins.
@@ -71,8 +94,8 @@ const char* broken_rule(const Scalar* coefs, const Degrees& d, double largest_li
   }
   for (int k = p.stiffness; k < p.limit; ++k) scale = std::fmax(scale, std::fabs(static_cast<double>(coefs[k])));
   for (int i = 0; i <= d.stiffness; ++i) {
-    // Round-off of the square roots alone.
-    if (!(passive_slack(coefs, d, i, 1) >= -1e-12 * scale) || !(passive_slack(coefs, d, i, -1) >= -1e-12 * scale)) {
+    const double least = margin(coefs, d, i) - 1e-12 * scale;  // round-off of the square roots alone
+    if (!(least_stiffness(coefs, d, i, 1) >= least) || !(least_stiffness(coefs, d, i, -1) >= least)) {
       return "stiffness and coupling break the inequalities that make it passive";
     }
   }
