@@ -46,36 +46,40 @@ Matrix3d contracted(const Tangent& t, const Eigen::RowVector3d& left, const Eige
 
 // Of the shear modulus. One element between two free faces bends by changing volume on one side and on the other, which
 // its mean does not see: sheets would be a quarter too soft. At 2 sheets of 2 and 4 mm are within 2 % of refined ones;
-// a block knows nothing of it.
+// a block knows nothing of it. At the edge of a wedge less is missing, the less the blunter it is.
 constexpr double kSpanning = 2.0;
 
-// Of the corners on the outside, in proportion to the area round them; zero elsewhere.
-std::vector<Vector3d> outer_normals(const TetMesh& mesh) {
-  std::vector<Vector3d> normals(mesh.nodes.size(), Vector3d::Zero());
+// Unit, of the outer faces at every corner; none inside.
+std::vector<std::vector<Vector3d>> outer_normals(const TetMesh& mesh) {
+  std::vector<std::vector<Vector3d>> normals(mesh.nodes.size());
   for (const auto& f : mesh.faces) {
     const Vector3d &a = mesh.nodes[f[0]], &b = mesh.nodes[f[1]], &c = mesh.nodes[f[2]];
-    const Vector3d normal = (b - a).cross(c - a);
-    for (int k = 0; k < 3; ++k) normals[f[k]] += normal;
+    const Vector3d normal = (b - a).cross(c - a).normalized();
+    for (int k = 0; k < 3; ++k) normals[f[k]].push_back(normal);
   }
   return normals;
 }
 
-// From one side of the body to the other: two corners look in opposite directions.
-bool spans(const std::vector<Vector3d>& normals, const std::array<std::int32_t, 10>& nodes) {
+// How much an element goes from one side of the body to the other: 1 where faces at two corners look in opposite
+// directions, 0 where none do, and in between a power that suits wedges: of 30 degrees, half a tip's radius from the
+// edge, within 1 % of refined ones.
+double spans(const std::vector<std::vector<Vector3d>>& normals, const std::array<std::int32_t, 10>& nodes) {
+  double least = 0.0;  // cosine
   for (int i = 0; i < 4; ++i) {
     for (int j = 0; j < i; ++j) {
-      const Vector3d &a = normals[nodes[i]], &b = normals[nodes[j]];
-      if (a.dot(b) < -0.5 * a.norm() * b.norm()) return true;
+      for (const Vector3d& a : normals[nodes[i]]) {
+        for (const Vector3d& b : normals[nodes[j]]) least = std::min(least, a.dot(b));
+      }
     }
   }
-  return false;
+  return std::pow(least, 12);
 }
 
 }  // namespace
 
 ElasticEnergy::ElasticEnergy(const TetMesh& mesh, std::vector<Material> materials) : materials_(std::move(materials)) {
   elements_.reserve(mesh.tets.size());
-  const std::vector<Vector3d> normals = outer_normals(mesh);
+  const std::vector<std::vector<Vector3d>> normals = outer_normals(mesh);
   std::vector<double> spanning;  // Pa
   for (const Material& m : materials_) spanning.push_back(m.bulk > 0 ? kSpanning * m.shear_modulus() : 0);
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
@@ -95,9 +99,7 @@ ElasticEnergy::ElasticEnergy(const TetMesh& mesh, std::vector<Material> material
     e.material = mesh.regions.empty() ? 0 : mesh.regions[t];
     const Material& material = materials_.at(static_cast<std::size_t>(e.material));  // throws where the region has none
     e.local = material.local;
-    if (spans(normals, e.nodes)) {
-      e.local = std::min(e.local + spanning[e.material], std::max(e.local, material.bulk));
-    }
+    e.local = std::min(e.local + spans(normals, e.nodes) * spanning[e.material], std::max(e.local, material.bulk));
     elements_.push_back(e);
   }
   make_batches();
