@@ -112,21 +112,44 @@ void check(const StiffCell& cell, CellResult& result) {
   }
 }
 
-// A share of the converged cells of every family, at least one.
-std::vector<std::size_t> draw(const std::vector<StiffCell>& cells, const BatteryResult& result,
-                              const BatteryOptions& options) {
-  std::map<std::string, std::vector<std::size_t>> families;
-  for (std::size_t k = 0; k < cells.size(); ++k) {
-    if (result.cells[k].end == End::converged) families[cells[k].family].push_back(k);
-  }
-  std::vector<std::size_t> drawn;
-  for (const auto& [family, numbers] : families) {
-    for (const std::size_t k : draw_share(numbers.size(), options.verified_share, options.seed)) {
-      drawn.push_back(numbers[k]);
+// A share of the converged cells of every family, at least one. What cannot be checked is reported, and another cell
+// drawn in its place as long as there are any.
+class Draws {
+public:
+  Draws(const std::vector<StiffCell>& cells, const BatteryResult& result, const BatteryOptions& options) {
+    std::map<std::string, std::vector<std::size_t>> converged;
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+      if (result.cells[k].end == End::converged) converged[cells[k].family].push_back(k);
+    }
+    for (const auto& [family, numbers] : converged) {
+      Family drawn;
+      drawn.wanted = draw_share(numbers.size(), options.verified_share, options.seed).size();
+      for (const std::size_t k : draw_share(numbers.size(), 1.0, options.seed)) drawn.order.push_back(numbers[k]);
+      families_.push_back(std::move(drawn));
     }
   }
-  return drawn;
-}
+
+  // The cells to check next; empty: enough are, or there are no more.
+  std::vector<std::size_t> next(const BatteryResult& result) {
+    std::vector<std::size_t> cells;
+    for (Family& f : families_) {
+      const auto checked = std::count_if(f.order.begin(), f.order.begin() + static_cast<std::ptrdiff_t>(f.drawn),
+                                         [&](std::size_t k) { return result.cells[k].difference.has_value(); });
+      for (auto missing = f.wanted - static_cast<std::size_t>(checked); missing > 0 && f.drawn < f.order.size();
+           --missing) {
+        cells.push_back(f.order[f.drawn++]);
+      }
+    }
+    return cells;
+  }
+
+private:
+  struct Family {
+    std::vector<std::size_t> order;
+    std::size_t wanted = 0, drawn = 0;
+  };
+  std::vector<Family> families_;
+};
 
 }  // namespace
 
@@ -145,11 +168,15 @@ BatteryResult run_battery(const std::vector<StiffCell>& cells, const BatteryOpti
     report(cells.size());
   });
   if (result.stopped) return result;
-  const std::vector<std::size_t> drawn = draw(cells, result, options);
-  result.stopped = !parallel_for(drawn.size(), options.threads, options.stop, [&](std::size_t k) {
-    check(cells[drawn[k]], result.cells[drawn[k]]);
-    report(cells.size() + drawn.size());
-  });
+  Draws draws(cells, result, options);
+  std::size_t total = cells.size();
+  for (auto drawn = draws.next(result); !drawn.empty() && !result.stopped; drawn = draws.next(result)) {
+    total += drawn.size();
+    result.stopped = !parallel_for(drawn.size(), options.threads, options.stop, [&](std::size_t k) {
+      check(cells[drawn[k]], result.cells[drawn[k]]);
+      report(total);
+    });
+  }
   return result;
 }
 

@@ -15,7 +15,7 @@ namespace palpate {
 
 struct BatteryOptions {
   std::uint64_t seed = 1;
-  double verified_share = 0.2;  ///< of the converged cells of every family, [0, 1]
+  double verified_share = 0.2;  ///< of the converged cells of every family, [0, 1]; one that cannot be is replaced
   double tolerance = 0.05;      ///< largest relative difference to the check, over the deeper half of the curve
   double limit = 600.0;         ///< s that a cell may take; one that takes longer is an error of the solver
   unsigned threads = 1;
