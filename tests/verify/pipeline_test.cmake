@@ -106,14 +106,12 @@ file(WRITE ${FOLDER}/broken.json "{\"held_out\": [{\"tool\": 0}]}")
 run(2 ${PALPATE} verify slab.palp --samples broken.json)
 run(4 ${PALPATE} verify slab.palp --samples slab.work)
 
-# A second build has nothing to do and gives the same bytes; one thread and two give the same bytes.
+# A second build has nothing to do and gives the same bytes. (So do one thread and two: SlabPipeline.KillsAndThreads.)
 file(SHA256 ${FOLDER}/slab.palp first)
 run(0 ${PALPATE} build slab.toml)
 file(SHA256 ${FOLDER}/slab.palp second)
-run(0 ${PALPATE} build slab.toml --threads 1 --work other.work --output other.palp)
-file(SHA256 ${FOLDER}/other.palp third)
-if(NOT first STREQUAL second OR NOT first STREQUAL third)
-  message(FATAL_ERROR "slab: different bytes on a second run or on one thread")
+if(NOT first STREQUAL second)
+  message(FATAL_ERROR "slab: different bytes on a second run")
 endif()
 
 # With friction the sideways sections are there, and sideways pushes are verified too.
