@@ -3,13 +3,15 @@
 // cost, on this machine.
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "formats/error.hpp"
-#include "formats/file.hpp"
 #include "tools/command.hpp"
 #include "tools/commands.hpp"
 #include "tools/open_bench.hpp"
@@ -44,23 +46,25 @@ std::string times_text(const char* name, const TickTimes& times) {
   return line;
 }
 
-/// A file of its own in the folder for temporary files, removed again.
+/// A file in the folder for temporary files that has lost its name: no end of the program leaves it behind.
 class TemporaryFile {
 public:
-  explicit TemporaryFile(const std::vector<std::byte>& bytes)
-      : path_(std::filesystem::temp_directory_path() / ("palpate-open-" + std::to_string(::getpid()) + ".palp")) {
-    write_file(path_, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  explicit TemporaryFile(const std::vector<std::byte>& bytes) : file_(nullptr, &std::fclose) {
+    std::string name = (std::filesystem::temp_directory_path() / "palpate-XXXXXX").string();
+    const int descriptor = ::mkstemp(name.data());
+    if (descriptor >= 0) {
+      ::unlink(name.c_str());
+      file_.reset(::fdopen(descriptor, "wb"));
+    }
+    if (!file_ || std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size() ||
+        std::fflush(file_.get()) != 0) {
+      throw Error(ExitCode::io, name + ": cannot write the file: " + std::strerror(errno));
+    }
   }
-  ~TemporaryFile() {
-    std::error_code ignored;  // a file left behind spoils no result
-    std::filesystem::remove(path_, ignored);
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] std::filesystem::path path() const { return "/proc/self/fd/" + std::to_string(::fileno(file_.get())); }
 
 private:
-  std::filesystem::path path_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
 };
 
 void run_open(const Options& options, const Globals& globals) {

@@ -98,8 +98,8 @@ ElasticEnergy::ElasticEnergy(const TetMesh& mesh, std::vector<Material> material
     e.slopes.row(0) = -inverse.colwise().sum();
     e.material = mesh.regions.empty() ? 0 : mesh.regions[t];
     const Material& material = materials_.at(static_cast<std::size_t>(e.material));  // throws where the region has none
-    e.local = material.local;
-    e.local = std::min(e.local + spans(normals, e.nodes) * spanning[e.material], std::max(e.local, material.bulk));
+    e.local = std::min(material.local + spans(normals, e.nodes) * spanning[e.material],
+                       std::max(material.local, material.bulk));
     elements_.push_back(e);
   }
   make_batches();

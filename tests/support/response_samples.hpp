@@ -108,10 +108,6 @@ inline void add_tools(ResponseFileContent& content, ResponseSampleOptions::Tools
   }
 }
 
-inline double binomial(int n, int k) {
-  return std::round(std::tgamma(n + 1) / std::tgamma(k + 1) / std::tgamma(n - k + 1));
-}
-
 /// The same push as the curves', a sideways stiffness that grows like s, its coupling, a little of every other family.
 inline void add_coupled(ResponseFileContent& content, const ResponseSampleOptions& options) {
   const coupled::Degrees d{options.coupled, 5, options.lateral ? 4 : 0, 3, options.coupled > 2 ? 1 : 0, 0, 2};
@@ -129,8 +125,9 @@ inline void add_coupled(ResponseFileContent& content, const ResponseSampleOption
     r.unit = static_cast<float>(kHertzForce * 1e-4);
     std::vector<double> c(static_cast<std::size_t>(p.end));
     for (int k = 2; k <= d.push; ++k) {
-      c[k - 2] =
-          (0.9 * (k < 3 ? 0 : binomial(k, 3)) / binomial(5, 3) + 0.1 * binomial(k, 2) / binomial(5, 2)) * (1 + vary);
+      c[k - 2] = (0.9 * coupled::binomial(k, 3) / coupled::binomial(5, 3) +
+                  0.1 * coupled::binomial(k, 2) / coupled::binomial(5, 2)) *
+                 (1 + vary);
     }
     for (int k = p.straight; k < p.stiffness; ++k) c[k] = options.uniform ? 0 : 0.1 * vary * (k % 2 == 0 ? 1 : -0.5);
     for (int k = 0; k <= d.stiffness; ++k) {

@@ -346,12 +346,6 @@ private:
     return std::sqrt(dot(force, force) * dot(moved, moved));
   }
 
-  static constexpr double binomial(int n, int k) {
-    double result = 1;
-    for (int i = 0; i < k; ++i) result = result * (n - i) / (i + 1);
-    return result;
-  }
-
   /// Sum of c[k] s^k and its derivative, of several polynomials side by side.
   template <int Components>
   static void powers(const double* c, int terms, double s, double (&value)[5], double (&slope)[5]) {

@@ -10,19 +10,6 @@ namespace palpate::coupled {
 
 namespace detail {
 
-struct Binomials {
-  double at[kMaxDegree + 1][kMaxDegree + 1] = {};
-};
-constexpr Binomials make_binomials() {
-  Binomials b;
-  for (int n = 0; n <= kMaxDegree; ++n) {
-    b.at[n][0] = 1;
-    for (int k = 1; k <= n; ++k) b.at[n][k] = b.at[n - 1][k - 1] + b.at[n - 1][k];
-  }
-  return b;
-}
-inline constexpr Binomials kBinomials = make_binomials();
-
 /// A reader takes it some twenty times a response: std::hypot would be half of its time.
 inline double length(double a, double b) { return std::sqrt(a * a + b * b); }
 
@@ -32,13 +19,12 @@ inline double length(double a, double b) { return std::sqrt(a * a + b * b); }
 template <class Scalar>
 double raised(const Scalar* family, int components, int component, int from, int to, int index) {
   // c'[i] = sum over j of c[j] binomial(from, j) binomial(to - from, i - j) / binomial(to, i)
-  const auto& binomial = detail::kBinomials.at;
   const int first = index > to - from ? index - (to - from) : 0, last = index < from ? index : from;
   double sum = 0;
   for (int j = first; j <= last; ++j) {
-    sum += binomial[from][j] * binomial[to - from][index - j] * static_cast<double>(family[j * components + component]);
+    sum += binomial(from, j) * binomial(to - from, index - j) * static_cast<double>(family[j * components + component]);
   }
-  return sum / binomial[to][index];
+  return sum / binomial(to, index);
 }
 
 /// What the smallest eigenvalue of K' +- A must reach at coefficient `index` of the stiffness for the cubic and quartic
