@@ -24,7 +24,7 @@ TEST(TwoTips, DifferenceToTheSumFallsWithTheDistance) {
   PairOptions options;
   options.mesh_size = 0.5;
   double last = 0.5;  // two tips at one place are one
-  for (const double spacing : {1.0, 2.0, 4.0, 8.0}) {
+  for (const double spacing : {1.0, 4.0, 8.0}) {
     path.spacing = spacing * a;
     const TwoTipsResult r = solve_two_tips(body, tool, tool.vertices[0], ContactFrame{}, path, options);
     ASSERT_TRUE(r.usable) << r.cause;
