@@ -50,6 +50,8 @@ TEST_F(Pair, FrictionlessSceneRunsNoTangentialSolve) {
 }
 
 TEST_F(Pair, SameInputsGiveTheSameBits) {
+  scene.sampling.normal_points = 4;
+  scene.sampling.tangential_directions = 2;
   const PairResult a = solve(0.3, 0.004), b = solve(0.3, 0.004);
   ASSERT_TRUE(a.outcome.accepted) << a.outcome.cause;
   ASSERT_EQ(a.samples.size(), b.samples.size());
@@ -220,6 +222,8 @@ TEST_F(Pair, AToolThatReachesHeldSurfaceIsRefusedByName) {
   scene_tool.radius = 0.004;
   scene_tool.length = 0.04;
   scene_tool.whole = true;
+  scene.sampling.normal_points = 3;
+  scene.solver.mesh_size = 0.6;
   const Tool stem = make_tool(scene_tool);
   const PairResult r = solve_pair(body, stem, stem.vertices[stem.vertices.size() - 2], ContactFrame{},
                                   bake_path(scene, 0.002), pair_options(scene));

@@ -58,6 +58,7 @@ TEST(Battery, ConvergesChecksAndRefusesByName) {
   }
   ASSERT_EQ(cells.size(), 1U);
   cells[0].scene.sampling.normal_points = 4;
+  cells[0].scene.solver.mesh_size = 0.5;
   cells.push_back(cells[0]);
   cells[1].scene.supports[0].point = {0, 0, -100};
   cells.push_back(cells[0]);
@@ -99,6 +100,7 @@ TEST(Battery, ADrawnCellOfEveryFamilyConvergesOrSaysWhyNot) {
   for (const auto& [family, all] : families) {
     cells.push_back(all[draw_share(all.size(), 1e-6, 23).at(0)]);
     cells.back().scene.sampling.normal_points = 4;
+    cells.back().scene.solver.mesh_size = 0.45;
   }
   BatteryOptions options;
   options.verified_share = 0;
