@@ -183,6 +183,18 @@ void add_grasps(Sections& sections, const ResponseFileContent& c) {
   sections.add(Section::grasp, grasps.data(), size, c.responses.size());
 }
 
+void add_turns(Sections& sections, const ResponseFileContent& c) {
+  const std::size_t size = layout::turn_size(c.grasp_coefs);
+  std::vector<std::byte> turns(size * c.responses.size());
+  for (std::size_t i = 0; i < c.responses.size(); ++i) {
+    const Response& r = c.responses[i];
+    const layout::TurnHead head{static_cast<float>(r.turned)};
+    std::memcpy(turns.data() + i * size, &head, sizeof head);
+    std::memcpy(turns.data() + i * size + sizeof head, r.turn.data(), r.turn.size() * sizeof(float));
+  }
+  sections.add(Section::turn, turns.data(), size, c.responses.size());
+}
+
 void add_responses(Sections& sections, const ResponseFileContent& c, const layout::Meta& meta) {
   std::vector<std::byte> heads;
   std::vector<float> lateral, friction;
@@ -210,6 +222,7 @@ void add_responses(Sections& sections, const ResponseFileContent& c, const layou
   }
   if (c.coupled) add_coupled(sections, c);
   if (c.grasp_coefs > 0) add_grasps(sections, c);
+  if (c.turns) add_turns(sections, c);
 }
 
 }  // namespace
@@ -257,7 +270,8 @@ std::vector<std::byte> encode(const ResponseFileContent& c) {
       (c.lateral_coefs + meta.straight_degree > 0 ? layout::feature_lateral : 0u) |
       (c.growth_coefs > 0 || c.coupled ? layout::feature_friction : 0u) |
       (has_tool_patches(c) ? layout::feature_tool_patches : 0u) | (c.search.empty() ? 0u : layout::feature_search) |
-      (c.coupled ? layout::feature_coupled : 0u) | (c.grasp_coefs > 0 ? layout::feature_grasp : 0u);
+      (c.coupled ? layout::feature_coupled : 0u) | (c.grasp_coefs > 0 ? layout::feature_grasp : 0u) |
+      (c.turns ? layout::feature_turn : 0u);
   std::vector<std::byte> bytes = sections.assemble(features);
   detail::check_bytes(bytes);
   return bytes;

@@ -74,6 +74,9 @@ struct Response {
   // In a file with grasps: see palpate/grasp_law.hpp.
   double grasp_depth = 0.0, grasp_pulled = 0.0;  ///< m; depth 0: this tool does not hold on
   std::vector<float> grasp;                      ///< curves Fx, Fy, Fn (N), kxx, kxy, kyy (N/m), one after the other
+  // In a file with turns: see palpate/turn_law.hpp.
+  double turned = 0.0;      ///< rad; 0: turns of this tool have no torque
+  std::vector<float> turn;  ///< layout::kTurnCurves curves, one after the other
 };
 
 /// Everything a file holds. A count of 0 leaves the family, and its section, out.
@@ -88,6 +91,7 @@ struct ResponseFileContent {
   std::optional<palpate::coupled::Degrees>
       coupled;                    ///< a file of the coupled model, all counts above 0; none: separable
   std::uint32_t grasp_coefs = 0;  ///< 0 or [4, 32]
+  bool turns = false;             ///< grasped tools that are turned, by curves of grasp_coefs; only with grasps
 
   std::vector<ResponseSite> sites;
   std::vector<std::array<std::uint32_t, 3>> patches;  ///< of the haptic mesh; corners index sites

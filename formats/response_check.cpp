@@ -65,6 +65,7 @@ void check_responses(const ResponseFileContent& c) {
     check_family(r.friction, c.friction_coefs, "friction", i);
     check_family(r.coupled, c.coupled ? static_cast<std::uint32_t>(coupled::count(*c.coupled)) : 0, "coupled", i);
     check_family(r.grasp, layout::kGraspCurves * c.grasp_coefs, "grasp", i);
+    check_family(r.turn, c.turns ? layout::kTurnCurves * c.grasp_coefs : 0, "turn", i);
   }
 }
 
@@ -75,6 +76,7 @@ void check_content(const ResponseFileContent& c) {
   require(friction == (c.sideways_coefs > 0) && friction == (c.friction_coefs > 0), "coefficient counts",
           "growth, sideways and friction are all 0 or none is");
   require(!c.coupled || coupled::in_range(*c.coupled), "coupled model", "its degrees are out of range");
+  require(!c.turns || c.grasp_coefs > 0, "turns", "there are none without grasps");
   check_tools(c);
   check_responses(c);
 }
@@ -85,7 +87,7 @@ void check_bytes(const std::vector<std::byte>& bytes) {
   const std::string fault = opened.error;
   // Curves come from the fit, all the rest from the scene and its surfaces.
   bool curves = false;
-  for (const char* section : {"RESPONSES: ", "LATERAL: ", "FRICTION: ", "COUPLED: ", "GRASP: "})
+  for (const char* section : {"RESPONSES: ", "LATERAL: ", "FRICTION: ", "COUPLED: ", "GRASP: ", "TURN: "})
     curves = curves || fault.rfind(section, 0) == 0;
   throw Error(curves ? ExitCode::numerical : ExitCode::bad_input, "response file: " + fault);
 }

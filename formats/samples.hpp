@@ -51,6 +51,8 @@ struct Sample {
   double error_estimate = 0.0;       ///< relative, of the force: iterate, penalty and mesh together
   std::uint32_t contact_points = 0;  ///< integration points in contact
   std::uint32_t iterations = 0;      ///< minimiser iterations
+  double weight = 1.0;               ///< >= 0, beside other samples of its pair; only recorded ones have another, and
+                                     ///< journals do not keep it
   // Only grasped samples keep these:
   Eigen::Vector3d rotation{0, 0, 0};  ///< rad, of the tool about p since the bond, axis times angle in (x, y, n)
   Eigen::Vector3d torque{0, 0, 0};    ///< N m on the tool about p, components (x, y, n)

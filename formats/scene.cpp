@@ -73,10 +73,11 @@ void read_regions(Scene& scene, const toml::table& root, const Place& place) {
     read_table(region, *table, region_keys(), place.below("region"));
     check_material(region.material, *table, place.below("region"));
     std::size_t shapes = 0;
-    for (const char* name : {"surface", "sphere", "ellipsoid", "box"}) shapes += table->contains(name) ? 1 : 0;
+    for (const char* name : {"surface", "sphere", "ellipsoid", "box", "labels"})
+      shapes += table->contains(name) ? 1 : 0;
     if (shapes != 1) {
       fail(place.below("region"), table,
-           "got " + std::to_string(shapes) + " shapes; allowed exactly one of surface, sphere, ellipsoid, box");
+           "got " + std::to_string(shapes) + " shapes; allowed exactly one of surface, sphere, ellipsoid, box, labels");
     }
   }
   name_all(scene.regions, tables, "region", place);
@@ -107,18 +108,25 @@ void check_tool(const ToolScene& tool, const toml::table& table, const Place& pl
   static const std::array<std::vector<std::string>, 6> used{{{"radius"},
                                                              {"radius", "edge_radius", "length"},
                                                              {"radius", "length", "contacts"},
-                                                             {"surface", "meshes", "units", "spacing"},
+                                                             {"surface", "meshes", "units", "spacing", "edge_radius"},
                                                              {"radius", "half_angle", "length"},
                                                              {"radius", "half_angle", "shaft_radius", "length"}}};
   static const std::array<const char*, 6> names{"sphere", "punch", "capsule", "mesh", "cone", "needle"};
   const auto shape = static_cast<std::size_t>(tool.shape);
   for (const auto& [key, value] : table) {
-    if (key == "name" || key == "shape" || key == "grasp_depth") continue;
+    if (key == "name" || key == "shape" || key == "grasp_depth" || key == "grasp_turn") continue;
     if (std::find(used[shape].begin(), used[shape].end(), key.str()) == used[shape].end()) {
       fail(place.below(key.str()), &value,
            std::string("a tool of shape ") + show(std::string(names[shape])) +
                " has no such key; it has: " + show(used[shape]));
     }
+  }
+  if (tool.grasp_turn > 0 && !(tool.grasp_depth > 0)) {
+    fail(place.below("grasp_turn"), table.get("grasp_turn"), "only a tool that holds on turns: it needs grasp_depth");
+  }
+  if (tool.grasp_turn > 0 && tool.grasp_turn < 0.01) {  // torques of less are lost in the solver's tolerance
+    fail(place.below("grasp_turn"), table.get("grasp_turn"),
+         "got " + show(tool.grasp_turn) + "; allowed 0, or 0.01 to 0.5 rad");
   }
   if (tool.shape == ToolScene::Shape::mesh && !table.contains("surface")) {
     fail(place.below("surface"), &table, "missing; a tool of shape \"mesh\" needs a closed surface");
@@ -175,9 +183,10 @@ void check_response(const Scene& scene, const toml::table& root, const Place& pl
     fail(place.below("response.order"), root["response"]["order"].node(),
          "got 1; allowed 2 <= x <= 4, or 0 for the least that does");
   }
-  if (scene.response.model == ResponseScene::Model::coupled && !(scene.friction > 0)) {
+  if (scene.response.model != ResponseScene::Model::separable && !(scene.friction > 0)) {
+    const char* name = scene.response.model == ResponseScene::Model::coupled ? "\"coupled\"" : "\"linear\"";
     fail(place.below("response.model"), root["response"]["model"].node(),
-         "\"coupled\" needs [contact] friction > 0: without it nothing holds the contact sideways");
+         std::string(name) + " needs [contact] friction > 0: without it nothing holds the contact sideways");
   }
 }
 
@@ -202,7 +211,25 @@ void check_outside(const toml::table& root, const Place& place) {
   look("solver", solver_keys());
 }
 
+SceneSources to_sources(const toml::table& root, const Place& place) {
+  SceneSources sources;
+  read_section(sources, root, "sources", sources_keys(), place);
+  for (const toml::table* table : sections(root, "measured", place)) {
+    read_table(sources.measured.emplace_back(), *table, measured_keys(), place.below("measured"));
+    check_measured(*table, place.below("measured"));
+  }
+  for (const toml::table* table : sections(root, "analytic", place)) {
+    read_table(sources.analytic.emplace_back(), *table, analytic_keys(), place.below("analytic"));
+    check_analytic(sources.analytic.back(), *table, place.below("analytic"));
+  }
+  return sources;
+}
+
 }  // namespace
+
+SceneSources read_sources(const std::filesystem::path& scene_file) {
+  return to_sources(parse(scene_file), {scene_file, ""});
+}
 
 Scene read_scene(const std::filesystem::path& file) {
   const toml::table root = parse(file);
@@ -230,6 +257,7 @@ Scene read_scene(const std::filesystem::path& file) {
   read_section(scene.sampling, root, "sampling", sampling_keys(), place);
   read_section(scene.response, root, "response", response_keys(), place);
   read_section(scene.solver, root, "solver", solver_keys(), place);
+  static_cast<void>(to_sources(root, place));  // kept apart; what is wrong there is wrong in the scene
 
   if (scene.body.surfaces.empty()) {
     fail(place.below("body.surface"), root.get("body"),

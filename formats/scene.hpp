@@ -48,18 +48,20 @@ struct MaterialScene {
   std::optional<double> c2;        ///< Pa; veronda_westmann; none: -c1 beta / 2
   double k1 = 0.0, k2 = 1.0;       ///< Pa, 1; holzapfel
   double dispersion = 0.0;         ///< holzapfel: [0, 1/3], from aligned fibres to none
-  Eigen::Vector3d fibre{0, 0, 0};  ///< holzapfel: unit direction
+  Eigen::Vector3d fibre{0, 0, 0};  ///< holzapfel: unit direction, where there is no centreline
+  SurfaceSource centreline;        ///< holzapfel: curves that the fibres run along; without a file: none
 };
 
 /// Young's modulus at small strain (Pa): of the law's own moduli, or `young` where it has none.
 double small_strain_young(const MaterialScene& material);
 
-/// An inclusion with its own material: a closed inner surface, or a shape given by its measures.
+/// An inclusion with its own material: a closed inner surface, a shape given by its measures, or a label of an image.
 struct RegionScene {
-  enum class Shape { surface, ellipsoid, box };
+  enum class Shape { surface, ellipsoid, box, labels };
   std::string name;
   Shape shape = Shape::surface;
-  SurfaceSource surface;
+  SurfaceSource surface;                               ///< surface; labels: the image
+  int label = 0;                                       ///< labels: value of the voxels that belong to it
   Eigen::Vector3d centre{0, 0, 0}, radii{0, 0, 0};     ///< m; ellipsoid (a sphere is one with equal radii)
   Eigen::Vector3d box_min{0, 0, 0}, box_max{0, 0, 0};  ///< m; box
   MaterialScene material;
@@ -94,7 +96,8 @@ struct ToolScene {
   std::string name = "tool";
   Shape shape = Shape::sphere;
   double radius = 0.005;      ///< m; sphere, punch (outer radius), capsule; cone, needle: of the rounded tip
-  double edge_radius = 0.0;   ///< m; punch: rounding of its rim; 0 chooses radius / 10
+  double edge_radius = 0.0;   ///< m; punch: rounding of its rim; 0 chooses radius / 10; mesh: scale on which its facets
+                              ///< and edges are rounded; 0 chooses 1/20 of its smallest extent
   double length = 0.03;       ///< m; capsule: distance between the two cap centres; punch, cone, needle: height
   double half_angle = 0.5;    ///< rad; cone, needle: between axis and side, [0.02, 1.5]
   double shaft_radius = 0.0;  ///< m; needle: above its point, > radius; 0 chooses 4 radii
@@ -102,6 +105,7 @@ struct ToolScene {
   bool whole = true;          ///< capsule: contacts = "all" (every patch of the tool) or "tip" (one tool vertex)
   double spacing = 0.0;       ///< m; mesh: edge length of the tool patches; 0 chooses a third of its size
   double grasp_depth = 0.0;   ///< m, at most sampling.depth; > 0: the contact that forms there can be bonded and pulled
+  double grasp_turn = 0.0;    ///< rad, [0, 0.5], with grasp_depth; > 0: the bonded tool is turned by as much, too
 };
 
 struct SamplingScene {
@@ -123,7 +127,7 @@ struct SamplingScene {
 
 struct ResponseScene {
   enum class Search { automatic, none, bvh };
-  enum class Model { separable, coupled };
+  enum class Model { separable, coupled, linear };
   Model model = Model::separable;
   int order = 0;  ///< coupled: of the energy in the sideways deflection, [2, 4]; 0: the least that does
   double path_share =

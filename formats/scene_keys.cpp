@@ -88,11 +88,33 @@ std::string show_distance(const SupportScene& support) {
   return text + ", units = " + show_unit(support.other.unit) + ", within = " + show(support.within) + "}";
 }
 
+// Of the table of a region's labels.
+Keys<RegionScene> label_keys() {
+  return {{"image",
+           Affects::nothing,
+           "",
+           "",
+           [](RegionScene& region, const toml::node& value, const toml::table& parent, const Place& place) {
+             region.surface = source_beside(to_text(place, value), parent, above(place));
+           },
+           {},
+           ""},
+          integer("value", &RegionScene::label, {-2147483648.0, 2147483647.0, false, ""}, ""),
+          {"units",
+           Affects::solves,
+           "",
+           "",  // taken up with the image
+           [](RegionScene&, const toml::node&, const toml::table&, const Place&) {},
+           {},
+           ""}};
+}
+
 }  // namespace
 
 const std::vector<std::string>& section_names() {
-  static const std::vector<std::string> names{"body", "material", "region",   "support",  "prestress",
-                                              "tool", "contact",  "sampling", "response", "solver"};
+  static const std::vector<std::string> names{"body",    "material", "region",   "support",  "prestress",
+                                              "tool",    "contact",  "sampling", "response", "solver",
+                                              "sources", "measured", "analytic"};
   return names;
 }
 
@@ -183,6 +205,24 @@ const Keys<RegionScene>& region_keys() {
                      return r.shape == RegionScene::Shape::box ? show_box(r.box_min, r.box_max) : std::string();
                    },
                    "{min = [0, 0, 0.1], max = [0.02, 0.02, 0.12]}"});
+    all.push_back({"labels", Affects::solves,
+                   "In place of a surface: the voxels of one value in a label image (NRRD, MetaImage), in the "
+                   "coordinates of that file, which have to be the surface's (no turn from LPS to RAS).",
+                   "{image = \"FILE\", value = n, units}, -2147483648 <= n <= 2147483647",
+                   [](RegionScene& region, const toml::node& value, const toml::table&, const Place& place) {
+                     const toml::table& table = to_table(place, value);
+                     region.shape = RegionScene::Shape::labels;
+                     read_table(region, table, label_keys(), place);
+                     if (!table.contains("image") || !table.contains("value"))
+                       fail(place, &value, "labels need both 'image' and 'value'");
+                   },
+                   [](const RegionScene& r) {
+                     return r.shape == RegionScene::Shape::labels
+                                ? "{image = " + show(r.surface.file.string()) + ", value = " + show(r.label) +
+                                      ", units = " + show_unit(r.surface.unit) + "}"
+                                : std::string();
+                   },
+                   "{image = \"FILE\", value = 1, units = \"mm\"}"});
     for (const Key<MaterialScene>& key : material_keys()) {
       all.push_back({key.name, key.affects, key.help, key.allowed,
                      [=](RegionScene& region, const toml::node& value, const toml::table& parent, const Place& place) {
@@ -234,6 +274,11 @@ const Keys<ToolScene>& tool_keys() {
   // Solves of tools that cannot stay valid.
   grasp.show = [show = grasp.show](const ToolScene& tool) { return tool.grasp_depth > 0 ? show(tool) : std::string(); };
   grasp.example = "0.002";
+  Key<ToolScene> turn = number("grasp_turn", &ToolScene::grasp_turn, {0, 0.5, false, "rad"},
+                               "With grasp_depth: angle by which the bonded tool is also turned about the point by "
+                               "which it touched (twist and rolling), for torques; 0: turns have none.");
+  turn.show = [show = turn.show](const ToolScene& tool) { return tool.grasp_turn > 0 ? show(tool) : std::string(); };
+  turn.example = "0.2";
   // The response file has a field of fixed length for it: too long a name must not be found after the bake.
   static const Keys<ToolScene> keys = join<ToolScene>(
       join<ToolScene>(
@@ -245,7 +290,8 @@ const Keys<ToolScene>& tool_keys() {
            number("radius", &ToolScene::radius, {0, 1, true, "m"},
                   "sphere, punch, capsule: radius; cone, needle: of the rounded tip, which is what touches."),
            number("edge_radius", &ToolScene::edge_radius, {0, 1, false, "m"},
-                  "punch: rounding of its rim, below the radius; 0: a tenth of the radius."),
+                  "punch: rounding of its rim, below the radius; 0: a tenth of the radius. mesh: scale on which facets "
+                  "and sharp edges are rounded; 0: a twentieth of its smallest extent."),
            number("length", &ToolScene::length, kLength,
                   "punch, cone, needle: height; capsule: distance between the centres of its caps."),
            number("half_angle", &ToolScene::half_angle, {0.02, 1.5, false, "rad"},
@@ -261,7 +307,8 @@ const Keys<ToolScene>& tool_keys() {
         [](const ToolScene& tool) { return show(std::string(tool.whole ? "all" : "tip")); }, ""},
        number("spacing", &ToolScene::spacing, kLengthOrAuto,
               "mesh: edge length of the tool's patches; 0: a third of its size."),
-       grasp});
+       grasp,
+       turn});
   return keys;
 }
 
@@ -311,10 +358,13 @@ const Keys<ResponseScene>& response_keys() {
     return key;
   };
   static const Keys<R> keys{
-      affecting(Affects::file, choice("model", &R::model, {"separable", "coupled"},
-                                      "separable: the axes' answers add; coupled: sideways and normal answers act on "
-                                      "each other, and follow a contact that deepens or lifts under side load. It is "
-                                      "sampled in at least 8 directions at 4 depths, and needs friction.")),
+      affecting(
+          Affects::file,
+          choice("model", &R::model, {"separable", "coupled", "linear"},
+                 "separable: the axes' answers add; coupled: sideways and normal answers act on "
+                 "each other, and follow a contact that deepens or lifts under side load. It is "
+                 "sampled in at least 8 directions at 4 depths, and needs friction. linear: a spring in 16 "
+                 "bytes (24 with its head), without the sideways force of a straight push; it needs friction too.")),
       only_coupled(integer("order", &R::order, {0, 4, false, ""},
                            "coupled: of the energy in the sideways deflection, 2 to 4; 0: the least whose error on "
                            "samples held out meets the tolerance."),

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "formats/scene.hpp"
+#include "formats/scene_sources.hpp"
 #include "formats/scene_value.hpp"
 
 #include <functional>
@@ -45,12 +46,19 @@ const Keys<Scene>& contact_keys();
 const Keys<SamplingScene>& sampling_keys();
 const Keys<ResponseScene>& response_keys();
 const Keys<SolverScene>& solver_keys();
+const Keys<SceneSources>& sources_keys();
+const Keys<MeasuredScene>& measured_keys();  ///< with what their keys must meet together, in scene_sources.cpp
+const Keys<AnalyticScene>& analytic_keys();
 
 /// What a material's keys must meet together; sets `young` where the law has moduli of its own.
 void check_material(MaterialScene& material, const toml::table& table, const Place& place);
 
 /// Keys that would change nothing without another one are errors.
 void check_prestress(const PrestressScene& prestress, const toml::table& table, const Place& place);
+
+/// What a recording and a law need, and keys that a law has no use for.
+void check_measured(const toml::table& table, const Place& place);
+void check_analytic(const AnalyticScene& analytic, const toml::table& table, const Place& place);
 
 /// Names of the sections, as they stand in a scene.
 const std::vector<std::string>& section_names();

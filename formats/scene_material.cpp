@@ -65,6 +65,31 @@ std::string show_terms(const std::vector<M::OgdenTerm>& terms) {
   return text.empty() ? "" : "[" + text + "]";
 }
 
+void read_centreline(M& m, const toml::node& value, const Place& place) {
+  const toml::table& table = to_table(place, value);
+  const auto beside = [](M&, const toml::node&, const toml::table&, const Place&) {};  // taken up with the file
+  read_table(m, table,
+             {{"centreline",
+               Affects::nothing,
+               "",
+               "",
+               [](M& target, const toml::node& file, const toml::table& parent, const Place& at) {
+                 target.centreline = source_beside(to_text(at, file), parent, above(at));
+               },
+               {},
+               ""},
+              {"meshes", Affects::solves, "", "", beside, {}, ""},
+              {"units", Affects::solves, "", "", beside, {}, ""}},
+             place);
+  if (!table.contains("centreline")) fail(place, &value, "the table has no 'centreline'");
+}
+
+std::string show_centreline(const SurfaceSource& source) {
+  return "{centreline = " + show(source.file.string()) +
+         (source.meshes.empty() ? "" : ", meshes = " + show(source.meshes)) + ", units = " + show_unit(source.unit) +
+         "}";
+}
+
 /// Shown only where the law reads it: other laws' texts stay as they are when a law is added.
 Key<M> of_law(Law law, Key<M> key, const char* example) {
   key.example = example;
@@ -141,14 +166,18 @@ const Keys<MaterialScene>& material_keys() {
                     "holzapfel-ogden: from 0, aligned, to 1/3, the same in all directions."),
              "0.1"),
       of_law(Law::holzapfel,
-             {"fibre", Affects::solves, "holzapfel-ogden: direction of the fibres.", "[x, y, z], not 0",
+             {"fibre", Affects::solves,
+              "holzapfel-ogden: direction of the fibres, or the curves that they run along: at every place that of "
+              "the nearest point of a curve (lines of an OBJ file, or a CSV file with a point a row).",
+              "[x, y, z], not 0, or {centreline = \"FILE\", meshes, units}",
               [](M& m, const toml::node& value, const toml::table&, const Place& place) {
+                if (value.is_table()) return read_centreline(m, value, place);
                 m.fibre = to_vector(place, value, {-1e6, 1e6, false, ""});
                 const double length = m.fibre.norm();
                 if (!(length > 1e-9)) fail_value(place, value, "a vector of length > 1e-9");
                 m.fibre /= length;
               },
-              [](const M& m) { return show(m.fibre); }, ""},
+              [](const M& m) { return m.fibre.isZero(0) ? show_centreline(m.centreline) : show(m.fibre); }, ""},
              "[1, 0, 0]")};
   return keys;
 }

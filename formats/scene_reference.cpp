@@ -62,6 +62,17 @@ std::string scene_reference() {
   append_reference(text, "[sampling]", "Where and how deep it is solved.", sampling_keys(), scene.sampling, true);
   append_reference(text, "[response]", "What is made of the solves.", response_keys(), scene.response, true);
   append_reference(text, "[solver]", "Meshes and limits of the solves.", solver_keys(), scene.solver, true);
+  append_reference(text, "[sources]", "What answers where no recording and no law does.", sources_keys(),
+                   SceneSources{}, true);
+  append_reference(
+      text, "[[measured]]",
+      "A recording with a real tool; any number of them. At the sites nearest to it, it stands in place of "
+      "what is solved.",
+      measured_keys(), {}, false);
+  append_reference(text, "[[analytic]]",
+                   "A closed form in place of solves; any number of them. It holds where all of within_box, mesh and "
+                   "sites that are given do, left out: everywhere.",
+                   analytic_keys(), {}, false);
   return text;
 }
 
@@ -74,10 +85,15 @@ std::string canonical_text(const Scene& scene, CanonicalScope scope) {
     text += "body.surface.meshes = " + show(source.meshes) + "\n";
   }
   append_canonical(text, "body", body_keys(), scene.body, only_solves);
-  append_canonical(text, "material", material_keys(), scene.material, only_solves);
+  MaterialScene material = scene.material;
+  material.centreline.file.clear();
+  append_canonical(text, "material", material_keys(), material, only_solves);
   for (const RegionScene& region : scene.regions) {
     text += "[region]\n";
-    append_canonical(text, "region", region_keys(), region, only_solves);
+    RegionScene without_path = region;
+    without_path.material.centreline.file.clear();
+    if (region.shape == RegionScene::Shape::labels) without_path.surface.file.clear();
+    append_canonical(text, "region", region_keys(), without_path, only_solves);
   }
   for (const SupportScene& support : scene.supports) {
     text += "[support]\n";
@@ -98,6 +114,21 @@ std::string canonical_text(const Scene& scene, CanonicalScope scope) {
   }
   append_canonical(text, "response", response_keys(), scene.response, only_solves);
   append_canonical(text, "solver", solver_keys(), scene.solver, only_solves);
+  return text;
+}
+
+std::string canonical_text(const SceneSources& sources) {
+  std::string text;
+  if (sources.measured.empty() && sources.analytic.empty()) return text;
+  append_canonical(text, "sources", sources_keys(), sources, false);
+  for (const MeasuredScene& measured : sources.measured) {
+    text += "[measured]\n";
+    append_canonical(text, "measured", measured_keys(), measured, false);
+  }
+  for (const AnalyticScene& analytic : sources.analytic) {
+    text += "[analytic]\n";
+    append_canonical(text, "analytic", analytic_keys(), analytic, false);
+  }
   return text;
 }
 

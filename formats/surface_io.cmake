@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: MIT
-# Surface files: glTF by tinygltf, OBJ, STL, PLY and OFF by OpenMesh; surfaces with fields for viewers.
+# Surface files: glTF by tinygltf, OBJ, STL, PLY and OFF by OpenMesh; surfaces with fields for viewers;
+# curves and label images.
 find_package(OpenMesh CONFIG REQUIRED)
 find_package(TinyGLTF CONFIG REQUIRED)
 find_package(nlohmann_json CONFIG REQUIRED)
 add_library(palpate_surface_io STATIC
-  surface_io.cpp surface_screen.cpp surface_screen_ply.cpp surface_openmesh.cpp surface_gltf.cpp
-  surface_gltf_screen.cpp surface_fields_glb.cpp surface_fields_vtu.cpp)
+  curve_io.cpp label_header.cpp label_image.cpp label_meta_image.cpp label_nrrd.cpp surface_io.cpp surface_screen.cpp
+  surface_screen_ply.cpp surface_openmesh.cpp surface_gltf.cpp surface_gltf_screen.cpp surface_fields_glb.cpp
+  surface_fields_vtu.cpp)
 target_link_libraries(palpate_surface_io
   PUBLIC palpate_formats
   PRIVATE palpate_settings palpate_file OpenMeshCore TinyGLTF::TinyGLTF nlohmann_json::nlohmann_json)

@@ -4,6 +4,7 @@
 
 #include "formats/scene.hpp"
 #include "formats/surface.hpp"
+#include "precompute/geometry/curve_query.hpp"
 #include "precompute/geometry/query.hpp"
 
 #include <memory>
@@ -18,6 +19,7 @@ struct Inclusion {
   std::shared_ptr<const SurfaceQuery> query;
   Surface base;  ///< coarse remeshed copy that the volume meshes start from
   MaterialScene material;
+  std::shared_ptr<const CurveQuery> fibres;  ///< that the material's fibres run along; null: none, or one direction
 };
 
 /// What surface preparation did and found, for the user to see before a bake.
@@ -50,7 +52,8 @@ struct Body {
   Surface base;                               ///< coarse remeshed copy, edge about base_size
   double base_size = 0.0;                     ///< m
   MaterialScene material;
-  double capsule_thickness = 0.0, capsule_young = 0.0;  ///< m, Pa; of a thin sheet on the surface, 0: none
+  std::shared_ptr<const CurveQuery> fibres;             ///< as of an inclusion, in the stress-free body
+  double capsule_thickness = 0.0, capsule_young = 0.0;  ///< m, Pa; of a thin sheet on the outside, 0: none
   std::vector<Inclusion> inclusions;
   std::vector<SupportScene> supports;
   std::vector<std::shared_ptr<const SurfaceQuery>> support_surfaces;  ///< per support; null unless kind is distance

@@ -32,12 +32,12 @@ struct Site {
   double limit = 0.0;  // m, how deep it was sampled
 };
 
-// Sites that were solved for the tool's first vertex.
-std::vector<Site> solved_sites(const runtime::View& view, std::uint32_t tool) {
+// Sites with a response of their own to the tool's first vertex: not covered from neighbours.
+std::vector<Site> own_sites(const runtime::View& view, std::uint32_t tool) {
   std::vector<Site> sites;
   for (std::uint32_t k = 0; k < view.meta->site_count; ++k) {
     const auto& head = view.response_head(layout::response_index(*view.meta, k, view.tools[tool].first_vertex));
-    if ((head.flags & layout::response_solved) == 0) continue;
+    if ((head.flags & layout::response_covered) != 0) continue;
     sites.push_back({k, runtime::to_vec(view.sites[k].position), head.depth_limit});
   }
   return sites;
@@ -51,9 +51,9 @@ struct Pair {
 
 std::vector<Pair> compare(const Options& options, const ResponseInput& file, const ResponseInput& other) {
   const std::uint32_t tool = file.tool(options.tool), other_tool = other.tool(options.tool);
-  const std::vector<Site> candidates = solved_sites(other.view(), other_tool);
+  const std::vector<Site> candidates = own_sites(other.view(), other_tool);
   std::vector<Pair> pairs;
-  for (const Site& site : solved_sites(file.view(), tool)) {
+  for (const Site& site : own_sites(file.view(), tool)) {
     const Site* nearest = nullptr;
     double least = options.within;
     for (const Site& c : candidates) {
@@ -89,9 +89,9 @@ void run(const Options& options, const Globals& globals) {
   const ResponseInput file(options.file), other(options.other);
   const std::vector<Pair> pairs = compare(options, file, other);
   if (pairs.empty()) {
-    throw Error(ExitCode::bad_input, options.file + " and " + options.other + ": no solved sites within " +
-                                         std::to_string(options.within) +
-                                         " m of each other; a larger --within finds more");
+    throw Error(ExitCode::bad_input,
+                options.file + " and " + options.other + ": no sites with responses of their own within " +
+                    std::to_string(options.within) + " m of each other; a larger --within finds more");
   }
   const Pair &least = pairs.front(), &median = pairs[pairs.size() / 2], &largest = pairs.back();
   if (globals.json) {
@@ -103,8 +103,8 @@ void run(const Options& options, const Globals& globals) {
                 {"least", to_json(least)}});
     return;
   }
-  print("force over force at " + std::to_string(pairs.size()) + " sites that both solved\n" + line("largest", largest) +
-        line("median", median) + line("least", least));
+  print("force over force at " + std::to_string(pairs.size()) + " sites where both have responses of their own\n" +
+        line("largest", largest) + line("median", median) + line("least", least));
 }
 
 }  // namespace

@@ -13,11 +13,17 @@ namespace {
 
 struct Options {
   std::string scene, work, output;
+  std::vector<std::string> measured;
 };
 
 void run(const Options& options, const Globals& globals) {
-  pipeline::Pipeline p = pipeline::prepare(options.scene, {options.work, options.output});
+  pipeline::Pipeline p = pipeline::prepare(
+      options.scene, {options.work, options.output, {options.measured.begin(), options.measured.end()}});
   pipeline::plan(p);
+  if (!options.measured.empty()) {
+    note(globals,
+         "--measured is for this fit alone; build and verify read the recordings that the scene names ([[measured]])");
+  }
   const FitReport report = pipeline::fit(p);
   if (globals.json) {
     print_json(fit_json(p, report));
@@ -34,6 +40,10 @@ void add_fit(CLI::App& app, Globals& globals) {
   command.option("scene", options->scene, "Scene file").required();
   command.option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
   command.option("-o,--output", options->output, "Response file (default: NAME.palp beside the scene)");
+  command.option(
+      "--measured", options->measured,
+      "Recordings with a real tool (CSV, formats/recording-file.md), as [[measured]] in the scene: they stand "
+      "in place of what is solved at the sites nearest to them");
   command.runs([options, &globals] { run(*options, globals); });
 }
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // palpate inspect: what a response file holds, what was left out, and what each part costs in bytes.
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "tools/command.hpp"
 #include "tools/commands.hpp"
@@ -24,6 +26,7 @@ constexpr FeatureName kFeatures[] = {
     {layout::feature_friction, "friction", "frictionless: no sticking, nothing opposes a sideways motion"},
     {layout::feature_tool_patches, "tool_patches", "each tool touches by one vertex only"},
     {layout::feature_grasp, "grasp", "no tool holds on to the body: a pull lets go"},
+    {layout::feature_turn, "turn", "turns of a tool that holds on have no torque"},
     {layout::feature_search, "search", "no search tree: the contact surface is searched triangle by triangle"}};
 
 /// The shape as a scene names it.
@@ -34,16 +37,27 @@ const char* shape_name(const layout::ToolRecord& tool) {
   return tool.axis_length > 0 ? "capsule" : "sphere";
 }
 
-const char* model_name(const runtime::View& v) { return layout::is_coupled(*v.meta) ? "coupled" : "separable"; }
+const char* model_name(const runtime::View& v) {
+  if (!layout::is_coupled(*v.meta)) return "separable";
+  return v.meta->stiffness_degree == 0 ? "linear" : "coupled";
+}
+
+constexpr std::uint32_t kSources[] = {layout::response_solved, layout::response_covered, layout::response_measured,
+                                      layout::response_analytic};
 
 struct Shares {
-  std::size_t solved = 0, covered = 0, held = 0, outside = 0;
+  std::map<std::uint32_t, std::size_t> responses;  ///< by layout::ResponseFlag
+  std::size_t held = 0, outside = 0;
+  [[nodiscard]] std::size_t of(std::uint32_t source) const {
+    const auto at = responses.find(source);
+    return at == responses.end() ? 0 : at->second;
+  }
 };
 
 Shares count_shares(const runtime::View& v) {
   Shares s;
   for (std::uint32_t i = 0; i < v.meta->response_count; ++i) {
-    ++((v.response_head(i).flags & layout::response_solved) != 0 ? s.solved : s.covered);
+    ++s.responses[v.response_head(i).flags];
   }
   for (std::uint32_t i = 0; i < v.meta->site_count; ++i) {
     s.held += (v.sites[i].flags & layout::site_held) != 0 ? 1 : 0;
@@ -84,8 +98,9 @@ Json describe(const runtime::View& v, const std::string& file) {
   json["surface_triangles"] = m.triangle_count;
   json["tools"] = tools_json(v);
   json["responses"] = m.response_count;
-  json["responses_solved"] = s.solved;
-  json["responses_covered"] = s.covered;
+  for (const std::uint32_t source : kSources) {
+    json[std::string("responses_") + layout::source_name(source)] = s.of(source);
+  }
   json["bytes_per_response"] = bytes_per_response(v);
   json["coefficients"] = {{"normal", m.normal_coefs},
                           {"lateral", m.lateral_coefs},
@@ -133,8 +148,11 @@ std::string as_text(const runtime::View& v, const Json& json) {
   const Shares s = count_shares(v);
   append(text, "\n%u sites (%zu held, %zu outside the sampled region), %u patches, %u contact triangles (%u a side)\n",
          m.site_count, s.held, s.outside, m.patch_count, m.triangle_count, m.subdivision);
-  append(text, "%u responses of %.0f bytes: %zu solved, %zu covered from neighbours (%.2f %%)\n", m.response_count,
-         bytes_per_response(v), s.solved, s.covered, 100.0 * static_cast<double>(s.covered) / m.response_count);
+  append(text,
+         "%u responses of %.0f bytes: %zu solved, %zu measured, %zu analytic, %zu covered from neighbours (%.2f %%)\n",
+         m.response_count, bytes_per_response(v), s.of(layout::response_solved), s.of(layout::response_measured),
+         s.of(layout::response_analytic), s.of(layout::response_covered),
+         100.0 * static_cast<double>(s.of(layout::response_covered)) / m.response_count);
   if (layout::is_coupled(m)) {
     append(text,
            "coupled, order %u; degrees: push %u, its sideways force %u, stiffness %u, cubic %u, quartic %u, limit %u\n",

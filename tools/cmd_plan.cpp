@@ -29,10 +29,17 @@ void run(const Options& options, const Globals& globals) {
   std::vector<double> depths;
   for (const PairPlan& pair : plan.pairs) depths.push_back(pair.depth);
   std::sort(depths.begin(), depths.end());
+  std::size_t solved = 0;
+  for (std::uint32_t k = 0; k < plan.pairs.size(); ++k) solved += p.sources.solved(k) ? 1 : 0;
+  const GivenCounts given = count_given(p.sources);
+  const std::size_t covered = plan.pairs.size() - solved - given.measured - given.analytic;
 
   if (globals.json) {
     print_json({{"sites", plan.sites.size()},
-                {"pairs_planned", plan.pairs.size()},
+                {"pairs_planned", solved},
+                {"pairs_measured", given.measured},
+                {"pairs_analytic", given.analytic},
+                {"pairs_covered", covered},
                 {"pairs_on_support", support},
                 {"support_area_share", plan.support_share},
                 {"pairs_unreachable", unreachable},
@@ -45,16 +52,20 @@ void run(const Options& options, const Globals& globals) {
                 {"manifest_hash", to_hex(p.manifest)}});
     return;
   }
-  char text[512];
+  char text[640], others[128] = "";
+  if (solved < plan.pairs.size()) {
+    std::snprintf(others, sizeof others, "; %zu recorded, %zu by closed forms, %zu covered from neighbours",
+                  given.measured, given.analytic, covered);
+  }
   std::snprintf(
       text, sizeof text,
-      "%zu sites, %zu pairs to solve\n"
+      "%zu sites, %zu pairs to solve%s\n"
       "not touchable: %zu pairs on or beside a support (%.1f %% of the area), %zu in folds narrower than the tool "
       "(%.1f %%), %zu outside the region\n"
       "depth %.2f to %.2f mm, median %.2f mm\n",
-      plan.sites.size(), plan.pairs.size(), support, 100 * plan.support_share, unreachable,
-      100 * plan.unreachable_share, plan.skipped.size() - support - unreachable, 1e3 * depths.front(),
-      1e3 * depths.back(), 1e3 * depths[depths.size() / 2]);
+      plan.sites.size(), solved, others, support, 100 * plan.support_share, unreachable, 100 * plan.unreachable_share,
+      plan.skipped.size() - support - unreachable, 1e3 * depths.front(), 1e3 * depths.back(),
+      1e3 * depths[depths.size() / 2]);
   print(text + p.paths.manifest.string() + "\n");
 }
 

@@ -24,7 +24,8 @@ void check_files(const Scene& scene) {
                 source.file.string() + ": named by " + scene.file.string() + ", but there is no such file");
   };
   for (const SurfaceSource& source : scene.body.surfaces) check(source);
-  for (const RegionScene& region : scene.regions) check(region.surface);
+  check(scene.material.centreline);
+  for (const RegionScene& region : scene.regions) check(region.surface), check(region.material.centreline);
   for (const SupportScene& support : scene.supports) check(support.other);
   for (const ToolScene& tool : scene.tools) check(tool.surface);
 }

@@ -59,10 +59,11 @@ std::string line(const char* name, const ErrorStatistics& s) {
 }
 
 std::string table(const VerifyStatistics& s) {
-  return "error (forces: % of the larger of the solved one and 2 % of its contact's peak; limit: % of the solved one)\n"
+  return "error (forces, and torques of turns: % of the larger of the solved one and 2 % of its contact's peak; limit: "
+         "% of the solved one)\n"
          "push       forces   median      p95    worst      <1%   <2%   <5%  <10%   worst at\n" +
          line("normal", s.normal) + line("sideways", s.sideways) + line("paths", s.paths) + line("grasped", s.grasped) +
-         line("limit", s.limit);
+         line("turned", s.turned) + line("limit", s.limit);
 }
 
 Json contacts_json(const VerifyStatistics& s) { return {{"solved", s.accepted}, {"refused", s.refused}}; }
@@ -95,6 +96,7 @@ void compare(const Options& options, const Globals& globals) {
            {"error_friction_limit", to_json(s.limit, contacts)},
            {"error_paths", to_json(s.paths, contacts)},
            {"error_grasped", to_json(s.grasped, contacts)},
+           {"error_turned", to_json(s.turned, contacts)},
            {"contacts", contacts_json(s)},
            {"held_out", to_json(contacts)}},
           table(s));
@@ -149,8 +151,9 @@ void solve(const Options& options, const Globals& globals) {
   if (options.limits.p95_sideways && !(p.scene.friction > 0)) {
     throw Error(ExitCode::usage, "--max-p95-sideways: the scene has no friction, and nothing sideways to compare");
   }
+  pipeline::find_pairs(p);
   check_baked(p);
-  pipeline::plan(p);
+  pipeline::write_manifest(p);
   const PairCounts pairs = count_pairs(p);
   const double bake = seconds_of_bake(p);
   const ResponseInput input(p.paths.response);
@@ -170,6 +173,7 @@ void solve(const Options& options, const Globals& globals) {
            {"error_friction_limit", to_json(s.limit, set.contacts)},
            {"error_paths", to_json(s.paths, set.contacts)},
            {"error_grasped", to_json(s.grasped, set.contacts)},
+           {"error_turned", to_json(s.turned, set.contacts)},
            {"tolerance", tolerance},
            {"within_tolerance", s.normal.count > 0 && s.normal.p95 <= tolerance},
            {"tick_ns", cost.tick},

@@ -80,6 +80,10 @@ PALPATE_OPTION_OF(std::uint32_t)
 PALPATE_OPTION_OF(std::uint64_t)
 #undef PALPATE_OPTION_OF
 
+Option Command::option(const std::string& names, std::vector<std::string>& values, const std::string& help) {
+  return Option(command_->add_option(names, values, help)->allow_extra_args(false));
+}
+
 Option Command::flag(const std::string& names, bool& value, const std::string& help) {
   return Option(command_->add_flag(names, value, help));
 }

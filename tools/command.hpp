@@ -60,6 +60,8 @@ public:
   Option option(const std::string& names, int& value, const std::string& help);
   Option option(const std::string& names, std::uint32_t& value, const std::string& help);
   Option option(const std::string& names, std::uint64_t& value, const std::string& help);
+  /// May be given any number of times, each with one value.
+  Option option(const std::string& names, std::vector<std::string>& values, const std::string& help);
   Option flag(const std::string& names, bool& value, const std::string& help);
 
   /// What the command does once its line is parsed.

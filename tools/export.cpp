@@ -114,9 +114,8 @@ CurveTable response_curves(const runtime::View& view, double depth, int points) 
         ++table.responses;
         const layout::ResponseHead& head =
             view.response_head(layout::response_index(*view.meta, site, record.first_vertex + vertex));
-        const bool solved = (head.flags & layout::response_solved) != 0;
-        writer.begin(site, std::to_string(site) + "," + quoted(record.name) + "," + std::to_string(vertex) +
-                               (solved ? ",solved" : ",covered"));
+        writer.begin(site, std::to_string(site) + "," + quoted(record.name) + "," + std::to_string(vertex) + "," +
+                               layout::source_name(head.flags));
         const Field field(view, tool, *sites[site], *on_tool);
         const double limit = head.depth_limit, beside = std::min(depth, limit);
         for (int i = 0; i < points; ++i) writer.row(field, "push", limit * (i / last) * (i / last), 0, 0);

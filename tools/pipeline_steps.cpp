@@ -7,6 +7,7 @@
 #include "tools/interrupt.hpp"
 #include "tools/output.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -28,6 +29,19 @@ std::string figures_text(const char* name, const ErrorFigures& f, const Plan& pl
   std::snprintf(text, sizeof text, "fit, %s: median %.2f %%, 95th percentile %.2f %%, worst %.2f %% in ", name,
                 100 * f.median, 100 * f.p95, 100 * f.worst);
   return text + describe(f.worst_pair, plan.pairs[f.worst_pair]) + "\n";
+}
+
+std::string recorded_text(const RecordedFigures& f, const Plan& plan) {
+  constexpr std::size_t kShown = 10;
+  char text[256];
+  std::snprintf(text, sizeof text,
+                ": %zu rows down to %.3g mm, residual %.3g N rms and %.3g N at worst, %zu left out as outliers", f.rows,
+                1e3 * f.depth, f.rms, f.worst, f.outliers.size());
+  std::string line = "measured, " + describe(f.pair, plan.pairs[f.pair]) + text;
+  for (std::size_t k = 0; k < std::min(kShown, f.outliers.size()); ++k) line += (k == 0 ? ": " : ", ") + f.outliers[k];
+  if (f.outliers.size() > kShown) line += ", ... (all by --json)";
+  if (f.passed.total() > 0) line += "; " + to_text(f.passed);
+  return line + "\n";
 }
 
 }  // namespace
@@ -113,13 +127,33 @@ nlohmann::ordered_json fit_json(const pipeline::Pipeline& p, const FitReport& re
                               {"fit_error_tangential", figures_json(report.tangential)},
                               {"fit_error_paths", figures_json(report.paths)},
                               {"fit_error_grasped", figures_json(report.grasped)},
+                              {"fit_error_analytic", figures_json(report.laws)},
+                              {"responses_analytic", report.analytic},
+                              {"responses_measured", report.recorded.size()},
+                              {"measured", nlohmann::ordered_json::array()},
+                              {"fit_error_turned", figures_json(report.turned)},
                               {"held_out_p95", report.held_out.p95},
                               {"lateral", report.lateral},
                               {"friction", report.friction},
                               {"grasp", report.grasp},
+                              {"turn", report.turn},
                               {"file", p.paths.response.string()},
                               {"bytes", std::filesystem::file_size(p.paths.response)},
                               {"pairs", nlohmann::ordered_json::array()}};
+  for (const RecordedFigures& f : report.recorded) {
+    json["measured"].push_back({{"pair", f.pair},
+                                {"site", p.plan.pairs[f.pair].site},
+                                {"rows", f.rows},
+                                {"passed_over",
+                                 {{"not_in_contact", f.passed.out},
+                                  {"too_deep", f.passed.deep},
+                                  {"too_far_aside", f.passed.aside},
+                                  {"of_weight_0", f.passed.weightless}}},
+                                {"outliers", f.outliers},
+                                {"residual_rms_N", f.rms},
+                                {"residual_worst_N", f.worst},
+                                {"depth_m", f.depth}});
+  }
   for (const PairFigures& f : report.pairs) {
     json["pairs"].push_back({{"pair", f.pair}, {"median", f.median}, {"p95", f.p95}, {"worst", f.worst}});
   }
@@ -135,6 +169,10 @@ std::string fit_text(const pipeline::Pipeline& p, const FitReport& report) {
   text += figures_text("sideways pushes", report.tangential, p.plan);
   text += figures_text("paths that it did not read", report.paths, p.plan);
   text += figures_text("grasped contacts", report.grasped, p.plan);
+  if (report.analytic > 0) text += std::to_string(report.analytic) + " responses by closed forms\n";
+  text += figures_text("closed forms", report.laws, p.plan);
+  for (const RecordedFigures& f : report.recorded) text += recorded_text(f, p.plan);
+  text += figures_text("torques of turned tools", report.turned, p.plan);
   if (report.held_out.samples > 0) {
     char line[160];
     std::snprintf(line, sizeof line,

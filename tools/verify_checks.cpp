@@ -27,6 +27,7 @@ void check_writable(const fs::path& file) {
 }
 
 void check_baked(const pipeline::Pipeline& p) {
+  if (!p.sources.solves_any(p.plan.pairs.size())) return;
   if (fs::exists(p.paths.journal)) return;
   throw Error(ExitCode::io, p.paths.journal.string() + ": there is no journal; run palpate build first");
 }
@@ -43,11 +44,12 @@ void check_same_plan(const pipeline::Pipeline& p, const runtime::View& view) {
 
 PairCounts count_pairs(const pipeline::Pipeline& p) {
   PairCounts counts;
-  counts.planned = p.plan.pairs.size();
+  for (std::uint32_t k = 0; k < p.plan.pairs.size(); ++k) counts.planned += p.sources.solved(k) ? 1 : 0;
+  if (!fs::exists(p.paths.journal)) return counts;
   MeshChecks& checks = counts.checks;
   std::vector<double> differences;
   for (const auto& [index, pair] : read_journal(p.paths.journal, p.manifest).pairs) {
-    if (!pair.outcome) continue;
+    if (!pair.outcome || !p.sources.solved(index)) continue;
     ++(pair.outcome->accepted ? counts.accepted : counts.refused);
     if (!pair.check) continue;
     ++(pair.check->compared > 0 ? checks.compared : checks.uncompared);

@@ -12,7 +12,8 @@ namespace palpate::cli {
 /// Throws Error(io) where no file of that name could be written.
 void check_writable(const std::filesystem::path& file);
 
-/// Throws Error(io) where the work folder holds no journal: a plan would only leave an empty folder behind.
+/// Throws Error(io) where a pair has to be solved and the work folder holds no journal. Needs find_pairs(), and comes
+/// before the manifest, which would only leave an empty folder behind.
 void check_baked(const pipeline::Pipeline& pipeline);
 
 /// Throws Error(bad_input) where the response file was not made from this plan. Needs plan().
@@ -26,6 +27,7 @@ struct MeshChecks {
   std::size_t samples = 0, foretold = 0;  ///< see PairCheck
 };
 
+/// Of the pairs to be solved.
 struct PairCounts {
   std::size_t planned = 0, accepted = 0, refused = 0;
   MeshChecks checks;

@@ -73,11 +73,15 @@ public:
       outcomes_[pair] = content.outcome;
     }
     for (std::uint32_t pair = 0; pair < pairs.size(); ++pair) {
-      if (!outcomes_[pair]) open_.push_back(pair);
+      if (!wanted(pair)) continue;
+      ++total_;
+      if (!outcomes_[pair]) {
+        open_.push_back(pair);
+      } else if (!outcomes_[pair]->accepted) {
+        ++refused_;
+      }
     }
-    resumed_ = done_ = pairs.size() - open_.size();
-    refused_ = static_cast<std::size_t>(
-        std::count_if(outcomes_.begin(), outcomes_.end(), [](const auto& o) { return o && !o->accepted; }));
+    resumed_ = done_ = total_ - open_.size();
   }
 
   BakeReport run() {
@@ -100,6 +104,8 @@ public:
   }
 
 private:
+  [[nodiscard]] bool wanted(std::uint32_t pair) const { return !options_.wanted || options_.wanted(pair); }
+
   void work() {
     try {
       while (!halt_.load()) {
@@ -150,22 +156,23 @@ private:
   }
 
   [[nodiscard]] BakeProgress progress_at(double now) const {
-    BakeProgress p{pairs_.size(), done_, refused_, now, 0.0, -1.0};
+    BakeProgress p{total_, done_, refused_, now, 0.0, -1.0};
     if (done_ > resumed_ && now > 0) {
       p.per_hour = 3600.0 * static_cast<double>(done_ - resumed_) / now;
-      p.seconds_left = 3600.0 * static_cast<double>(pairs_.size() - done_) / p.per_hour;
+      p.seconds_left = 3600.0 * static_cast<double>(total_ - done_) / p.per_hour;
     }
     return p;
   }
 
   [[nodiscard]] BakeReport report() const {
     BakeReport r;
-    r.total = pairs_.size();
+    r.total = total_;
     r.resumed = resumed_;
     r.torn_bytes = journal_.content().torn_bytes;
     r.seconds = seconds_since(start_);
     for (std::uint32_t pair = 0; pair < pairs_.size(); ++pair) {
       const auto& outcome = outcomes_[pair];
+      if (!wanted(pair)) continue;
       if (!outcome) {
         r.stopped = true;
         continue;
@@ -189,7 +196,7 @@ private:
   const BakeOptions& options_;
   const JournalPair none_;
   std::vector<std::uint32_t> open_;
-  std::size_t resumed_ = 0;
+  std::size_t total_ = 0, resumed_ = 0;  // wanted, finished before
   const Clock::time_point start_ = Clock::now();
   std::atomic<std::size_t> next_{0};
   std::atomic<bool> halt_{false};

@@ -30,6 +30,7 @@ struct BakeOptions {
   std::function<void(const BakeProgress&)> progress;  ///< called by the calling thread; may be empty
   double interval = 1.0;                              ///< s between calls of progress
   std::function<bool()> stop;                         ///< true: no new pair is begun; those that run are finished
+  std::function<bool(std::uint32_t)> wanted;          ///< a pair that it refuses is not solved; empty: all are
 };
 
 struct RefusedPair {
@@ -38,7 +39,7 @@ struct RefusedPair {
 };
 
 struct BakeReport {
-  std::size_t total = 0;
+  std::size_t total = 0;             ///< that are wanted
   std::size_t resumed = 0;           ///< finished by earlier runs
   std::size_t accepted = 0;          ///< of all finished
   std::size_t shortened = 0;         ///< of the accepted: a sideways push ended before its last point
@@ -51,7 +52,7 @@ struct BakeReport {
   [[nodiscard]] std::size_t finished() const { return accepted + refused.size(); }
 };
 
-/// Solves every pair that has no outcome in the journal. Throws what the journal or the solver throws, and
+/// Solves every wanted pair that has no outcome in the journal. Throws what the journal or the solver throws, and
 /// Error(numerical) naming the pair when a pair solved again differs in any bit from what the journal holds.
 /// Whatever it ends with, everything that was accepted before is in the journal.
 BakeReport bake_pairs(const std::vector<PairPlan>& pairs, const PairSolver& solve, Journal& journal,

@@ -10,6 +10,7 @@
 
 #include "formats/error.hpp"
 #include "formats/file.hpp"
+#include "precompute/bake/sources.hpp"
 #include "precompute/draw.hpp"
 #include "precompute/fit/assemble.hpp"
 #include "precompute/solve/prestress.hpp"
@@ -50,20 +51,26 @@ void save_seconds(const Pipeline& pipeline, double seconds) {
 Pipeline prepare(const std::filesystem::path& scene_file, const Options& options) {
   Pipeline p;
   p.scene = read_scene(scene_file);
+  p.scene_sources = read_sources(scene_file);
   const std::filesystem::path beside = scene_file.parent_path();
   p.paths.work = options.work.empty() ? beside / (file_name(p.scene) + ".work") : options.work;
   p.paths.response = options.response.empty() ? beside / (file_name(p.scene) + ".palp") : options.response;
   p.paths.manifest = p.paths.work / "manifest.json";
   p.paths.journal = p.paths.work / "samples.journal";
   p.paths.bake = p.paths.work / "bake.json";
+  for (const std::filesystem::path& file : options.measured) p.scene_sources.measured.push_back({file, {}, 0.0});
   for (const ToolScene& tool : p.scene.tools) p.tools.push_back(make_tool(tool));
   p.body = apply_prestress(prepare_body(p.scene));
   p.mesh = make_haptic_mesh(p.scene, p.body);
   return p;
 }
 
-void plan(Pipeline& p) {
+void find_pairs(Pipeline& p) {
   p.plan = make_plan(p.scene, p.body, p.mesh, p.tools);
+  p.sources = find_sources(p.scene, p.scene_sources, p.body, p.tools, p.mesh, p.plan);
+}
+
+void write_manifest(Pipeline& p) {
   const std::string text = manifest_text(p.plan);
   p.manifest = manifest_hash(text);
   make_folder(p.paths.work);
@@ -77,6 +84,11 @@ void plan(Pipeline& p) {
     }
   }
   write_file(p.paths.manifest, text);
+}
+
+void plan(Pipeline& p) {
+  find_pairs(p);
+  write_manifest(p);
 }
 
 PairSolver contact_solver(const Pipeline& p) {
@@ -106,6 +118,9 @@ BakeReport bake(const Pipeline& p, const BakeOptions& options, const PairSolver&
   const double before = bake_seconds(p);
   double saved = 0;
   BakeOptions saving = options;
+  saving.wanted = [&](std::uint32_t pair) {
+    return p.sources.solved(pair) && (!options.wanted || options.wanted(pair));
+  };
   saving.progress = [&](const BakeProgress& progress) {
     // A kill then loses at most the last seconds of the account, and no sample.
     if (progress.seconds - saved >= kSaveInterval) {
@@ -134,13 +149,21 @@ FitSettings fit_settings(const Scene& scene) {
   if (scene.response.model == ResponseScene::Model::coupled) {
     settings.coupled = {scene.response.order, scene.response.tolerance};
   }
-  for (const ToolScene& tool : scene.tools) settings.grasps.push_back(tool.grasp_depth > 0);
+  if (scene.response.model == ResponseScene::Model::linear) settings.coupled = {2, scene.response.tolerance, true};
+  settings.path = [scene](double depth) { return bake_path(scene, depth); };
+  for (const ToolScene& tool : scene.tools) {
+    settings.grasps.push_back(tool.grasp_depth > 0);
+    settings.turns.push_back(tool.grasp_turn > 0);
+  }
   return settings;
 }
 
 JournalContent samples(const Pipeline& p) {
   if (!std::filesystem::exists(p.paths.journal)) {
-    throw Error(ExitCode::io, p.paths.journal.string() + ": there is no journal; run palpate bake first");
+    if (!p.sources.solves_any(p.plan.pairs.size())) return {};
+    const char* const other =
+        p.sources.given.empty() ? "" : ", or take the other sites from their neighbours: [sources] rest = \"covered\"";
+    throw Error(ExitCode::io, p.paths.journal.string() + ": there is no journal; run palpate bake first" + other);
   }
   return read_journal(p.paths.journal, p.manifest);
 }
@@ -149,8 +172,8 @@ FittedFile fit_file(const Pipeline& p, const JournalContent& journal, const FitS
   std::vector<std::uint32_t> tool_vertices;
   for (const Tool& tool : p.tools) tool_vertices.push_back(static_cast<std::uint32_t>(tool.vertices.size()));
   FittedFile file;
-  file.fitted = fit_responses(p.plan, p.mesh.triangles, tool_vertices, journal, settings);
-  file.bytes = encode(assemble_response(p.scene, p.tools, p.mesh, p.plan, p.manifest, file.fitted));
+  file.fitted = fit_responses(p.plan, p.mesh.triangles, tool_vertices, journal, settings, p.sources);
+  file.bytes = encode(assemble_response(p.scene, p.tools, p.mesh, p.plan, p.manifest, file.fitted, p.sources));
   return file;
 }
 

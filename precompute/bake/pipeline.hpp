@@ -6,10 +6,12 @@
 #include <vector>
 
 #include "formats/scene.hpp"
+#include "formats/scene_sources.hpp"
 #include "precompute/bake/bake.hpp"
 #include "precompute/bake/plan.hpp"
 #include "precompute/body.hpp"
 #include "precompute/fit/fit.hpp"
+#include "precompute/fit/given_pairs.hpp"
 #include "precompute/mesh/haptic_mesh.hpp"
 #include "precompute/tool/tool.hpp"
 
@@ -24,27 +26,36 @@ struct Paths {
 };
 
 struct Options {
-  std::filesystem::path work;      ///< empty: NAME.work beside the scene
-  std::filesystem::path response;  ///< empty: NAME.palp beside the scene
+  std::filesystem::path work;                     ///< empty: NAME.work beside the scene
+  std::filesystem::path response;                 ///< empty: NAME.palp beside the scene
+  std::vector<std::filesystem::path> measured{};  ///< recordings beside those of the scene
 };
 
 /// A scene and everything that follows from it before the first solve; immutable afterwards.
 struct Pipeline {
   Paths paths;
   Scene scene;
+  SceneSources scene_sources;
   Body body;  ///< as its prestress leaves it
   std::vector<Tool> tools;
   HapticMesh mesh;
-  Plan plan;         ///< filled by plan()
-  Hash128 manifest;  ///< filled by plan()
+  Plan plan;            ///< filled by find_pairs()
+  PairSources sources;  ///< filled by find_pairs(): the pairs that are not solved
+  Hash128 manifest;     ///< filled by write_manifest()
 };
 
 /// Reads the scene; prepares body (its prestress is solved), tools and haptic mesh. Throws as read_scene, prepare_body,
 /// apply_prestress and make_tool do.
 Pipeline prepare(const std::filesystem::path& scene_file, const Options& options = {});
 
-/// Makes the plan and writes the manifest (creating the work folder). Where a manifest of other inputs is there and
-/// samples have been solved for it, throws Error(bad_input) instead of orphaning them.
+/// Makes the plan and finds which of its pairs are recorded or follow a law (find_sources); nothing is written.
+void find_pairs(Pipeline& pipeline);
+
+/// Writes the manifest of the plan (creating the work folder). Where a manifest of other inputs is there and samples
+/// have been solved for it, throws Error(bad_input) instead of orphaning them.
+void write_manifest(Pipeline& pipeline);
+
+/// Both.
 void plan(Pipeline& pipeline);
 
 /// The solver the bake uses: bake_path, add_grasp, pair_options, solve_pair. `pipeline` must outlive it.
@@ -59,7 +70,7 @@ double bake_seconds(const Pipeline& pipeline);
 /// What the scene asks of its fit.
 FitSettings fit_settings(const Scene& scene);
 
-/// The journal. Needs plan(). Throws Error(io) when there is none.
+/// The journal. Needs plan(). Throws Error(io) when there is none and a pair has to be solved.
 JournalContent samples(const Pipeline& pipeline);
 
 /// The responses of a journal by some settings, and the bytes of their file; nothing is written. Needs plan().

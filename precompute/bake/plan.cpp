@@ -30,11 +30,23 @@ void add(Hasher& hasher, const Surface& surface) {
   for (const std::string& name : surface.part_names) hasher.text(name);
 }
 
+void add(Hasher& hasher, const std::shared_ptr<const CurveQuery>& fibres) {
+  if (!fibres) return;
+  hasher.number(static_cast<std::int64_t>(fibres->curves().points.size()));
+  for (const Vector3d& p : fibres->curves().points) add(hasher, p);
+  hasher.number(static_cast<std::int64_t>(fibres->curves().pieces.size()));
+  for (const auto& piece : fibres->curves().pieces) hasher.bytes(piece.data(), sizeof piece);
+}
+
 Hash128 hash_body(const Body& body) {
   Hasher hasher;
   add(hasher, body.query->surface());
   add(hasher, body.base);
-  for (const Inclusion& inclusion : body.inclusions) add(hasher, inclusion.query->surface());
+  add(hasher, body.fibres);
+  for (const Inclusion& inclusion : body.inclusions) {
+    add(hasher, inclusion.query->surface());
+    add(hasher, inclusion.fibres);
+  }
   for (const auto& support : body.support_surfaces) {
     if (support) add(hasher, support->surface());
   }
@@ -51,7 +63,9 @@ Hash128 hash_tool(const Tool& tool) {
   }
   for (const auto& p : tool.patches) hasher.bytes(p.data(), sizeof p);
   // Analytic shapes are in the scene's text; a mesh's shape is its file.
-  if (tool.scene.shape == ToolScene::Shape::mesh) hasher.text(to_hex(hash_file(tool.scene.surface.file)));
+  if (tool.scene.shape == ToolScene::Shape::mesh) {
+    hasher.text(to_hex(hash_file(tool.scene.surface.file))).number(tool.scene.edge_radius);
+  }
   return hasher.digest();
 }
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <string>
 
 namespace palpate {
@@ -97,9 +98,18 @@ ElasticEnergy::ElasticEnergy(const TetMesh& mesh, std::vector<Material> material
     e.slopes.bottomRows<3>() = inverse;
     e.slopes.row(0) = -inverse.colwise().sum();
     e.material = mesh.regions.empty() ? 0 : mesh.regions[t];
-    const Material& material = materials_.at(static_cast<std::size_t>(e.material));  // throws where the region has none
-    e.local = std::min(material.local + spans(normals, e.nodes) * spanning[e.material],
-                       std::max(material.local, material.bulk));
+    const auto region = static_cast<std::size_t>(e.material);
+    if (region >= spanning.size()) throw std::out_of_range("region " + std::to_string(region) + " has no material");
+    const Material& material = materials_[region];
+    e.local =
+        std::min(material.local + spans(normals, e.nodes) * spanning[region], std::max(material.local, material.bulk));
+    if (material.fibre_at) {
+      Material own = material;
+      own.fibre = own.fibre_at(mesh.nodes[e.nodes[0]] + edges.rowwise().sum() / 4);
+      own.fibre_at = nullptr;
+      e.material = static_cast<std::int32_t>(materials_.size());
+      materials_.push_back(std::move(own));
+    }
     elements_.push_back(e);
   }
   make_batches();

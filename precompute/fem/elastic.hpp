@@ -46,7 +46,7 @@ private:
   void make_batches();
   [[nodiscard]] static Shape shape_gradients(const Element& e, int point);
 
-  std::vector<Material> materials_;
+  std::vector<Material> materials_;  // of the regions, then of elements whose fibres have a direction of their own
   std::vector<Element> elements_;
   std::vector<ElementBatch> batches_;  // of the same elements
 };

@@ -5,6 +5,7 @@
 #include "precompute/fem/law.hpp"
 
 #include <Eigen/Core>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -21,9 +22,11 @@ struct Material {
   double mu = 0.0;                               ///< Pa; what is left out of `laws`, for it costs next to nothing
   std::vector<std::shared_ptr<const Law>> laws;  ///< evaluated at every quadrature point
   Eigen::Vector3d fibre{0, 0, 0};                ///< unit direction in the stress-free state; 0: none
-  double slope = 0.0;                            ///< Pa
-  double bulk = 0.0;                             ///< Pa
-  double local = 0.0;                            ///< Pa
+  /// The same at a place (m) of the stress-free state, asked once an element in its middle; empty: `fibre` everywhere.
+  std::function<Eigen::Vector3d(const Eigen::Vector3d&)> fibre_at;
+  double slope = 0.0;  ///< Pa
+  double bulk = 0.0;   ///< Pa
+  double local = 0.0;  ///< Pa
 
   /// young > 0 (Pa), poisson in [0, 0.5).
   static Material neo_hookean(double young, double poisson);

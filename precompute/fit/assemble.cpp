@@ -67,7 +67,32 @@ Json figures(const ErrorFigures& f) {
       {"samples", f.samples}, {"median", f.median}, {"p95", f.p95}, {"worst", f.worst}, {"worst_pair", f.worst_pair}};
 }
 
-std::string provenance(const Scene& scene, const Plan& plan, const Hash128& manifest, const FittedResponses& fitted) {
+/// Of a scene in which not everything is solved.
+void add_sources(Json& json, const Plan& plan, const FitReport& report, const PairSources& sources) {
+  if (sources.given.empty()) return;
+  Json& to = json["sources"];
+  to["scene"] = to_hex(sources.text);
+  to["analytic"] = report.analytic;
+  if (report.analytic > 0) to["analytic_fit"] = figures(report.laws);
+  if (report.recorded.empty()) return;
+  to["recordings"] = Json::array();
+  for (const Hash128& recording : sources.recordings) to["recordings"].push_back(to_hex(recording));
+  to["measured"] = Json::array();
+  for (const RecordedFigures& f : report.recorded) {
+    const PairPlan& pair = plan.pairs[f.pair];
+    to["measured"].push_back({{"site", pair.site},
+                              {"tool", pair.tool},
+                              {"tool_vertex", pair.tool_vertex},
+                              {"rows", f.rows},
+                              {"outliers", f.outliers.size()},
+                              {"residual_rms_N", f.rms},
+                              {"residual_worst_N", f.worst},
+                              {"depth_m", f.depth}});
+  }
+}
+
+std::string provenance(const Scene& scene, const Plan& plan, const Hash128& manifest, const FittedResponses& fitted,
+                       const PairSources& sources) {
   const FitReport& report = fitted.report;
   Json json;
   json["scene"] = scene.name;
@@ -111,6 +136,7 @@ std::string provenance(const Scene& scene, const Plan& plan, const Hash128& mani
                  {"normal", figures(report.normal)}};
   if (report.friction) json["fit"]["tangential"] = figures(report.tangential);
   if (report.grasp) json["fit"]["grasped"] = figures(report.grasped);
+  if (report.turn) json["fit"]["turned"] = figures(report.turned);
   if (fitted.scales.coupled) {
     const coupled::Degrees& d = *fitted.scales.coupled;
     const fit::HeldOutFigures& held = report.held_out;
@@ -120,6 +146,7 @@ std::string provenance(const Scene& scene, const Plan& plan, const Hash128& mani
     json["coupled"] = {{"order", d.order}, {"push", d.push},       {"straight", d.straight}, {"stiffness", d.stiffness},
                        {"cubic", d.cubic}, {"quartic", d.quartic}, {"limit", d.limit}};
   }
+  add_sources(json, plan, report, sources);
   // Names may hold bytes that are not UTF-8: they are replaced, not refused.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -127,7 +154,8 @@ std::string provenance(const Scene& scene, const Plan& plan, const Hash128& mani
 }  // namespace
 
 ResponseFileContent assemble_response(const Scene& scene, const std::vector<Tool>& tools, const HapticMesh& mesh,
-                                      const Plan& plan, const Hash128& manifest, const FittedResponses& fitted) {
+                                      const Plan& plan, const Hash128& manifest, const FittedResponses& fitted,
+                                      const PairSources& sources) {
   ResponseFileContent content;
   content.depth_scale = fitted.scales.depth;
   content.sideways_scale = fitted.scales.sideways;
@@ -140,10 +168,11 @@ ResponseFileContent assemble_response(const Scene& scene, const std::vector<Tool
   content.sideways_coefs = count(friction, fitted.scales.sideways_coefs);
   content.friction_coefs = count(friction, fitted.scales.friction_coefs);
   content.grasp_coefs = count(fitted.report.grasp, fit::kGraspCoefs);
+  content.turns = fitted.report.turn;
   add_body(content, mesh, plan);
   for (const Tool& tool : tools) content.tools.push_back(response_tool(tool));
   content.responses = fitted.responses;
-  content.provenance = provenance(scene, plan, manifest, fitted);
+  content.provenance = provenance(scene, plan, manifest, fitted, sources);
   const bool search = scene.response.search == ResponseScene::Search::bvh ||
                       (scene.response.search == ResponseScene::Search::automatic &&
                        content.surface_triangles.size() > kSearchThreshold);

@@ -13,6 +13,7 @@ namespace palpate {
 /// `manifest`: the hash that the journal carries, recorded in the provenance. The same inputs give the same content:
 /// it holds no time and no path.
 ResponseFileContent assemble_response(const Scene& scene, const std::vector<Tool>& tools, const HapticMesh& mesh,
-                                      const Plan& plan, const Hash128& manifest, const FittedResponses& fitted);
+                                      const Plan& plan, const Hash128& manifest, const FittedResponses& fitted,
+                                      const PairSources& sources = {});
 
 }  // namespace palpate

@@ -15,6 +15,7 @@ constexpr int kLeaveEvery = 5;
 
 std::vector<coupled::Degrees> candidates(bool lateral, int order) {
   std::vector<coupled::Degrees> all;
+  if (!lateral) all = {coupled::kSpring, {2, 3, 0, 2, 0, 0, 2}};
   for (int stiffness = 2; stiffness <= 4; ++stiffness) {
     for (const int more : {2, 3}) {
       for (const bool straight : {false, true}) {
@@ -65,22 +66,28 @@ SampleSplit split_samples(const std::vector<Sample>& samples) {
   return split;
 }
 
-HeldOutFigures held_out_figures(const std::vector<const std::vector<Sample>*>& pairs, const ModelScales& model) {
+HeldOutFigures held_out_figures(const std::vector<const std::vector<Sample>*>& pairs, const LawFitter& fit) {
   std::vector<double> errors;
   for (const auto* samples : pairs) {
     const SampleSplit split = split_samples(*samples);
-    PairCurves curves;
+    ForceLaw law;
     try {
-      curves = fit_pair(split.kept, model, "held out");
+      law = fit(split.kept);
     } catch (const Error&) {  // covered from its neighbours in the fit
       continue;
     }
     const PairSamples data = sort_samples(*samples, "held out");
-    for (const Sample& s : split.left_out) {
-      errors.push_back((evaluate(curves, model, s.deflection) - s.force).norm() * data.weight(s));
-    }
+    for (const Sample& s : split.left_out) errors.push_back((law(s.deflection) - s.force).norm() * data.weight(s));
   }
   return figures(std::move(errors));
+}
+
+HeldOutFigures held_out_figures(const std::vector<const std::vector<Sample>*>& pairs, const ModelScales& model) {
+  return held_out_figures(pairs, [&](const std::vector<Sample>& samples) -> ForceLaw {
+    return [curves = fit_pair(samples, model, "held out"), &model](const Eigen::Vector3d& deflection) {
+      return evaluate(curves, model, deflection);
+    };
+  });
 }
 
 DegreeChoice choose_degrees(const std::vector<const std::vector<Sample>*>& pairs, ModelScales scales, bool lateral,
@@ -90,7 +97,8 @@ DegreeChoice choose_degrees(const std::vector<const std::vector<Sample>*>& pairs
   for (std::size_t k = 0; k < count; ++k) drawn.push_back(pairs[k * pairs.size() / count]);
   DegreeChoice best;
   best.held_out.p95 = HUGE_VAL;
-  for (const coupled::Degrees& degrees : candidates(lateral, wish.order)) {
+  for (const coupled::Degrees& degrees :
+       wish.spring ? std::vector{coupled::kSpring} : candidates(lateral, wish.order)) {
     scales.coupled = degrees;
     const HeldOutFigures f = held_out_figures(drawn, scales);
     if (f.samples == 0 || !(f.p95 < best.held_out.p95)) continue;

@@ -2,6 +2,7 @@
 // Which order and degrees of the coupled model a scene needs: the fewest coefficients that answer samples left out.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "precompute/fit/pair_fit.hpp"
@@ -11,6 +12,7 @@ namespace palpate::fit {
 struct DegreeWish {
   int order = 0;            ///< 2 to 4; 0: the least that does
   double tolerance = 0.05;  ///< of the 95th percentile of the relative error at samples left out
+  bool spring = false;      ///< coupled::kSpring, whatever its error
 };
 
 /// Relative errors at samples left out: of straight and sideways pushes, over a draw of the pairs.
@@ -38,7 +40,15 @@ struct SampleSplit {
 };
 SampleSplit split_samples(const std::vector<Sample>& samples);
 
-/// Errors of `model` fitted to the kept parts at the parts left out.
+/// Force (N) at a deflection (m), both in the site's frame.
+using ForceLaw = std::function<Eigen::Vector3d(const Eigen::Vector3d& deflection)>;
+/// A law fitted to samples; throws Error(numerical) where it cannot be.
+using LawFitter = std::function<ForceLaw(const std::vector<Sample>& samples)>;
+
+/// Errors of what `fit` makes of the kept parts at the parts left out. Pairs that cannot be fitted are passed over.
+HeldOutFigures held_out_figures(const std::vector<const std::vector<Sample>*>& pairs, const LawFitter& fit);
+
+/// The same of a response model.
 HeldOutFigures held_out_figures(const std::vector<const std::vector<Sample>*>& pairs, const ModelScales& model);
 
 }  // namespace palpate::fit

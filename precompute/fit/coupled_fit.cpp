@@ -103,7 +103,7 @@ Rows make_rows(const PairSamples& data, const CoupledScales& scales) {
   bend(0, 1, d.push - 1);
   bend(p.straight, 2, d.straight - 1);
   bend(p.stiffness, 3, d.stiffness + 1);
-  bend(p.coupling, 3, d.stiffness - 1);
+  bend(p.coupling, 3, coupled::from_square(d.stiffness));
   for (int k = 0; k < p.limit; ++k) add(kRidge * RowVectorXd::Unit(p.end, k), 0);
   Rows result{MatrixXd(static_cast<Eigen::Index>(rows.size()), p.limit),
               VectorXd(static_cast<Eigen::Index>(rows.size()))};

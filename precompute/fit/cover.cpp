@@ -133,10 +133,13 @@ SiteCurves blend_site(const ContactFrame& frame, double depth, const std::vector
   double total = 0;
   for (const CoverSource& source : sources) total += source.weight;
   std::vector<GraspShare> grasps;
+  std::vector<TurnShare> turns;
   for (const CoverSource& source : sources) {
     if (source.site->grasp) grasps.push_back({&*source.site->grasp, source.weight / total, turned(frame, source)});
+    if (source.site->turn) turns.push_back({&*source.site->turn, source.weight / total, turned(frame, source)});
   }
   if (!grasps.empty()) result.grasp = blend_grasps(grasps, scales.depth);
+  if (!turns.empty()) result.turn = blend_turns(turns, scales.depth);
   return result;
 }
 

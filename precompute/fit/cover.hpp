@@ -10,6 +10,7 @@
 
 #include "precompute/fit/grasp_fit.hpp"
 #include "precompute/fit/pair_fit.hpp"
+#include "precompute/fit/turn_fit.hpp"
 
 namespace palpate::fit {
 
@@ -18,6 +19,7 @@ struct SiteCurves {
   PairCurves curves;
   double depth = 0.0;                ///< m, how deep they were sampled
   std::optional<GraspCurves> grasp;  ///< of a tool that holds on
+  std::optional<TurnCurves> turn;    ///< and that is turned
 };
 
 /// Per site the sites it shares an edge with, ascending.
@@ -27,8 +29,8 @@ SiteGraph site_graph(std::size_t sites, const std::vector<std::array<std::int32_
 
 /// Curves at `frame` from those of others, weighted (weights need not sum to 1). A neighbour's frame is carried to
 /// `frame` by the smallest rotation of its normal; the blended field is sampled on the bake's path down to the
-/// smaller of `depth` and the neighbours' mean, and fitted as a pair of its own. Grasps are blended. Throws as
-/// fit_pair.
+/// smaller of `depth` and the neighbours' mean, and fitted as a pair of its own. Grasps and turns are blended. Throws
+/// as fit_pair.
 struct CoverSource {
   const ContactFrame* frame = nullptr;
   const SiteCurves* site = nullptr;

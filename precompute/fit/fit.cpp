@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "precompute/bake/bake.hpp"
 #include "precompute/fit/coupled_degrees.hpp"
 #include "precompute/fit/cover.hpp"
+#include "precompute/fit/given_pairs.hpp"
 
 namespace palpate {
 namespace {
@@ -26,46 +28,49 @@ const JournalPair* solved_pair(const JournalContent& journal, std::uint32_t pair
   return at == journal.pairs.end() || !at->second.outcome ? nullptr : &at->second;
 }
 
-void check_finished(const Plan& plan, const JournalContent& journal) {
-  std::size_t open = 0;
-  for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) open += solved_pair(journal, pair) == nullptr ? 1 : 0;
+/// Number of the pairs to be solved. Throws where one has not been.
+std::size_t check_finished(const Plan& plan, const JournalContent& journal, const PairSources& sources) {
+  std::size_t open = 0, all = 0;
+  for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
+    if (!sources.solved(pair)) continue;
+    ++all;
+    open += solved_pair(journal, pair) == nullptr ? 1 : 0;
+  }
   if (open > 0) {
     throw Error(ExitCode::bad_input, "the bake is not finished: " + std::to_string(open) + " of " +
-                                         std::to_string(plan.pairs.size()) + " pairs have no outcome yet");
+                                         std::to_string(all) + " pairs have no outcome yet");
   }
+  return all;
 }
 
 /// Throws with the causes, most frequent first, when more pairs are refused than allowed.
-void check_refused(const Plan& plan, const std::vector<RefusedPair>& refused, double max_refused) {
+void check_refused(const Plan& plan, std::size_t planned, const std::vector<RefusedPair>& refused, double max_refused) {
   std::map<std::string, std::pair<std::size_t, std::string>> causes;  // text without figures: count, first pair
   for (const RefusedPair& pair : refused) {
     auto& [count, example] = causes[pair.cause.substr(0, pair.cause.find_first_of("0123456789"))];
     if (++count == 1) example = describe(pair.pair, plan.pairs[pair.pair]) + ": " + pair.cause;
   }
-  const double share =
-      static_cast<double>(refused.size()) / static_cast<double>(std::max<std::size_t>(plan.pairs.size(), 1));
+  const double share = static_cast<double>(refused.size()) / static_cast<double>(std::max<std::size_t>(planned, 1));
   if (share <= max_refused) return;
   std::vector<std::pair<std::size_t, std::string>> sorted;
   for (const auto& [kind, entry] : causes) sorted.push_back(entry);
   std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   char percent[64];
   std::snprintf(percent, sizeof percent, "%.1f %%, allowed %.1f %%", 100 * share, 100 * max_refused);
-  std::string text = std::to_string(refused.size()) + " of " + std::to_string(plan.pairs.size()) +
-                     " pairs were refused (" + percent + "; scene: sampling.max_refused):";
+  std::string text = std::to_string(refused.size()) + " of " + std::to_string(planned) + " pairs were refused (" +
+                     percent + "; scene: sampling.max_refused):";
   for (std::size_t k = 0; k < std::min<std::size_t>(sorted.size(), 8); ++k) {
     text += "\n  " + std::to_string(sorted[k].first) + " like " + sorted[k].second;
   }
   throw Error(ExitCode::numerical, text);
 }
 
-ModelScales make_scales(const Plan& plan, const JournalContent& journal, const FitSettings& settings) {
+ModelScales make_scales(const std::vector<const std::vector<Sample>*>& pairs, const FitSettings& settings) {
   ModelScales scales;
   scales.depth = settings.depth_scale;
   if (!settings.friction) return scales;
-  for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
-    const JournalPair& solved = *solved_pair(journal, pair);
-    if (!solved.outcome->accepted) continue;
-    for (const Sample& s : solved.samples) {
+  for (const std::vector<Sample>* samples : pairs) {
+    for (const Sample& s : *samples) {
       if (s.kind == SampleKind::tangential) scales.sideways = std::max(scales.sideways, s.deflection.head<2>().norm());
     }
   }
@@ -81,16 +86,22 @@ std::vector<float> to_floats(const Eigen::VectorXd& coefs) {
   return result;
 }
 
-Response to_response(const SiteCurves& site, bool solved, const FitReport& report, const ModelScales& scales) {
+Response to_response(const SiteCurves& site, std::uint32_t flags, const FitReport& report, const ModelScales& scales) {
   Response r;
   r.depth_limit = site.depth;
-  r.flags = solved ? layout::response_solved : layout::response_covered;
+  r.flags = flags;
   if (site.grasp) {
     r.grasp_depth = site.grasp->depth;
     r.grasp_pulled = site.grasp->pulled;
     r.grasp = to_floats(site.grasp->curves);
   } else if (report.grasp) {  // another tool of the scene holds on
     r.grasp.assign(layout::kGraspCurves * fit::kGraspCoefs, 0.0F);
+  }
+  if (site.turn) {
+    r.turned = site.turn->turned;
+    r.turn = to_floats(site.turn->curves);
+  } else if (report.turn) {
+    r.turn.assign(layout::kTurnCurves * fit::kGraspCoefs, 0.0F);
   }
   if (scales.coupled) {
     fit::Quantised quantised = fit::quantise(site.curves.coupled, *scales.coupled, "response");
@@ -147,45 +158,61 @@ ErrorFigures error_figures(const std::vector<std::pair<double, std::uint32_t>>& 
 
 FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std::int32_t, 3>>& triangles,
                               const std::vector<std::uint32_t>& tool_vertices, const JournalContent& journal,
-                              const FitSettings& settings) {
-  check_finished(plan, journal);
-
+                              const FitSettings& settings, const PairSources& sources) {
   FittedResponses result;
-  result.scales = make_scales(plan, journal, settings);
   FitReport& report = result.report;
-  report.planned = plan.pairs.size();
+  report.planned = check_finished(plan, journal, sources);
+  check_given(plan, sources, settings.friction);
+  std::vector<const std::vector<Sample>*> all, exact;
+  for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
+    const std::vector<Sample>* samples = samples_of(pair, journal, sources);
+    if (samples == nullptr) continue;
+    const auto given = sources.given.find(pair);
+    const bool noisy = given != sources.given.end() && given->second.measured;
+    all.push_back(samples);
+    if (!noisy) exact.push_back(samples);
+    report.lateral = report.lateral || (noisy ? has_steady_lateral_force(*samples, settings.lateral_threshold)
+                                              : has_lateral_force(*samples, settings.lateral_threshold));
+  }
+  result.scales = make_scales(all, settings);
   report.friction = settings.friction;
   std::vector<std::uint32_t> first(tool_vertices.size() + 1, 0);
   std::partial_sum(tool_vertices.begin(), tool_vertices.end(), first.begin() + 1);
 
   std::vector<SiteRow> rows(first.back(), SiteRow(plan.sites.size()));
-  std::vector<std::pair<double, std::uint32_t>> normal, tangential, paths, grasped;
+  std::vector<std::vector<std::uint32_t>> flags(
+      rows.size(), std::vector<std::uint32_t>(plan.sites.size(), layout::response_covered));
+  std::vector<std::pair<double, std::uint32_t>> normal, tangential, paths, grasped, turned, laws;
   std::vector<RefusedPair> refused;
-  std::vector<const std::vector<Sample>*> accepted;
-  for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
-    const JournalPair& solved = *solved_pair(journal, pair);
-    if (!solved.outcome->accepted) continue;
-    accepted.push_back(&solved.samples);
-    report.lateral = report.lateral || has_lateral_force(solved.samples, settings.lateral_threshold);
-  }
   if (settings.coupled) {
-    const fit::DegreeChoice choice = fit::choose_degrees(accepted, result.scales, report.lateral, *settings.coupled);
+    const fit::DegreeChoice choice = choose_degrees(plan, sources, exact, result.scales, report.lateral, settings);
     result.scales.coupled = choice.degrees;
     report.held_out = choice.held_out;
   }
   for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
+    const PairPlan& planned = plan.pairs[pair];
+    const std::uint32_t row = first[planned.tool] + planned.tool_vertex;
+    if (const auto given = sources.given.find(pair); given != sources.given.end()) {
+      rows[row][planned.site] = fit_given(plan, pair, given->second, result.scales, report, laws);
+      flags[row][planned.site] = given->second.measured ? layout::response_measured : layout::response_analytic;
+      continue;
+    }
+    if (!sources.solved(pair)) continue;
     const JournalPair& solved = *solved_pair(journal, pair);
     if (!solved.outcome->accepted) {
       refused.push_back({pair, solved.outcome->cause});
       continue;
     }
-    const PairPlan& planned = plan.pairs[pair];
     PairCurves curves;
     std::optional<fit::GraspCurves> grasp;
+    std::optional<fit::TurnCurves> turn;
     try {
       curves = fit::fit_pair(solved.samples, result.scales, "fit");
       if (planned.tool < settings.grasps.size() && settings.grasps[planned.tool]) {
         grasp = fit::fit_grasp(solved.samples, result.scales.depth, "fit");
+        if (planned.tool < settings.turns.size() && settings.turns[planned.tool]) {
+          turn = fit::fit_turns(solved.samples, *grasp, result.scales.depth, "fit");
+        }
       }
     } catch (const Error& error) {  // one odd pair is covered from its neighbours like a refused one
       refused.push_back({pair, error.what()});
@@ -202,16 +229,24 @@ FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std
       for (const double e : own) grasped.emplace_back(e, pair);
       report.grasp = true;
     }
+    if (turn) {
+      for (const double e : fit::turn_errors(*grasp, *turn, result.scales.depth, solved.samples)) {
+        turned.emplace_back(e, pair);
+      }
+      report.turn = true;
+    }
     report.pairs.push_back(pair_figures(pair, errors));
-    rows[first[planned.tool] + planned.tool_vertex][planned.site] =
-        SiteCurves{std::move(curves), planned.depth, std::move(grasp)};
+    rows[row][planned.site] = SiteCurves{std::move(curves), planned.depth, std::move(grasp), std::move(turn)};
+    flags[row][planned.site] = layout::response_solved;
   }
-  check_refused(plan, refused, settings.max_refused);
+  check_refused(plan, report.planned, refused, settings.max_refused);
   report.refused = refused.size();
   report.normal = error_figures(normal);
   report.tangential = error_figures(tangential);
   report.paths = error_figures(paths);
   report.grasped = error_figures(grasped);
+  report.turned = error_figures(turned);
+  report.laws = error_figures(laws);
   for (const SkippedPair& pair : plan.skipped) {
     ++(pair.reason == SkipReason::support       ? report.support
        : pair.reason == SkipReason::unreachable ? report.unreachable
@@ -228,12 +263,11 @@ FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std
   result.responses.resize(plan.sites.size() * rows.size());
   for (std::size_t vertex = 0; vertex < rows.size(); ++vertex) {
     SiteRow& row = rows[vertex];
-    std::vector<bool> solved;
-    for (const auto& site : row) solved.push_back(site.has_value());
     fit::cover_sites(graph, frames, depths, result.scales, row, "tool vertex " + std::to_string(vertex));
     for (std::size_t site = 0; site < row.size(); ++site) {
-      result.responses[site * rows.size() + vertex] = to_response(*row[site], solved[site], report, result.scales);
-      report.covered += solved[site] ? 0 : 1;
+      result.responses[site * rows.size() + vertex] =
+          to_response(*row[site], flags[vertex][site], report, result.scales);
+      report.covered += flags[vertex][site] == layout::response_covered ? 1 : 0;
     }
   }
   return result;

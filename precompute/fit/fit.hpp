@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,7 +13,9 @@
 #include "formats/response.hpp"
 #include "precompute/bake/plan.hpp"
 #include "precompute/fit/coupled_degrees.hpp"
+#include "precompute/fit/given_pairs.hpp"
 #include "precompute/fit/pair_fit.hpp"
+#include "precompute/solve/pair.hpp"
 
 namespace palpate {
 
@@ -23,6 +26,9 @@ struct FitSettings {
   double lateral_threshold = 0.01;         ///< straight pushes below this share of their pair's peak are left out
   std::optional<fit::DegreeWish> coupled;  ///< the coupled model; none: separable
   std::vector<bool> grasps;                ///< per tool, whether it holds on; empty: none does
+  std::vector<bool> turns;                 ///< per tool that holds on, whether it is turned; empty: none is
+  /// Along which a bake pushes so deep (m); wanted where recordings meet the coupled model.
+  std::function<PairPath(double depth)> path;
 };
 
 /// Median, 95th percentile and worst of relative errors (share of max(|force|, 2 % of the pair's peak)).
@@ -37,18 +43,32 @@ struct PairFigures {
   double median = 0.0, p95 = 0.0, worst = 0.0;  ///< over all samples of the pair
 };
 
+/// What came of the recorded rows of a pair.
+struct RecordedFigures {
+  std::uint32_t pair = 0;
+  std::size_t rows = 0;               ///< that it is made of, outliers among them
+  std::vector<std::string> outliers;  ///< "file:line" of the rows that were left out
+  double rms = 0.0, worst = 0.0;      ///< N, of the others off the curves
+  double depth = 0.0;                 ///< m, how deep they reach
+  Passed passed;                      ///< rows that are not among `rows`
+};
+
 struct FitReport {
-  std::size_t planned = 0, accepted = 0;
+  std::size_t planned = 0, accepted = 0;                  ///< of the pairs to be solved
   std::size_t refused = 0;                                ///< by the solver or by the fit
   std::size_t shortened = 0;                              ///< of the accepted: a sideways push ended early
   std::size_t covered = 0;                                ///< responses taken from neighbours: refused and skipped ones
+  std::size_t analytic = 0;                               ///< responses by a closed form; the measured ones: recorded
   std::size_t support = 0, outside = 0, unreachable = 0;  ///< of those covered, why they were skipped
-  bool lateral = false, friction = false, grasp = false;  ///< sections that the file has
+  bool lateral = false, friction = false, grasp = false, turn = false;  ///< sections that the file has
   ErrorFigures normal, tangential;
-  ErrorFigures paths;              ///< along the paths that the fit did not read, by the model's own anchor rule
-  ErrorFigures grasped;            ///< of tools that hold on
-  fit::HeldOutFigures held_out;    ///< coupled: of samples left out, by which the degrees were chosen
-  std::vector<PairFigures> pairs;  ///< by pair
+  ErrorFigures paths;                     ///< along the paths that the fit did not read, by the model's own anchor rule
+  ErrorFigures grasped;                   ///< of tools that hold on
+  ErrorFigures turned;                    ///< of their torques when they are turned
+  ErrorFigures laws;                      ///< of the closed forms' curves
+  std::vector<RecordedFigures> recorded;  ///< by pair
+  fit::HeldOutFigures held_out;           ///< coupled: of samples left out, by which the degrees were chosen
+  std::vector<PairFigures> pairs;         ///< by pair
 };
 
 struct FittedResponses {
@@ -60,11 +80,12 @@ struct FittedResponses {
 /// Median, 95th percentile (nearest rank) and worst of `errors`; all zero when there are none.
 ErrorFigures error_figures(const std::vector<std::pair<double, std::uint32_t>>& errors);
 
-/// Fits and covers. `triangles`: patches of the haptic mesh; `tool_vertices`: their number per tool.
-/// Throws Error(bad_input) when a planned pair has no outcome (the bake is not finished), Error(numerical) when too
-/// many were refused by the solver or could not be fitted (with the causes).
+/// Fits and covers. `triangles`: patches of the haptic mesh; `tool_vertices`: their number per tool; `sources`: what
+/// stands in place of the journal. Throws Error(bad_input) when a pair to be solved has no outcome (the bake is not
+/// finished) and as fit_recorded, Error(numerical) when too many were refused by the solver or could not be fitted
+/// (with the causes).
 FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std::int32_t, 3>>& triangles,
                               const std::vector<std::uint32_t>& tool_vertices, const JournalContent& journal,
-                              const FitSettings& settings);
+                              const FitSettings& settings, const PairSources& sources = {});
 
 }  // namespace palpate

@@ -25,10 +25,6 @@ constexpr double kAside = 0.01;  // of Z: straight pulls are sideways by less
 constexpr double kLeast = 1e-3;  // smaller over larger stiffness
 constexpr double kLowest = -10;  // peaks: least coefficient of Fn
 
-double abscissa(double depth, double scale) {
-  return std::clamp(0.5 * (depth / (layout::kGraspRange * scale) + 1), 0.0, 1.0);
-}
-
 grasp::Law make_law(const GraspCurves& grasp, double scale) {
   grasp::Law law;
   law.clear(n, scale);
@@ -44,15 +40,6 @@ std::vector<const Sample*> unturned(const std::vector<Sample>& samples) {
   return result;
 }
 
-// Of a straight line they are zero. Without the jumps a zigzag of coefficients would pass, which bends nowhere in the
-// middle of an interval.
-MatrixXd prior_rows() {
-  const MatrixXd bends = bend_rows(n), jumps = jump_rows(n);
-  MatrixXd rows(bends.rows() + jumps.rows(), n);
-  rows << bends, jumps;
-  return kPrior * rows;
-}
-
 double peak_force(const std::vector<const Sample*>& samples) {
   double peak = 0;
   for (const Sample* s : samples) peak = std::max(peak, s->force.norm());
@@ -63,17 +50,14 @@ double peak_force(const std::vector<const Sample*>& samples) {
 // their ends, so that the law goes on beyond them: their unknowns are two fewer.
 void fit_sideways(const std::vector<const Sample*>& samples, double scale, double peak, const std::string& what,
                   VectorXd& curves) {
-  MatrixXd level = MatrixXd::Zero(n, n - 2);
-  level(0, 0) = level(n - 1, n - 3) = 1;
-  level.middleRows(1, n - 2).setIdentity();
-  const MatrixXd bends = prior_rows();
+  const MatrixXd level = level_ends(n), bends = kPrior * smooth_rows(n);
   const auto count = static_cast<Eigen::Index>(samples.size());
   MatrixXd all = MatrixXd::Zero(2 * count + 5 * bends.rows(), 5 * n);
   VectorXd target = VectorXd::Zero(all.rows());
   for (Eigen::Index i = 0; i < count; ++i) {
     const Sample& s = *samples[static_cast<std::size_t>(i)];
     const double weight = peak / std::max(s.force.norm(), kFloor * peak);
-    const Eigen::RowVectorXd value = weight * value_row(n, abscissa(s.deflection.z(), scale));
+    const Eigen::RowVectorXd value = weight * value_row(n, grasp_abscissa(s.deflection.z(), scale));
     const double x = s.deflection.x() / scale, y = s.deflection.y() / scale;  // stiffnesses in peak / Z
     all.row(2 * i).segment(0, n) = value;
     all.row(2 * i).segment(2 * n, n) = -x * value;
@@ -114,7 +98,7 @@ void fit_normal(const std::vector<const Sample*>& samples, double scale, double 
   for (int i = 0; i < n; ++i) coefs.row(i).head(i + 1).setOnes();
   grasp.curves.segment(2 * n, n).setZero();
   const grasp::Law sideways = make_law(grasp, scale);
-  const MatrixXd bends = prior_rows();
+  const MatrixXd bends = kPrior * smooth_rows(n);
   const auto count = static_cast<Eigen::Index>(samples.size());
   MatrixXd rows(count + bends.rows(), n);
   VectorXd target = VectorXd::Zero(rows.rows());
@@ -122,7 +106,7 @@ void fit_normal(const std::vector<const Sample*>& samples, double scale, double 
     const Sample& s = *samples[static_cast<std::size_t>(i)];
     const double weight = peak / std::max(s.force.norm(), kFloor * peak);
     const double coupling = sideways.force({s.deflection.x(), s.deflection.y(), s.deflection.z()}).n;
-    rows.row(i) = weight * value_row(n, abscissa(s.deflection.z(), scale));
+    rows.row(i) = weight * value_row(n, grasp_abscissa(s.deflection.z(), scale));
     target[i] = weight * ((s.force.z() - coupling) / peak - kLowest);
   }
   rows.bottomRows(bends.rows()) = bends;

@@ -27,22 +27,25 @@ constexpr int continuation_points = 8;
 
 class Rows {
 public:
-  explicit Rows(int columns) : matrix_(0, columns), target_(0) {}
+  explicit Rows(int columns) : columns_(columns) {}
   void add(const RowVectorXd& row, double target) {
-    matrix_.conservativeResize(matrix_.rows() + 1, Eigen::NoChange);
-    matrix_.bottomRows(1) = row;
-    target_.conservativeResize(matrix_.rows());
-    target_[matrix_.rows() - 1] = target;
+    entries_.insert(entries_.end(), row.begin(), row.end());
+    target_.push_back(target);
   }
   void add(const MatrixXd& rows) {
     for (Eigen::Index i = 0; i < rows.rows(); ++i) add(RowVectorXd(rows.row(i)), 0.0);
   }
-  [[nodiscard]] const MatrixXd& matrix() const { return matrix_; }
-  [[nodiscard]] const VectorXd& target() const { return target_; }
+  [[nodiscard]] MatrixXd matrix() const {
+    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    return Eigen::Map<const RowMajor>(entries_.data(), static_cast<Eigen::Index>(target_.size()), columns_);
+  }
+  [[nodiscard]] VectorXd target() const {
+    return Eigen::Map<const VectorXd>(target_.data(), static_cast<Eigen::Index>(target_.size()));
+  }
 
 private:
-  MatrixXd matrix_;
-  VectorXd target_;
+  Eigen::Index columns_;
+  std::vector<double> entries_, target_;  // row after row
 };
 
 struct PairData : PairSamples {
@@ -128,10 +131,13 @@ RowVectorXd sideways_row(int count, double t) {
 
 /// The straight push's sideways force at a depth: the solved one where this depth was solved, else the curve's.
 double straight_push(const PairData& data, const VectorXd& lateral, const ModelScales& scales, double depth, int axis) {
-  const Sample* nearest = data.normal.front();
-  for (const Sample* sample : data.normal) {
-    if (std::abs(sample->deflection.z() - depth) < std::abs(nearest->deflection.z() - depth)) nearest = sample;
+  auto at = std::lower_bound(data.normal.begin(), data.normal.end(), depth,
+                             [](const Sample* sample, double z) { return sample->deflection.z() < z; });
+  if (at == data.normal.end() ||
+      (at != data.normal.begin() && depth - (*(at - 1))->deflection.z() <= (*at)->deflection.z() - depth)) {
+    --at;
   }
+  const Sample* const nearest = *at;
   if (std::abs(nearest->deflection.z() - depth) <= 1e-3 * depth) return nearest->force[axis];
   return spline::value(lateral.data(), scales.lateral_coefs, abscissa(depth, scales.depth));
 }

@@ -14,7 +14,7 @@ constexpr double floor_share = 0.02;  // of the peak force, below which errors c
 }  // namespace
 
 double PairSamples::weight(const Sample& sample) const {
-  return 1.0 / std::max(sample.force.norm(), floor_share * peak);
+  return sample.weight / std::max(sample.force.norm(), floor_share * peak);
 }
 
 PairSamples sort_samples(const std::vector<Sample>& samples, const std::string& what) {

@@ -14,7 +14,7 @@ struct PairSamples {
   std::vector<const Sample*> tangential;  ///< as they came
   double peak = 0.0;                      ///< N, largest force of a straight push, > 0
 
-  /// 1 / max(|force|, 2 % of the peak).
+  /// The sample's own weight / max(|force|, 2 % of the peak).
   [[nodiscard]] double weight(const Sample& sample) const;
 };
 

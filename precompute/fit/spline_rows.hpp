@@ -3,7 +3,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 
+#include "palpate/response_layout.hpp"
 #include "palpate/spline.hpp"
 
 namespace palpate::fit {
@@ -49,6 +51,28 @@ inline Eigen::MatrixXd bend_rows(int count) {
   Eigen::MatrixXd rows(intervals, count);
   for (int i = 0; i < intervals; ++i) rows.row(i) = second_row(count, i);
   return rows;
+}
+
+/// bend_rows and jump_rows: zero of a straight line. Without the jumps a zigzag of coefficients would pass, which bends
+/// nowhere in the middle of an interval.
+inline Eigen::MatrixXd smooth_rows(int count) {
+  const Eigen::MatrixXd bends = bend_rows(count), jumps = jump_rows(count);
+  Eigen::MatrixXd rows(bends.rows() + jumps.rows(), count);
+  rows << bends, jumps;
+  return rows;
+}
+
+/// Coefficients of a curve that is level at both ends, by those between the outermost two.
+inline Eigen::MatrixXd level_ends(int count) {
+  Eigen::MatrixXd level = Eigen::MatrixXd::Zero(count, count - 2);
+  level(0, 0) = level(count - 1, count - 3) = 1;
+  level.middleRows(1, count - 2).setIdentity();
+  return level;
+}
+
+/// Of a bonded contact's depth (m, of either sign) in its curves.
+inline double grasp_abscissa(double depth, double scale) {
+  return std::clamp(0.5 * (depth / (layout::kGraspRange * scale) + 1), 0.0, 1.0);
 }
 
 }  // namespace palpate::fit

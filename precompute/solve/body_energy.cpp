@@ -15,9 +15,15 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
+Material with_fibres(const MaterialScene& scene, const std::shared_ptr<const CurveQuery>& fibres) {
+  Material material = make_material(scene);
+  if (fibres) material.fibre_at = [fibres](const Vector3d& place) { return fibres->tangent(place); };
+  return material;
+}
+
 std::vector<Material> materials(const Body& body) {
-  std::vector<Material> all{make_material(body.material)};
-  for (const Inclusion& i : body.inclusions) all.push_back(make_material(i.material));
+  std::vector<Material> all{with_fibres(body.material, body.fibres)};
+  for (const Inclusion& i : body.inclusions) all.push_back(with_fibres(i.material, i.fibres));
   return all;
 }
 

@@ -20,7 +20,6 @@ Bonded::Bonded(PairRun& run, const CurvePoint& at, double furthest)
   run_.push.bond();
   rest_ = run_.push.contact().pose().linear();
   stored_ = stored();
-  contact_energy_ = contact_energy();
   start_ = stand({});
 }
 
@@ -45,6 +44,7 @@ Matrix3d Bonded::rotation(const Vector3d& turned) const {
 Bonded::Stand Bonded::stand(const StepResult& step) const {
   Stand s{run_.push.state(), run_.sample(step.iterations)};
   s.force = run_.frame.to_world(s.sample.force);
+  s.contact_energy = contact_energy();
   s.sample.kind = SampleKind::grasped;
   const Vector3d& point = run_.vertex.point;
   const Vector3d way = run_.push.contact().pose() * point - (run_.start + rest_ * point);
@@ -91,13 +91,13 @@ std::optional<std::string> Bonded::move(Stand& now, const Vector3d& target) {
   return take(now, std::move(next), work, answer);
 }
 
-std::optional<std::string> Bonded::turn(Stand& now, const Vector3d& target) {
-  const Vector3d from = now.turned, way = target - from;
+std::optional<std::string> Bonded::turn(Stand& now, const Stand& from, const Vector3d& target) {
+  const Vector3d start = now.turned, way = target - start;
   const Vector3d rests = run_.push.contact().pose() * run_.vertex.point;
-  Vector3d reached = from;
+  Vector3d reached = start;
   const StepResult step = in_parts([&](double to, double /*part*/) {
     const PushState before = run_.push.state();
-    const Vector3d next = from + to * way;
+    const Vector3d next = start + to * way;
     const Matrix3d turned = rotation(next);
     run_.push.set_rotation(turned);
     const StepResult s = move_by(run_.options, run_.push, rests - turned * run_.vertex.point, at_.depth, radius_,
@@ -117,8 +117,8 @@ std::optional<std::string> Bonded::turn(Stand& now, const Vector3d& target) {
   const double work = -0.5 * (now.sample.torque + next.sample.torque).dot(way),
                answer = (next.sample.torque - now.sample.torque).dot(way);
   // The contact's own compliance, at a constant contact area: twice its energy over the torque.
-  const double angle = target.norm(), against = -(next.sample.torque - start_.sample.torque).dot(target) / angle;
-  const double give = against > 0 ? 2 * (contact_energy() - contact_energy_) / against : 0.0;
+  const double angle = target.norm(), against = -(next.sample.torque - from.sample.torque).dot(target) / angle;
+  const double give = against > 0 ? 2 * (next.contact_energy - from.contact_energy) / against : 0.0;
   next.sample.rotation = (1 - std::clamp(give / angle, 0.0, 0.1)) * target;
   add_error(next, radius_ * angle, radius_ * give, step);
   return take(now, std::move(next), work, answer);

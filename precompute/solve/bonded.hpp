@@ -18,6 +18,7 @@ public:
     Eigen::Vector3d force{0, 0, 0};   ///< N, body frame
     Eigen::Vector3d turned{0, 0, 0};  ///< rad since the bond, axis times angle, contact frame
     double work = 0.0, effort = 0.0;  ///< J since the bond: by the tool, and of all its moves without their signs
+    double contact_energy = 0.0;      ///< J
   };
 
   /// Bonds the contact of a point of the straight push, where the push then stands. `furthest` (m): size of the moves.
@@ -29,8 +30,9 @@ public:
   /// where there is no believable equilibrium: then `now` is as before.
   std::optional<std::string> move(Stand& now, const Eigen::Vector3d& target);
   /// The same for a turn to `target` (rad since the bond, axis times angle, contact frame) about the point by which the
-  /// tool touched, which rests. The sample's rotation is less what the bond itself gives.
-  std::optional<std::string> turn(Stand& now, const Eigen::Vector3d& target);
+  /// tool touched, which rests. The sample's rotation is less what the bond itself gives since `from`, which is not
+  /// turned.
+  std::optional<std::string> turn(Stand& now, const Stand& from, const Eigen::Vector3d& target);
 
 private:
   [[nodiscard]] double contact_energy() const;
@@ -42,10 +44,10 @@ private:
 
   PairRun& run_;
   const CurvePoint& at_;
-  const double radius_;                         // m
-  const double scale_;                          // J
-  Eigen::Matrix3d rest_;                        // the tool's rotation as it was bonded
-  double stored_ = 0.0, contact_energy_ = 0.0;  // J, in body and contact, and in the contact, as it was bonded
+  const double radius_;   // m
+  const double scale_;    // J
+  Eigen::Matrix3d rest_;  // the tool's rotation as it was bonded
+  double stored_ = 0.0;   // J, in body and contact, as it was bonded
   Stand start_;
 };
 

@@ -68,7 +68,7 @@ void ContactEnergy::for_each_near(const VectorXd& x, Visit&& visit) const {
     const Hold* held = anchors_.held.data() + f * kPoints;
     const bool anchored = std::any_of(held, held + kPoints, [](Hold h) { return h != Hold::none; });
     if (!anchored && ((centre - middle).squaredNorm() > (around_ + reach) * (around_ + reach) ||
-                      shape_.distance(to_tool * (centre - pose_.translation())).value > reach)) {
+                      shape_.lower_bound(to_tool * (centre - pose_.translation())) > reach)) {
       continue;
     }
     p = to_tool * (p.colwise() - pose_.translation()).eval();
@@ -199,7 +199,7 @@ double ContactEnergy::slip_ratio(const VectorXd& x, const Vector3d& direction, c
     if (pressure <= 0) return;
     const Vector3d g = pose_.linear() * s.gradient;
     const double lean = g.dot(direction);
-    along += pressure * std::sqrt(std::max(0.0, 1 - lean * lean));
+    along += pressure * std::sqrt(std::max(0.0, g.squaredNorm() - lean * lean));
     across -= pressure * g.dot(normal);
   });
   return across > 0 ? along / across : 1.0;
@@ -225,7 +225,7 @@ void ContactEnergy::stick(const VectorXd& x) {
     if (answer(k, s.value).pressure <= 0) return;
     anchors_.held[k] = Hold::stuck;
     anchors_.position[k] = at;
-    anchors_.normal[k] = s.gradient;
+    anchors_.normal[k] = s.normal();
   });
 }
 
@@ -263,7 +263,7 @@ double ContactEnergy::gap(const VectorXd& x) const {
     for (int n = 0; n < 6; ++n) p.col(n) = to_tool * (x.segment<3>(3 * face.nodes[n]) - pose_.translation());
     const Vector3d centre = p.leftCols<3>().rowwise().mean();
     const double reach = 1.3 * (p.colwise() - centre).colwise().norm().maxCoeff();
-    if (shape_.distance(centre).value - reach > smallest) continue;
+    if (shape_.lower_bound(centre) - reach > smallest) continue;
     for (int n = 0; n < 6; ++n) smallest = std::min(smallest, shape_.distance(p.col(n)).value);
     for (int q = 0; q < kPoints; ++q) {
       Vector3d at = Vector3d::Zero();

@@ -53,7 +53,7 @@ void FrictionEnergy::begin(const VectorXd& x) {
   for (const ContactPoint& p : contact_.touching(x)) {
     const Anchor* old = anchor(p.index);
     now.push_back({p.index, old != nullptr ? old->position : p.at, limit(p)});
-    points_.push_back({p.index, p.nodes, p.shape, now.back().position, p.distance.gradient, stiffness_ * p.weight,
+    points_.push_back({p.index, p.nodes, p.shape, now.back().position, p.distance.normal(), stiffness_ * p.weight,
                        now.back().limit, now.back().limit});
   }
   anchors_ = std::move(now);
@@ -92,7 +92,7 @@ void FrictionEnergy::hold(const VectorXd& x, double share) {
     fade(p.index);
     const double last = held != points_.end() && held->index == p.index ? (held++)->limit : 0.0;
     const Anchor* old = anchor(p.index);
-    next.push_back({p.index, p.nodes, p.shape, old != nullptr ? old->position : landing(p), p.distance.gradient,
+    next.push_back({p.index, p.nodes, p.shape, old != nullptr ? old->position : landing(p), p.distance.normal(),
                     stiffness_ * p.weight, last + share * (limit(p) - last), old != nullptr ? old->limit : 0.0});
   }
   fade(std::numeric_limits<std::size_t>::max());

@@ -39,7 +39,7 @@ public:
     }
     if (!cause.empty()) run_.result.outcome.cause = "stopped short: " + cause;
     for (const Stand& s : stands) add(s.sample);
-    return sideways(stands) && turns();
+    return sideways(stands) && turns(stands);
   }
 
 private:
@@ -107,23 +107,24 @@ private:
   }
 
   // Twist about the normal, rolling about the tangents.
-  bool turns() {
+  bool turns(const std::vector<Stand>& stands) {
     std::string cause;
-    for (int k = 0; path_.grasp_turn > 0 && k < 6; ++k) {
-      const Vector3d axis = (k < 3 ? 1 : -1) * Vector3d::Unit(k % 3);
-      Stand now = bonded_.start();
-      bonded_.restore(now);
-      for (int point = 1; point <= path_.grasp_turn_points; ++point) {
-        const double angle = path_.grasp_turn * point / path_.grasp_turn_points;
-        if (const auto failed = bonded_.turn(now, angle * axis)) {
-          cause = *failed + " in the grasp turned by " + std::to_string(angle) + " rad";
-          if (point == 1) return run_.refuse_contact(cause);
-          break;
+    std::size_t taken = 0;
+    for (const Stand* s : bases(stands)) {
+      for (const Vector3d& turn : path_.grasp_turns) {
+        Stand now = *s;
+        bonded_.restore(now);
+        if (const auto failed = bonded_.turn(now, *s, turn)) {
+          cause = *failed + " in the grasp turned by " + std::to_string(turn.norm()) + " rad at depth " +
+                  std::to_string(1e3 * s->sample.deflection.z()) + " mm";
+          continue;
         }
         add(now.sample);
+        ++taken;
       }
     }
     bonded_.restore(bonded_.start());
+    if (!path_.grasp_turns.empty() && taken == 0) return run_.refuse_contact(cause);
     if (!cause.empty()) run_.result.outcome.cause = "stopped short: " + cause;
     return true;
   }

@@ -50,16 +50,17 @@ struct PairPath {
   int grasp_directions = 0;          ///< evenly spaced; sideways from the deepest push, depth 0 and the furthest pull
   int grasp_points = 2;              ///< per sideways move
   double grasp_reach = 0.0;          ///< m, of a sideways move
-  double grasp_turn = 0.0;    ///< rad; > 0: the bonded tool is turned by as much about x, y and n, both ways, the
-                              ///< point by which it touched resting
-  int grasp_turn_points = 1;  ///< of each turn
+  std::vector<Eigen::Vector3d> grasp_turns;  ///< rad, axis times angle in (x, y, n), angle in (0, 1]: the bonded tool
+                                             ///< is turned so, the point by which it touched resting, from where the
+                                             ///< sideways moves begin
 };
 
 /// The path the bake uses for a pair of this scene: depths evenly spaced in sqrt(depth).
 PairPath bake_path(const Scene& scene, double depth);
 
 /// Adds the grasp of a tool that holds on: its grasp depth (all of `depth` where that is less) among the normal ones,
-/// its bonded contact evenly from as far out as `depth` is deep to the bottom.
+/// its bonded contact evenly from as far out as `depth` is deep to the bottom; turned about x, y and n, both ways, by
+/// the tool's angle.
 void add_grasp(PairPath& path, const Scene& scene, const ToolScene& tool, double depth);
 
 /// Paths that only test: diagonal, side then deeper, lift under side load, within `path`'s depths and reach.

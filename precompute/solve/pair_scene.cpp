@@ -58,6 +58,9 @@ void add_grasp(PairPath& path, const Scene& scene, const ToolScene& tool, double
   for (int k = -half; k <= half; ++k) path.grasp_depths.push_back(depth * k / half);
   path.grasp_directions = scene.sampling.tangential_directions;
   path.grasp_reach = depth / 2;
+  for (int k = 0; tool.grasp_turn > 0 && k < 6; ++k) {
+    path.grasp_turns.emplace_back((k < 3 ? 1 : -1) * tool.grasp_turn * Eigen::Vector3d::Unit(k % 3));
+  }
 }
 
 std::vector<SidePath> test_paths(const PairPath& path, double angle) {

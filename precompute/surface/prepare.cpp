@@ -4,6 +4,7 @@
 #include "formats/surface_io.hpp"
 #include "precompute/body.hpp"
 #include "precompute/geometry/intersections.hpp"
+#include "precompute/geometry/label_surface.hpp"
 #include "precompute/geometry/solids.hpp"
 #include "precompute/geometry/topology.hpp"
 #include "precompute/mesh/remesh.hpp"
@@ -63,8 +64,26 @@ Surface region_surface(const RegionScene& region) {
     case RegionScene::Shape::box:
       return box_solid(region.box_min, region.box_max, (region.box_max - region.box_min).minCoeff() / region_edges,
                        region.name);
+    case RegionScene::Shape::labels:
+      return label_surface(read_label_mask(region.surface, region.label),
+                           region.surface.file.string() + ": label " + std::to_string(region.label));
   }
   return read_surface(region.surface);
+}
+
+// Null where the fibres have one direction, or there are none.
+std::shared_ptr<const CurveQuery> fibres_of(const MaterialScene& material, const Surface& around) {
+  if (material.centreline.file.empty()) return nullptr;
+  const Curves curves = read_curves(material.centreline);
+  Eigen::AlignedBox3d box, lines;
+  for (const auto& v : around.vertices) box.extend(v);
+  for (const auto& p : curves.points) lines.extend(p);
+  const double size = box.diagonal().norm(), length = lines.diagonal().norm();
+  if (lines.exteriorDistance(box) > size || length < 0.02 * size || length > 50 * size) {
+    fail(fmt::format("{}: its curves, {:.3g} m in all, do not fit what they run in, {:.3g} m; is 'units' right?",
+                     material.centreline.file.string(), length, size));
+  }
+  return std::make_shared<const CurveQuery>(curves);
 }
 
 Inclusion make_inclusion(const RegionScene& region, const Body& body, double& edge) {
@@ -75,6 +94,7 @@ Inclusion make_inclusion(const RegionScene& region, const Body& body, double& ed
   inclusion.name = region.name;
   inclusion.query = cleaned.query;
   inclusion.material = region.material;
+  inclusion.fibres = fibres_of(region.material, inclusion.query->surface());
   const auto& surface = inclusion.query->surface();
   const auto count = crossings(surface, body.query->surface());
   if (count > 0) fail(fmt::format("{}: it intersects the body's surface ({} pairs of triangles)", label, count));
@@ -169,6 +189,7 @@ Body prepare_body(const Scene& scene, const Surface& surface) {
   body.report = cleaned.report;
   warn_of_facets(scene, body.report);
   body.material = scene.material;
+  body.fibres = fibres_of(scene.material, body.query->surface());
   body.capsule_thickness = scene.body.capsule_thickness;
   body.capsule_young = scene.body.capsule_young;
   body.diagonal = diagonal(body.query->surface());

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Closed-form signed distances with gradient and Hessian, and the distance to a closed mesh.
+// Closed-form signed distances with gradient and Hessian.
 #include "precompute/tool/shapes.hpp"
-
-#include "precompute/geometry/query.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -91,30 +89,6 @@ private:
   double radius_, edge_, half_;
 };
 
-class MeshShape final : public ToolShape {
-public:
-  explicit MeshShape(const Surface& surface) : query_(surface) {
-    for (const Vector3d& v : surface.vertices) bounds_.extend(v);
-  }
-  [[nodiscard]] DistanceSample distance(const Vector3d& p) const override {
-    const ClosestPoint nearest = query_.closest(p);
-    DistanceSample s;
-    s.value = query_.signed_distance(p);
-    const double sign = s.value < 0 ? -1.0 : 1.0;
-    if (nearest.distance > 1e-9 * bounds_.diagonal().norm()) {
-      s.gradient = sign * (p - nearest.point) / nearest.distance;
-    } else {
-      s.gradient = query_.normal(nearest.point, 0.0);
-    }
-    return s;
-  }
-  [[nodiscard]] AlignedBox3d bounds() const override { return bounds_; }
-
-private:
-  SurfaceQuery query_;
-  AlignedBox3d bounds_;
-};
-
 }  // namespace
 
 std::shared_ptr<const ToolShape> make_sphere(double radius) { return std::make_shared<Sphere>(radius); }
@@ -123,9 +97,6 @@ std::shared_ptr<const ToolShape> make_capsule(double radius, double length) {
 }
 std::shared_ptr<const ToolShape> make_punch(double radius, double edge_radius, double height) {
   return std::make_shared<Punch>(radius, edge_radius, height);
-}
-std::shared_ptr<const ToolShape> make_mesh_shape(const Surface& surface) {
-  return std::make_shared<MeshShape>(surface);
 }
 
 }  // namespace palpate

@@ -2,7 +2,6 @@
 // Signed distance functions of the rigid tools, each in its own frame (see Tool in tool.hpp).
 #pragma once
 
-#include "formats/surface.hpp"
 #include "precompute/tool/tool.hpp"
 
 namespace palpate {
@@ -15,8 +14,5 @@ std::shared_ptr<const ToolShape> make_capsule(double radius, double length);
 
 /// Upright cylinder with its lower face in the plane z = 0 and both rims rounded by `edge_radius`.
 std::shared_ptr<const ToolShape> make_punch(double radius, double edge_radius, double height);
-
-/// Closed triangle mesh; the Hessian is zero (the distance is piecewise linear or conical).
-std::shared_ptr<const ToolShape> make_mesh_shape(const Surface& surface);
 
 }  // namespace palpate

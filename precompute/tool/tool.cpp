@@ -2,17 +2,13 @@
 // From a tool's description to its shape and its contact vertices.
 #include "precompute/tool/tool.hpp"
 
-#include "formats/error.hpp"
-#include "formats/surface_io.hpp"
-#include "precompute/geometry/query.hpp"
-#include "precompute/mesh/remesh.hpp"
+#include "precompute/tool/mesh_tool.hpp"
 #include "precompute/tool/shapes.hpp"
 #include "precompute/tool/taper.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numbers>
 
 namespace palpate {
@@ -79,38 +75,6 @@ void add_punch(Tool& tool) {
   }
 }
 
-void add_mesh(Tool& tool) {
-  const Surface surface = read_surface(tool.scene.surface);
-  std::map<std::pair<int, int>, int> directed;
-  for (const auto& t : surface.triangles) {
-    for (int k = 0; k < 3; ++k) ++directed[{t[k], t[(k + 1) % 3]}];
-  }
-  for (const auto& [edge, count] : directed) {
-    const auto twin = directed.find({edge.second, edge.first});
-    if (count != 1 || twin == directed.end() || twin->second != 1) {
-      throw Error(ExitCode::bad_input, tool.scene.surface.file.string() + ": tool '" + tool.name +
-                                           "': the mesh is not closed and manifold at the edge between vertices " +
-                                           std::to_string(edge.first) + " and " + std::to_string(edge.second));
-    }
-  }
-  tool.shape = make_mesh_shape(surface);
-  const double spacing = tool.scene.spacing > 0 ? tool.scene.spacing : tool.shape->bounds().sizes().maxCoeff() / 3;
-  const Surface coarse = remesh_uniform(surface, spacing);
-  const SurfaceQuery query(surface);
-  for (const Vector3d& point : coarse.vertices) {
-    ToolVertex v;
-    v.name = std::string("v").append(std::to_string(tool.vertices.size()));
-    v.point = point;
-    v.normal = query.normal(point, spacing / 3);
-    v.tangent = (Vector3d::UnitZ() - v.normal.z() * v.normal);
-    if (v.tangent.norm() < 1e-6) v.tangent = Vector3d::UnitX() - v.normal.x() * v.normal;
-    v.tangent.normalize();
-    v.curvature_radius = spacing;
-    tool.vertices.push_back(v);
-  }
-  tool.patches = coarse.triangles;
-}
-
 }  // namespace
 
 Tool make_tool(const ToolScene& scene) {
@@ -150,8 +114,36 @@ Tool make_tool(const ToolScene& scene) {
   return tool;
 }
 
+namespace {
+
+// Of a profile whose height goes with the power m of the width, the depth is this times the height at the contact's rim
+// (Sneddon 1965): pi/2 for a cone, 2 for a ball.
+double depth_over_height(double m) { return std::sqrt(kPi) * std::tgamma(m / 2 + 1) / std::tgamma(m / 2 + 0.5); }
+
+double contact_radius(const std::vector<ToolVertex::Width>& profile, double depth) {
+  double last_depth = 0, last_half = 0;
+  for (std::size_t k = 0; k + 1 < profile.size(); ++k) {
+    const ToolVertex::Width &here = profile[k], &next = profile[k + 1];
+    const double grown = std::log(next.half / here.half);
+    const double m = grown > 0 ? std::clamp(std::log(next.height / here.height) / grown, 1.0, 20.0) : 20.0;
+    const double reached = std::max(last_depth, here.height * depth_over_height(m));
+    if (reached >= depth) {
+      if (k == 0) return here.half * std::min(1.0, std::sqrt(depth / reached));
+      return last_half + (here.half - last_half) * (depth - last_depth) / (reached - last_depth);
+    }
+    last_depth = reached;
+    last_half = here.half;
+  }
+  return last_half;
+}
+
+}  // namespace
+
 double contact_radius(const ToolVertex& vertex, double depth) {
   if (vertex.flat_radius > 0) return vertex.flat_radius;
+  if (!vertex.profile.empty()) {
+    return std::max(contact_radius(vertex.profile, depth), std::sqrt(vertex.edge_radius * depth));
+  }
   const double ball = std::min(vertex.curvature_radius, std::sqrt(vertex.curvature_radius * depth));
   return std::max(ball, 2 / kPi * vertex.cone_slope * depth);
 }
@@ -162,9 +154,8 @@ ToolVertex interpolate(const Tool& tool, std::int32_t patch, const Vector3d& wei
   if (tool.scene.shape == ToolScene::Shape::capsule) {
     return capsule_vertex(tool.scene, weights[0] * a.meridian + weights[1] * b.meridian + weights[2] * c.meridian);
   }
-  ToolVertex v = a;
-  v.point = weights[0] * a.point + weights[1] * b.point + weights[2] * c.point;
-  v.normal = (weights[0] * a.normal + weights[1] * b.normal + weights[2] * c.normal).normalized();
+  if (tool.kind != ToolKind::mesh) return a;  // the only one of its patch
+  ToolVertex v = mesh_vertex(tool, weights[0] * a.point + weights[1] * b.point + weights[2] * c.point);
   v.tangent = (a.tangent - a.tangent.dot(v.normal) * v.normal).normalized();
   return v;
 }

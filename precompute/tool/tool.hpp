@@ -15,8 +15,10 @@ namespace palpate {
 
 struct DistanceSample {
   double value = 0.0;                                 ///< m, negative inside the tool
-  Eigen::Vector3d gradient{0, 0, 1};                  ///< unit, outward
+  Eigen::Vector3d gradient{0, 0, 1};                  ///< outward; unit but at the rounded edges of a mesh
   Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();  ///< 1/m
+
+  [[nodiscard]] Eigen::Vector3d normal() const { return gradient.normalized(); }
 };
 
 /// Signed distance to the tool in its own frame (m). Thread-safe.
@@ -24,6 +26,8 @@ class ToolShape {
 public:
   virtual ~ToolShape() = default;
   [[nodiscard]] virtual DistanceSample distance(const Eigen::Vector3d& point) const = 0;
+  /// Cheap, and not above the distance (m): tells where no contact can be.
+  [[nodiscard]] virtual double lower_bound(const Eigen::Vector3d& point) const { return distance(point).value; }
   /// Axis-aligned bounds in the tool's frame.
   [[nodiscard]] virtual Eigen::AlignedBox3d bounds() const = 0;
 };
@@ -38,6 +42,12 @@ struct ToolVertex {
   double flat_radius = 0.0;          ///< m, radius of a flat face; 0 where the tool is curved
   double cone_slope = 0.0;           ///< tangent of the half angle of a cone behind the tip; 0: none
   double meridian = 0.0;             ///< m, arc length from the tip's pole (profile tools)
+  /// Half the tool's least width at a height over the plane that touches it here (m).
+  struct Width {
+    double half = 0.0, height = 0.0;
+  };
+  std::vector<Width> profile;  ///< meshes: at growing heights; empty: as the radii say
+  double edge_radius = 0.0;    ///< m, meshes: of what is sharp
 };
 
 /// A point of a sharp edge (tool frame): meshes that it touches want elements of about `size` there.
@@ -64,13 +74,14 @@ struct Tool {
 };
 
 /// Radius of the contact that `vertex` makes at `depth` (m): sqrt(R depth) up to R (Hertz), the flat face's, or of a
-/// cone 2/pi tan(half angle) depth (Sneddon 1965).
+/// cone 2/pi tan(half angle) depth; of a mesh that of a body of revolution with its profile (Sneddon 1965).
 double contact_radius(const ToolVertex& vertex, double depth);
 
-/// Builds a tool. Throws Error(bad_input) for a mesh that is not closed.
+/// Builds a tool. Throws Error(bad_input) for a mesh that is not closed or faces inward, Error(io) where it cannot be
+/// read.
 Tool make_tool(const ToolScene& scene);
 
-/// A point inside a tool patch, interpolated (weights sum to 1); on the true surface for analytic shapes.
+/// A point inside a tool patch, interpolated (weights sum to 1), on the tool's surface.
 ToolVertex interpolate(const Tool& tool, std::int32_t patch, const Eigen::Vector3d& weights);
 
 /// Pose (tool frame to body frame) at which `vertex` touches frame.origin with opposite normals and the

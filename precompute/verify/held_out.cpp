@@ -6,6 +6,7 @@
 #include "precompute/solve/pair.hpp"
 #include "precompute/verify/parallel.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <mutex>
@@ -84,6 +85,14 @@ ContactFrame frame_at(const runtime::View& view, const runtime::BodyPoint& at, c
   return frame;
 }
 
+// Three right-angled axes off the bake's, turned with `start` about the normal: each has its part of twist and rolling.
+std::vector<Vector3d> held_out_turns(double angle, double start) {
+  const Eigen::Matrix3d axes =
+      (Eigen::AngleAxisd(start, Vector3d::UnitZ()) * Eigen::AngleAxisd(0.6, Vector3d(1, 1, 0).normalized()))
+          .toRotationMatrix();
+  return {0.7 * angle * axes.col(0), -0.7 * angle * axes.col(1), 0.7 * angle * axes.col(2)};
+}
+
 // `start`: of the sideways directions, in the frame at which the tool was baked. It leaves the bake's rays without
 // turning the tool, so that x, y and what lies between them are compared.
 PairPath held_out_path(const Scene& scene, const ToolScene& tool, double depth, double start) {
@@ -109,6 +118,7 @@ PairPath held_out_path(const Scene& scene, const ToolScene& tool, double depth, 
     const double spacing = path.grasp_depths[1] - path.grasp_depths[0];
     for (double& d : path.grasp_depths) d += d < 0 ? 0.4 * spacing : -0.4 * spacing;
     path.grasp_directions = 2;
+    if (tool.grasp_turn > 0) path.grasp_turns = held_out_turns(tool.grasp_turn, start);
     path.tangential_start = start;
   }
   return path;
@@ -132,6 +142,9 @@ void solve(const Scene& scene, const Body& body, const Tool& tool, HeldOut& cont
     f.kind = s.kind;
     f.deflection = frame.to_world({s.deflection.x(), s.deflection.y(), -s.deflection.z()});
     f.solved = frame.to_world(s.force);
+    if (!s.rotation.isZero(0)) {
+      f.turn = ForcePair::Turn{frame.to_world(s.rotation), frame.to_world(s.torque), Vector3d::Zero(), 0.0};
+    }
     if (s.kind == SampleKind::path && s.index % kPathStride == 0) {
       from = f.deflection;
       continue;
@@ -243,18 +256,31 @@ void compare_with_file(const runtime::View& view, std::vector<HeldOut>& contacts
     const runtime::Location at = runtime::locate(view, to_runtime(contact.frame.origin));
     const runtime::Field field(view, contact.tool, at.at, tool_point);
     contact.covered = field.covered();
-    const runtime::GraspField grasp(view, contact.tool, at.at, tool_point);
-    double peak = 0;
-    for (const ForcePair& f : contact.forces) peak = std::max(peak, f.solved.norm());
+    const runtime::TurnField grasp(view, contact.tool, at.at, tool_point);
+    double peak = 0, peak_torque = 0;
+    for (const ForcePair& f : contact.forces) {
+      peak = std::max(peak, f.solved.norm());
+      if (f.turn) peak_torque = std::max(peak_torque, f.turn->solved.norm());
+    }
     Replay replay(field);
     for (ForcePair& f : contact.forces) {
       const runtime::Vec3 deflection = to_runtime(f.deflection);
       if (f.kind == SampleKind::grasped && !(grasp.depth() > 0)) {
         throw Error(ExitCode::bad_input, "a recorded contact is grasped; the file has no grasp for that tool");
       }
+      if (f.turn && !(grasp.turned() > 0)) {
+        throw Error(ExitCode::bad_input, "a recorded contact is turned; the file has no turns for that tool");
+      }
+      const Vector3d rotation = f.turn ? f.turn->rotation : Vector3d::Zero();
+      const runtime::GraspAnswer held =
+          f.kind == SampleKind::grasped ? grasp.answer(deflection, to_runtime(rotation)) : runtime::GraspAnswer{};
       f.baked = to_eigen(f.kind == SampleKind::path      ? replay.go(f)
-                         : f.kind == SampleKind::grasped ? grasp.force(deflection).force
+                         : f.kind == SampleKind::grasped ? held.force.force
                                                          : field.force(deflection).force);
+      if (f.turn) {
+        f.turn->baked = to_eigen(held.torque);
+        f.turn->error = (f.turn->baked - f.turn->solved).norm() / std::max(f.turn->solved.norm(), 0.02 * peak_torque);
+      }
       f.error = (f.baked - f.solved).norm() / std::max(f.solved.norm(), 0.02 * peak);
     }
     for (LimitPair& l : contact.limits) {

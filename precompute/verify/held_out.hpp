@@ -27,6 +27,14 @@ struct ForcePair {
   /// Kind path: of its first force the deflection (m) of the straight push that it left from; the tool goes straight
   /// from force to force.
   std::optional<Eigen::Vector3d> from;
+  /// Kind grasped, of a tool that was turned.
+  struct Turn {
+    Eigen::Vector3d rotation{0, 0, 0};  ///< rad, axis times angle
+    Eigen::Vector3d solved{0, 0, 0};    ///< N m on the tool about p
+    Eigen::Vector3d baked{0, 0, 0};     ///< N m
+    double error = 0.0;                 ///< |baked - solved| / max(|solved|, 2 % of the largest of the contact's turns)
+  };
+  std::optional<Turn> turn;
 };
 
 /// Where a contact that is drawn sideways slips as a whole.
@@ -70,7 +78,8 @@ struct HeldOutSet {
 
 /// Draws the contacts (uniform over the body's area; uniform over the length or area of the tool's patches)
 /// and solves them at depths off the bake's grid, and sideways off its rays where there is friction; for the coupled
-/// model at three depths, and along test_paths; pulled and drawn aside where the tool holds on; until the contact slips
+/// model at three depths, and along test_paths; pulled and drawn aside where the tool holds on, and turned about other
+/// axes by less where it turns; until the contact slips
 /// as a whole where the scene wants its friction limit solved. An exception, also of a callback, ends every thread
 /// after the solve it is in and is rethrown.
 HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const Body& body,

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string_view>
 #include <utility>
 
@@ -59,6 +60,12 @@ HeldOut contact_from(const Json& j) {
     if (f.contains("from_m")) force.from = vector(f, "from_m");
     force.deflection = vector(f, "deflection_m");
     force.solved = vector(f, "solved_N");
+    if (f.contains("rotation_rad")) {
+      force.turn = ForcePair::Turn{vector(f, "rotation_rad"), vector(f, "solved_Nm"), Vector3d::Zero(), 0.0};
+      if (force.kind != SampleKind::grasped || !(force.turn->rotation.norm() <= std::numbers::pi)) {
+        throw std::runtime_error("rotation_rad: only a grasped tool is turned, by at most pi");
+      }
+    }
     c.forces.push_back(force);
   }
   for (const Json& l : j.value("limits", Json::array())) {
@@ -86,6 +93,11 @@ nlohmann::ordered_json to_json(const std::vector<HeldOut>& contacts) {
                         {"baked_N", list(f.baked)},
                         {"error", f.error}});
       if (f.from) forces.back()["from_m"] = list(*f.from);
+      if (!f.turn) continue;
+      forces.back()["rotation_rad"] = list(f.turn->rotation);
+      forces.back()["solved_Nm"] = list(f.turn->solved);
+      forces.back()["baked_Nm"] = list(f.turn->baked);
+      forces.back()["error_torque"] = f.turn->error;
     }
     all.push_back({{"tool", c.tool},
                    {"tool_patch", c.tool_patch},

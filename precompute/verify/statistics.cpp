@@ -53,6 +53,16 @@ ErrorStatistics of_kind(const std::vector<HeldOut>& contacts, SampleKind kind) {
   return over(figures);
 }
 
+ErrorStatistics of_turns(const std::vector<HeldOut>& contacts) {
+  std::vector<Figure> figures;
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    for (const ForcePair& f : contacts[c].forces) {
+      if (f.turn) figures.push_back({c, f.turn->error, -f.deflection.dot(contacts[c].frame.n)});
+    }
+  }
+  return over(figures);
+}
+
 ErrorStatistics of_limits(const std::vector<HeldOut>& contacts) {
   std::vector<Figure> figures;
   for (std::size_t c = 0; c < contacts.size(); ++c) {
@@ -84,6 +94,7 @@ VerifyStatistics summarise(const std::vector<HeldOut>& contacts) {
   s.limit = of_limits(contacts);
   s.paths = of_kind(contacts, SampleKind::path);
   s.grasped = of_kind(contacts, SampleKind::grasped);
+  s.turned = of_turns(contacts);
   return s;
 }
 

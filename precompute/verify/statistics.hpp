@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-/// Relative errors of the forces of one kind of push, or of friction limits, over all of them.
+/// Relative errors of the forces of one kind of push, of torques, or of friction limits, over all of them.
 struct ErrorStatistics {
   std::size_t count = 0;
   double median = 0.0, p95 = 0.0, worst = 0.0;
@@ -20,6 +20,7 @@ struct VerifyStatistics {
   ErrorStatistics normal, sideways, limit;
   ErrorStatistics paths;    ///< deeper or less deep under side load, followed by the model's own rule
   ErrorStatistics grasped;  ///< of tools that hold on
+  ErrorStatistics turned;   ///< of their torques when they are turned
 };
 
 VerifyStatistics summarise(const std::vector<HeldOut>& contacts);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pushes the file's first tool straight down on a site that was solved, as deep as it was sampled: embed FILE.palp
+// Pushes the first tool straight down on a site with a response of its own, to its depth limit: embed FILE.palp
 #include <cstdio>
 
 #include "palpate/mapped_file.hpp"
@@ -14,9 +14,9 @@ int main(int argc, char** argv) {
   if (!opened) return std::fprintf(stderr, "%s: %s\n", argv[1], opened.error), 2;
 
   const View& view = opened.view;
-  std::uint32_t site = 0;  // the first that was solved: the others took their curves from neighbours
+  std::uint32_t site = 0;  // the first with a response of its own: the others took theirs from neighbours
   const auto head = [&] { return view.response_head(response_index(*view.meta, site, 0)); };
-  while (head().flags != palpate::layout::response_solved && site + 1 < view.meta->site_count) ++site;
+  while (head().flags == palpate::layout::response_covered && site + 1 < view.meta->site_count) ++site;
   const Vec3 up = to_vec(view.sites[site].normal), c = to_vec(view.sites[site].position);
   Pose pose = Pose::from_quaternion(1.000001 + up.z, -up.y, up.x, 0, c);  // the tool's z axis along the normal
   pose.translation = c - find_touch(view, 0, pose).clearance * up;        // the tool just touches

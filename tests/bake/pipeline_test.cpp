@@ -12,6 +12,7 @@
 #include "formats/error.hpp"
 #include "palpate/runtime.hpp"
 #include "tests/bake/kill_driver.hpp"
+#include "tests/support/label_ball.hpp"
 
 namespace palpate::test {
 namespace {
@@ -105,37 +106,53 @@ TEST_F(SlabPipeline, FrictionlessSlabLeavesOutWhatItDoesNotNeed) {
   EXPECT_EQ(header.features & (layout::feature_friction | layout::feature_tool_patches | layout::feature_search), 0U);
 }
 
-// One tool that only presses and one that can hold on: solved, fitted, stored and answered again.
-TEST_F(SlabPipeline, AToolThatHoldsOnHasItsPullsInTheFile) {
-  write_scene(5000, "[[tool]]\nname = \"forceps\"\nradius = 0.004\ngrasp_depth = 0.001\n");
+// One tool that only presses and one that can hold on and turn: solved, fitted, stored and answered again.
+TEST_F(SlabPipeline, AToolThatHoldsOnHasItsPullsAndTurnsInTheFile) {
+  write_scene(5000, "[[tool]]\nname = \"forceps\"\nradius = 0.004\ngrasp_depth = 0.001\ngrasp_turn = 0.2\n");
   const Pipeline p = baked();
   const FitReport fit = pipeline::fit(p);
   EXPECT_TRUE(fit.grasp);
   EXPECT_GT(fit.grasped.samples, 10 * p.plan.pairs.size() / 2);
   EXPECT_LT(fit.grasped.median, 0.03);
+  EXPECT_GE(fit.turned.samples, 12 * p.plan.pairs.size() / 2);
+  EXPECT_LT(fit.turned.median, 0.03);
+  EXPECT_LT(fit.turned.worst, 0.15);
   const std::vector<std::byte> bytes = read_bytes(p.paths.response);
   const runtime::OpenResult opened = runtime::View::open(bytes.data(), bytes.size());
   ASSERT_TRUE(opened) << opened.error;
   const JournalContent journal = read_journal(p.paths.journal, p.manifest);
-  int pulls = 0;
+  int pulls = 0, turns = 0;
   for (const auto& [pair, data] : journal.pairs) {
     const PairPlan& plan = p.plan.pairs[pair];
     const runtime::Location at =
         runtime::locate(opened.view, {plan.frame.origin.x(), plan.frame.origin.y(), plan.frame.origin.z()});
-    const runtime::GraspField field(opened.view, plan.tool, at.at, {});
+    const runtime::TurnField field(opened.view, plan.tool, at.at, {});
     EXPECT_EQ(field.depth() > 0, plan.tool == 1);
+    EXPECT_EQ(field.turned() > 0, plan.tool == 1);
+    double given = 0;
     for (const Sample& s : data.samples) {
       EXPECT_TRUE(s.kind == SampleKind::normal || plan.tool == 1);
-      if (s.kind != SampleKind::grasped || s.deflection.z() > -0.001) continue;
+      if (s.kind != SampleKind::grasped) continue;
       const Eigen::Vector3d d = plan.frame.to_world({s.deflection.x(), s.deflection.y(), -s.deflection.z()});
-      const runtime::Vec3 force = field.force({d.x(), d.y(), d.z()}).force;
+      const Eigen::Vector3d r = plan.frame.to_world(s.rotation);
+      const runtime::GraspAnswer answer = field.answer({d.x(), d.y(), d.z()}, {r.x(), r.y(), r.z()});
+      if (r.norm() > 0) {
+        const Eigen::Vector3d torque(answer.torque.x, answer.torque.y, answer.torque.z);
+        EXPECT_LT((torque - plan.frame.to_world(s.torque)).norm(), 0.15 * s.torque.norm());
+        given += s.torque.dot(s.rotation);
+        ++turns;
+      }
+      if (s.deflection.z() > -0.001) continue;
+      const runtime::Vec3& force = answer.force.force;
       EXPECT_LT((Eigen::Vector3d(force.x, force.y, force.z) - plan.frame.to_world(s.force)).norm(),
                 0.1 * s.force.norm());
       EXPECT_LT(s.force.z(), 0);
       ++pulls;
     }
+    EXPECT_LE(given, 0) << "turned to and fro it resists, whatever torque it has at rest";
   }
   EXPECT_GT(pulls, 0);
+  EXPECT_GT(turns, 0);
 }
 
 // Delays are shares of a whole run as measured here, so that the kills hit real work on any machine; a run that was
@@ -190,6 +207,50 @@ TEST_F(SlabPipeline, ASolvedPlanIsNotOverwritten) {
   }
 }
 
+// What a solve depends on is what the files hold, not their names: a changed image or centreline is another plan.
+TEST_F(SlabPipeline, AChangedLabelImageOrCentrelineIsAnotherPlan) {
+  const Eigen::Vector3d centre(0, 0, 0.01);
+  const auto image = [&](double radius, int label) {
+    std::ofstream(folder_ / "lump.nrrd") << nrrd(label_ball(centre, radius, 0.001), label);
+  };
+  const auto curve = [&](double bow) {
+    std::ofstream(folder_ / "muscle.csv") << "-0.05,0,0.01\n0," << bow << ",0.01\n0.05,0,0.01\n";
+  };
+  const std::string more =
+      "[[region]]\nlabels = {image = \"lump.nrrd\", value = 2}\nlaw = \"holzapfel-ogden\"\n"
+      "young = 20000\nk1 = 5000\nk2 = 1\nfibre = {centreline = \"muscle.csv\"}\n";
+  image(0.005, 2);
+  curve(0);
+  write_scene(5000, more);
+  {
+    const Pipeline p = open("work");
+    ASSERT_EQ(p.body.inclusions.size(), 1U);
+    ASSERT_NE(p.body.inclusions[0].fibres, nullptr);
+    Journal(p.paths.journal, p.manifest).append(0, Sample{});
+    Pipeline other = pipeline::prepare(folder_ / "." / "slab.toml", {folder_ / "other", {}});
+    pipeline::plan(other);
+    EXPECT_EQ(to_hex(other.manifest), to_hex(p.manifest)) << "by another path to the same files";
+  }
+  const auto refused = [&] {
+    try {
+      static_cast<void>(open("work"));
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("taken up");
+  };
+  image(0.0055, 2);
+  EXPECT_NE(refused().find("another plan"), std::string::npos) << refused();
+  image(0.005, 3);
+  EXPECT_NE(refused().find("lump.nrrd: no voxel has the label 2"), std::string::npos) << refused();
+  image(0.005, 2);
+  EXPECT_NO_THROW(open("work"));
+  curve(0.002);
+  EXPECT_NE(refused().find("another plan"), std::string::npos) << refused();
+  std::filesystem::remove(folder_ / "muscle.csv");
+  EXPECT_NE(refused().find("muscle.csv"), std::string::npos) << refused();
+}
+
 // A bake is hours: what only the fit reads must not throw it away.
 TEST_F(SlabPipeline, ANewFitTakesUpTheOldSolves) {
   {
@@ -217,6 +278,14 @@ TEST_F(SlabPipeline, ACoupledSceneIsBakedAndFitted) {
   EXPECT_EQ(opened.view.section_bytes(layout::Section::friction), 0U);
   EXPECT_LE(layout::coupled_size(layout::coupled_degrees(*opened.view.meta)) + layout::response_size(*opened.view.meta),
             140U);
+  // A spring is what is asked for, whatever it gives up; its file opens.
+  FitSettings spring = pipeline::fit_settings(p.scene);
+  spring.coupled = {2, 0.015, true};
+  const pipeline::FittedFile lean = pipeline::fit_file(p, pipeline::samples(p), spring);
+  EXPECT_TRUE(runtime::View::open(lean.bytes.data(), lean.bytes.size()));
+  EXPECT_EQ(layout::coupled_size(*lean.fitted.scales.coupled), 16U);
+  EXPECT_GT(lean.fitted.report.held_out.p95, fit.held_out.p95);
+  EXPECT_LT(lean.fitted.report.held_out.p95, 1.5);
   // The separable model of the same samples knows nothing of what the paths did before.
   FitSettings separable = pipeline::fit_settings(p.scene);
   separable.coupled.reset();

@@ -199,6 +199,12 @@ TEST(CoupledDegrees, AreTheFewestThatMeetTheTolerance) {
   EXPECT_EQ(plain.degrees.straight, 0);
   EXPECT_GT(plain.held_out.samples, 10u);
   EXPECT_EQ(choose({2, 4, 0, 2, 0, 0, 3}, {4, 0.01}).degrees.order, 4) << "as the scene asks";
+  const DegreeChoice spring = choose({2, 2, 0, 0, 0, 0, 0}, {0, 0.01});
+  EXPECT_EQ(coupled::count(spring.degrees), coupled::count(coupled::kSpring));
+  EXPECT_LT(spring.held_out.p95, 1e-6);
+  const DegreeChoice forced = choose(kinds[3], {0, 0.01, true});
+  EXPECT_EQ(coupled::count(forced.degrees), coupled::count(coupled::kSpring)) << "whatever its error";
+  EXPECT_FALSE(forced.met);
   const DegreeChoice impossible = choose(kinds[3], {2, 1e-9});
   EXPECT_FALSE(impossible.met);
   EXPECT_LT(impossible.held_out.p95, 0.1);

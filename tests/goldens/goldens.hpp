@@ -14,11 +14,14 @@ namespace palpate::test {
 ///     force    triangle b0 b1 b2 tool patch w0 w1 w2 dx dy dz = fx fy fz limit
 ///     deepen   triangle b0 b1 b2 tool patch w0 w1 w2 z0 z1 ex ey ez = ex ey ez
 ///     distance px py pz = d
+///     grasp    triangle b0 b1 b2 tool patch w0 w1 w2 dx dy dz = fx fy fz
+///     turn     triangle b0 b1 b2 tool patch w0 w1 w2 dx dy dz rx ry rz = fx fy fz tx ty tz
 ///
 /// force: the contact (triangle and barycentric weights on the body; tool, tool patch and weights on the tool), the
 /// deflection p - c (m), the force on the tool (N) while it sticks and the largest tangential force (N, inf in a
 /// frictionless file). deepen: the effective sideways deflection (m) before and after the tool goes from depth z0 to z1
-/// (m). distance: a point (m) and its distance from the contact surface (m), negative inside.
+/// (m). distance: a point (m) and its distance from the contact surface (m), negative inside. grasp: the force on the
+/// tool that holds on. turn: the same of one turned by a rotation vector (rad), and its torque about p (N m).
 struct GoldenLine {
   std::string word;
   std::vector<double> asked, answered;
@@ -32,7 +35,16 @@ inline std::vector<double> answer(const runtime::View& view, const std::string& 
   if (word == "distance") return {locate(view, vec(0)).signed_distance};
   const runtime::BodyPoint at{static_cast<std::uint32_t>(asked.at(0)), {asked.at(1), asked.at(2), asked.at(3)}};
   const runtime::ToolPoint on_tool{static_cast<std::uint32_t>(asked.at(5)), {asked.at(6), asked.at(7), asked.at(8)}};
-  const runtime::Field field(view, static_cast<std::uint32_t>(asked.at(4)), at, on_tool);
+  const auto tool = static_cast<std::uint32_t>(asked.at(4));
+  if (word == "grasp") {
+    const Vec3 f = runtime::GraspField(view, tool, at, on_tool).force(vec(9)).force;
+    return {f.x, f.y, f.z};
+  }
+  if (word == "turn") {
+    const runtime::GraspAnswer a = runtime::TurnField(view, tool, at, on_tool).answer(vec(9), vec(12));
+    return {a.force.force.x, a.force.force.y, a.force.force.z, a.torque.x, a.torque.y, a.torque.z};
+  }
+  const runtime::Field field(view, tool, at, on_tool);
   if (word == "deepen") {
     const Vec3 e = field.deepened(asked.at(9), asked.at(10), vec(11));
     return {e.x, e.y, e.z};

@@ -72,6 +72,15 @@ Response response(const View& v, std::uint64_t i) {
     r.unit = v.coupled_unit(i);
     r.coupled.assign(from, from + coupled::count(layout::coupled_degrees(m)));
   }
+  if (v.grasps != nullptr) {
+    r.grasp_depth = v.grasp_head(i).depth;
+    r.grasp_pulled = v.grasp_head(i).pulled;
+    r.grasp = list(v.grasp_curves(i), layout::kGraspCurves * v.grasp_coefs);
+  }
+  if (v.turns != nullptr) {
+    r.turned = v.turn_head(i).turned;
+    r.turn = list(v.turn_curves(i), layout::kTurnCurves * v.grasp_coefs);
+  }
   return r;
 }
 
@@ -105,6 +114,8 @@ ResponseFileContent content(const View& v) {
   c.sideways_coefs = m.sideways_coefs;
   c.friction_coefs = m.friction_coefs;
   if (layout::is_coupled(m)) c.coupled = layout::coupled_degrees(m);
+  c.grasp_coefs = v.grasp_coefs;
+  c.turns = v.turns != nullptr;
   for (std::uint32_t i = 0; i < m.site_count; ++i) {
     const layout::Site& s = v.sites[i];
     c.sites.push_back({triple(s.position), triple(s.normal), triple(s.tangent), s.depth_limit, s.flags});
@@ -172,10 +183,8 @@ TEST(Goldens, EveryFeatureIsInOneAndLeftOutOfAnother) {
     with |= opened.view.features;
     without |= ~opened.view.features;
   }
-  constexpr std::uint32_t kAll = layout::feature_lateral | layout::feature_friction | layout::feature_tool_patches |
-                                 layout::feature_search | layout::feature_coupled;
-  EXPECT_EQ(with, kAll);
-  EXPECT_EQ(without & kAll, kAll);
+  EXPECT_EQ(with, layout::feature_all);
+  EXPECT_EQ(without & layout::feature_all, layout::feature_all);
 }
 
 }  // namespace

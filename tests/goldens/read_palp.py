@@ -15,7 +15,7 @@ import struct
 import sys
 
 M64 = (1 << 64) - 1
-LATERAL, FRICTION, TOOL_PATCHES, SEARCH, COUPLED = (1 << bit for bit in range(5))
+LATERAL, FRICTION, TOOL_PATCHES, SEARCH, COUPLED, GRASP, TURN = (1 << bit for bit in range(7))
 
 
 class Bad(Exception):
@@ -101,14 +101,14 @@ class File:
         need(version == 1, "version")
         need(size == len(data) and size % 64 == 0, "size")
         need(xxh64(data[:24] + bytes(8) + data[32:]) == checksum, "checksum")
-        need(count <= 32 and not any(data[36:64]) and self.features < 32, "header")
+        need(count <= 32 and not any(data[36:64]) and self.features < 128, "header")
         self.sections = {}
         covered = bytearray(len(data))
         covered[:64 + 32 * count] = b"\1" * (64 + 32 * count)
         last, end = 0, 64 + 32 * count
         for i in range(count):
             number, element, offset, size, elements = struct.unpack_from("<2I3Q", data, 64 + 32 * i)
-            need(number > last and number < 15, "section ids")
+            need(number > last and number < 17, "section ids")
             need(offset % 64 == 0 and offset >= end and offset + size <= len(data), "section place")
             need(1 <= elements < 1 << 31 and size == elements * element, "section size")
             self.sections[number] = (element, elements, data[offset:offset + size])
@@ -119,6 +119,8 @@ class File:
         self.read_body()
         self.read_tools()
         self.read_responses()
+        self.read_grasps()
+        self.read_turns()
         self.read_search()
         provenance = self.section(13, 1)
         self.provenance = json.loads(provenance)
@@ -150,8 +152,8 @@ class File:
         if self.model == 2:
             order, push, straight, stiffness, cubic, quartic, limit = self.degrees
             need(not any(self.counts), "META: curves in a coupled file")
-            need(2 <= order <= 4 and 2 <= push <= 6 and (straight == 0 or 2 <= straight <= 6) and 2 <= stiffness <= 6
-                 and (cubic <= stiffness if order > 2 else cubic == 0)
+            need(2 <= order <= 4 and 2 <= push <= 6 and (straight == 0 or 2 <= straight <= 6)
+                 and (stiffness == 0 or 2 <= stiffness <= 6) and (cubic <= stiffness if order > 2 else cubic == 0)
                  and (quartic <= stiffness if order > 3 else quartic == 0) and limit <= 6, "META: degrees")
         else:
             need(not any(self.degrees), "META: degrees in a separable file")
@@ -160,7 +162,8 @@ class File:
         need(1e-9 <= self.X < 1000 if friction or self.model == 2 else self.X == 0, "META: sideways scale")
         need(self.features == (LATERAL * bool(lateral or self.degrees[2]) | FRICTION * bool(friction or self.model == 2)
                                | TOOL_PATCHES * bool(self.tool_patch_count) | SEARCH * bool(self.search_nodes)
-                               | COUPLED * (self.model == 2)), "features")
+                               | COUPLED * (self.model == 2) | GRASP * (15 in self.sections)
+                               | TURN * (16 in self.sections)), "features")
 
     def is_limit(self, depth):
         return 0 < depth <= self.Z * (1 + 1e-5)
@@ -239,7 +242,7 @@ class File:
         normal, lateral, growth, sideways, friction = self.counts
         self.responses = []
         for r in self.records(9, "<fI%df" % normal, self.response_count):
-            need(self.is_limit(r[0]) and r[1] in (1, 2), "RESPONSES")
+            need(self.is_limit(r[0]) and r[1] in (1, 2, 4, 8), "RESPONSES")
             need(self.model == 2 or r[2:4] == (0, 0) and all(a <= b for a, b in zip(r[2:], r[3:])) and r[-1] <= 1e12,
                  "RESPONSES: normal force")
             self.responses.append({"depth_limit": r[0], "flags": r[1], "Fn": r[2:]})
@@ -268,6 +271,57 @@ class File:
                 to["unit"], to["coefs"] = r[0], r[1:1 + count]
                 self.check_passive(self.coupled_parts(to))
 
+    def of_tool(self, key):
+        """(responses of a tool, whether the first has `key` above 0), tool by tool."""
+        for tool in self.tools:
+            own = range(tool["first_vertex"], tool["first_vertex"] + tool["vertex_count"])
+            responses = [self.responses[site * self.tool_vertex_count + v] for site in range(self.site_count) for v in own]
+            yield responses, responses[0][key] != 0
+
+    def read_grasps(self):
+        if not self.features & GRASP:
+            return
+        element = self.sections[15][0]
+        n = (element - 8) // 24
+        need(element == 8 + 24 * n and 4 <= n <= 32, "GRASP: size")
+        curves = lambda r: [r[i * n:i * n + n] for i in range(6)]
+        for to, r in zip(self.responses, self.records(15, "<2f%df" % (6 * n), self.response_count)):
+            to["grasp_depth"], to["pulled"], to["grasp"] = r[0], r[1], curves(r[2:])
+        for responses, holds in self.of_tool("grasp_depth"):
+            for r in responses:
+                if not holds:
+                    need(not any((r["grasp_depth"], r["pulled"])) and not any(map(any, r["grasp"])), "GRASP: zero")
+                    continue
+                need(self.is_limit(r["grasp_depth"]) and (r["pulled"] == 0 or self.is_limit(r["pulled"])), "GRASP: depths")
+                need(all(abs(c) <= 1e12 for curve in r["grasp"] for c in curve), "GRASP: size")
+                need(all(a <= b for a, b in zip(r["grasp"][2], r["grasp"][2][1:])), "GRASP: normal force")
+                need(all(is_level(curve) for curve in r["grasp"][3:]), "GRASP: level")
+                need(all(xx >= 0 and yy >= 0 and xy * xy <= xx * yy for xx, xy, yy in zip(*r["grasp"][3:])),
+                     "GRASP: stiffness")
+
+    def read_turns(self):
+        if not self.features & TURN:
+            return
+        need(self.features & GRASP, "TURN without GRASP")
+        n = len(self.responses[0]["grasp"][0])
+        for to, r in zip(self.responses, self.records(16, "<f%df" % (15 * n), self.response_count)):
+            to["turned"], to["turn"] = r[0], [r[1 + i * n:1 + i * n + n] for i in range(15)]
+        for responses, turns in self.of_tool("turned"):
+            for r in responses:
+                if not turns:
+                    need(r["turned"] == 0 and not any(map(any, r["turn"])), "TURN: zero")
+                    continue
+                need(0 < r["turned"] <= 1 + 1e-5 and r["grasp_depth"] > 0, "TURN: angle or grasp")
+                need(all(abs(c) <= 1e12 for curve in r["turn"] for c in curve), "TURN: size")
+                need(all(is_level(curve) for curve in r["turn"][3:]), "TURN: level")
+                for i in range(n):
+                    K, C = turn_tensors([curve[i] for curve in r["turn"]])
+                    xx, xy, yy = (curve[i] for curve in r["grasp"][3:])
+                    rows = [[xx, xy] + C[0], [xy, yy] + C[1]] + [[C[0][j], C[1][j]] + K[j] for j in range(3)]
+                    for j in range(5):
+                        rows[j][j] *= 1 - 1e-6
+                    need(is_positive(rows), "TURN: stiffness")
+
     def families(self):
         """Name: the indices of the coefficients that are stored, the harmonic of each part (0: one number)."""
         order, push, straight, stiffness, cubic, quartic, limit = self.degrees
@@ -290,7 +344,7 @@ class File:
         result = {}
         for name, (indices, parts) in self.families().items():
             scale = 1 / 3200 if name == "mu" else response["unit"]
-            family = {h: [0] * (indices[-1] + 1) for h in parts}
+            family = {h: [0] * (indices[-1] + 1 if indices else 1) for h in parts}
             for i in indices:
                 for h in sorted(family):
                     value = complex(coefs.pop(0), coefs.pop(0)) if h else coefs.pop(0)
@@ -392,6 +446,60 @@ class File:
             total = add(total, mul(weight * along[0], n), mul(weight * along[1], ux), mul(weight * along[2], uy))
         return total + (mu * fn if self.counts[4] else math.inf,)
 
+    def held(self, triangle, b, tool, patch, w, delta, theta=(0, 0, 0)):
+        """Force and torque on a tool that holds on, response by response in its site's frame: the law is linear in the
+        curves, and turning a frame turns what it answers."""
+        contact = self.contact(triangle, b)
+        n = contact[2]
+        z, force, torque = -dot(delta, n), (0, 0, 0), (0, 0, 0)
+        angle = math.sqrt(dot(theta, theta))
+        for weight, (ux, uy), r in self.pairs(contact, tool, patch, w):
+            local = lambda v: (dot(v, ux), dot(v, uy), dot(v, n))
+            x, y, _ = local(delta)
+            (Fx, Fy, Fn, xx, xy, yy), (dFx, dFy, _, dxx, dxy, dyy) = self.over_depth(r["grasp"], z)
+            f = [Fx - xx * x - xy * y, Fy - xy * x - yy * y,
+                 Fn - dFx * x - dFy * y + (dxx * x * x + 2 * dxy * x * y + dyy * y * y) / 2]
+            if "turn" in r:
+                values, slopes = self.over_depth(r["turn"], z)
+                (K, C), (dK, dC) = turn_tensors(values), turn_tensors(slopes)
+                o, v = stretch(angle)
+                t = local(theta)
+                energy = lambda t: self.turn_energy(values[:3], K, C, x, y, t)
+                turned, even = ([s * c for c in t] for s in (o, v))
+                f[0] -= dot(C[0], turned)
+                f[1] -= dot(C[1], turned)
+                f[2] += (-dot(slopes[:3], turned) + x * dot(dC[0], turned) + y * dot(dC[1], turned)
+                         + sum(even[i] * dot(dK[i], even) for i in range(3)) / 2)
+                # dW/dtheta by its definition; the torque from J^T torque = -dW/dtheta.
+                d = 1e-5
+                step = lambda i, s: tuple(c + s * (i == j) for j, c in enumerate(t))
+                slope = [(8 * (energy(step(i, d)) - energy(step(i, -d))) - energy(step(i, 2 * d))
+                          + energy(step(i, -2 * d))) / (12 * d) for i in range(3)]
+                own = solve(transposed(left_jacobian(t)), [-s for s in slope])
+                torque = add(torque, mul(weight * own[0], ux), mul(weight * own[1], uy), mul(weight * own[2], n))
+            force = add(force, mul(weight * f[0], ux), mul(weight * f[1], uy), mul(weight * f[2], n))
+        return force + torque
+
+    def over_depth(self, curves, z):
+        """Values at a depth and slopes by it: T and F linear beyond the range, the others level."""
+        L = 1.25 * self.Z
+        u = (z / L + 1) / 2
+        inside = max(0, min(1, u))
+        values, slopes = [], []
+        for number, c in enumerate(curves):
+            m = len(c) - 3
+            rise = spline_slope(c, inside)
+            values.append(spline(c, inside) + ((u - inside) * rise if number < 3 else 0))
+            slopes.append(rise / (2 * L))
+        return values, slopes
+
+    @staticmethod
+    def turn_energy(T, K, C, x, y, t):
+        o, v = stretch(math.sqrt(dot(t, t)))
+        turned, even = ([s * c for c in t] for s in (o, v))
+        return (-dot(T, turned) + x * dot(C[0], turned) + y * dot(C[1], turned)
+                + sum(even[i] * dot(K[i], even) for i in range(3)) / 2)
+
     def beyond(self, coefs, z):
         """A curve of depth, on beyond Z."""
         share = z / self.Z
@@ -452,6 +560,66 @@ def distance_to_triangle(a, b, c):
         at = add(p, mul(share, d))
         best = min(best, math.sqrt(dot(at, at)))
     return best
+
+
+def is_level(curve):
+    return curve[0] == curve[1] and curve[-1] == curve[-2]
+
+
+def turn_tensors(t):
+    """K and C of the fifteen numbers of a turn."""
+    xx, xy, yy, xn, yn, nn = t[3:9]
+    return [[xx, xy, xn], [xy, yy, yn], [xn, yn, nn]], [list(t[9:12]), list(t[12:15])]
+
+
+def is_positive(rows):
+    rows = [list(row) for row in rows]
+    for i in range(len(rows)):
+        if not rows[i][i] > 0:
+            return False
+        for j in range(i + 1, len(rows)):
+            share = rows[j][i] / rows[i][i]
+            rows[j] = [b - share * a for a, b in zip(rows[i], rows[j])]
+    return True
+
+
+def stretch(a):
+    """o / a and r / a."""
+    if a <= 1:
+        return 1, 1
+    L = math.pi - 1
+    t = (a - 1) / L
+    return (1 + L * t - (1 + L) * t * t) / a, (1 + L * (t - t * t / 2)) / a
+
+
+def left_jacobian(t):
+    a = math.sqrt(dot(t, t))
+    x = [[0, -t[2], t[1]], [t[2], 0, -t[0]], [-t[1], t[0], 0]]
+    once, twice = ((1 - math.cos(a)) / (a * a), (a - math.sin(a)) / a ** 3) if a else (1 / 2, 1 / 6)
+    square = [[sum(x[i][k] * x[k][j] for k in range(3)) for j in range(3)] for i in range(3)]
+    return [[(i == j) + once * x[i][j] + twice * square[i][j] for j in range(3)] for i in range(3)]
+
+
+def transposed(m):
+    return [list(column) for column in zip(*m)]
+
+
+def solve(m, b):
+    """Three equations, by Cramer's rule."""
+    det = lambda a: dot(a[0], cross(a[1], a[2]))
+    columns = transposed(m)
+    return [det([b if i == j else columns[j] for j in range(3)]) / det(columns) for i in range(3)]
+
+
+def spline_slope(coefs, u):
+    """Of the cubic in the interval of u, from its differences: exact, for the fourth vanish."""
+    m = len(coefs) - 3
+    interval = min(int(m * u), m - 1)
+    p = [spline(coefs, (interval + k / 3) / m - (1e-15 if k == 3 and interval + 1 < m else 0)) for k in range(4)]
+    v = 3 * (m * u - interval)  # in thirds of the interval
+    # Newton's form through v = 0, 1, 2, 3.
+    d1, d2, d3 = p[1] - p[0], p[2] - 2 * p[1] + p[0], p[3] - 3 * p[2] + 3 * p[1] - p[0]
+    return 3 * m * (d1 + d2 * (2 * v - 1) / 2 + d3 * (3 * v * v - 6 * v + 2) / 6)
 
 
 def spline(coefs, u):
@@ -555,7 +723,10 @@ class Law:
         K = forms[0].parts
         moved, m, h2 = rates[0].at(u)[1], 2 * K[0], 2 * K[2]  # K'u; K as a mean and a second harmonic
         det = m * m - abs(h2) ** 2
-        h = abs(m * moved - h2 * moved.conjugate()) / det if det > 1e-24 * m * m else 0
+        if det > 1e-12 * m * m:
+            h = abs(m * moved - h2 * moved.conjugate()) / det
+        else:  # it resists along one line
+            h = abs(m * moved + h2 * moved.conjugate()) / (4 * m * m) if m > 0 else 0
         fn = real_dot(g1, u) + A.at(u)[0]
         if self.degrees[2] or self.degrees[0] > 2:
             fn += max(0, r - abs(T) * h)
@@ -609,6 +780,10 @@ def compare(folder):
             tolerance = 1e-6
             if word == "force":
                 now = file.force(*where, tuple(a[9:12]))
+            elif word == "grasp":
+                now = file.held(*where, tuple(a[9:12]))[:3]
+            elif word == "turn":
+                now = file.held(*where, tuple(a[9:12]), tuple(a[12:15]))
             elif word == "deepen":
                 now = file.deepen(*where, a[9], a[10], tuple(a[11:14]))
                 if file.degrees[0] > 2 or file.degrees[2]:  # the specification says what the runtime's steps amount to

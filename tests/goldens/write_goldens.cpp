@@ -98,6 +98,15 @@ std::string forces(const View& view) {
       const double deeper = z + draw.between(0.05, 0.5) * depth;
       text += as_line(view, "deepen", with({z, deeper, aside.x, aside.y, aside.z}));
     }
+    const runtime::ToolPoint on_tool{static_cast<std::uint32_t>(contact[5]), {contact[6], contact[7], contact[8]}};
+    if (!(runtime::GraspField(view, tool, at, on_tool).depth() > 0)) continue;
+    // In and out, beyond what was sampled as well; turned up to three quarters of a half turn.
+    const Vec3 held = aside + draw.between(-1.5, 1.5) * depth * n;
+    text += as_line(view, "grasp", with({held.x, held.y, held.z}));
+    if (view.turns == nullptr) continue;
+    const double most = i % 2 == 0 ? 0.5 : 1.3;
+    const Vec3 turn{draw.between(-most, most), draw.between(-most, most), draw.between(-most, most)};
+    text += as_line(view, "turn", with({held.x, held.y, held.z, turn.x, turn.y, turn.z}));
   }
   for (int i = 0; i < 8; ++i) {
     text +=
@@ -144,6 +153,20 @@ void write_all(const std::filesystem::path& folder) {
   sticking.lateral = true;
   sticking.coupled = 4;
   write(folder, "coupled_4", box_content(sticking));
+
+  Options lean = options;
+  lean.spring = true;
+  write(folder, "linear", box_content(lean));
+
+  // One of the tools holds on; its turns have a torque in the other file.
+  Options holding = options;
+  holding.lateral = false;
+  holding.tools = Options::Tools::all;
+  holding.grasp = true;
+  write(folder, "grasp", box_content(holding));
+  holding.tools = Options::Tools::sphere;
+  holding.turn = true;
+  write(folder, "turn", box_content(holding));
 }
 
 }  // namespace

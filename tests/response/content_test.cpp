@@ -28,7 +28,7 @@ TEST(ResponseFile, ReadsBackWhatWasWritten) {
   options.tools = Options::Tools::all;
   options.subdivision = 3;
   options.search = true;
-  options.grasp = true;
+  options.grasp = options.turn = true;
   const ResponseFileContent content = test::ball_content(options);
   const std::vector<std::byte> bytes = encode(content);
   const runtime::OpenResult opened = View::open(bytes.data(), bytes.size());
@@ -61,6 +61,8 @@ TEST(ResponseFile, ReadsBackWhatWasWritten) {
     EXPECT_EQ(0, std::memcmp(v.friction_coefs(i) + 2 * 5 + 2 * 7, r.friction.data(), 4 * r.friction.size()));
     EXPECT_EQ(v.grasp_head(i).pulled, static_cast<float>(r.grasp_pulled));
     EXPECT_EQ(0, std::memcmp(v.grasp_curves(i), r.grasp.data(), 4 * r.grasp.size()));
+    EXPECT_EQ(v.turn_head(i).turned, static_cast<float>(r.turned));
+    EXPECT_EQ(0, std::memcmp(v.turn_curves(i), r.turn.data(), 4 * r.turn.size()));
   }
   EXPECT_EQ(std::string(v.provenance, v.provenance_size), content.provenance);
 }
@@ -75,7 +77,7 @@ TEST(ResponseFile, FrictionlessOneTipFlatFileHasNoSectionItDoesNotUse) {
   ASSERT_TRUE(opened) << opened.error;
   EXPECT_EQ(opened.view.features, 0U);
   for (const Section absent : {Section::tool_vertices, Section::tool_patches, Section::lateral, Section::friction,
-                               Section::search, Section::grasp}) {
+                               Section::search, Section::grasp, Section::turn}) {
     EXPECT_EQ(opened.view.section_bytes(absent), 0U);
   }
   EXPECT_EQ(opened.view.header().section_count, 8U);
@@ -159,7 +161,7 @@ TEST(ResponseFile, WrongContentIsRefusedByName) {
 TEST(ResponseFile, WrongCurvesAreANumericalFailure) {
   expect_refused(test::box_content(), ExitCode::numerical,
                  {
-                     {"response 1: must be either", [](auto& c) { c.responses[1].flags = 3; }},
+                     {"response 1: must be one of", [](auto& c) { c.responses[1].flags = 3; }},
                      {"response 1: depth limit", [](auto& c) { c.responses[1].depth_limit = 1; }},
                      {"response 1: normal force must start at zero and not decrease",
                       [](auto& c) { c.responses[1].normal[9] = 0; }},

@@ -24,7 +24,7 @@ std::vector<std::byte> small_file(int coupled = 0) {
   options.cells = 1;
   options.tools = Options::Tools::capsule;
   options.search = true;
-  options.grasp = true;
+  options.grasp = options.turn = true;
   return encode(test::box_content(options));
 }
 

@@ -64,7 +64,8 @@ Law law_of(const std::vector<double>& coefs, const Degrees& d) {
 }
 
 std::vector<Degrees> every_kind() {
-  return {{2, 5, 0, 3, 0, 0, 3},
+  return {kSpring,
+          {2, 5, 0, 3, 0, 0, 3},
           {2, 4, 3, 2, 0, 0, 0},
           {3, 5, 4, 3, 1, 0, 2},
           {4, 6, 0, 4, 2, 1, 1},
@@ -76,9 +77,26 @@ TEST(Coupled, MostCoefficientsAreWhatTheLargestDegreesHave) {
     EXPECT_TRUE(in_range(d));
     EXPECT_LE(count(d), kMostCoefs);
   }
+  EXPECT_EQ(count(kSpring), 5);
+  EXPECT_FALSE(in_range({2, 5, 0, 1, 0, 0, 3}));
   EXPECT_FALSE(in_range({2, 5, 1, 3, 0, 0, 3}));
   EXPECT_FALSE(in_range({2, 5, 0, 3, 1, 0, 3}));
   EXPECT_FALSE(in_range({5, 5, 0, 3, 1, 0, 3}));
+}
+
+// Its force grows with depth, its sideways stiffness like the radius of a contact.
+TEST(Coupled, ASpringIsOne) {
+  const Law law = law_of({3, 2, 0.5, 0.1, 0.4}, kSpring);
+  for (const double z : {0.1 * Z, 0.5 * Z, Z, 1.5 * Z}) {
+    const AtDepth at = law.at(law.abscissa(z), false);
+    EXPECT_NEAR(at.push, 3 * z / Z, 1e-12);
+    EXPECT_NEAR(at.limit, 0.4, 1e-12);
+    EXPECT_EQ(law.coupling(at, {0.5, 0.2}), 0);
+    if (z > Z) continue;
+    const Vec2 force = law.push(at, {0.5, 0});
+    EXPECT_NEAR(force.x, std::sqrt(z / Z) * 2.5 * 0.5, 1e-12);
+    EXPECT_NEAR(force.y, std::sqrt(z / Z) * 0.1 * 0.5, 1e-12);
+  }
 }
 
 TEST(Coupled, SidewaysForceIsTheGradientOfTheEnergy) {
@@ -208,7 +226,7 @@ TEST(Coupled, NoClosedMotionGainsEnergy) {
   int motions = 0;
   double worst = 0;
   for (int round = 0; motions < 100000; ++round) {
-    const Degrees d = every_kind()[static_cast<std::size_t>(round) % 4];
+    const Degrees d = every_kind()[static_cast<std::size_t>(round) % 5];
     const Law law = law_of(random_coefs(d, random), d);
     for (int motion = 0; motion < 20; ++motion, ++motions) {
       Contact contact{law, 0, {}};

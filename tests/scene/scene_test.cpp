@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Scenes that are right: defaults, every section, the reference and the canonical text.
 #include "formats/scene.hpp"
+#include "formats/scene_sources.hpp"
 #include "formats/tissues.hpp"
 
 #include "tests/support/temporary_folder.hpp"
@@ -83,6 +84,44 @@ material = {law = "holzapfel-ogden", young = 9000, k1 = 2000, k2 = 0.8, fibre = 
   EXPECT_NE(canonical_text(changed), canonical_text(fibres));
 }
 
+TEST_F(SceneTest, FibresAlongACentreline) {
+  const std::string text = R"(body = {surface = "a.ply"}
+[material]
+law = "holzapfel-ogden"
+k1 = 2000
+k2 = 0.8
+)";
+  const Scene scene = read(text + "fibre = {centreline = \"muscle.obj\", meshes = [\"biceps\"], units = \"mm\"}\n");
+  EXPECT_EQ(scene.material.centreline.file, folder_.path() / "muscle.obj");
+  EXPECT_EQ(scene.material.centreline.meshes, std::vector<std::string>{"biceps"});
+  EXPECT_EQ(scene.material.centreline.unit, 0.001);
+  EXPECT_TRUE(scene.material.fibre.isZero(0));
+  // No path is in the canonical text; names and units are.
+  const std::string canonical = canonical_text(scene);
+  EXPECT_EQ(canonical, canonical_text(read(text + "fibre = {centreline = \"b/c.csv\", meshes = [\"biceps\"], units = "
+                                                  "\"mm\"}\n")));
+  for (const char* other : {"{centreline = \"muscle.obj\", units = \"mm\"}", "[1, 0, 0]",
+                            "{centreline = \"muscle.obj\", meshes = [\"biceps\"]}"}) {
+    EXPECT_NE(canonical, canonical_text(read(text + "fibre = " + other + "\n"))) << other;
+  }
+}
+
+TEST_F(SceneTest, RegionsOfALabelImage) {
+  const auto region = [&](const std::string& labels) {
+    return read("body = {surface = \"a.ply\"}\n[[region]]\nlabels = " + labels + "\nyoung = 1e4\n");
+  };
+  const Scene scene = region("{image = \"seg.nrrd\", value = -2, units = \"mm\"}");
+  ASSERT_EQ(scene.regions.size(), 1U);
+  EXPECT_EQ(scene.regions[0].shape, RegionScene::Shape::labels);
+  EXPECT_EQ(scene.regions[0].surface.file, folder_.path() / "seg.nrrd");
+  EXPECT_EQ(scene.regions[0].surface.unit, 0.001);
+  EXPECT_EQ(scene.regions[0].label, -2);
+  EXPECT_EQ(scene.regions[0].material.young, 1e4);
+  EXPECT_EQ(canonical_text(scene), canonical_text(region("{image = \"x/y.mha\", value = -2, units = \"mm\"}")));
+  EXPECT_NE(canonical_text(scene), canonical_text(region("{image = \"seg.nrrd\", value = -3, units = \"mm\"}")));
+  EXPECT_NE(canonical_text(scene), canonical_text(region("{image = \"seg.nrrd\", value = -2}")));
+}
+
 TEST_F(SceneTest, TissuesSetYoungsModulusFromTheirPublications) {
   for (const Tissue& tissue : tissues()) {
     const Scene scene = read("body = {surface = \"a.ply\"}\nmaterial = {tissue = \"" + std::string(tissue.name) +
@@ -131,6 +170,7 @@ radius = 0.004
 edge_radius = 0.0005
 length = 0.02
 grasp_depth = 0.003
+grasp_turn = 0.2
 [[tool]]
 shape = "capsule"
 radius = 0.003
@@ -194,6 +234,7 @@ time_limit = 60
   EXPECT_TRUE(scene.tools[1].whole);
   EXPECT_EQ(scene.tools[1].edge_radius, 0.0005);
   EXPECT_EQ(scene.tools[1].grasp_depth, 0.003);
+  EXPECT_EQ(scene.tools[1].grasp_turn, 0.2);
   EXPECT_EQ(scene.tools[2].name, "tool3");
   EXPECT_FALSE(scene.tools[2].whole);
   EXPECT_EQ(scene.tools[3].surface.file, folder_.path() / "grasper.obj");
@@ -264,6 +305,40 @@ TEST_F(SceneTest, TheReferenceHasEveryKeyThatTheCommentedLinesShow) {
   EXPECT_TRUE(scene.sampling.within_box.has_value());
 }
 
+// What is recorded or follows a law changes the file and no solve.
+TEST_F(SceneTest, SourcesOfResponses) {
+  const std::string body = "[body]\nsurface = \"a.ply\"\n";
+  const std::string sources =
+      "[sources]\nrest = \"covered\"\n[[measured]]\nfile = \"sub/a.csv\"\n[[measured]]\nfile = \"b.csv\"\n"
+      "tool = \"probe\"\nreach = 0.002\n[[analytic]]\nlaw = \"winkler\"\nstiffness = 1e6\nsites = [7, "
+      "3]\n[[analytic]]\n"
+      "law = \"layer\"\nthickness = 0.01\nmesh = \"rib\"\nwithin_box = {min = [0, 0, 0], max = [1, 1, 1]}\n";
+  const Scene with = read(body + sources);
+  const SceneSources scene = read_sources(folder_.path() / "liver.toml");
+  EXPECT_EQ(scene.rest, SceneSources::Rest::covered);
+  ASSERT_EQ(scene.measured.size(), 2U);
+  EXPECT_EQ(scene.measured[0].file, folder_.path() / "sub/a.csv");
+  EXPECT_EQ(scene.measured[1].tool, "probe");
+  EXPECT_EQ(scene.measured[1].reach, 0.002);
+  ASSERT_EQ(scene.analytic.size(), 2U);
+  EXPECT_EQ(scene.analytic[0].law, AnalyticScene::Law::winkler);
+  EXPECT_EQ(scene.analytic[0].sites, (std::vector<int>{3, 7}));
+  EXPECT_FALSE(scene.analytic[0].young);
+  EXPECT_EQ(scene.analytic[1].thickness, 0.01);
+  EXPECT_EQ(scene.analytic[1].mesh, "rib");
+  EXPECT_TRUE(scene.analytic[1].within_box);
+  EXPECT_EQ(canonical_text(with), canonical_text(read(body)));
+  const SceneSources none = read_sources(folder_.path() / "liver.toml");
+  EXPECT_EQ(none.rest, SceneSources::Rest::solved);
+  EXPECT_EQ(canonical_text(none), "");
+  SceneSources other = scene;
+  other.analytic[0].stiffness = 2e6;
+  EXPECT_NE(canonical_text(other), canonical_text(scene));
+  other = scene;
+  other.measured[0].file = "elsewhere.csv";
+  EXPECT_EQ(canonical_text(other), canonical_text(scene));
+}
+
 TEST_F(SceneTest, CanonicalTextFollowsResultsNotPathsNorNames) {
   const std::string base = "[body]\nsurface = \"a.ply\"\n[contact]\nfriction = 0.1\n";
   const std::string text = canonical_text(read(base));
@@ -281,11 +356,17 @@ TEST_F(SceneTest, CanonicalTextFollowsResultsNotPathsNorNames) {
   };
   EXPECT_EQ(solves(""), solves("[response]\ntolerance = 0.04\nsearch = \"none\"\n[sampling]\nmax_refused = 0.5\n"));
   EXPECT_NE(solves(""), solves("[sampling]\nnormal_points = 13\n"));
+  // A tool that is not turned keeps its solves.
+  const std::string grasp = "[tool]\ngrasp_depth = 0.001\n";
+  EXPECT_NE(solves(""), solves(grasp));
+  EXPECT_EQ(solves(grasp), solves(grasp + "grasp_turn = 0\n"));
+  EXPECT_NE(solves(grasp), solves(grasp + "grasp_turn = 0.1\n"));
   // The coupled model is fitted to other solves; its order and tolerance only to what is made of them.
   const std::string coupled = "[response]\nmodel = \"coupled\"\n";
   EXPECT_NE(solves(""), solves(coupled));
   EXPECT_NE(solves(coupled), solves(coupled + "path_share = 0.5\n"));
   EXPECT_EQ(solves(coupled), solves(coupled + "order = 3\ntolerance = 0.01\n"));
+  EXPECT_EQ(solves(""), solves("[response]\nmodel = \"linear\"\n"));
   EXPECT_NE(canonical_text(read(base + coupled)), canonical_text(read(base + coupled + "order = 3\n")));
   // Nothing of the machine is in it.
   EXPECT_EQ(text.find(folder_.path().string()), std::string::npos);

@@ -22,8 +22,10 @@ struct ResponseSampleOptions {
   bool lateral = true;
   bool uniform = false;  ///< every site answers alike
   bool search = false;
-  int coupled = 0;     ///< order of the coupled model; 0: separable
-  bool grasp = false;  ///< the first tool holds on
+  int coupled = 0;      ///< order of the coupled model; 0: separable
+  bool spring = false;  ///< the coupled model's leanest
+  bool grasp = false;   ///< the first tool holds on
+  bool turn = false;    ///< and turns of it have a torque
   std::uint32_t subdivision = 1;
   int cells = 4;  ///< box: cells along an edge
   enum class Tools { sphere, capsule, mesh, all } tools = Tools::sphere;
@@ -34,6 +36,8 @@ inline constexpr double kBoxSize = 0.06, kBallRadius = 0.03;
 inline constexpr double kHertzForce = 2.0;  ///< N at the depth scale
 /// N/m, of a grasp along the normal and sideways, there where it is neither deep nor pulled.
 inline constexpr double kGraspStiffness = 500.0, kGraspSideways = 300.0;
+/// N m, of a twist and of a roll; N, of the force of a roll; rad, how far it was turned.
+inline constexpr double kTwistStiffness = 6e-3, kRollStiffness = 4e-3, kRollForce = 0.4, kTurned = 0.2;
 
 namespace sample_detail {
 
@@ -110,7 +114,10 @@ inline void add_tools(ResponseFileContent& content, ResponseSampleOptions::Tools
 
 /// The same push as the curves', a sideways stiffness that grows like s, its coupling, a little of every other family.
 inline void add_coupled(ResponseFileContent& content, const ResponseSampleOptions& options) {
-  const coupled::Degrees d{options.coupled, 5, options.lateral ? 4 : 0, 3, options.coupled > 2 ? 1 : 0, 0, 2};
+  const coupled::Degrees d =
+      options.spring
+          ? coupled::kSpring
+          : coupled::Degrees{options.coupled, 5, options.lateral ? 4 : 0, 3, options.coupled > 2 ? 1 : 0, 0, 2};
   const coupled::Places p = coupled::places(d);
   content.depth_scale = kDepthScale;
   content.sideways_scale = kSidewaysScale;
@@ -126,7 +133,7 @@ inline void add_coupled(ResponseFileContent& content, const ResponseSampleOption
     std::vector<double> c(static_cast<std::size_t>(p.end));
     for (int k = 2; k <= d.push; ++k) {
       c[k - 2] = (0.9 * coupled::binomial(k, 3) / coupled::binomial(5, 3) +
-                  0.1 * coupled::binomial(k, 2) / coupled::binomial(5, 2)) *
+                  0.1 * coupled::binomial(k, 2) / coupled::binomial(std::min(d.push, 5), 2)) *
                  (1 + vary);
     }
     for (int k = p.straight; k < p.stiffness; ++k) c[k] = options.uniform ? 0 : 0.1 * vary * (k % 2 == 0 ? 1 : -0.5);
@@ -174,9 +181,32 @@ inline void add_grasps(ResponseFileContent& content, const ResponseSampleOptions
   }
 }
 
+/// A round tip's: a roll about y pushes along x. Of files that are not uniform every entry is there.
+inline void add_turns(ResponseFileContent& content, const ResponseSampleOptions& options) {
+  const auto n = static_cast<int>(content.grasp_coefs);
+  content.turns = true;
+  for (std::size_t i = 0; i < content.responses.size(); ++i) {
+    Response& r = content.responses[i];
+    r.turn.assign(layout::kTurnCurves * content.grasp_coefs, 0.0f);
+    if (!(r.grasp_depth > 0)) continue;
+    const double vary = options.uniform ? 0 : 0.2 * std::sin(1.1 * static_cast<double>(i));
+    r.turned = kTurned;
+    const double turn[12] = {kRollStiffness * (1 + vary), 0.3 * vary * kRollStiffness,  kRollStiffness * (1 - vary),
+                             0.2 * vary * kRollStiffness, -0.1 * vary * kRollStiffness, kTwistStiffness,
+                             0.2 * vary * kRollForce,     kRollForce * (1 + vary),      0.1 * vary * kRollForce,
+                             -kRollForce * (1 - vary),    0.1 * vary * kRollForce,      -0.2 * vary * kRollForce};
+    for (int k = 0; k < n; ++k) {
+      const double z = 2 * spline::greville(n, k) - 1, grows = 1 + 0.1 * std::clamp(k, 1, n - 2);
+      const auto set = [&](int curve, double value) { r.turn[curve * n + k] = static_cast<float>(value); };
+      for (int j = 0; j < 3; ++j) set(j, 1e-4 * vary * (1 - 2 * j) * (1 + z));
+      for (int j = 0; j < 12; ++j) set(3 + j, grows * turn[j]);
+    }
+  }
+}
+
 /// Fn = hertz (0.9 s^3 + 0.1 s^2), g = s, skewed phi, mu about 0.3; each response a little different.
 inline void add_responses(ResponseFileContent& content, const ResponseSampleOptions& options) {
-  if (options.coupled > 0) return add_coupled(content, options);
+  if (options.coupled > 0 || options.spring) return add_coupled(content, options);
   content.depth_scale = kDepthScale;
   content.sideways_scale = options.friction ? kSidewaysScale : 0;
   content.normal_coefs = 10;
@@ -264,6 +294,7 @@ inline ResponseFileContent box_content(const ResponseSampleOptions& options = {}
   add_tools(content, options.tools);
   add_responses(content, options);
   if (options.grasp) add_grasps(content, options);
+  if (options.turn) add_turns(content, options);
   if (options.search) add_search(content);
   return content;
 }
@@ -304,6 +335,7 @@ inline ResponseFileContent ball_content(const ResponseSampleOptions& options = {
   add_tools(content, options.tools);
   add_responses(content, options);
   if (options.grasp) add_grasps(content, options);
+  if (options.turn) add_turns(content, options);
   if (options.search) add_search(content);
   return content;
 }

@@ -3,6 +3,7 @@
 #include "precompute/verify/held_out.hpp"
 
 #include "precompute/mesh/remesh.hpp"
+#include "precompute/verify/statistics.hpp"
 #include "tests/support/response_samples.hpp"
 #include "tests/support/shapes.hpp"
 
@@ -40,6 +41,7 @@ protected:
     test::ResponseSampleOptions sample;
     sample.tools = record;
     sample.grasp = grasp_depth_ > 0;
+    sample.turn = grasp_turn_ > 0;
     bytes_ = encode(test::box_content(sample));
     const runtime::OpenResult opened = runtime::View::open(bytes_.data(), bytes_.size());
     ToolScene tool;
@@ -47,13 +49,14 @@ protected:
     tool.radius = test::kTipRadius;
     tool.length = test::kStemLength;
     tool.grasp_depth = grasp_depth_;
+    tool.grasp_turn = grasp_turn_;
     return solve_held_out(opened.view, scene_, body_, {make_tool(tool)}, options_);
   }
 
   Body body_;
   Scene scene_;
   HeldOutOptions options_;
-  double grasp_depth_ = 0.0;
+  double grasp_depth_ = 0.0, grasp_turn_ = 0.0;
   std::vector<std::byte> bytes_;
 };
 
@@ -78,18 +81,29 @@ TEST_F(HeldOutSolves, AToolThatMustKeepItsSpinIsPushedObliquely) {
   EXPECT_GE(oblique, 6u);
 }
 
-TEST_F(HeldOutSolves, AToolThatHoldsOnIsPulledToo) {
+TEST_F(HeldOutSolves, AToolThatHoldsOnIsPulledAndTurnedToo) {
   grasp_depth_ = 0.001;
+  grasp_turn_ = 0.2;
   const HeldOutSet set = solve(ToolScene::Shape::sphere, test::ResponseSampleOptions::Tools::sphere);
   ASSERT_TRUE(set.contacts[0].accepted) << set.contacts[0].cause;
-  int out = 0, aside = 0;
+  int out = 0, aside = 0, turned = 0;
   for (const ForcePair& f : set.contacts[0].forces) {
     if (f.kind != SampleKind::grasped) continue;
     const Eigen::Vector3d& n = set.contacts[0].frame.n;
     const double depth = -f.deflection.dot(n);
     out += depth < -5e-4 && f.solved.dot(n) < 0 && f.baked.dot(n) < 0 ? 1 : 0;
     aside += (f.deflection + depth * n).norm() > 5e-4 ? 1 : 0;
+    if (!f.turn) continue;
+    ++turned;
+    EXPECT_LE(f.turn->rotation.norm(), 0.14 + 1e-12);
+    EXPECT_GE(f.turn->rotation.norm(), 0.125);
+    // Each turn is about no axis of the bake.
+    EXPECT_LT(f.turn->rotation.normalized().cwiseAbs().maxCoeff(), 0.999);
+    EXPECT_LT(f.turn->solved.dot(f.turn->rotation), 0);
+    EXPECT_LT(f.turn->baked.dot(f.turn->rotation), 0);
   }
+  EXPECT_GE(turned, 6);
+  EXPECT_EQ(summarise(set.contacts).turned.count, static_cast<std::size_t>(turned));
   EXPECT_GE(out, 1);
   EXPECT_GE(aside, 3);
 }

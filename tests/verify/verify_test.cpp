@@ -52,6 +52,16 @@ TEST(Statistics, CountsSharesAndThePlaceOfTheWorst) {
   EXPECT_NEAR(s.normal.within_5, 2.0 / 3, 1e-12);
 }
 
+TEST(Statistics, TorquesOfTurnsAreCountedByThemselves) {
+  std::vector<HeldOut> contacts{contact_with({0.5, 0.25})};
+  contacts[0].forces[1].kind = SampleKind::grasped;
+  contacts[0].forces[1].turn = {{0, 0, 0.1}, {0, 0, -1e-3}, {0, 0, -1.3e-3}, 0.3};
+  const VerifyStatistics s = summarise(contacts);
+  EXPECT_EQ(s.turned.count, 1u);
+  EXPECT_EQ(s.turned.worst, 0.3);
+  EXPECT_EQ(s.grasped.worst, 0.25);
+}
+
 TEST(Statistics, FrictionLimitsAreCountedByThemselves) {
   std::vector<HeldOut> contacts{contact_with({0.1}), contact_with({0.1})};
   contacts[0].limits = {{0.001, 0.3, 0.303, 0.01}};
@@ -113,10 +123,12 @@ TEST(Recorded, RoundTripAndFaults) {
   const auto folder = std::filesystem::temp_directory_path() / "palpate-recorded-test";
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
-  std::vector<HeldOut> contacts{contact_with({0.1, 0.2})};
+  std::vector<HeldOut> contacts{contact_with({0.1, 0.2, 0.3})};
   contacts[0].frame.origin = {0.1, 0.2, 0.3};
   contacts[0].tool_weights = {0.25, 0.75, 0};
   contacts[0].forces[1].kind = SampleKind::tangential;
+  contacts[0].forces[2].kind = SampleKind::grasped;
+  contacts[0].forces[2].turn = {{0, 0.1, 0.05}, {0, -1e-3, 2e-4}, {0, -1.1e-3, 0}, 0.2};
   contacts[0].limits = {{0.003, 0.35, 0.3, 0.14}};
   nlohmann::ordered_json report;
   report["held_out"] = to_json(contacts);
@@ -125,9 +137,13 @@ TEST(Recorded, RoundTripAndFaults) {
   ASSERT_EQ(back.size(), 1u);
   EXPECT_EQ(back[0].frame.origin, contacts[0].frame.origin);
   EXPECT_EQ(back[0].tool_weights, contacts[0].tool_weights);
-  ASSERT_EQ(back[0].forces.size(), 2u);
+  ASSERT_EQ(back[0].forces.size(), 3u);
   EXPECT_EQ(back[0].forces[1].kind, SampleKind::tangential);
   EXPECT_EQ(back[0].forces[0].solved, contacts[0].forces[0].solved);
+  EXPECT_FALSE(back[0].forces[1].turn);
+  ASSERT_TRUE(back[0].forces[2].turn);
+  EXPECT_EQ(back[0].forces[2].turn->rotation, contacts[0].forces[2].turn->rotation);
+  EXPECT_EQ(back[0].forces[2].turn->solved, contacts[0].forces[2].turn->solved);
   ASSERT_EQ(back[0].limits.size(), 1u);
   EXPECT_EQ(back[0].limits[0].depth, 0.003);
   EXPECT_EQ(back[0].limits[0].solved, 0.35);
@@ -160,6 +176,12 @@ TEST(Recorded, RoundTripAndFaults) {
   ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
   EXPECT_EQ(refusal(folder / "pipe").first, ExitCode::io);
   EXPECT_NE(refusal(folder / "garbage.json").second.find("garbage.json: not JSON"), std::string::npos);
+  nlohmann::ordered_json wrong = report;
+  wrong["held_out"][0]["forces"][2]["kind"] = "normal";
+  EXPECT_EQ(code("turned_push.json", wrong.dump()), ExitCode::bad_input);
+  wrong = report;
+  wrong["held_out"][0]["forces"][2]["rotation_rad"] = {0, 4, 0};
+  EXPECT_EQ(code("turned_too_far.json", wrong.dump()), ExitCode::bad_input);
   EXPECT_EQ(code("list.json", "[1]"), ExitCode::bad_input);
   EXPECT_EQ(code("number.json", "{\"held_out\": 3}"), ExitCode::bad_input);
   std::filesystem::remove_all(folder);

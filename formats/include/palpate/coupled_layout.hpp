@@ -33,7 +33,7 @@ struct Degrees {
   int order = 2;      ///< of the energy in the sideways deflection, [2, 4]
   int push = 5;       ///< F: straight push, [2, kMaxDegree]; from s^2
   int straight = 0;   ///< g: its sideways force, 2 harmonics' parts; 0: none, else [2, kMaxDegree]; from s^2
-  int stiffness = 3;  ///< K', 3 parts (mean, second harmonic), and A, 3 parts from s^2; [2, kMaxDegree]
+  int stiffness = 3;  ///< K', 3 parts (mean, second harmonic), and A, 3 parts from s^2; 0 (a spring) or [2, kMaxDegree]
   int cubic = 0;      ///< C', 4 parts (first and third harmonic), where order > 2; [0, stiffness]
   int quartic = 0;    ///< Q', 5 parts (mean, second and fourth harmonic), where order > 3; [0, stiffness]
   int limit = 3;      ///< mu, [0, kMaxDegree]
@@ -42,10 +42,18 @@ struct Degrees {
 constexpr bool in_range(const Degrees& d) {
   const auto inside = [](int value, int low, int high) { return value >= low && value <= high; };
   return inside(d.order, 2, 4) && inside(d.push, 2, kMaxDegree) &&
-         (d.straight == 0 || inside(d.straight, 2, kMaxDegree)) && inside(d.stiffness, 2, kMaxDegree) &&
+         (d.straight == 0 || inside(d.straight, 2, kMaxDegree)) &&
+         (d.stiffness == 0 || inside(d.stiffness, 2, kMaxDegree)) &&
          (d.order > 2 ? inside(d.cubic, 0, d.stiffness) : d.cubic == 0) &&
          (d.order > 3 ? inside(d.quartic, 0, d.stiffness) : d.quartic == 0) && inside(d.limit, 0, kMaxDegree);
 }
+
+/// A spring: its force grows with depth, its sideways stiffness with the root of depth, like that of a contact's
+/// radius.
+inline constexpr Degrees kSpring{2, 2, 0, 0, 0, 0, 0};
+
+/// Coefficients of a family from s^2, times its parts.
+constexpr int from_square(int degree) { return degree < 2 ? 0 : degree - 1; }
 
 /// Where each family begins; `end` is the number of coefficients of a response.
 struct Places {
@@ -53,10 +61,10 @@ struct Places {
 };
 constexpr Places places(const Degrees& d) {
   Places p{};
-  p.straight = d.push - 1;
-  p.stiffness = p.straight + (d.straight > 0 ? 2 * (d.straight - 1) : 0);
+  p.straight = from_square(d.push);
+  p.stiffness = p.straight + 2 * from_square(d.straight);
   p.coupling = p.stiffness + 3 * (d.stiffness + 1);
-  p.cubic = p.coupling + 3 * (d.stiffness - 1);
+  p.cubic = p.coupling + 3 * from_square(d.stiffness);
   p.quartic = p.cubic + (d.order > 2 ? 4 * (d.cubic + 1) : 0);
   p.limit = p.quartic + (d.order > 3 ? 5 * (d.quartic + 1) : 0);
   p.end = p.limit + d.limit + 1;

@@ -38,17 +38,31 @@ enum class Section : std::uint32_t {
   search = 12,            ///< SearchNode; absent when the contact surface is small
   provenance = 13,        ///< UTF-8 JSON text
   coupled = 14,           ///< float unit, then int16[coupled::count]; only in a file of the coupled model
-  grasp = 15              ///< GraspHead, then float[6 * coefs]; absent when no tool holds on
+  grasp = 15,             ///< GraspHead, then float[6 * coefs]; absent when no tool holds on
+  turn = 16               ///< TurnHead, then float[15 * coefs]; absent when no tool's turns have a torque
 };
 
-inline constexpr std::uint32_t kSectionIds = 16;  ///< ids are below this
+inline constexpr std::uint32_t kSectionIds = 17;  ///< ids are below this
 
 /// The section's name as the specification spells it; "?" for an unknown id.
 inline constexpr const char* section_name(std::uint32_t id) {
-  constexpr const char* kNames[kSectionIds] = {
-      "?",      "META",          "SITES",        "PATCHES",   "SURFACE_VERTICES", "SURFACE_TRIANGLES",
-      "TOOLS",  "TOOL_VERTICES", "TOOL_PATCHES", "RESPONSES", "LATERAL",          "FRICTION",
-      "SEARCH", "PROVENANCE",    "COUPLED",      "GRASP"};
+  constexpr const char* kNames[kSectionIds] = {"?",
+                                               "META",
+                                               "SITES",
+                                               "PATCHES",
+                                               "SURFACE_VERTICES",
+                                               "SURFACE_TRIANGLES",
+                                               "TOOLS",
+                                               "TOOL_VERTICES",
+                                               "TOOL_PATCHES",
+                                               "RESPONSES",
+                                               "LATERAL",
+                                               "FRICTION",
+                                               "SEARCH",
+                                               "PROVENANCE",
+                                               "COUPLED",
+                                               "GRASP",
+                                               "TURN"};
   return id < kSectionIds ? kNames[id] : kNames[0];
 }
 
@@ -59,7 +73,8 @@ enum Feature : std::uint32_t {
   feature_search = 1u << 3,
   feature_coupled = 1u << 4,
   feature_grasp = 1u << 5,
-  feature_all = 63u
+  feature_turn = 1u << 6,
+  feature_all = 127u
 };
 
 enum SiteFlag : std::uint32_t {
@@ -68,11 +83,21 @@ enum SiteFlag : std::uint32_t {
   site_all = 3u
 };
 
-/// Exactly one of solved and covered is set.
+/// Exactly one is set.
 enum ResponseFlag : std::uint32_t {
-  response_solved = 1u << 0,  ///< fitted to this pair's own samples
-  response_covered = 1u << 1  ///< refused or never planned: taken from neighbours
+  response_solved = 1u << 0,    ///< fitted to this pair's own solves
+  response_covered = 1u << 1,   ///< refused or never planned: taken from neighbours
+  response_measured = 1u << 2,  ///< fitted to what a real tool recorded
+  response_analytic = 1u << 3   ///< fitted to a closed form
 };
+
+/// "solved", "covered", "measured" or "analytic".
+inline constexpr const char* source_name(std::uint32_t flags) {
+  return flags == response_solved     ? "solved"
+         : flags == response_covered  ? "covered"
+         : flags == response_measured ? "measured"
+                                      : "analytic";
+}
 
 enum class ToolKind : std::uint32_t { point_sphere = 0, profile = 1, mesh = 2 };
 enum class Model : std::uint32_t { separable = 1, coupled = 2 };
@@ -165,6 +190,11 @@ struct GraspHead {
   float pulled;  ///< m, how far out of the body it was sampled
 };
 
+/// Of one response; 0 where turns of its tool have no torque.
+struct TurnHead {
+  float turned;  ///< rad, largest angle by which the grasped tool was turned
+};
+
 /// Box over the triangles below a node. count 0: children are nodes `first` and `first + 1`.
 struct SearchNode {
   float lower[3];
@@ -179,7 +209,7 @@ static_assert(sizeof(SectionEntry) == 32 && offsetof(SectionEntry, offset) == 8)
 static_assert(sizeof(Meta) == 128 && offsetof(Meta, model) == 16);
 static_assert(sizeof(Site) == 48 && sizeof(Patch) == 12 && sizeof(Point) == 12);
 static_assert(sizeof(SurfaceTriangle) == 40 && sizeof(ToolRecord) == 64 && sizeof(ToolVertexRecord) == 64);
-static_assert(sizeof(ResponseHead) == 8 && sizeof(GraspHead) == 8 && sizeof(SearchNode) == 32);
+static_assert(sizeof(ResponseHead) == 8 && sizeof(GraspHead) == 8 && sizeof(TurnHead) == 4 && sizeof(SearchNode) == 32);
 static_assert(std::is_trivially_copyable_v<Meta> && std::is_trivially_copyable_v<ToolRecord>);
 
 /// Index of the response of (site, tool vertex); tool vertices are numbered over all tools.
@@ -212,5 +242,11 @@ inline constexpr std::uint32_t friction_size(const Meta& m) {
 inline constexpr std::uint32_t kGraspCurves = 6;
 inline constexpr double kGraspRange = 1.25;
 inline constexpr std::uint32_t grasp_size(std::uint32_t coefs) { return 8 + 4 * kGraspCurves * coefs; }
+
+/// TURN: curves tx, ty, tn (N m), kxx, kxy, kyy, kxn, kyn, knn (N m), cxx, cxy, cxn, cyx, cyy, cyn (N), each of as many
+/// coefficients, over the same abscissa, as those of GRASP.
+inline constexpr std::uint32_t kTurnCurves = 15;
+inline constexpr double kLargestTurn = 1.0;  ///< rad, up to which a file may have turned a tool
+inline constexpr std::uint32_t turn_size(std::uint32_t coefs) { return 4 + 4 * kTurnCurves * coefs; }
 
 }  // namespace palpate::layout

@@ -49,10 +49,11 @@ struct Sym2 {
 inline Vec2 times(const Sym2& k, const Vec2& u) {
   return {(k.m + k.x) * u.x + k.y * u.y, k.y * u.x + (k.m - k.x) * u.y};
 }
-/// k^-1 b; zero where k is singular.
+/// k^-1 b, k positive; where k resists along one line only, as good as, what lies on that line (k is 2 m v v then).
 inline Vec2 solve(const Sym2& k, const Vec2& b) {
   const double det = k.m * k.m - k.x * k.x - k.y * k.y;
-  if (!(det > 1e-24 * k.m * k.m)) return {};
+  if (!(k.m > 0)) return {};
+  if (!(det > 1e-12 * k.m * k.m)) return (0.25 / (k.m * k.m)) * times(k, b);
   return {((k.m - k.x) * b.x - k.y * b.y) / det, ((k.m + k.x) * b.y - k.y * b.x) / det};
 }
 
@@ -178,7 +179,7 @@ public:
     };
     scalars(degrees_.push - 1, factor);
     for (int k = 2; k <= degrees_.straight; ++k) pair(turned);
-    for (int k = 0; k < 2 * degrees_.stiffness; ++k) {  // stiffness, then coupling
+    for (int k = 0; k <= degrees_.stiffness + from_square(degrees_.stiffness); ++k) {  // stiffness, then coupling
       scalars(1, factor);
       pair(second);
     }
@@ -207,7 +208,7 @@ public:
           at[(k - first) * components + c] = binomial(degree, k) * sum;
         }
       }
-      at += components * (degree - first + 1);
+      if (degree >= first) at += components * (degree - first + 1);
     };
     convert(1, 2, degrees_.push);
     if (degrees_.straight > 0) convert(2, 2, degrees_.straight);
@@ -252,8 +253,8 @@ public:
     from += 3 * (degrees_.stiffness + 1);
     d.energy.square = {integral[0], integral[1], integral[2]};
     if (more) d.rate.square = {rate[0], rate[1], rate[2]};
-    powers<3>(from, degrees_.stiffness - 1, s, value, slope);
-    from += 3 * (degrees_.stiffness - 1);
+    powers<3>(from, from_square(degrees_.stiffness), s, value, slope);
+    from += 3 * from_square(degrees_.stiffness);
     d.coupling = {0.5 * s * value[0], 0.5 * s * value[1], 0.5 * s * value[2]};
     if (degrees_.order > 2) {
       integrate<4>(from, degrees_.cubic + 1, s, beyond, integral, rate);

@@ -9,46 +9,100 @@
 
 namespace palpate::runtime {
 
+/// Calls use(response, share, cosine, sine) for every response of a tool at a body point and a tool point, with its
+/// share of the blend and the angle of its x axis from the basis' one, counted about the normal.
+template <class Use>
+void for_each_share(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point,
+                    const Vec3& normal, const Vec3& basis_x, const Vec3& basis_y, const Use& use) {
+  double sites[3], weight[3];
+  std::uint32_t corner[3];
+  patch_weights(view, body_point, sites);
+  const int corners = tool_corners(view, tool, tool_point, corner, weight);
+  const layout::Patch& patch = view.patches[view.triangles[body_point.triangle].patch];
+  for (int k = 0; k < 3; ++k) {
+    if (!(sites[k] > 0)) continue;
+    const Vec3 x = carried_tangent(view.sites[patch.vertex[k]], normal, basis_x);
+    for (int l = 0; l < corners; ++l) {
+      use(layout::response_index(*view.meta, patch.vertex[k], corner[l]), sites[k] * weight[l], dot(x, basis_x),
+          dot(x, basis_y));
+    }
+  }
+}
+
+/// What a grasp answers.
+struct GraspAnswer {
+  FieldForce force;
+  Vec3 torque;  ///< N m on the tool about p, body frame
+};
+
 /// The grasps of the responses at a body point and a tool point, blended once. Fixed size, no allocation.
 class GraspField {
 public:
+  /// Where a turn counts from: there are none.
+  struct Rest {
+    void set(const Pose& /*pose*/, const Vec3& /*rotation*/) {}
+    [[nodiscard]] Vec3 rotation(const Pose& /*pose*/) const { return {}; }
+  };
+
   GraspField() = default;
   /// `tool` is an index into the file's tools; `tool_point.patch` one of that tool's patches.
   GraspField(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point) {
     if (view.grasps == nullptr) return;
-    const layout::Meta& m = *view.meta;
     normal_ = runtime::normal(view, body_point);
     basis_x_ = any_orthogonal(normal_);
-    basis_y_ = cross(normal_, basis_x_);
-    law_.clear(static_cast<int>(view.grasp_coefs), m.depth_scale);
-    double sites[3], weight[3];
-    std::uint32_t corner[3];
-    patch_weights(view, body_point, sites);
-    const int corners = tool_corners(view, tool, tool_point, corner, weight);
-    const layout::Patch& patch = view.patches[view.triangles[body_point.triangle].patch];
-    for (int k = 0; k < 3; ++k) {
-      if (!(sites[k] > 0)) continue;
-      const Vec3 x = carried_tangent(view.sites[patch.vertex[k]], normal_, basis_x_);
-      for (int l = 0; l < corners; ++l) {
-        const std::uint64_t index = layout::response_index(m, patch.vertex[k], corner[l]);
-        const layout::GraspHead& head = view.grasp_head(index);
-        const double share = sites[k] * weight[l];
-        depth_ += share * head.depth;
-        pulled_ += share * head.pulled;
-        deepest_ += share * view.response_head(index).depth_limit;
-        law_.add(view.grasp_curves(index), share, dot(x, basis_x_), dot(x, basis_y_));
-      }
-    }
+    basis_y_ = runtime::cross(normal_, basis_x_);
+    law_.clear(static_cast<int>(view.grasp_coefs), view.meta->depth_scale);
+    for_each_share(view, tool, body_point, tool_point, normal_, basis_x_, basis_y_,
+                   [&](std::uint64_t index, double share, double cosine, double sine) {
+                     const layout::GraspHead& head = view.grasp_head(index);
+                     depth_ += share * head.depth;
+                     pulled_ += share * head.pulled;
+                     deepest_ += share * view.response_head(index).depth_limit;
+                     law_.add(view.grasp_curves(index), share, cosine, sine);
+                   });
   }
 
   [[nodiscard]] const Vec3& normal() const { return normal_; }
+  [[nodiscard]] const Vec3& basis_x() const { return basis_x_; }
+  [[nodiscard]] const Vec3& basis_y() const { return basis_y_; }
+  [[nodiscard]] const grasp::Law& law() const { return law_; }
   /// Depth at which the contact was bonded (m); 0: this tool does not hold on, or the file has no grasps.
   [[nodiscard]] double depth() const { return depth_; }
 
   /// Force of a deflection p - c (m, body frame), at depths of either sign; only where depth() > 0.
   [[nodiscard]] FieldForce force(const Vec3& deflection) const {
-    const double z = -dot(deflection, normal_);
-    const grasp::Triple f = law_.force({dot(deflection, basis_x_), dot(deflection, basis_y_), z});
+    const grasp::Triple d = local(deflection);
+    return field_force(law_.force(d), d.n);
+  }
+  /// The same; a turn has no torque.
+  [[nodiscard]] GraspAnswer answer(const Vec3& deflection, const Vec3& /*rotation*/) const {
+    return {force(deflection), {}};
+  }
+
+  /// Sets a deflection that answers with this force (body frame); false where none does.
+  [[nodiscard]] bool find(const Vec3& force, Vec3& deflection) const {
+    grasp::Triple d{};
+    if (!law_.find(components(force), d)) return false;
+    deflection = world({d.x, d.y, -d.n});
+    return true;
+  }
+  [[nodiscard]] bool find(const Vec3& force, Vec3& deflection, Vec3& /*rotation*/) const {
+    return find(force, deflection);
+  }
+
+  /// (x, y, n) of a vector of the body frame, and back; and of a deflection, whose n is the depth.
+  [[nodiscard]] grasp::Triple components(const Vec3& v) const {
+    return {dot(v, basis_x_), dot(v, basis_y_), dot(v, normal_)};
+  }
+  [[nodiscard]] Vec3 world(const grasp::Triple& t) const { return t.x * basis_x_ + t.y * basis_y_ + t.n * normal_; }
+  [[nodiscard]] grasp::Triple local(const Vec3& deflection) const {
+    grasp::Triple d = components(deflection);
+    d.n = -d.n;
+    return d;
+  }
+
+  /// Of a force in components, at a depth (m).
+  [[nodiscard]] FieldForce field_force(const grasp::Triple& f, double z) const {
     FieldForce result;
     result.depth = z;
     result.normal = f.n;
@@ -60,14 +114,6 @@ public:
     return result;
   }
 
-  /// Sets a deflection that answers with this force (body frame); false where none does.
-  [[nodiscard]] bool find(const Vec3& force, Vec3& deflection) const {
-    grasp::Triple d{};
-    if (!law_.find({dot(force, basis_x_), dot(force, basis_y_), dot(force, normal_)}, d)) return false;
-    deflection = d.x * basis_x_ + d.y * basis_y_ - d.n * normal_;
-    return true;
-  }
-
 private:
   Vec3 normal_, basis_x_, basis_y_;
   double depth_ = 0, pulled_ = 0, deepest_ = 0;  ///< m
@@ -75,29 +121,32 @@ private:
 };
 
 /// Takes a contact over as it stands, with the force that it has, and keeps c and p. It is conservative: a closed
-/// motion does no work. Every tick takes bounded time, allocates nothing and throws nothing.
-class Grasp {
+/// motion does no work. Every tick takes bounded time, allocates nothing and throws nothing. As Grasp its torque is the
+/// force's alone; TurningGrasp (turn.hpp) has that of turns, too.
+template <class Answer>
+class BasicGrasp {
 public:
   /// From the last tick of a contact of this tool, and its pose. holds() says whether there is a grasp: the file must
   /// have one for this tool, the tick a contact, and the grasp a deflection that answers with the contact's force.
-  Grasp(const View& view, std::uint32_t tool, const Pose& pose, const Tick& tick) {
+  BasicGrasp(const View& view, std::uint32_t tool, const Pose& pose, const Tick& tick) {
     const bool touching = tick.state == State::stick || tick.state == State::slide;
     if (tool >= view.meta->tool_count || !touching || !pose.valid()) return;
-    field_ = GraspField(view, tool, tick.at, tick.on_tool);
-    Vec3 deflection;
-    if (!(field_.depth() > 0) || !field_.find(tick.force, deflection)) return;
+    field_ = Answer(view, tool, tick.at, tick.on_tool);
+    Vec3 deflection, rotation;
+    if (!(field_.depth() > 0) || !field_.find(tick.force, deflection, rotation)) return;
     at_ = tick;
     const Vec3 away = tick.tool_point - pose.translation;
     const double* r = pose.rotation;
     point_ = {dot({r[0], r[3], r[6]}, away), dot({r[1], r[4], r[7]}, away), dot({r[2], r[5], r[8]}, away)};
     offset_ = deflection - (tick.tool_point - tick.body_point);
+    rest_.set(pose, rotation);
     holds_ = true;
   }
 
   [[nodiscard]] bool holds() const { return holds_; }
 
-  /// Force at `pose`: state stick, with a depth that is negative while the tool pulls. A pose that is no pose ends the
-  /// grasp (state fault). Where there is none: state free, no force.
+  /// Force and torque at `pose`: state stick, with a depth that is negative while the tool pulls. A pose that is no
+  /// pose ends the grasp (state fault). Where there is none: state free, no force.
   Tick tick(const Pose& pose) {
     Tick tick;
     if (!pose.valid()) {
@@ -108,21 +157,24 @@ public:
     tick = at_;
     tick.state = State::stick;
     tick.tool_point = pose.apply(point_);
-    const FieldForce answer = field_.force(tick.tool_point - tick.body_point + offset_);
-    tick.force = answer.force;
-    tick.torque = cross(tick.tool_point - pose.translation, tick.force);
-    tick.depth = answer.depth;
-    tick.friction_limit = answer.limit;
-    tick.beyond = answer.beyond;
+    const GraspAnswer answer = field_.answer(tick.tool_point - tick.body_point + offset_, rest_.rotation(pose));
+    tick.force = answer.force.force;
+    tick.torque = cross(tick.tool_point - pose.translation, tick.force) + answer.torque;
+    tick.depth = answer.force.depth;
+    tick.friction_limit = answer.force.limit;
+    tick.beyond = answer.force.beyond;
     return tick;
   }
 
 private:
-  GraspField field_;
+  Answer field_;
   Tick at_;      ///< where it was grasped
   Vec3 point_;   ///< m, p in the tool's frame
   Vec3 offset_;  ///< m, added to p - c: the force goes on from the contact's
+  typename Answer::Rest rest_;
   bool holds_ = false;
 };
+
+using Grasp = BasicGrasp<GraspField>;
 
 }  // namespace palpate::runtime

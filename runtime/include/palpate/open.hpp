@@ -154,14 +154,23 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
     v.grasps = v.bytes + grasp->offset;
     v.grasp_coefs = coefs;
   }
+  if (const auto* turn = entry[static_cast<std::uint32_t>(Section::turn)]) {
+    if (v.grasps == nullptr) return fault.say("section TURN without GRASP");
+    if (turn->element_size != layout::turn_size(v.grasp_coefs) || turn->count != m.response_count) {
+      return fault.say("section TURN: %llu elements of %u bytes, expected %u of %u",
+                       static_cast<unsigned long long>(turn->count), turn->element_size, m.response_count,
+                       layout::turn_size(v.grasp_coefs));
+    }
+    v.turns = v.bytes + turn->offset;
+  }
   const auto* text = entry[static_cast<std::uint32_t>(Section::provenance)];
   if (text == nullptr || text->element_size != 1) return fault.say("section PROVENANCE is missing");
-  const std::uint32_t features = (m.lateral_coefs + m.straight_degree > 0 ? layout::feature_lateral : 0u) |
-                                 (m.friction_coefs > 0 || coupled ? layout::feature_friction : 0u) |
-                                 (m.tool_patch_count > 0 ? layout::feature_tool_patches : 0u) |
-                                 (m.search_nodes > 0 ? layout::feature_search : 0u) |
-                                 (coupled ? layout::feature_coupled : 0u) |
-                                 (v.grasps != nullptr ? layout::feature_grasp : 0u);
+  const std::uint32_t features =
+      (m.lateral_coefs + m.straight_degree > 0 ? layout::feature_lateral : 0u) |
+      (m.friction_coefs > 0 || coupled ? layout::feature_friction : 0u) |
+      (m.tool_patch_count > 0 ? layout::feature_tool_patches : 0u) |
+      (m.search_nodes > 0 ? layout::feature_search : 0u) | (coupled ? layout::feature_coupled : 0u) |
+      (v.grasps != nullptr ? layout::feature_grasp : 0u) | (v.turns != nullptr ? layout::feature_turn : 0u);
   if (features != v.features) return fault.say("feature bits %#x do not fit the sections present", v.features);
   if (at[2] == nullptr || at[3] == nullptr || at[4] == nullptr || at[5] == nullptr || at[6] == nullptr ||
       at[9] == nullptr) {

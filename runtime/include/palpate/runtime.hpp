@@ -5,6 +5,8 @@
 /// C++17 and the standard library; no allocation, exception, lock or system call. Open a file's bytes once
 /// with View::open; then, per tool, a Contact and one tick for every pose. Field and locate are the level
 /// below, for a program that finds its contacts itself. Lengths in metres, forces in newtons, body frame.
+#include "palpate/adjust.hpp"
 #include "palpate/contact.hpp"
 #include "palpate/grasp.hpp"
 #include "palpate/open.hpp"
+#include "palpate/turn.hpp"

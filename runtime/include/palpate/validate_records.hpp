@@ -5,6 +5,7 @@
 #include "palpate/coupled_check.hpp"
 #include "palpate/math3.hpp"
 #include "palpate/spline.hpp"
+#include "palpate/turn_check.hpp"
 #include "palpate/view.hpp"
 
 #include <cmath>
@@ -246,8 +247,9 @@ inline bool check_responses(const View& v, Fault& fault) {
     const layout::ResponseHead& head = v.response_head(i);
     if (!is_limit(head.depth_limit, m.depth_scale))
       return fault.say("RESPONSES: response %u: depth limit out of range", i);
-    if (head.flags != layout::response_solved && head.flags != layout::response_covered) {
-      return fault.say("RESPONSES: response %u: must be either solved or covered", i);
+    if (head.flags != layout::response_solved && head.flags != layout::response_covered &&
+        head.flags != layout::response_measured && head.flags != layout::response_analytic) {
+      return fault.say("RESPONSES: response %u: must be one of solved, covered, measured, analytic", i);
     }
     if (v.coupled_laws != nullptr) {
       if (!check_coupled(v, i, kLargest, fault)) return false;
@@ -311,14 +313,35 @@ inline bool check_grasp(const View& v, std::uint64_t index, bool holds, Fault& f
   return true;
 }
 
-/// All responses of a tool have a grasp, or none.
+/// The same of a grasped tool that is turned.
+inline bool check_turn(const View& v, std::uint64_t index, bool turns, Fault& fault) {
+  const auto i = static_cast<std::uint32_t>(index);
+  const float turned = v.turn_head(index).turned, *curves = v.turn_curves(index);
+  if (!turns) {
+    if (turned == 0 &&
+        is_curve(curves, layout::kTurnCurves * v.grasp_coefs, layout::kTurnCurves * v.grasp_coefs, 0, 0, 0))
+      return true;
+    return fault.say("TURN: response %u: must be zero as the tool's others", i);
+  }
+  if (!is_limit(turned, layout::kLargestTurn)) return fault.say("TURN: response %u: angle out of range", i);
+  if (!(v.grasp_head(index).depth > 0)) return fault.say("TURN: response %u: has no grasp", i);
+  if (const char* broken = grasp::broken_turn(v.grasp_curves(index), curves, static_cast<int>(v.grasp_coefs))) {
+    return fault.say("TURN: response %u: %s", i, broken);
+  }
+  return true;
+}
+
+/// All responses of a tool have a grasp, or none; and turns, or none.
 inline bool check_grasps(const View& v, Fault& fault) {
   for (std::uint32_t t = 0; v.grasps != nullptr && t < v.meta->tool_count; ++t) {
     const layout::ToolRecord& tool = v.tools[t];
     const bool holds = v.grasp_head(tool.first_vertex).depth != 0;
+    const bool turns = v.turns != nullptr && v.turn_head(tool.first_vertex).turned != 0;
     for (std::uint32_t site = 0; site < v.meta->site_count; ++site) {
       for (std::uint32_t k = 0; k < tool.vertex_count; ++k) {
-        if (!check_grasp(v, layout::response_index(*v.meta, site, tool.first_vertex + k), holds, fault)) return false;
+        const std::uint64_t index = layout::response_index(*v.meta, site, tool.first_vertex + k);
+        if (!check_grasp(v, index, holds, fault)) return false;
+        if (v.turns != nullptr && !check_turn(v, index, turns, fault)) return false;
       }
     }
   }

@@ -33,6 +33,7 @@ struct View {
   std::size_t provenance_size = 0;
   const unsigned char* grasps = nullptr;  ///< null when no tool holds on
   std::uint32_t grasp_coefs = 0;          ///< of each of their curves
+  const unsigned char* turns = nullptr;   ///< null when no tool's turns have a torque
 
   /// Checks `size` bytes at `data` (aligned to 8) against the specification; defined in open.hpp.
   static OpenResult open(const void* data, std::size_t size);
@@ -80,6 +81,13 @@ struct View {
   /// Coefficients of Fx, Fy, Fn, kxx, kxy, kyy.
   [[nodiscard]] const float* grasp_curves(std::uint64_t index) const {
     return reinterpret_cast<const float*>(grasps + index * layout::grasp_size(grasp_coefs) + sizeof(layout::GraspHead));
+  }
+  [[nodiscard]] const layout::TurnHead& turn_head(std::uint64_t index) const {
+    return *reinterpret_cast<const layout::TurnHead*>(turns + index * layout::turn_size(grasp_coefs));
+  }
+  /// Coefficients of T, K and C, see layout::kTurnCurves.
+  [[nodiscard]] const float* turn_curves(std::uint64_t index) const {
+    return reinterpret_cast<const float*>(turns + index * layout::turn_size(grasp_coefs) + sizeof(layout::TurnHead));
   }
   [[nodiscard]] bool has(layout::Feature feature) const { return (features & feature) != 0; }
   /// Index of the tool of that name, or tool_count.

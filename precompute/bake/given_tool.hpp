@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What recordings and laws ask of the tool that they name.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "formats/error.hpp"
+#include "precompute/tool/tool.hpp"
+
+namespace palpate {
+
+/// The index of a scene's tool. Throws Error(bad_input) "where: ..." where there is none of that name.
+inline std::uint32_t find_tool(const std::vector<Tool>& tools, const std::string& name, const std::string& where) {
+  std::string all;
+  for (std::uint32_t k = 0; k < tools.size(); ++k) {
+    if (tools[k].name == name) return k;
+    all.append(k == 0 ? "'" : ", '").append(tools[k].name).append("'");
+  }
+  throw Error(ExitCode::bad_input, where + ": there is no tool '" + name + "'; the scene has " + all);
+}
+
+/// Throws Error(bad_input) "where: ..." for a tool that holds on.
+inline void refuse_grasps(const Tool& tool, const std::string& where) {
+  if (!(tool.scene.grasp_depth > 0)) return;
+  throw Error(ExitCode::bad_input,
+              where + ": the tool '" + tool.name + "' holds on (grasp_depth): how it is pulled has to be solved");
+}
+
+}  // namespace palpate

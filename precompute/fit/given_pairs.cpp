@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "precompute/fit/given_pairs.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "formats/error.hpp"
+#include "formats/journal.hpp"
+#include "precompute/bake/bake.hpp"
+#include "precompute/bake/plan.hpp"
+#include "precompute/fit/closed_form.hpp"
+#include "precompute/fit/fit.hpp"
+#include "precompute/fit/recorded_fit.hpp"
+
+namespace palpate {
+namespace {
+
+using fit::ModelScales;
+using fit::SiteCurves;
+using SampleList = std::vector<Sample>;
+
+constexpr std::size_t kDrawn = 12;  // by which degrees are chosen: recorded pairs, and others beside them
+
+std::string name_of(const Plan& plan, std::uint32_t pair, const GivenPair& given) {
+  return (given.measured ? "recorded " : "closed form, ") + describe(pair, plan.pairs[pair]);
+}
+
+/// What `action` refuses a recording for, with what was passed over: that may be why it is not enough.
+template <class Action>
+auto telling_passed(const GivenPair& given, const Action& action) {
+  try {
+    return action();
+  } catch (const Error& error) {
+    if (given.passed.total() == 0) throw;
+    throw Error(error.code(), std::string(error.what()) + "; " + to_text(given.passed));
+  }
+}
+
+fit::RecordedFit fit_rows(const Plan& plan, std::uint32_t pair, const GivenPair& given, const ModelScales& scales) {
+  return telling_passed(given, [&] {
+    return fit::fit_recorded(given.samples, plan.pairs[pair].depth, scales, name_of(plan, pair, given));
+  });
+}
+
+/// What a bake would sample of the separable curves that follow a recording, as deep and as far aside as it went.
+SampleList smoothed(const Plan& plan, std::uint32_t pair, const GivenPair& given, const ModelScales& scales,
+                    const FitSettings& settings) {
+  const fit::RecordedFit fitted = fit_rows(plan, pair, given, scales);
+  double aside = 0;
+  for (const Sample& s : given.samples) {
+    if (s.kind == SampleKind::tangential) aside = std::max(aside, s.deflection.head<2>().norm());
+  }
+  PairPath path = settings.path(fitted.depth);
+  path.tangential_reach = std::min(path.tangential_reach, aside / fitted.depth);
+  return fit::sample_along(
+      path, [&](const Eigen::Vector3d& deflection) { return fit::evaluate(fitted.curves, scales, deflection); });
+}
+
+/// At most kDrawn of a list, evenly.
+template <class T>
+std::vector<T> drawn(const std::vector<T>& list) {
+  const std::size_t count = std::min(kDrawn, list.size());
+  std::vector<T> result;
+  for (std::size_t k = 0; k < count; ++k) result.push_back(list[k * list.size() / count]);
+  return result;
+}
+
+}  // namespace
+
+std::string to_text(const Passed& passed) {
+  std::string text = std::to_string(passed.total()) + " rows passed over: " + std::to_string(passed.out) +
+                     " not in contact, " + std::to_string(passed.deep) + " deeper than sampling.depth, " +
+                     std::to_string(passed.aside) + " too far aside";
+  if (passed.weightless > 0) text += ", " + std::to_string(passed.weightless) + " of weight 0";
+  return text;
+}
+
+GivenCounts count_given(const PairSources& sources) {
+  GivenCounts counts;
+  for (const auto& [pair, given] : sources.given) ++(given.measured ? counts.measured : counts.analytic);
+  return counts;
+}
+
+const SampleList* samples_of(std::uint32_t pair, const JournalContent& journal, const PairSources& sources) {
+  if (const auto given = sources.given.find(pair); given != sources.given.end()) return &given->second.samples;
+  if (!sources.solved(pair)) return nullptr;
+  const JournalPair& solved = journal.pairs.at(pair);
+  return solved.outcome->accepted ? &solved.samples : nullptr;
+}
+
+bool has_steady_lateral_force(const std::vector<Sample>& samples, double threshold) {
+  std::vector<double> depths;
+  for (const Sample& s : samples) {
+    if (s.kind == SampleKind::normal) depths.push_back(s.deflection.z());
+  }
+  const auto median = [](std::vector<double>& list) {
+    const auto middle = list.begin() + static_cast<std::ptrdiff_t>(list.size() / 2);
+    std::nth_element(list.begin(), middle, list.end());
+    return *middle;
+  };
+  if (depths.empty()) return false;
+  const double from = median(depths);
+  std::vector<double> force[3];
+  for (const Sample& s : samples) {
+    if (s.kind != SampleKind::normal || s.deflection.z() < from) continue;
+    for (int k = 0; k < 3; ++k) force[k].push_back(s.force[k]);
+  }
+  return std::max(std::abs(median(force[0])), std::abs(median(force[1]))) >= threshold * std::abs(median(force[2]));
+}
+
+void check_given(const Plan& plan, const PairSources& sources, bool friction) {
+  for (const auto& [pair, given] : sources.given) {
+    if (!given.measured) continue;
+    const std::string what = name_of(plan, pair, given);
+    telling_passed(given, [&] { fit::check_recorded(given.samples, plan.pairs[pair].depth, friction, what); });
+  }
+}
+
+fit::DegreeChoice choose_degrees(const Plan& plan, const PairSources& sources,
+                                 const std::vector<const SampleList*>& exact, const ModelScales& scales, bool lateral,
+                                 const FitSettings& settings) {
+  std::vector<std::uint32_t> recorded;
+  for (const auto& [pair, given] : sources.given) {
+    if (given.measured) recorded.push_back(pair);
+  }
+  if (recorded.empty()) return fit::choose_degrees(exact, scales, lateral, *settings.coupled);
+  std::vector<SampleList> smooth;
+  for (const std::uint32_t pair : drawn(recorded)) {
+    smooth.push_back(smoothed(plan, pair, sources.given.at(pair), scales, settings));
+  }
+  std::vector<const SampleList*> pairs = drawn(exact);
+  for (const SampleList& samples : smooth) pairs.push_back(&samples);
+  return fit::choose_degrees(pairs, scales, lateral, *settings.coupled);
+}
+
+SiteCurves fit_given(const Plan& plan, std::uint32_t pair, const GivenPair& given, const ModelScales& scales,
+                     FitReport& report, std::vector<std::pair<double, std::uint32_t>>& laws) {
+  const PairPlan& planned = plan.pairs[pair];
+  if (!given.measured) {
+    SiteCurves site{fit::fit_pair(given.samples, scales, name_of(plan, pair, given)), planned.depth, {}, {}};
+    const fit::FitErrors errors = fit::fit_errors(site.curves, scales, given.samples);
+    for (const auto* list : {&errors.normal, &errors.tangential}) {
+      for (const double e : *list) laws.emplace_back(e, pair);
+    }
+    ++report.analytic;
+    return site;
+  }
+  fit::RecordedFit fitted = fit_rows(plan, pair, given, scales);
+  RecordedFigures& figures = report.recorded.emplace_back();
+  figures = {pair, given.rows.size(), {}, fitted.rms, fitted.worst, fitted.depth, given.passed};
+  for (const std::size_t k : fitted.outliers) figures.outliers.push_back(given.rows[k]);
+  return {std::move(fitted.curves), fitted.depth, {}, {}};
+}
+
+}  // namespace palpate

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Pairs whose samples come from elsewhere than a bake, recorded with a real tool or by a closed form, and their fits.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "formats/hash.hpp"
+#include "formats/samples.hpp"
+#include "precompute/fit/coupled_degrees.hpp"
+#include "precompute/fit/cover.hpp"
+
+namespace palpate {
+
+struct FitReport;
+struct FitSettings;
+struct JournalContent;
+struct Plan;
+
+/// Recorded rows that no response is made of.
+struct Passed {
+  std::size_t out = 0;         ///< not in contact
+  std::size_t deep = 0;        ///< deeper than sampling.depth
+  std::size_t aside = 0;       ///< farther aside than a bake would push; without friction all that go aside
+  std::size_t weightless = 0;  ///< of weight 0
+  [[nodiscard]] std::size_t total() const { return out + deep + aside + weightless; }
+};
+
+/// "N rows passed over: ...".
+std::string to_text(const Passed& passed);
+
+/// A pair that is not solved.
+struct GivenPair {
+  bool measured = false;  ///< recorded, else by a closed form
+  std::vector<Sample> samples;
+  std::vector<std::string> rows;  ///< measured: per sample "file:line"
+  Passed passed;                  ///< measured
+};
+
+/// Where the responses of a plan come from, by pair of the plan.
+struct PairSources {
+  std::map<std::uint32_t, GivenPair> given;
+  bool solve_others = true;         ///< the pairs that are not given are solved, else taken from neighbours
+  Hash128 text;                     ///< of the canonical text of the scene's sources
+  std::vector<Hash128> recordings;  ///< of their files
+  /// True where a bake has to solve the pair.
+  [[nodiscard]] bool solved(std::uint32_t pair) const { return solve_others && given.count(pair) == 0; }
+  [[nodiscard]] bool solves_any(std::size_t pairs) const { return solve_others && given.size() < pairs; }
+};
+
+/// How many of them there are.
+struct GivenCounts {
+  std::size_t measured = 0, analytic = 0;
+};
+GivenCounts count_given(const PairSources& sources);
+
+/// The samples that a pair's response is fitted to; null where it is covered. Every pair to be solved has an outcome.
+const std::vector<Sample>* samples_of(std::uint32_t pair, const JournalContent& journal, const PairSources& sources);
+
+/// Of a recording: whether its straight pushes push sideways by `threshold` of their force, by medians over the deeper
+/// half of them.
+bool has_steady_lateral_force(const std::vector<Sample>& samples, double threshold);
+
+/// Throws as fit::check_recorded for the first recorded pair that is not enough for a response.
+void check_given(const Plan& plan, const PairSources& sources, bool friction);
+
+/// fit::choose_degrees over pairs without noise (`exact`: solved, by closed forms) and over recorded ones, which are
+/// sampled from separable curves first: rows left out would tell of their noise. A dozen of each at most, so that few
+/// recordings are not outvoted. `scales` are those of the separable model. Throws as fit_given.
+fit::DegreeChoice choose_degrees(const Plan& plan, const PairSources& sources,
+                                 const std::vector<const std::vector<Sample>*>& exact, const fit::ModelScales& scales,
+                                 bool lateral, const FitSettings& settings);
+
+/// Fits a given pair and adds its figures to `report`, the errors of a closed form to `laws`. Throws as
+/// fit::fit_recorded, then with what was passed over, and as fit::fit_pair.
+fit::SiteCurves fit_given(const Plan& plan, std::uint32_t pair, const GivenPair& given, const fit::ModelScales& scales,
+                          FitReport& report, std::vector<std::pair<double, std::uint32_t>>& laws);
+
+}  // namespace palpate

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+// Responses made softer or stiffer while the program runs: tissue that was cut, swells, or is held.
+#pragma once
+
+#include "palpate/contact.hpp"
+
+#include <atomic>
+#include <cmath>
+
+namespace palpate::runtime {
+
+/// A factor per site of a file, 1 at first, on all of its responses. Any thread sets factors while force loops read
+/// them: neither ever waits. Over memory of the caller, which must outlive it.
+class SiteScales {
+public:
+  using Scale = std::atomic<float>;
+  static_assert(Scale::is_always_lock_free);
+  static constexpr float kMost = 100;
+
+  /// `scales`: as many as the view has sites.
+  SiteScales(const View& view, Scale* scales) : scales_(scales), count_(view.meta->site_count) {
+    for (std::uint32_t i = 0; i < count_; ++i) scales_[i].store(1, std::memory_order_relaxed);
+  }
+
+  /// Of one site; a region is its sites, one after the other. False, and nothing is changed, where the site does not
+  /// exist or the factor is not in [0, kMost].
+  bool set(std::uint32_t site, float scale) {
+    if (site >= count_ || !(scale >= 0 && scale <= kMost)) return false;
+    scales_[site].store(scale, std::memory_order_relaxed);
+    return true;
+  }
+  /// `site` must exist.
+  [[nodiscard]] float at(std::uint32_t site) const { return scales_[site].load(std::memory_order_relaxed); }
+
+private:
+  Scale* scales_;
+  std::uint32_t count_;
+};
+
+/// A Contact whose forces are those of the file times the factor at c: the factors of the sites round c, blended by the
+/// weights of these sites. It changes by at most `rate` in a second, up or down, so no change tears the force.
+/// Setting a factor gives no energy to a tool that is pressed there: one that falls takes force and stored energy with
+/// it; one that rises is taken over by a site that c comes to, not by one that has a share in the contact already.
+/// Sliding to places of higher factors is as over a body baked so: the force grows along the way, and lifting there
+/// gives back what the higher stiffness would have stored. Where that must not be, lower factors only.
+/// Slip and stick stay those of the file, for the friction limit has the same factor. Grasps have no factors.
+class AdjustedContact {
+public:
+  /// `rate` (1/s, above 0): 10 lets a factor go from 1 to nothing in 0.1 s.
+  AdjustedContact(const View& view, std::uint32_t tool, const SiteScales& scales, double rate = 10,
+                  const ContactSettings& settings = {})
+      : view_(&view), scales_(&scales), contact_(view, tool, settings), rate_(rate) {}
+
+  void reset() {
+    contact_.reset();
+    touching_ = false;
+  }
+
+  /// Contact::tick, `seconds` after the one before.
+  Tick tick(const Pose& pose, double seconds) {
+    Tick tick = contact_.tick(pose);
+    if (tick.state != State::stick && tick.state != State::slide) {
+      touching_ = false;
+      return tick;
+    }
+    const double wanted = blend(tick.at), most = rate_ > 0 && seconds > 0 ? rate_ * seconds : 0;
+    // A contact begins without force, whatever its factor.
+    scale_ = touching_ ? std::fmin(std::fmax(wanted, scale_ - most), scale_ + most) : wanted;
+    touching_ = true;
+    tick.force = scale_ * tick.force;
+    tick.torque = scale_ * tick.torque;
+    if (std::isfinite(tick.friction_limit)) tick.friction_limit *= scale_;
+    return tick;
+  }
+
+  /// The factor of the last tick in contact.
+  [[nodiscard]] double scale() const { return scale_; }
+  [[nodiscard]] const Contact& contact() const { return contact_; }
+
+private:
+  struct Corner {
+    std::uint32_t site = 0;
+    double scale = 1;
+  };
+
+  // Corners that c keeps have the least factor since it came to them.
+  double blend(const BodyPoint& at) {
+    const Corner before[3] = {corner_[0], corner_[1], corner_[2]};
+    double weights[3], sum = 0;
+    patch_weights(*view_, at, weights);
+    for (int k = 0; k < 3; ++k) {
+      Corner& corner = corner_[k];
+      corner.site = view_->patches[view_->triangles[at.triangle].patch].vertex[k];
+      corner.scale = scales_->at(corner.site);
+      for (const Corner& old : before) {
+        if (touching_ && old.site == corner.site) corner.scale = std::fmin(corner.scale, old.scale);
+      }
+      sum += weights[k] * corner.scale;
+    }
+    return sum;
+  }
+
+  const View* view_;
+  const SiteScales* scales_;
+  Contact contact_;
+  double rate_;
+  bool touching_ = false;
+  Corner corner_[3];
+  double scale_ = 1;
+};
+
+}  // namespace palpate::runtime
