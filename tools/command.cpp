@@ -4,6 +4,12 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <sstream>
+#include <thread>
+
+#include "formats/error.hpp"
+#include "tools/blas.hpp"
+#include "tools/commands.hpp"
+#include "tools/output.hpp"
 
 namespace palpate::cli {
 namespace {
@@ -26,6 +32,18 @@ CLI::Validator not_negative() {
         return value.starts_with('-') ? "got " + value + "; allowed 0 and more" : std::string();
       },
       "");
+}
+
+/// CLI11 says of a misspelled command only that there is none.
+std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<std::string> rest = app.remaining();
+  if (!app.get_subcommands().empty() || rest.empty()) return error.what();
+  std::string names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    names += (names.empty() ? "" : ", ") + command->get_name();
+  }
+  return (rest.front().front() == '-' ? "unknown option '" : "unknown command '") + rest.front() +
+         "'; the commands are: " + names;
 }
 
 }  // namespace
@@ -91,5 +109,42 @@ Option Command::flag(const std::string& names, bool& value, const std::string& h
 void Command::runs(std::function<void()> action) { command_->callback(std::move(action)); }
 
 bool Command::given(const std::string& name) const { return command_->count(name) > 0; }
+
+int run_command_line(int argc, char** argv) {
+  Globals globals;
+  globals.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+
+  CLI::App app("Palpate: bakes the contact of instruments with soft organs, and plays it back at haptic rate.",
+               "palpate");
+  app.set_version_flag("--version", [] {
+    const std::string kernels = blas_kernels();
+    return std::string("palpate ") + PALPATE_VERSION + (kernels.empty() ? "" : "\nOpenBLAS kernels: " + kernels);
+  });
+  app.set_help_all_flag("--help-all", "Print the help of every command");
+  app.add_flag("--json", globals.json, "Print the result as JSON on standard output");
+  app.add_flag("-q,--quiet", globals.quiet, "No progress, no notes");
+  app.add_option("--threads", globals.threads, "Worker threads")->check(CLI::Range(1, 1024))->capture_default_str();
+  app.require_subcommand(1);
+  app.fallthrough();
+  app.footer(
+      "Exit codes: 0 done, 1 wrong usage, 2 bad input, 3 numerical failure, 4 I/O failure,\n"
+      "5 result outside the asked tolerance, 128 + signal when interrupted.");
+
+#define PALPATE_COMMAND(name) add_##name(app, globals);
+#include "command_list.inc"
+#undef PALPATE_COMMAND
+
+  try {
+    app.parse(argc, argv);
+    return static_cast<int>(ExitCode::done);
+  } catch (const CLI::Success& request) {  // --help, --version
+    std::ostringstream text;
+    const int code = app.exit(request, text, text);
+    print(text.str());
+    return code;
+  } catch (const CLI::ParseError& error) {
+    throw Error(ExitCode::usage, usage_error(app, error) + "\nRun 'palpate --help' for what there is.");
+  }
+}
 
 }  // namespace palpate::cli

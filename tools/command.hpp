@@ -74,4 +74,8 @@ private:
   CLI::App* command_;
 };
 
+/// Parses the command line and runs what it asks for; the exit code. Throws Error(usage) where nothing can be made of
+/// it, and what the command throws.
+int run_command_line(int argc, char** argv);
+
 }  // namespace palpate::cli

@@ -130,7 +130,8 @@ private:
     if (!std::isfinite(nearest)) {
       throw Error(ExitCode::bad_input, where + ": no site of the body faces as its surface does there");
     }
-    contact.turn.setFromTwoVectors(normal, plan_.sites[contact.site].frame.n);
+    const Vector3d &to = plan_.sites[contact.site].frame.n, axis = normal.cross(to);
+    contact.turn = Eigen::Quaterniond(1 + normal.dot(to), axis.x(), axis.y(), axis.z()).normalized();
     return contact;
   }
 

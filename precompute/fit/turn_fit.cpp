@@ -3,7 +3,6 @@
 #include "precompute/fit/turn_fit.hpp"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -171,7 +170,9 @@ void bound_energy(const GraspCurves& grasp, VectorXd& curves, const std::string&
     for (int j = 0; j < 6; ++j) across(j / 3, j % 3) = of(9 + j);
     const Matrix3d root =
         eigen.eigenvectors() * values.cwiseSqrt().cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
-    const double share = Eigen::JacobiSVD<MatrixXd>(inverse_root(move) * across * root).singularValues()[0];
+    const Coupling scaled = inverse_root(move) * across * root;
+    const Matrix2d square = scaled * scaled.transpose();
+    const double share = std::sqrt(Eigen::SelfAdjointEigenSolver<Matrix2d>(square).eigenvalues()[1]);
     across *= std::min(1.0, kMost / std::max(share, kMost));
     for (int r = 0; r < 3; ++r) {
       for (int c = r; c < 3; ++c) of(kStiffness[r][c]) = k(r, c);

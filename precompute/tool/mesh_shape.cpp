@@ -89,15 +89,13 @@ double MeshShape::lower_bound(const Vector3d& p) const {
   return near - off - (std::abs(near) > kSmoothed * spacing_ ? 0.0 : kSpread * spacing_);
 }
 
-DistanceSample MeshShape::exact(const Vector3d& p) const {
+// Of a point that is no nearer to the surface than the lattice's spacing: on which side it is the lattice knows.
+DistanceSample MeshShape::exact(const Vector3d& p, bool inside) const {
   const ClosestPoint nearest = query_.closest(p);
+  const double sign = inside ? -1.0 : 1.0;
   DistanceSample s;
-  s.value = query_.signed_distance(p);
-  if (nearest.distance > 1e-9 * spacing_) {
-    s.gradient = (s.value < 0 ? -1.0 : 1.0) * (p - nearest.point) / nearest.distance;
-  } else {
-    s.gradient = query_.normal(nearest.point, 0.0);
-  }
+  s.value = sign * nearest.distance;
+  s.gradient = sign * (p - nearest.point) / nearest.distance;
   return s;
 }
 
@@ -106,12 +104,12 @@ DistanceSample MeshShape::distance(const Vector3d& p) const {
   std::array<std::ptrdiff_t, 3> first{}, nearest{};
   for (int k = 0; k < 3; ++k) {
     const double cell = std::floor(at[k]);
-    if (!(cell >= 1 && cell + 2 < double(size_[std::size_t(k)]))) return exact(p);
+    if (!(cell >= 1 && cell + 2 < double(size_[std::size_t(k)]))) return exact(p, false);
     first[std::size_t(k)] = static_cast<std::ptrdiff_t>(cell) - 1;
     nearest[std::size_t(k)] = static_cast<std::ptrdiff_t>(std::round(at[k]));
   }
   const double near = values_[std::size_t((nearest[2] * size_[1] + nearest[1]) * size_[0] + nearest[0])];
-  if (std::abs(near) > kSmoothed * spacing_) return exact(p);
+  if (std::abs(near) > kSmoothed * spacing_) return exact(p, near < 0);
   const Weights x(at.x() - double(first[0] + 1)), y(at.y() - double(first[1] + 1)), z(at.z() - double(first[2] + 1));
   double value = 0;
   Vector3d slope = Vector3d::Zero(), bend = Vector3d::Zero(),

@@ -26,7 +26,7 @@ public:
 
 private:
   void fill();
-  [[nodiscard]] DistanceSample exact(const Eigen::Vector3d& point) const;
+  [[nodiscard]] DistanceSample exact(const Eigen::Vector3d& point, bool inside) const;
 
   SurfaceQuery query_;
   Eigen::AlignedBox3d bounds_;

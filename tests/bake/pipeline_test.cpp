@@ -37,7 +37,7 @@ protected:
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  void write_scene(double young, const std::string& more = {}) const {
+  void write_scene(double young, const std::string& more = {}, double mesh_size = 0.7) const {
     std::ofstream(folder_ / "slab.toml") << "[body]\nsurface = \"slab.off\"\n[material]\nyoung = " << young << "\n"
                                          << R"([[support]]
 half_space = {point = [0, 0, 0.0001], normal = [0, 0, 1]}
@@ -50,8 +50,8 @@ depth = 0.002
 normal_points = 4
 within_box = {min = [-0.013, -0.013, 0.019], max = [0.013, 0.013, 0.021]}
 [solver]
-mesh_size = 0.7
-)" << more;
+max_size = 0.02
+mesh_size = )" << mesh_size << "\n" << more;
   }
 
   [[nodiscard]] Pipeline open(const std::string& work) const {
@@ -158,6 +158,7 @@ TEST_F(SlabPipeline, AToolThatHoldsOnHasItsPullsAndTurnsInTheFile) {
 // Delays are shares of a whole run as measured here, so that the kills hit real work on any machine; a run that was
 // done before its kill begins anew.
 TEST_F(SlabPipeline, KillsAndThreadsEndInTheSameFile) {
+  write_scene(5000, "", 1.0);
   ASSERT_EQ(run_child([this] { bake("one", 1); }), ChildEnd::done);
   const auto start = std::chrono::steady_clock::now();
   ASSERT_EQ(run_child([this] { bake("two", 2); }), ChildEnd::done);
@@ -263,7 +264,8 @@ TEST_F(SlabPipeline, ANewFitTakesUpTheOldSolves) {
 
 // Every slice of the coupled model at once: rays and paths solved, degrees chosen, whole numbers written, read again.
 TEST_F(SlabPipeline, ACoupledSceneIsBakedAndFitted) {
-  write_scene(5000, "[contact]\nfriction = 0.3\n[response]\nmodel = \"coupled\"\npath_share = 1\ntolerance = 0.015\n");
+  write_scene(5000, "[contact]\nfriction = 0.3\n[response]\nmodel = \"coupled\"\npath_share = 1\ntolerance = 0.015\n",
+              0.6);
   const Pipeline p = baked();
   const FitReport fit = pipeline::fit(p);
   EXPECT_LT(fit.normal.p95, 0.015);

@@ -54,8 +54,7 @@ TEST_F(MeshTools, AFineBallAnswersAsTheBall) {
   Surface ball = geodesic_sphere(24, "ball");
   for (Vector3d& v : ball.vertices) v *= sphere.radius;
   const Tool mesh = tool_of(ball);
-  const PairResult a = press(body, exact, exact.vertices[0], 0.003, 0.3),
-                   b = press(body, mesh, lowest(mesh), 0.003, 0.3);
+  const PairResult a = press(body, exact, exact.vertices[0], 0.002), b = press(body, mesh, lowest(mesh), 0.002);
   ASSERT_TRUE(a.outcome.accepted) << a.outcome.cause;
   ASSERT_TRUE(b.outcome.accepted) << b.outcome.cause;
   ASSERT_EQ(a.samples.size(), b.samples.size());

@@ -19,7 +19,7 @@ set(common "[body]\nsurface = \"slab.obj\"\n[[tool]]\nname = \"tip\"\nradius = 0
 [[support]]\nhalf_space = { point = [0, 0, -0.0299], normal = [0, 0, 1] }\n\
 [sampling]\nspacing = 0.012\ndepth = 0.003\nnormal_points = 8\n\
 within_box = { min = [-0.015, -0.015, -0.001], max = [0.015, 0.015, 0.001] }\n\
-[solver]\nmax_size = 0.03\n")
+[solver]\nmax_size = 0.03\nmesh_size = 0.5\n")
 file(WRITE ${FOLDER}/slab.toml "${common}")
 string(REPLACE "0.015" "0.012" few "${common}")  # a rough site takes many more solves
 file(WRITE ${FOLDER}/rough.toml "${few}[contact]\nfriction = 0.3\n")
