@@ -37,9 +37,9 @@ using Keys = std::vector<Key<T>>;
 // One table of keys a section, in the order they are read and documented.
 const Keys<Scene>& scene_keys();  ///< keys outside any section
 const Keys<BodyScene>& body_keys();
-const Keys<MaterialScene>& material_keys();  ///< with check_material, in scene_material.cpp
-const Keys<RegionScene>& region_keys();
-const Keys<SupportScene>& support_keys();
+const Keys<MaterialScene>& material_keys();    ///< with check_material, in scene_material.cpp
+const Keys<RegionScene>& region_keys();        ///< in scene_region.cpp
+const Keys<SupportScene>& support_keys();      ///< in scene_support.cpp
 const Keys<PrestressScene>& prestress_keys();  ///< with check_prestress, in scene_prestress.cpp
 const Keys<ToolScene>& tool_keys();
 const Keys<Scene>& contact_keys();

@@ -27,7 +27,8 @@ std::vector<SurfaceSource> to_sources(const Place& place, const toml::node& node
 std::pair<Eigen::Vector3d, Eigen::Vector3d> to_box(const Place& place, const toml::node& node);
 std::string show_box(const Eigen::Vector3d& min, const Eigen::Vector3d& max);
 
-/// Allowed range of a coordinate.
+/// Allowed ranges of a coordinate and of an extent.
 inline constexpr Range kCoordinate{-100, 100, false, "m"};
+inline constexpr Range kLength{0, 10, true, "m"};
 
 }  // namespace palpate::scene_io

@@ -14,7 +14,6 @@ using Law = AnalyticScene::Law;
 
 constexpr Range kModulus{0, 1e12, true, "Pa"};
 constexpr Range kPoisson{0, 0.5, false, ""};
-constexpr Range kLength{0, 10, true, "m"};
 constexpr Range kReach{0, 1, true, "m"};
 constexpr Range kStiffness{0, 1e15, true, "N/m^3 (winkler), N/m (spring)"};
 constexpr Range kSite{0, 2147483647, false, ""};

@@ -3,7 +3,7 @@
 //
 // To add the command `foo`:
 //  1. write tools/cmd_foo.cpp, which defines `void palpate::cli::add_foo(CLI::App&, Globals&)`;
-//  2. add `palpate_command(foo NEEDS palpate_<library>...)` to tools/CMakeLists.txt. main.cpp picks it up.
+//  2. add `palpate_command(foo NEEDS palpate_<library>...)` to tools/CMakeLists.txt. command.cpp picks it up.
 //
 //     void add_foo(CLI::App& app, Globals& globals) {
 //       struct Options { std::string scene; double limit = 1.0; };

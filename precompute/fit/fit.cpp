@@ -187,6 +187,7 @@ FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std
   if (settings.coupled) {
     const fit::DegreeChoice choice = choose_degrees(plan, sources, exact, result.scales, report.lateral, settings);
     result.scales.coupled = choice.degrees;
+    report.lateral = choice.degrees.straight > 0;  // a spring has none
     report.held_out = choice.held_out;
   }
   for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {

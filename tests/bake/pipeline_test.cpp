@@ -13,6 +13,7 @@
 #include "palpate/runtime.hpp"
 #include "tests/bake/kill_driver.hpp"
 #include "tests/support/label_ball.hpp"
+#include "tests/support/slab.hpp"
 
 namespace palpate::test {
 namespace {
@@ -28,11 +29,7 @@ protected:
                                                      testing::UnitTest::GetInstance()->current_test_info()->name());
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
-    std::ofstream(folder_ / "slab.off") << "OFF\n8 12 0\n"
-                                           "-.03 -.03 0\n.03 -.03 0\n-.03 .03 0\n.03 .03 0\n"
-                                           "-.03 -.03 .02\n.03 -.03 .02\n-.03 .03 .02\n.03 .03 .02\n"
-                                           "3 0 2 1\n3 1 2 3\n3 4 5 6\n3 5 7 6\n3 0 1 4\n3 1 5 4\n"
-                                           "3 2 6 3\n3 3 6 7\n3 0 4 2\n3 2 4 6\n3 1 3 5\n3 3 7 5\n";
+    std::ofstream(folder_ / "slab.off") << kSlabOff;
     write_scene(5000);
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
@@ -283,9 +280,11 @@ TEST_F(SlabPipeline, ACoupledSceneIsBakedAndFitted) {
   // A spring is what is asked for, whatever it gives up; its file opens.
   FitSettings spring = pipeline::fit_settings(p.scene);
   spring.coupled = {2, 0.015, true};
+  spring.lateral_threshold = 0;  // any sideways force of a straight push counts; a spring has none
   const pipeline::FittedFile lean = pipeline::fit_file(p, pipeline::samples(p), spring);
   EXPECT_TRUE(runtime::View::open(lean.bytes.data(), lean.bytes.size()));
   EXPECT_EQ(layout::coupled_size(*lean.fitted.scales.coupled), 16U);
+  EXPECT_FALSE(lean.fitted.report.lateral);
   EXPECT_GT(lean.fitted.report.held_out.p95, fit.held_out.p95);
   EXPECT_LT(lean.fitted.report.held_out.p95, 1.5);
   // The separable model of the same samples knows nothing of what the paths did before.

@@ -14,6 +14,7 @@
 #include "palpate/runtime.hpp"
 #include "precompute/bake/pipeline.hpp"
 #include "precompute/bake/sources.hpp"
+#include "tests/support/slab.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace palpate::test {
@@ -54,12 +55,7 @@ struct Opened {
 /// A slab of 60 x 60 x 20 mm that is touched at a few sites in the middle of its top.
 class Sources : public testing::Test {
 protected:
-  Sources() {
-    folder_.write("slab.off",
-                  "OFF\n8 12 0\n-.03 -.03 0\n.03 -.03 0\n-.03 .03 0\n.03 .03 0\n-.03 -.03 .02\n.03 -.03 .02\n"
-                  "-.03 .03 .02\n.03 .03 .02\n3 0 2 1\n3 1 2 3\n3 4 5 6\n3 5 7 6\n3 0 1 4\n3 1 5 4\n3 2 6 3\n3 3 6 7\n"
-                  "3 0 4 2\n3 2 4 6\n3 1 3 5\n3 3 7 5\n");
-  }
+  Sources() { folder_.write("slab.off", kSlabOff); }
 
   [[nodiscard]] std::filesystem::path write_scene(const std::string& more, const std::string& tool) const {
     return folder_.write("slab.toml", R"([body]

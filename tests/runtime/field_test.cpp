@@ -125,6 +125,28 @@ TEST(Field, MatchesThePlainEvaluation) {
   }
 }
 
+// A field remembers parts of its curves; its answers must not.
+TEST(Field, AnswersAsIfAskedForTheFirstTime) {
+  for (const int order : {0, 4}) {
+    Options options;
+    options.coupled = order;
+    const Opened ball(ball_content(options));
+    std::mt19937 random(18);
+    std::uniform_real_distribution<double> unit(0, 1);
+    const BodyPoint at{0, {0.5, 0.2, 0.3}};
+    const Field asked(ball.view, 0, at, {});
+    Vec3 d;
+    for (int i = 0; i < 3000; ++i) {
+      const bool jump = i % 10 == 0;
+      if (jump) d = -1.2 * kDepthScale * unit(random) * asked.normal();
+      if (!jump || i % 20 == 0) d = d + (jump ? 1.5 : 1e-4) * kSidewaysScale * random_direction(random);
+      const FieldForce again = asked.force(d), first = Field(ball.view, 0, at, {}).force(d);
+      ASSERT_LT(distance(again.force, first.force), 1e-13 * (1e-3 + length(first.force))) << order << " " << i;
+      ASSERT_NEAR(again.limit, first.limit, 1e-13 * (1e-3 + first.limit));
+    }
+  }
+}
+
 TEST(Field, VanishesContinuouslyAtTheSurface) {
   const Opened ball(ball_content());
   std::mt19937 random(12);

@@ -4,9 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 #include <vector>
+
+#include "palpate/pieces.hpp"
 
 #include "tests/support/response_samples.hpp"
 
@@ -70,6 +74,45 @@ TEST(Spline, AbscissaIsClampedAndNanIsZero) {
   EXPECT_EQ(spline::value(c.data(), 5, -3), 1);
   EXPECT_EQ(spline::value(c.data(), 5, 7), 5);
   EXPECT_EQ(spline::value(c.data(), 5, std::numeric_limits<double>::quiet_NaN()), 1);
+}
+
+// Two curves at once, each asked at its own abscissa, which jumps, creeps, and trembles about a knot.
+TEST(Pieces, AreTheSplinesWhateverWasAskedBefore) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (int count = 4; count <= 32; ++count) {
+    std::vector<float> c;
+    for (int i = 0; i < 2 * count; ++i) c.push_back(static_cast<float>(unit(random) - 0.5));
+    runtime::Pieces<2> pieces;
+    pieces.forget();
+    double u[2] = {0, 1};
+    for (int step = 0; step < 1000; ++step) {
+      for (double& at : u) {
+        const double knot = std::round(at * (count - 3)) / (count - 3);
+        if (step % 7 == 0) at = unit(random);
+        if (step % 7 == 1) at = knot;
+        if (step % 7 == 2) at += 1e-3 * (unit(random) - 0.5);
+        if (step % 7 > 2) at = knot + 1e-7 * (unit(random) - 0.5);
+        at = std::clamp(at, 0.0, 1.0);
+      }
+      double value[2];
+      pieces.values(c.data(), count, {spline::in_intervals(count, u[0]), spline::in_intervals(count, u[1])}, value);
+      for (int k = 0; k < 2; ++k) {
+        ASSERT_NEAR(value[k], spline::value(c.data() + k * count, count, u[k]), 1e-14) << count << " " << u[k];
+      }
+    }
+  }
+}
+
+TEST(Pieces, ForgetOldCoefficients) {
+  const std::vector<double> first = {1, 1, 1, 1, 1}, second = {2, 2, 2, 2, 2};
+  runtime::Pieces<1> piece;
+  double value[1];
+  for (const std::vector<double>* coefs : {&first, &second}) {
+    piece.forget();
+    piece.values(coefs->data(), 5, {0.5}, value);
+    EXPECT_NEAR(value[0], (*coefs)[0], 1e-15);
+  }
 }
 
 }  // namespace

@@ -55,16 +55,46 @@ constexpr CubicsTable make_table(int degree) {
 inline constexpr CubicsTable kValues = make_table(3);
 inline constexpr CubicsTable kQuadratics = make_table(2);
 
+inline const Cubics& on_interval(const CubicsTable& table, int count, int interval) {
+  const int after = count - 4 - interval;
+  return table.at[interval < 2 ? interval : 2][after < 2 ? after : 2];
+}
+
+}  // namespace detail
+
+/// u in [0, 1] (clamped into it; a NaN lands at 0) in knot intervals of a spline of `count` >= 4 coefficients.
+inline double in_intervals(int count, double u) { return (u > 0 ? (u < 1 ? u : 1.0) : 0.0) * (count - 3); }
+
+/// The knot interval of t = in_intervals(count, u).
+inline int interval_of(int count, double t) {
+  const int interval = static_cast<int>(t), last = count - 4;
+  return interval < last ? interval : last;
+}
+
+/// What a spline is on one knot interval, by powers of the share of the interval.
+struct Cubic {
+  double power[4];
+};
+
+template <class Scalar>
+inline Cubic cubic(const Scalar* coefs, int count, int interval) {
+  const detail::Cubics& of = detail::on_interval(detail::kValues, count, interval);
+  Cubic c = {};
+  for (int k = 0; k < 4; ++k) {
+    for (int p = 0; p < 4; ++p) c.power[p] += of.coef[p][k] * coefs[interval + k];
+  }
+  return c;
+}
+
+namespace detail {
+
 /// Sets the interval and evaluates its functions there.
 inline Basis evaluate(const CubicsTable& table, int count, double u) {
-  const int intervals = count - 3;
-  const double t = (u > 0 ? (u < 1 ? u : 1.0) : 0.0) * intervals;  // a NaN lands at 0
+  const double t = in_intervals(count, u);
   Basis b;
-  b.first = static_cast<int>(t);
-  if (b.first > intervals - 1) b.first = intervals - 1;
+  b.first = interval_of(count, t);
   const double v = t - b.first;
-  const int after = intervals - 1 - b.first;
-  const Cubics& c = table.at[b.first < 2 ? b.first : 2][after < 2 ? after : 2];
+  const Cubics& c = on_interval(table, count, b.first);
   const double v2 = v * v;
   for (int k = 0; k < 4; ++k) b.weight[k] = (c.coef[0][k] + v * c.coef[1][k]) + v2 * (c.coef[2][k] + v * c.coef[3][k]);
   return b;

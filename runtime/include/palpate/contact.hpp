@@ -64,9 +64,11 @@ public:
       fault.state = State::fault;
       return fault;
     }
-    if (touching_ && jumped(pose)) reset();
-    last_ = pose;
-    return touching_ ? hold(pose) : seek(pose);
+    if (!touching_) return seek(pose);
+    const Vec3 q = pose.apply(anchor_);
+    if (!jumped(q)) return hold(pose, q);
+    reset();
+    return seek(pose);
   }
 
   [[nodiscard]] const Field& field() const { return field_; }
@@ -80,8 +82,8 @@ private:
 
   /// A touching tool that leaps by more than a contact's size between two ticks did not move, it was put
   /// elsewhere: the depth it finds there is no work of the hand and must not push.
-  [[nodiscard]] bool jumped(const Pose& pose) const {
-    const Vec3 way = pose.apply(anchor_) - last_.apply(anchor_);
+  [[nodiscard]] bool jumped(const Vec3& q) const {
+    const Vec3 way = q - last_;
     const double size = probe_ + view_->meta->depth_scale;
     return dot(way, way) > size * size;
   }
@@ -112,7 +114,8 @@ private:
     touching_ = true;
     // At zero depth there is no force yet, but the contact has begun: from here on the tool may push.
     const DepthTerms terms = field_.at_depth(d.depth - offset_depth_);
-    return terms.depth > 0 ? hold(pose) : output(State::stick, pose, q, terms, {});
+    last_ = q;
+    return terms.depth > 0 ? hold(pose, q) : output(State::stick, pose, q, terms, {});
   }
 
   /// Most that any skeleton point can have moved since the last search.
@@ -160,9 +163,10 @@ private:
     return {probe_ - dot(gap, n) - offset_depth_, tangential(gap - offset_sideways_ - anchored_, n)};
   }
 
-  Tick hold(const Pose& pose) {
-    if (profile_) roll(pose);
-    const Vec3 q = pose.apply(anchor_);
+  /// `before`: where the pose takes the anchor.
+  Tick hold(const Pose& pose, const Vec3& before) {
+    const Vec3 q = profile_ ? roll(pose, before) : before;
+    last_ = q;
     Deflection d = deflection(q);
     if (!(d.depth > 0)) return release(d);
     if (view_->coupled_laws != nullptr) deepen(d);
@@ -273,19 +277,23 @@ private:
   }
 
   /// A capsule lays itself down: p runs along the axis to where it is deepest, c with it, at a bounded rate
-  /// and without changing the sideways deflection.
-  void roll(const Pose& pose) {
+  /// and without changing the sideways deflection. Returns where the pose takes the anchor then.
+  Vec3 roll(const Pose& pose, const Vec3& before) {
     const layout::ToolRecord& record = view_->tools[tool_];
     const double cosine = pose.along_axis(field_.normal());
     const double step = std::fmax(-0.1, std::fmin(0.1, -cosine)) * probe_;
     const double along = std::fmax(0, std::fmin(record.axis_length, anchor_.z + step));
     if (std::fabs(along - anchor_.z) > 1e-9 * probe_) {
-      const Deflection d = deflection(pose.apply(anchor_));
+      const Deflection d = deflection(before);
       anchor_.z = along;
-      place(project(*view_, at_, pose.apply(anchor_) - offset_sideways_ - anchored_ - d.sideways), pose);
-    } else if (std::fabs(profile_meridian(record, anchor_.z, cosine) - meridian_) > 1e-6 * probe_) {
+      const Vec3 q = pose.apply(anchor_);
+      place(project(*view_, at_, q - offset_sideways_ - anchored_ - d.sideways), pose);
+      return q;
+    }
+    if (std::fabs(profile_meridian(record, anchor_.z, cosine) - meridian_) > 1e-6 * probe_) {
       turn(field_.normal(), pose);
     }
+    return before;
   }
 
   Tick release(const Deflection& d) {
@@ -324,7 +332,8 @@ private:
   bool touching_ = false;
   bool was_free_ = false;  ///< the last tick saw no overlap
   double safe_ = -1;       ///< m, free until the tool has moved this far from searched_
-  Pose searched_, last_;   ///< of the last search, of the last tick
+  Pose searched_;          ///< of the last search
+  Vec3 last_;              ///< m, the anchor in the last tick
 
   BodyPoint at_;
   Vec3 c_;

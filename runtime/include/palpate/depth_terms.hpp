@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// What the law of a contact says of one depth, whatever its model.
+#pragma once
+
+#include "palpate/coupled.hpp"
+#include "palpate/math3.hpp"
+
+namespace palpate::runtime {
+
+/// What depends on the depth alone; valid for the field that made it.
+struct DepthTerms {
+  double depth = 0;         ///< m
+  double normal_force = 0;  ///< N along n(c)
+  double limit = 0;         ///< N, largest tangential force: mu(depth) Fn; infinite in a frictionless file
+  Vec3 straight;            ///< N, sideways force of the straight push, across n(c)
+  union {
+    double growth[9][2];       ///< of the separable model, as many as it has pairs
+    coupled::AtDepth coupled;  ///< in a file of the coupled model
+  };
+  bool beyond = false;  ///< deeper than this pair was sampled
+};
+
+}  // namespace palpate::runtime

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+// Checks of sites, patches, the contact surface and its search tree.
+#pragma once
+
+#include "palpate/validate_common.hpp"
+
+namespace palpate::runtime::detail {
+
+inline bool check_sites(const View& v, Fault& fault) {
+  for (std::uint32_t i = 0; i < v.meta->site_count; ++i) {
+    const layout::Site& s = v.sites[i];
+    if (!in_range(s.position)) return fault.say("SITES: site %u: position is not finite", i);
+    if (!is_frame(s.normal, s.tangent)) return fault.say("SITES: site %u: frame is not orthonormal", i);
+    if (!is_limit(s.depth_limit, v.meta->depth_scale)) return fault.say("SITES: site %u: depth limit out of range", i);
+    if ((s.flags & ~layout::site_all) != 0 || s.reserved != 0) return fault.say("SITES: site %u: unknown flags", i);
+  }
+  for (std::uint32_t i = 0; i < v.meta->patch_count; ++i) {
+    const auto& p = v.patches[i].vertex;
+    if (p[0] >= v.meta->site_count || p[1] >= v.meta->site_count || p[2] >= v.meta->site_count || p[0] == p[1] ||
+        p[1] == p[2] || p[2] == p[0]) {
+      return fault.say("PATCHES: patch %u: corners must be three different sites", i);
+    }
+  }
+  return true;
+}
+
+/// Corner `k` of triangle `t` as whole-number weights of sites.
+inline void site_weights(const View& v, std::uint32_t t, int k, std::uint32_t (&site)[3], std::uint32_t (&weight)[3]) {
+  const layout::SurfaceTriangle& triangle = v.triangles[t];
+  for (int i = 0; i < 3; ++i) site[i] = v.patches[triangle.patch].vertex[i];
+  weight[0] = triangle.grid[k][0];
+  weight[1] = triangle.grid[k][1];
+  weight[2] = v.meta->subdivision - weight[0] - weight[1];
+}
+
+/// The same weights of the same sites; both sum to the subdivision, so one direction is enough.
+inline bool same_weights(const View& v, std::uint32_t t, int k, std::uint32_t other, int j) {
+  const layout::SurfaceTriangle &triangle = v.triangles[t], &neighbour = v.triangles[other];
+  if (triangle.patch == neighbour.patch) {  // its sites are three different ones, in one order
+    return triangle.grid[k][0] == neighbour.grid[j][0] && triangle.grid[k][1] == neighbour.grid[j][1];
+  }
+  std::uint32_t site_a[3], weight_a[3], site_b[3], weight_b[3];
+  site_weights(v, t, k, site_a, weight_a);
+  site_weights(v, other, j, site_b, weight_b);
+  for (int a = 0; a < 3; ++a) {
+    bool found = weight_a[a] == 0;
+    for (int b = 0; b < 3; ++b) found = found || (site_a[a] == site_b[b] && weight_a[a] == weight_b[b]);
+    if (!found) return false;
+  }
+  return true;
+}
+
+/// Neighbours share the edge the other way round, know each other, and agree on the weights at its ends: of one edge,
+/// weights are compared from the triangle that comes first alone, for its corners, all different, name one edge.
+inline bool check_edge(const View& v, std::uint32_t t, int corner, Fault& fault) {
+  const layout::SurfaceTriangle& triangle = v.triangles[t];
+  const std::uint32_t other = triangle.neighbour[corner];
+  const int from = (corner + 1) % 3, to = (corner + 2) % 3;
+  for (int j = 0; j < 3; ++j) {
+    const layout::SurfaceTriangle& n = v.triangles[other];
+    const int their_from = (j + 1) % 3, their_to = (j + 2) % 3;
+    if (n.neighbour[j] != t || n.vertex[their_from] != triangle.vertex[to] ||
+        n.vertex[their_to] != triangle.vertex[from])
+      continue;
+    if (other < t) return true;
+    if (same_weights(v, t, from, other, their_to) && same_weights(v, t, to, other, their_from)) return true;
+    return fault.say("SURFACE_TRIANGLES: triangles %u and %u disagree on the weights along their edge", t, other);
+  }
+  return fault.say("SURFACE_TRIANGLES: triangle %u: triangle %u is not its neighbour", t, other);
+}
+
+inline bool check_surface(const View& v, Fault& fault) {
+  for (std::uint32_t i = 0; i < v.meta->vertex_count; ++i) {
+    if (!in_range(v.vertices[i].xyz)) return fault.say("SURFACE_VERTICES: vertex %u is not finite", i);
+  }
+  for (std::uint32_t i = 0; i < v.meta->triangle_count; ++i) {
+    const layout::SurfaceTriangle& t = v.triangles[i];
+    const auto& c = t.vertex;
+    if (c[0] >= v.meta->vertex_count || c[1] >= v.meta->vertex_count || c[2] >= v.meta->vertex_count || c[0] == c[1] ||
+        c[1] == c[2] || c[2] == c[0]) {
+      return fault.say("SURFACE_TRIANGLES: triangle %u: corners must be three different vertices", i);
+    }
+    if (t.patch >= v.meta->patch_count) return fault.say("SURFACE_TRIANGLES: triangle %u: no patch %u", i, t.patch);
+    for (int k = 0; k < 3; ++k) {
+      if (std::uint32_t{t.grid[k][0]} + t.grid[k][1] > v.meta->subdivision ||
+          t.neighbour[k] >= v.meta->triangle_count) {
+        return fault.say("SURFACE_TRIANGLES: triangle %u: grid or neighbour out of range", i);
+      }
+    }
+  }
+  for (std::uint32_t i = 0; i < v.meta->triangle_count; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      if (!check_edge(v, i, k, fault)) return false;
+    }
+  }
+  return true;
+}
+
+inline bool is_inside(const layout::SearchNode& box, const float (&p)[3]) {
+  for (int k = 0; k < 3; ++k) {
+    if (!(p[k] >= box.lower[k] && p[k] <= box.upper[k])) return false;
+  }
+  return true;
+}
+
+/// The tree holds every triangle once, in order, no deeper than the walk's stack, inside its boxes.
+inline bool check_search(const View& v, Fault& fault) {
+  struct Visit {
+    std::uint32_t node, depth;
+  } stack[layout::kMaxSearchDepth + 2];
+  if (v.search == nullptr) return true;
+  std::uint32_t visited = 0, next = 0;
+  int top = 0;
+  stack[top++] = {0, 1};
+  while (top > 0) {
+    const Visit at = stack[--top];
+    const layout::SearchNode& n = v.search[at.node];
+    if (++visited > v.meta->search_nodes || at.depth > layout::kMaxSearchDepth)
+      return fault.say("SEARCH: not a tree, or too deep");
+    if (n.count == 0) {
+      if (n.first <= at.node || n.first >= v.meta->search_nodes - 1)
+        return fault.say("SEARCH: node %u: bad children", at.node);
+      for (std::uint32_t child = n.first; child < n.first + 2; ++child) {
+        if (!is_inside(n, v.search[child].lower) || !is_inside(n, v.search[child].upper)) {
+          return fault.say("SEARCH: node %u does not hold its children", at.node);
+        }
+      }
+      stack[top++] = {n.first + 1, at.depth + 1};
+      stack[top++] = {n.first, at.depth + 1};
+      continue;
+    }
+    if (n.first != next || n.count > v.meta->triangle_count - next)
+      return fault.say("SEARCH: node %u: bad triangles", at.node);
+    next += n.count;
+    for (std::uint32_t t = n.first; t < next; ++t) {
+      for (const std::uint32_t c : v.triangles[t].vertex) {
+        if (!is_inside(n, v.vertices[c].xyz)) return fault.say("SEARCH: node %u does not hold its triangles", at.node);
+      }
+    }
+  }
+  if (visited != v.meta->search_nodes || next != v.meta->triangle_count)
+    return fault.say("SEARCH: nodes or triangles left out");
+  return true;
+}
+
+}  // namespace palpate::runtime::detail
