@@ -114,6 +114,14 @@ double shear_modulus(const M& m) {
   }
 }
 
+/// What is left for the volume term of the exponential law (Pa): the bulk modulus without what the exponential has of
+/// it already. Where it is none, a stretched body falls in sideways instead of finding a width.
+double volume_modulus(const M& m) {
+  const double bulk = 2 * shear_modulus(m) * (1 + m.poisson) / (3 * (1 - 2 * m.poisson));
+  const double own = m.c1 * m.beta, c2 = m.c2.value_or(-0.5 * own);
+  return bulk + (2 * own - 12 * own * m.beta - 4 * c2) / 3;
+}
+
 bool has_own_moduli(Law law) { return law == Law::mooney_rivlin || law == Law::ogden || law == Law::veronda_westmann; }
 
 }  // namespace
@@ -208,6 +216,11 @@ void check_material(MaterialScene& m, const toml::table& table, const Place& pla
   if (!(shear > 0)) {
     fail(place.below(mine.names.front()), &table,
          "the shear modulus at small strain is " + show(shear) + " Pa; allowed x > 0");
+  }
+  if (m.law == Law::veronda_westmann && !(volume_modulus(m) > 0)) {
+    fail(place.below("poisson"), table.contains("poisson") ? table.get("poisson") : &table,
+         "got " + show(m.poisson) + "; the exponential alone resists changes of volume more than that, so beta = " +
+             show(m.beta) + " needs a Poisson's ratio nearer to 0.5");
   }
   m.young = small_strain_young(m);
 }

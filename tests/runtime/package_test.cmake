@@ -45,6 +45,7 @@ if(PRECOMPUTE)
       -D PALPATE_PRECOMPUTE=ON -D PALPATE_DRIVERS=OFF -D PALPATE_TESTS=OFF -D PALPATE_BENCH=OFF)
   expect_not_sought(${FOLDER}/precompute libusb LIBUSB GTest benchmark)
 endif()
+run(${CMAKE_COMMAND} --build ${FOLDER}/alone)
 run(${CMAKE_COMMAND} --install ${FOLDER}/alone)
 
 file(WRITE ${FOLDER}/consumer/CMakeLists.txt [=[

@@ -51,7 +51,7 @@ TEST_F(Paper, Figure4) {
 // The statements are no matter of course: curves that contradict them are told.
 TEST(PaperStatements, FailWhereTheCurvesSayOtherwise) {
   const PaperCurve line{"line", {0, 1, 2}, {0, 1, 2}}, half{"half", {0, 1, 2}, {0, 0.4, 0.8}},
-      bent{"bent", {0, 1, 2}, {0, 0, 2}};
+      bent{"bent", {0, 1, 2}, {0, 0, 2}}, late{"late", {0, 1, 2}, {0, 1, 0.5}};
   const auto holds = [](const std::vector<PaperStatement>& statements) {
     std::vector<bool> all;
     for (const PaperStatement& s : statements) all.push_back(s.holds());
@@ -62,10 +62,14 @@ TEST(PaperStatements, FailWhereTheCurvesSayOtherwise) {
             Answers({true, true, true}));
   EXPECT_EQ(holds(figure_2_statements({{"loose", {line, half, line}}, {"firm", {line, line, bent}}})),
             Answers({false, false, false}));
+  EXPECT_EQ(holds(figure_2_statements({{"loose", {line, line, line}}, {"firm", {line, late, line}}})),
+            Answers({true, true, false}));
   const PaperPanel apart{"end", {line, half}}, still{"end", {{"", {0, 2}, {1, 1}}, {"", {0, 2}, {0.5, 0.5}}}};
   const PaperCurve short_of{"nan", {0, 1, 2}, {0, std::nan(""), 2}};
   EXPECT_EQ(holds(figure_4_statements({{"alike", {line, line}}, {"skewed", {line, half}}, still})),
             Answers({true, true, false}));
+  EXPECT_EQ(holds(figure_4_statements({{"alike", {line, line}}, {"skewed", {half, line}}, still})),
+            Answers({true, false, false}));
   EXPECT_EQ(holds(figure_4_statements({{"alike", {line, half}}, {"skewed", {line, line}}, apart})),
             Answers({false, false, true}));
   EXPECT_EQ(holds(figure_4_statements({{"alike", {line, short_of}}, {"skewed", {line, short_of}}, still})),
