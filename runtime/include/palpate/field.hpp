@@ -58,7 +58,7 @@ public:
     for (int k = 0; k < 3; ++k) {
       if (!(weights[k] > 0)) continue;
       const Vec3 x = sideways_axis(patch.vertex[k]);
-      if (!coupled) separable_.begin_body(x, cross(normal_, x));
+      if (!coupled) separable_.begin_body(x);
       for (int l = 0; l < corners; ++l) {
         add(layout::response_index(m, patch.vertex[k], corner[l]), weights[k] * weight[l], x);
       }

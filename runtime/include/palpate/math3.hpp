@@ -75,4 +75,25 @@ struct Pose {
   }
 };
 
+/// First b, then a: a point goes where a.apply(b.apply(point)) is.
+inline Pose operator*(const Pose& a, const Pose& b) {
+  Pose both;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      both.rotation[3 * i + j] = a.rotation[3 * i] * b.rotation[j] + a.rotation[3 * i + 1] * b.rotation[3 + j] +
+                                 a.rotation[3 * i + 2] * b.rotation[6 + j];
+    }
+  }
+  both.translation = a.apply(b.translation);
+  return both;
+}
+
+/// Of an orthonormal pose: the way back.
+inline Pose inverse(const Pose& pose) {
+  const double* r = pose.rotation;
+  Pose back{{r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]}, {}};
+  back.translation = -back.rotate(pose.translation);
+  return back;
+}
+
 }  // namespace palpate::runtime

@@ -20,7 +20,8 @@ public:
     meta_ = &meta;
     basis_x_ = basis_x;
     basis_y_ = basis_y;
-    per_scale_ = meta.sideways_scale > 0 ? 1 / meta.sideways_scale : 0;
+    per_depth_ = 1 / static_cast<double>(meta.depth_scale);
+    per_sideways_ = meta.sideways_scale > 0 ? 1 / static_cast<double>(meta.sideways_scale) : 0;
     for (std::uint32_t k = 0; k < meta.normal_coefs; ++k) push_[k] = 0;
     for (std::uint32_t k = 0; k < 2 * meta.lateral_coefs; ++k) lateral_[k] = 0;
     for (std::uint32_t k = 0; k < meta.friction_coefs; ++k) mu_[k] = 0;
@@ -30,10 +31,10 @@ public:
     mu_piece_.forget();
   }
 
-  /// What is added from now on has its sideways curves along x and y (unit, across n(c)).
-  void begin_body(const Vec3& x, const Vec3& y) {
-    body_[bodies_].x = x;
-    body_[bodies_].y = y;
+  /// What is added from now on has its sideways curves along x (unit, across n(c)) and along n(c) x x.
+  void begin_body(const Vec3& x) {
+    body_[bodies_].cosine = dot(x, basis_x_);
+    body_[bodies_].sine = dot(x, basis_y_);
     body_[bodies_].first_pair = pairs_;
     body_[++bodies_].first_pair = pairs_;
   }
@@ -46,11 +47,10 @@ public:
     for (std::uint32_t k = 0; k < m.normal_coefs; ++k) push_[k] += weight * push[k];
     if (view.lateral != nullptr) {
       const float *x = view.lateral_coefs(index), *y = x + m.lateral_coefs;
-      const double xx = weight * dot(body.x, basis_x_), xy = weight * dot(body.x, basis_y_);
-      const double yx = weight * dot(body.y, basis_x_), yy = weight * dot(body.y, basis_y_);
+      const double cosine = weight * body.cosine, sine = weight * body.sine;
       for (std::uint32_t k = 0; k < m.lateral_coefs; ++k) {
-        lateral_[k] += xx * x[k] + yx * y[k];
-        lateral_[m.lateral_coefs + k] += xy * x[k] + yy * y[k];
+        lateral_[k] += cosine * x[k] - sine * y[k];
+        lateral_[m.lateral_coefs + k] += sine * x[k] + cosine * y[k];
       }
     }
     if (view.friction == nullptr) return;
@@ -67,7 +67,7 @@ public:
   /// Forces, limit and growths at depth z > 0 (m).
   void at_depth(double z, DepthTerms& terms) const {
     const layout::Meta& m = *meta_;
-    const double share = z / m.depth_scale;
+    const double share = z * per_depth_;
     const double s = share < 1 ? std::sqrt(share) : 1.0;
     const double extra = share < 1 ? 0 : 0.5 * (share - 1);  // linear in z beyond Z: ds/dz = 1 / (2 Z) there
     terms.normal_force = one(push_piece_, push_, m.normal_coefs, s);
@@ -84,7 +84,7 @@ public:
       double growth[2];
       both(pair_[j].growth, pair_[j].coefs, m.growth_coefs, s, extra, growth);
       for (int axis = 0; axis < 2; ++axis) {
-        terms.growth[j][axis] = growth[axis] > 0 ? pair_[j].weight * growth[axis] : 0;
+        terms.growth[j][axis] = pair_[j].weight * (growth[axis] > 0 ? growth[axis] : 0);
       }
     }
   }
@@ -92,13 +92,14 @@ public:
   /// Sideways force (N, body frame) at terms of a positive depth and a deflection (m), without that of the straight
   /// push.
   [[nodiscard]] Vec3 sideways(const DepthTerms& terms, const Vec3& deflection) const {
-    Vec3 force;
     const layout::Meta& m = *meta_;
-    if (m.sideways_coefs == 0) return force;
+    if (m.sideways_coefs == 0) return {};
     const int count = static_cast<int>(m.sideways_coefs);
+    const double x = per_sideways_ * dot(deflection, basis_x_), y = per_sideways_ * dot(deflection, basis_y_);
+    double force_x = 0, force_y = 0;
     for (int i = 0; i < bodies_; ++i) {
       const Body& body = body_[i];
-      const Along along(count, per_scale_ * dot(deflection, body.x), per_scale_ * dot(deflection, body.y));
+      const Along along(count, body.cosine * x + body.sine * y, body.cosine * y - body.sine * x);
       double fx = 0, fy = 0;
       for (int j = body.first_pair; j < body_[i + 1].first_pair; ++j) {
         double phi[2];
@@ -106,15 +107,17 @@ public:
         fx += terms.growth[j][0] * phi[0];
         fy += terms.growth[j][1] * phi[1];
       }
-      force = force + fx * body.x + fy * body.y;
+      force_x += body.cosine * fx - body.sine * fy;
+      force_y += body.sine * fx + body.cosine * fy;
     }
-    return force;
+    return force_x * basis_x_ + force_y * basis_y_;
   }
 
 private:
-  /// The frame of one body vertex, carried to c; the next one's first pair is where its own end.
+  /// One body vertex, its frame carried to c: turned by this angle against the basis. Its pairs end where the next
+  /// one's begin.
   struct Body {
-    Vec3 x, y;
+    double cosine = 1, sine = 0;
     int first_pair = 0;
   };
   struct Pair {
@@ -171,7 +174,7 @@ private:
 
   const layout::Meta* meta_ = nullptr;
   Vec3 basis_x_, basis_y_;
-  double per_scale_ = 0;  ///< 1 / X (1/m)
+  double per_depth_ = 0, per_sideways_ = 0;  ///< 1 / Z, 1 / X (1/m)
   int bodies_ = 0, pairs_ = 0;
   Body body_[4];
   Pair pair_[9];

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+// From a force of the scene to what a device is told: limits, filters and frames, each present only where it is named.
+#pragma once
+
+#include "palpate/math3.hpp"
+
+#include <cmath>
+#include <tuple>
+
+namespace palpate::runtime {
+
+/// Steps take a force or a torque (any unit, the device's frame) and the time since the last one (s, above 0), and give
+/// what goes on. None allocates, and each passes zero on as zero once it has come to rest.
+namespace output {
+
+/// No longer than `most`, along the same line.
+struct Limit {
+  double most;
+  Vec3 operator()(const Vec3& force, double /*seconds*/) const {
+    const double size = length(force);
+    return size > most ? (most / size) * force : force;
+  }
+  void reset() {}
+};
+
+/// Changes by no more than `most` in a second, along the straight way to where it should be.
+struct RateLimit {
+  double most;
+  Vec3 operator()(const Vec3& force, double seconds) {
+    const Vec3 change = force - last;
+    const double size = length(change), allowed = most * seconds;
+    last = size > allowed ? last + (allowed / size) * change : force;
+    return last;
+  }
+  void reset() { last = {}; }
+  Vec3 last{};
+};
+
+/// First order, 3 dB down at `frequency` (Hz) where ticks are much faster; the same at any rate of ticks.
+struct LowPass {
+  double frequency;
+  Vec3 operator()(const Vec3& force, double seconds) {
+    constexpr double kTwoPi = 6.283185307179586;
+    last = last + (1 - std::exp(-kTwoPi * frequency * seconds)) * (force - last);
+    return last;
+  }
+  void reset() { last = {}; }
+  Vec3 last{};
+};
+
+/// What a device with one actuated direction (a cable on a finger) can give: it pulls along `direction` (unit), and
+/// with `pulls_only` never pushes back.
+struct OneAxis {
+  Vec3 direction;
+  bool pulls_only = false;
+  Vec3 operator()(const Vec3& force, double /*seconds*/) const {
+    const double along = dot(force, direction);
+    return (pulls_only && along < 0 ? 0 : along) * direction;
+  }
+  void reset() {}
+};
+
+/// What a device with two actuated directions, across the unit vector `free`, can give.
+struct TwoAxes {
+  Vec3 free;
+  Vec3 operator()(const Vec3& force, double /*seconds*/) const { return tangential(force, free); }
+  void reset() {}
+};
+
+}  // namespace output
+
+/// Steps one after the other: Output<output::LowPass, output::Limit> out({80}, {3.0}). Output<> is empty and changes
+/// nothing. A force that is not finite, or a time that is not above 0, gives zero and resets every step: nothing of it
+/// is remembered.
+template <class... Steps>
+class Output {
+public:
+  Output() = default;
+  explicit Output(const Steps&... steps) : steps_(steps...) {}
+
+  Vec3 operator()(Vec3 force, double seconds) {
+    if (!(std::isfinite(dot(force, force)) && seconds > 0 && std::isfinite(seconds))) {
+      reset();
+      return {};
+    }
+    std::apply([&](auto&... step) { ((force = step(force, seconds)), ...); }, steps_);
+    return force;
+  }
+
+  /// As if the last force had been zero.
+  void reset() {
+    std::apply([](auto&... step) { (step.reset(), ...); }, steps_);
+  }
+
+private:
+  std::tuple<Steps...> steps_;
+};
+
+template <>
+class Output<> {
+public:
+  Vec3 operator()(const Vec3& force, double /*seconds*/) const { return force; }
+  void reset() {}
+};
+
+/// Where a device sits in the scene: its origin is at `origin` (m, scene), its axes are turned by `turn`, and a metre
+/// of the hand is `scale` (above 0) metres of the scene. With `force_scale` the hand feels that many times the force.
+struct DeviceFrame {
+  Pose turn;  ///< device to scene; its translation is the origin
+  double scale = 1;
+  double force_scale = 1;
+
+  /// A pose of the device in the scene.
+  [[nodiscard]] Pose to_scene(Pose device) const {
+    device.translation = scale * device.translation;
+    return turn * device;
+  }
+
+  /// A force of the scene (N) in the device's frame. With force_scale = scale the hand does the scene's work.
+  [[nodiscard]] Vec3 to_device(const Vec3& force) const { return force_scale * inverse(turn).rotate(force); }
+};
+
+}  // namespace palpate::runtime

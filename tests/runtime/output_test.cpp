@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What stands between a force of the scene and a device: bounds that hold, directions that stay, filters by frequency.
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+#include "tests/runtime/support.hpp"
+
+namespace palpate {
+namespace {
+
+using namespace test;
+using runtime::DeviceFrame;
+using runtime::Output;
+namespace output = runtime::output;
+
+constexpr double kTick = 1e-3, kPi = 3.14159265358979;
+
+// Forces of a random walk whose steps are now and then far too long.
+struct Walk {
+  std::mt19937 random{21};
+  Vec3 force;
+  const Vec3& next() {
+    const bool leap = random() % 20 == 0;
+    force = 0.98 * force + (leap ? 8.0 : 0.2) * random_direction(random);
+    return force;
+  }
+};
+
+TEST(Output, NothingIsAddedWhereNothingIsNamed) {
+  static_assert(std::is_empty_v<Output<>>);
+  Output<> plain;
+  EXPECT_EQ(distance(plain({1, -2, 3}, kTick), {1, -2, 3}), 0);
+}
+
+TEST(Output, ALimitHoldsAndKeepsTheDirection) {
+  Output<output::Limit> out({3.0});
+  Walk walk;
+  for (int i = 0; i < 5000; ++i) {
+    const Vec3 in = walk.next(), given = out(in, kTick);
+    ASSERT_LE(length(given), 3 * (1 + 1e-15));
+    ASSERT_LT(length(cross(given, in)), 1e-14 * (1 + dot(in, in)));
+    ASSERT_GE(dot(given, in), 0);
+    if (length(in) <= 3) {
+      ASSERT_EQ(distance(in, given), 0);
+    }
+  }
+}
+
+TEST(Output, ARateLimitHoldsAndArrives) {
+  Output<output::RateLimit> out({400.0});
+  Walk walk;
+  Vec3 last;
+  for (int i = 0; i < 5000; ++i) {
+    const Vec3 given = out(walk.next(), kTick);
+    ASSERT_LE(distance(given, last), 0.4 * (1 + 1e-12));
+    last = given;
+  }
+  int ticks = 0;
+  while (distance(last, {5, 0, 0}) > 0 && ticks < 1000) {
+    const Vec3 given = out({5, 0, 0}, kTick);
+    ASSERT_LT(length(cross(given - last, Vec3{5, 0, 0} - last)), 1e-12);  // straight there
+    last = given;
+    ++ticks;
+  }
+  EXPECT_LT(ticks, 60);
+}
+
+// Amplitude of a sine's answer after it has settled.
+double gain(double cut, double frequency, double tick) {
+  Output<output::LowPass> out({cut});
+  double most = 0;
+  const int ticks = static_cast<int>(20 / frequency / tick);
+  for (int i = 0; i < ticks; ++i) {
+    const double given = out({std::sin(2 * kPi * frequency * i * tick), 0, 0}, tick).x;
+    if (i > ticks / 2) most = std::fmax(most, std::fabs(given));
+  }
+  return most;
+}
+
+TEST(Output, ALowPassIsFirstOrderAtAnyRateOfTicks) {
+  for (const double tick : {1e-4, 2.5e-5}) {
+    EXPECT_NEAR(gain(50, 1, tick), 1, 2e-3);
+    EXPECT_NEAR(gain(50, 50, tick), std::sqrt(0.5), 0.02);
+    EXPECT_NEAR(gain(50, 500, tick), 1 / std::sqrt(101), 0.02);
+  }
+  Output<output::LowPass> out({50});
+  Vec3 given;
+  for (int i = 0; i < 1000; ++i) given = out({0.3, -2, 1}, kTick);
+  EXPECT_LT(distance(given, {0.3, -2, 1}), 1e-12);
+}
+
+TEST(Output, WhatADeviceCannotGiveIsLeftOut) {
+  std::mt19937 random(22);
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 axis = random_direction(random), force = 4 * random_direction(random);
+    Output<output::OneAxis> one({axis}), pulls({axis, true});
+    Output<output::TwoAxes> two({axis});
+    ASSERT_LT(distance(one(force, kTick) + two(force, kTick), force), 1e-14);
+    ASSERT_NEAR(dot(two(force, kTick), axis), 0, 1e-14);
+    ASSERT_LT(distance(pulls(force, kTick), dot(force, axis) > 0 ? one(force, kTick) : Vec3{}), 1e-15);
+  }
+}
+
+TEST(Output, StepsFollowEachOtherInTheirOrder) {
+  Output<output::OneAxis, output::Limit> first({{0, 0, 1}}, {1.0});
+  EXPECT_LT(distance(first({3, 0, 4}, kTick), {0, 0, 1}), 1e-15);
+  Output<output::Limit, output::OneAxis> then({1.0}, {{0, 0, 1}});
+  EXPECT_LT(distance(then({3, 0, 4}, kTick), {0, 0, 0.8}), 1e-15);
+}
+
+// A fault in the scene or in the clock must neither reach the device nor stay in a filter.
+TEST(Output, WhatIsNoForceGivesZeroAndIsForgotten) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
+  const auto make = [] { return Output<output::LowPass, output::RateLimit, output::Limit>({80}, {500}, {3}); };
+  const std::pair<Vec3, double> bad[] = {{{kNan, 0, 0}, kTick}, {{0, kInf, 0}, kTick}, {{0, 0, 1e300}, kTick},
+                                         {{1, 0, 0}, 0},        {{1, 0, 0}, -1},       {{1, 0, 0}, kNan},
+                                         {{1, 0, 0}, kInf}};
+  for (const auto& [force, seconds] : bad) {
+    auto out = make(), fresh = make();
+    for (int i = 0; i < 100; ++i) (void)out({1, 1, 0}, kTick);
+    EXPECT_EQ(length(out(force, seconds)), 0);
+    EXPECT_EQ(distance(out({0, 2, 0}, kTick), fresh({0, 2, 0}, kTick)), 0);
+  }
+}
+
+TEST(DeviceFrame, PosesGoToTheSceneAndForcesBackWithTheirWork) {
+  std::mt19937 random(23);
+  const auto turned = [&] {
+    const Vec3 axis = random_direction(random);
+    return Pose::from_quaternion(0.3, axis.x, axis.y, axis.z, random_direction(random));
+  };
+  for (int i = 0; i < 200; ++i) {
+    const DeviceFrame frame{turned(), 3, 3};
+    const Pose hand = turned();
+    Pose moved = hand;
+    const Vec3 step = 1e-3 * random_direction(random), force = random_direction(random);
+    moved.translation = moved.translation + step;
+    const Pose a = frame.to_scene(hand), b = frame.to_scene(moved);
+    ASSERT_TRUE(a.valid());
+    ASSERT_NEAR(distance(a.translation, b.translation), 3e-3, 1e-15);
+    // The hand's work is the scene's where both have one scale.
+    ASSERT_NEAR(dot(frame.to_device(force), step), dot(force, b.translation - a.translation), 1e-15);
+    // A direction of the tool is turned as the tool is.
+    const Vec3 along = frame.turn.rotate(hand.rotate({0, 0, 1}));
+    ASSERT_LT(distance(a.rotate({0, 0, 1}), along), 1e-14);
+  }
+}
+
+}  // namespace
+}  // namespace palpate
