@@ -53,22 +53,24 @@ public:
   /// Forgets the contact. The next tick must be outside the body, else the contact starts at zero force.
   void reset() {
     touching_ = was_free_ = false;
-    safe_ = -1;
+    search_.touch.safe = -1;
   }
 
   /// Force at `pose`. Ticks are meant to follow a motion: what happens between two is not seen.
   Tick tick(const Pose& pose) {
-    if (!pose.valid()) {
-      reset();
-      Tick fault;
-      fault.state = State::fault;
-      return fault;
-    }
-    if (!touching_) return seek(pose);
-    const Vec3 q = pose.apply(anchor_);
-    if (!jumped(q)) return hold(pose, q);
-    reset();
+    if (!pose.valid()) return fault();
+    if (keeps(pose)) return hold(pose, pose.apply(anchor_));
     return seek(pose);
+  }
+
+  /// The same in a force loop whose searches are made elsewhere, at a lower rate: `latest` is the last that arrived.
+  /// Beyond what that search knew to be free, the surface near its nearest point is looked at; a body met elsewhere is
+  /// felt from the first search that sees it on, without force at first.
+  Tick tick(const Pose& pose, const Search& latest) {
+    if (!pose.valid() || !latest.pose.valid()) return fault();
+    if (keeps(pose)) return hold(pose, pose.apply(anchor_));
+    search_ = latest;
+    return motion_since_search(pose) < search_.touch.safe ? free() : meet(pose);
   }
 
   [[nodiscard]] const Field& field() const { return field_; }
@@ -88,44 +90,66 @@ private:
     return dot(way, way) > size * size;
   }
 
+  [[nodiscard]] bool keeps(const Pose& pose) {
+    if (touching_ && jumped(pose.apply(anchor_))) reset();
+    return touching_;
+  }
+
+  Tick fault() {
+    reset();
+    Tick tick;
+    tick.state = State::fault;
+    return tick;
+  }
+
+  Tick free() {
+    was_free_ = true;
+    return {};
+  }
+
   Tick seek(const Pose& pose) {
-    if (safe_ > 0 && motion_since(pose) < safe_) return {};
-    const ToolTouch touch = find_touch(*view_, tool_, pose);
-    searched_ = pose;
-    safe_ = touch.safe;
-    if (touch.clearance >= 0) {
-      was_free_ = true;
-      return {};
-    }
-    anchor_ = touch.anchor;
-    tool_point_ = touch.tool_point;
+    if (search_.touch.safe > 0 && motion_since_search(pose) < search_.touch.safe) return {};
+    search_ = search(*view_, tool_, pose);
+    return search_.touch.clearance >= 0 ? free() : meet(pose);
+  }
+
+  /// Begins a contact where the last search saw the body, if the tool overlaps it there.
+  Tick meet(const Pose& pose) {
+    anchor_ = search_.touch.anchor;
+    tool_point_ = search_.touch.tool_point;
     offset_depth_ = 0;
     offset_sideways_ = anchored_ = {};
     const Vec3 q = pose.apply(anchor_);
-    place(first_point(touch, q), pose);
-    const Deflection d = deflection(q);
-    if (!(d.depth > 0)) {
-      was_free_ = true;
+    const double size = probe_ + view_->meta->depth_scale;
+    const bool seen = search_.touch.clearance < 0 && motion_since_search(pose) < 0.5 * size;
+    const Projection found = seen ? first_point(search_.touch, q) : project(*view_, search_.touch.body.at, q);
+    const double depth = probe_ - dot(q - found.point, found.normal);
+    // Of what has not been seen the surface near an old point says something as far as it reaches.
+    if (!seen && (!found.converged || depth > 0.5 * size)) {
+      was_free_ = false;
       return {};
     }
+    if (!(depth > 0)) return free();
+    place(found, pose);
+    const Deflection d = deflection(q);
     offset_depth_ = was_free_ ? std::fmax(0, d.depth - late_) : d.depth;
     offset_sideways_ = d.sideways;
     depth_ = d.depth - offset_depth_;
     touching_ = true;
     // At zero depth there is no force yet, but the contact has begun: from here on the tool may push.
-    const DepthTerms terms = field_.at_depth(d.depth - offset_depth_);
+    const DepthTerms terms = field_.at_depth(depth_);
     last_ = q;
     return terms.depth > 0 ? hold(pose, q) : output(State::stick, pose, q, terms, {});
   }
 
   /// Most that any skeleton point can have moved since the last search.
-  [[nodiscard]] double motion_since(const Pose& pose) const {
+  [[nodiscard]] double motion_since_search(const Pose& pose) const {
     double turned = 0;
     for (int k = 0; reach_ > 0 && k < 9; ++k) {
-      const double d = pose.rotation[k] - searched_.rotation[k];
+      const double d = pose.rotation[k] - search_.pose.rotation[k];
       turned += d * d;
     }
-    return length(pose.translation - searched_.translation) + std::sqrt(turned) * reach_;
+    return length(pose.translation - search_.pose.translation) + std::sqrt(turned) * reach_;
   }
 
   /// Where the smooth normals meet the tool: there the first deflection is purely along n(c). The nearest
@@ -299,7 +323,7 @@ private:
   Tick release(const Deflection& d) {
     touching_ = false;
     was_free_ = !(d.depth + offset_depth_ > 0);
-    safe_ = -1;
+    search_.touch.safe = -1;
     Tick tick;
     tick.state = State::released;
     return tick;
@@ -331,8 +355,7 @@ private:
 
   bool touching_ = false;
   bool was_free_ = false;  ///< the last tick saw no overlap
-  double safe_ = -1;       ///< m, free until the tool has moved this far from searched_
-  Pose searched_;          ///< of the last search
+  Search search_;          ///< the last one; free until the tool has moved by touch.safe from its pose
   Vec3 last_;              ///< m, the anchor in the last tick
 
   BodyPoint at_;

@@ -8,6 +8,7 @@
 #include "palpate/adjust.hpp"
 #include "palpate/contact.hpp"
 #include "palpate/grasp.hpp"
+#include "palpate/latest.hpp"
 #include "palpate/moving.hpp"
 #include "palpate/open.hpp"
 #include "palpate/output.hpp"

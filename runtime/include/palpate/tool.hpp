@@ -103,6 +103,17 @@ inline ToolTouch find_touch(const View& view, std::uint32_t tool, const Pose& po
   return probes ? detail::touch_probes(view, record, pose) : detail::touch_axis(view, record, pose);
 }
 
+/// What a search found, and where the tool was then.
+struct Search {
+  Pose pose;
+  ToolTouch touch;
+};
+
+/// For a thread that searches while another one makes forces (Contact::tick with a Search).
+inline Search search(const View& view, std::uint32_t tool, const Pose& pose) {
+  return {pose, find_touch(view, tool, pose)};
+}
+
 /// Where on its profile a tool touches: arc length from the tip's pole (m), for an axis point `along` (m) and
 /// the cosine between the body's normal and the tool's z axis.
 inline double profile_meridian(const layout::ToolRecord& tool, double along, double cosine) {

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Searches at a low rate, forces at a high one: in one thread step by step, and in two that race (built with the thread
+// sanitizer).
+#include <cmath>
+#include <thread>
+
+#include "tests/runtime/support.hpp"
+
+namespace palpate {
+namespace {
+
+using namespace test;
+using runtime::Contact;
+using runtime::Latest;
+using runtime::Search;
+
+constexpr double kTick = 1e-3;  // s
+
+// A tip that dips into the ball's upper side, each time elsewhere, at up to 0.1 m/s.
+Pose dipping(double t) {
+  const double angle = 0.8 * std::sin(1.7 * t), way = kBallRadius + kTipRadius + 0.004 - 0.006 * std::sin(11 * t);
+  return upright({way * std::sin(angle), 0.2 * way * std::sin(3 * t), way * std::cos(angle)});
+}
+
+TEST(Latest, IsReadOnceAndNeverGoesBack) {
+  Latest<int> box;
+  int value = -1;
+  EXPECT_FALSE(box.read(value));
+  EXPECT_EQ(value, -1);
+  box.write(1);
+  EXPECT_TRUE(box.read(value));
+  EXPECT_FALSE(box.read(value));
+  EXPECT_EQ(value, 1);
+  for (int i = 2; i < 10; ++i) box.write(i);
+  EXPECT_TRUE(box.read(value));
+  EXPECT_EQ(value, 9);
+}
+
+// Whole values only: all of a value's numbers are of one writing.
+TEST(Latest, IsNeverTornBetweenThreads) {
+  struct Value {
+    int parts[40] = {};
+  };
+  constexpr int kLast = 20000;
+  Latest<Value> box;
+  std::thread writer([&] {
+    Value value;
+    for (int i = 1; i <= kLast; ++i) {
+      for (int& part : value.parts) part = i;
+      box.write(value);
+    }
+  });
+  int before = 0, reads = 0;
+  while (before < kLast) {
+    Value value;
+    if (!box.read(value)) continue;
+    ++reads;
+    ASSERT_GT(value.parts[0], before);
+    for (const int part : value.parts) ASSERT_EQ(part, value.parts[0]);
+    before = value.parts[0];
+  }
+  writer.join();
+  EXPECT_GT(reads, 1);
+}
+
+// A search of every tick is the contact that searches for itself.
+TEST(TwoRates, FreshSearchesGiveTheSameForces) {
+  const Opened ball(ball_content({}));
+  Contact alone(ball.view, 0), served(ball.view, 0);
+  for (double t = 0; t < 4; t += kTick) {
+    const Pose pose = dipping(t);
+    const Tick a = alone.tick(pose), b = served.tick(pose, runtime::search(ball.view, 0, pose));
+    ASSERT_EQ(a.state, b.state) << t;
+    ASSERT_EQ(distance(a.force, b.force), 0) << t;
+  }
+}
+
+// Searches that are 5 to 40 ticks old: contacts begin where the surface near the old nearest point is met.
+TEST(TwoRates, StaleSearchesLoseLittleAndNeverBeginWithAForce) {
+  Options options;
+  options.subdivision = 3;
+  const Opened ball(ball_content(options));
+  for (const int every : {5, 40}) {
+    Contact alone(ball.view, 0), served(ball.view, 0);
+    Search latest = runtime::search(ball.view, 0, dipping(0)), coming = latest;
+    double most = 0, worst = 0;
+    bool touched = false;
+    int contacts = 0, tick = 0;
+    for (double t = 0; t < 8; t += kTick, ++tick) {
+      const Pose pose = dipping(t);
+      if (tick % every == 0) {  // what was searched for one period ago arrives
+        latest = coming;
+        coming = runtime::search(ball.view, 0, pose);
+      }
+      const Tick a = alone.tick(pose), b = served.tick(pose, latest);
+      const bool touches = b.state == State::stick || b.state == State::slide;
+      if (touches && !touched) {
+        ++contacts;
+        ASSERT_LT(length(b.force), 0.02) << every << " " << t;
+      }
+      touched = touches;
+      most = std::fmax(most, length(a.force));
+      worst = std::fmax(worst, distance(a.force, b.force));
+    }
+    EXPECT_GT(contacts, 10);
+    EXPECT_GT(most, 0.3);
+    EXPECT_LT(worst, 0.05 * most) << every;
+  }
+}
+
+// A search that has stopped, and a body met elsewhere meanwhile: nothing is felt until a search sees it, then no jump.
+TEST(TwoRates, ABodyMetBehindAStoppedSearchBeginsAtZero) {
+  const Opened box(box_content(uniform()));
+  Contact contact(box.view, 0);
+  const double beside = kBoxSize / 2 + kTipRadius;
+  const Search stopped = runtime::search(box.view, 0, upright({beside + 0.01, 0, 0}));
+  // Round to the top and into it, far from the side that the search saw.
+  for (double x = beside + 0.01; x > 0; x -= 1e-4) {
+    EXPECT_EQ(length(contact.tick(upright({x, 0, kTop + kTipRadius + 0.02}), stopped).force), 0);
+  }
+  Pose pose = upright({0, 0, kTop + kTipRadius});
+  for (; pose.translation.z > kTop + kTipRadius - 0.002; pose.translation.z -= 1e-5) {
+    EXPECT_EQ(length(contact.tick(pose, stopped).force), 0);
+  }
+  const Tick seen = contact.tick(pose, runtime::search(box.view, 0, pose));
+  EXPECT_LT(length(seen.force), 0.02);
+}
+
+// The real thing: a thread that searches, and a loop that only makes forces.
+TEST(TwoRates, AThreadSearchesWhileAnotherMakesForces) {
+  const Opened ball(ball_content({}));
+  Latest<Pose> poses;
+  Latest<Search> searches;
+  std::atomic<bool> stop{false};
+  std::thread searcher([&] {
+    Pose pose;
+    while (!stop.load(std::memory_order_relaxed)) {
+      if (poses.read(pose)) searches.write(runtime::search(ball.view, 0, pose));
+      std::this_thread::yield();
+    }
+  });
+  Contact contact(ball.view, 0);
+  Search latest = runtime::search(ball.view, 0, dipping(0));
+  double most = 0;
+  int answered = 0;
+  for (double t = 0; t < 4; t += kTick) {
+    const Pose pose = dipping(t);
+    poses.write(pose);
+    answered += searches.read(latest);
+    const Tick tick = contact.tick(pose, latest);
+    ASSERT_TRUE(std::isfinite(length(tick.force)));
+    ASSERT_LT(length(tick.force), 2 * kHertzForce);
+    most = std::fmax(most, length(tick.force));
+    std::this_thread::yield();
+  }
+  stop = true;
+  searcher.join();
+  EXPECT_GT(answered, 10);
+  EXPECT_GT(most, 0.1);
+}
+
+}  // namespace
+}  // namespace palpate
