@@ -4,33 +4,13 @@
 
 #include "palpate/field.hpp"
 #include "palpate/project.hpp"
+#include "palpate/slip.hpp"
+#include "palpate/tick.hpp"
 #include "palpate/tool.hpp"
 
 #include <cmath>
 
 namespace palpate::runtime {
-
-enum class State : std::uint8_t {
-  free,      ///< no contact, no force
-  stick,     ///< c and p rest where they met
-  slide,     ///< c moves over the body at the friction limit (always, in a frictionless file)
-  released,  ///< the contact ended in this tick; no force
-  fault      ///< the pose was not finite, not a rotation, or beyond 1e6 m; no force, contact forgotten
-};
-
-/// What a tick gives back; vectors in the body's frame.
-struct Tick {
-  State state = State::free;
-  Vec3 force;                   ///< N on the tool
-  Vec3 torque;                  ///< N m on the tool, about the origin of its frame
-  double depth = 0;             ///< m, along -n(c); 0 without contact
-  double friction_limit = 0;    ///< N; infinite in a frictionless file
-  double covered = 0;           ///< share of the blend's weights on responses taken from neighbours, [0, 1]
-  bool beyond = false;          ///< deeper than the pair was sampled: the force is an extrapolation
-  Vec3 body_point, tool_point;  ///< c and p (m); only in contact
-  BodyPoint at;                 ///< c again
-  ToolPoint on_tool;            ///< p again
-};
 
 struct ContactSettings {
   /// Depth (m) that a contact may have when it is first seen; what is deeper is subtracted for as long as it
@@ -199,7 +179,8 @@ private:
     const Vec3 tangential_force = terms.straight + field_.sideways(terms, d.sideways);
     const double size = length(tangential_force);
     if (size > terms.limit * (1 + 1e-9)) {
-      return follow(pose, q, d, slip(terms, d.sideways, (1 / size) * tangential_force), terms);
+      return follow(pose, q, d,
+                    slip(field_, terms, view_->meta->sideways_scale, d.sideways, (1 / size) * tangential_force), terms);
     }
     field_.couple(terms, d.sideways);
     return output(State::stick, pose, q, terms, tangential_force);
@@ -213,42 +194,6 @@ private:
       d.sideways = kept;
     }
     depth_ = d.depth;
-  }
-
-  /// The sideways deflection at which the friction limit holds: c gives way against the force until then.
-  /// The force along that line never grows on the way, so the root is bracketed.
-  [[nodiscard]] Vec3 slip(const DepthTerms& terms, const Vec3& from, const Vec3& direction) const {
-    const auto excess = [&](double way) {
-      return dot(terms.straight + field_.sideways(terms, from + way * direction), direction) - terms.limit;
-    };
-    const double scale = view_->meta->sideways_scale, most = length(from) + 2 * scale;
-    double low = 0, at_low = excess(0);
-    // The slope at the start tells how far; a little more brackets the root, else the step doubles.
-    const double probe = 1e-3 * scale, drop = at_low - excess(probe);
-    double high = drop > 0 ? 1.0001 * probe * at_low / drop : most;
-    high = high > 1e-6 * probe ? (high < most ? high : most) : 1e-6 * probe;
-    double at_high = excess(high);
-    while (at_high > 0 && high < most) {
-      low = high;
-      at_low = at_high;
-      high *= 2;
-      at_high = excess(high);
-    }
-    // The straight push alone is beyond the limit: c creeps on, tick by tick.
-    if (at_high > 0) return from + (length(from) + 0.02 * scale) * direction;
-    for (int i = 0; i < 24 && at_high < -1e-5 * terms.limit; ++i) {
-      const double middle = i % 4 == 3 ? 0.5 * (low + high) : low + (high - low) * at_low / (at_low - at_high);
-      const double value = excess(middle);
-      if (value > 0) {
-        low = middle;
-        at_low = value;
-      } else {
-        high = middle;
-        at_high = value;
-      }
-      if (high - low < 1e-9 * most) break;
-    }
-    return from + high * direction;
   }
 
   /// Moves c over the surface until the sideways deflection is `wanted`.
