@@ -121,15 +121,18 @@ TEST_F(MeshTools, EdgesRefineTheMeshWhereTheyTouch) {
   }
   EXPECT_GT(size(pose * Vector3d(0, 0, 0)), 2 * edge);
   EXPECT_GT(size(pose * Vector3d(0.015, 0, 0)), 10 * edge);
-  // Pressed with an edge alone, the mesh is fine along it; its other edges are in the air.
+  // Pressed with an edge alone, the mesh is fine along it; its other edges are in the air. Twice the rounding deep:
+  // at 2.5 times, round-off of the processor's kernels decides whether the ladder's first rung does (8 s) or all of it
+  // (minutes).
+  constexpr double depth = 0.0008;
   const ToolVertex* on_edge = nullptr;
   for (const ToolVertex& v : tool.vertices) {
     if (std::abs(v.normal.x()) > 0.6 && std::abs(v.normal.z() + std::abs(v.normal.x())) < 0.05) on_edge = &v;
   }
   ASSERT_NE(on_edge, nullptr);
   EXPECT_EQ(on_edge->flat_radius, 0);
-  EXPECT_LT(contact_radius(*on_edge, 0.001), 0.0015);
-  const PairResult r = press(body, tool, *on_edge, 0.001);
+  EXPECT_LT(contact_radius(*on_edge, depth), 0.0015);
+  const PairResult r = press(body, tool, *on_edge, depth);
   ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
 }
 
