@@ -82,29 +82,32 @@ CcxSolve solve_getfem(const CcxCase& c, const CcxMesh& mesh) {
   return solve;
 }
 
-void expect_agreement(const CcxCase& c, double size, std::size_t depths) {
+void expect_agreement(const CcxCase& c, double size, std::size_t depths, double within) {
   const CcxSettings settings;
   const CcxMesh mesh = ccx_mesh(c, size, settings);
   const CcxSolve ours = solve_ours(c, mesh, true, settings), theirs = solve_getfem(c, mesh);
   ASSERT_EQ(ours.forces.size(), depths) << c.name << ": " << ours.cause;
   ASSERT_EQ(theirs.forces.size(), depths) << c.name << ": " << theirs.cause;
   const double difference = largest_difference(ours, theirs);
-  EXPECT_LT(difference, 0.01) << c.name;
+  EXPECT_LT(difference, within) << c.name;
   fmt::print("{}: {} nodes, {:.2f} % apart; ours {:.1f} s, GetFEM {:.1f} s\n", c.name, ours.nodes, 100 * difference,
              ours.seconds, theirs.seconds);
 }
 
-// A coarse mesh, one law.
+// One law on a mesh so coarse (341 nodes) that how contact is integrated over its faces matters: 1.0 % measured, 0.3 %
+// on 823 nodes.
 TEST(Getfem, ForcesAgreeOnTheSameMesh) {
   if (!has_getfem()) GTEST_SKIP() << "no module getfem (Debian package python3-getfem)";
   CcxCase c = with_law(ccx_cases(2).at(3), 0.3);
   ASSERT_EQ(c.name, "sphere, Mooney-Rivlin, nu 0.45");
-  expect_agreement(c, std::numbers::sqrt2, 2);
+  expect_agreement(c, 2, 2, 0.02);
 }
 
 TEST(GetfemLong, ForcesOfEveryTipAndLawAgreeOnTheSameMesh) {
   if (!has_getfem()) GTEST_SKIP() << "no module getfem (Debian package python3-getfem)";
-  for (const CcxCase& c : ccx_cases(4)) expect_agreement(with_law(c, c.law.c01 > 0 ? 0.3 : 0), std::numbers::sqrt2, 4);
+  for (const CcxCase& c : ccx_cases(4)) {
+    expect_agreement(with_law(c, c.law.c01 > 0 ? 0.3 : 0), std::numbers::sqrt2, 4, 0.01);
+  }
 }
 
 }  // namespace
