@@ -1,16 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # The runtime as one file: warning-free from C++17 to C++23 without exceptions and RTTI under every compiler that is there,
 # linked from two translation units, and with the forces of the headers that it was made of.
+include(${CMAKE_CURRENT_LIST_DIR}/../support/run.cmake)
 file(REMOVE_RECURSE ${FOLDER})
 file(MAKE_DIRECTORY ${FOLDER})
-
-function(run)
-  execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE out ERROR_VARIABLE err)
-  if(NOT code EQUAL 0)
-    message(FATAL_ERROR "${ARGN}: ${code}\n${out}${err}")
-  endif()
-  set(output "${out}" PARENT_SCOPE)
-endfunction()
 
 file(READ ${SOURCE}/runtime/examples/embed.cpp program)
 string(REPLACE "palpate/runtime.hpp" "palpate_runtime.hpp" program "${program}")

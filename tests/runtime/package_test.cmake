@@ -1,16 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Configures the runtime alone (both ways), checks that nothing is looked for, installs it, and builds a
 # project that finds it there.
+include(${CMAKE_CURRENT_LIST_DIR}/../support/run.cmake)
 file(REMOVE_RECURSE ${FOLDER})
 file(MAKE_DIRECTORY ${FOLDER}/consumer)
-
-function(run)
-  execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE out ERROR_VARIABLE err)
-  if(NOT code EQUAL 0)
-    message(FATAL_ERROR "${ARGN}: ${code}\n${out}${err}")
-  endif()
-  set(output "${out}${err}" PARENT_SCOPE)
-endfunction()
 
 # What a configure looked for leaves its name in the cache or in the output.
 set(precompute CGAL TetGen tetgen Ceres ceres cholmod CHOLMOD SuiteSparse Eigen3 OpenMesh tinygltf)

@@ -72,7 +72,7 @@ public:
   /// How deep the blended responses were sampled (m).
   [[nodiscard]] double depth_limit() const { return limit_; }
 
-  /// Terms at depth z (m); all zero for z <= 0.
+  /// Terms at depth z (m); depth, forces and limit are zero for z <= 0.
   [[nodiscard]] DepthTerms at_depth(double z) const {
     DepthTerms terms;
     if (!(z > 0)) return terms;
