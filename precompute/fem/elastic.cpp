@@ -81,8 +81,8 @@ double spans(const std::vector<std::vector<Vector3d>>& normals, const std::array
 ElasticEnergy::ElasticEnergy(const TetMesh& mesh, std::vector<Material> materials) : materials_(std::move(materials)) {
   elements_.reserve(mesh.tets.size());
   const std::vector<std::vector<Vector3d>> normals = outer_normals(mesh);
-  std::vector<double> spanning;  // Pa
-  for (const Material& m : materials_) spanning.push_back(m.bulk > 0 ? kSpanning * m.shear_modulus() : 0);
+  std::vector<double> shear;  // Pa
+  for (const Material& m : materials_) shear.push_back(m.bulk > 0 ? m.shear_modulus() : 0);
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
     Element e;
     e.nodes = mesh.tets[t];
@@ -99,10 +99,11 @@ ElasticEnergy::ElasticEnergy(const TetMesh& mesh, std::vector<Material> material
     e.slopes.row(0) = -inverse.colwise().sum();
     e.material = mesh.regions.empty() ? 0 : mesh.regions[t];
     const auto region = static_cast<std::size_t>(e.material);
-    if (region >= spanning.size()) throw std::out_of_range("region " + std::to_string(region) + " has no material");
+    if (region >= shear.size()) throw std::out_of_range("region " + std::to_string(region) + " has no material");
     const Material& material = materials_[region];
-    e.local =
-        std::min(material.local + spans(normals, e.nodes) * spanning[region], std::max(material.local, material.bulk));
+    e.local = std::min(material.local + spans(normals, e.nodes) * kSpanning * shear[region],
+                       std::max(material.local, material.bulk));
+    rounding_ += std::numeric_limits<double>::epsilon() * shear[region] * e.volume;
     if (material.fibre_at) {
       Material own = material;
       own.fibre = own.fibre_at(mesh.nodes[e.nodes[0]] + edges.rowwise().sum() / 4);

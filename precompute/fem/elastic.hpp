@@ -31,6 +31,9 @@ public:
   double gradient(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) const;
   /// Adds the second derivative (N/m).
   void hessian(const Eigen::VectorXd& x, HessianKind kind, BlockMatrix& matrix) const;
+  /// J: what value() may be off by rounding. Every element's energy is a difference of terms of its shear modulus times
+  /// its volume (invariants less their values at rest), however little it is strained.
+  [[nodiscard]] double rounding() const { return rounding_; }
   /// Smallest det F over all quadrature points.
   [[nodiscard]] double min_jacobian(const Eigen::VectorXd& x) const;
 
@@ -49,6 +52,7 @@ private:
   std::vector<Material> materials_;  // of the regions, then of elements whose fibres have a direction of their own
   std::vector<Element> elements_;
   std::vector<ElementBatch> batches_;  // of the same elements
+  double rounding_ = 0.0;              // J
 };
 
 }  // namespace palpate

@@ -118,7 +118,9 @@ MinimiserResult Minimiser::minimise(const EnergyProblem& problem, VectorXd& x, c
       break;
     }
 
-    // Armijo, or (near the end, where energies no longer resolve) a smaller slope at an energy no higher.
+    // Armijo, or (near the end, where energies no longer resolve) a smaller slope at an energy no higher but for
+    // rounding (Hager and Zhang 2005, section 2: the approximate Wolfe conditions).
+    const double rounding = problem.rounding() + 1e-11 * std::abs(energy);
     double t = 1.0, next = 0.0;
     VectorXd g_next;
     bool accepted = false;
@@ -128,9 +130,8 @@ MinimiserResult Minimiser::minimise(const EnergyProblem& problem, VectorXd& x, c
       next = problem.gradient(trial, full);
       g_next = m.reduce(full);
       const double slope_next = g_next.dot(d);
-      accepted = std::isfinite(next) &&
-                 (next <= energy + 1e-4 * t * slope ||
-                  (next <= energy + 1e-11 * std::abs(energy) && std::abs(slope_next) <= 0.9 * std::abs(slope)));
+      accepted = std::isfinite(next) && (next <= energy + 1e-4 * t * slope ||
+                                         (next <= energy + rounding && std::abs(slope_next) <= 0.9 * std::abs(slope)));
       if (!accepted) {
         const double quadratic = -0.5 * slope * t * t / (next - energy - slope * t);
         t = std::isfinite(quadratic) ? std::clamp(quadratic, 0.1 * t, 0.6 * t) : 0.25 * t;

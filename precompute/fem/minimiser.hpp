@@ -23,6 +23,8 @@ public:
   virtual void hessian(const Eigen::VectorXd& x, HessianKind kind, BlockMatrix& matrix) const = 0;
   /// Size of the loads at x (N): what residuals are compared with.
   [[nodiscard]] virtual double load(const Eigen::VectorXd& x) const = 0;
+  /// J: differences of energy below this are rounding.
+  [[nodiscard]] virtual double rounding() const { return 0.0; }
 };
 
 struct MinimiserOptions {
