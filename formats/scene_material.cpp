@@ -13,7 +13,6 @@ namespace {
 using M = MaterialScene;
 using Law = MaterialScene::Law;
 
-constexpr Range kModulus{0, 1e12, true, "Pa"};
 constexpr Range kModulusOrNone{0, 1e12, false, "Pa"};
 constexpr double kMostPlain = 0.45;  // Poisson's ratio of laws whose volume term is at every point: beyond it they lock
 

@@ -10,9 +10,7 @@ namespace palpate::scene_io {
 namespace {
 
 using A = AnalyticScene;
-using Law = AnalyticScene::Law;
 
-constexpr Range kModulus{0, 1e12, true, "Pa"};
 constexpr Range kPoisson{0, 0.5, false, ""};
 constexpr Range kReach{0, 1, true, "m"};
 constexpr Range kStiffness{0, 1e15, true, "N/m^3 (winkler), N/m (spring)"};
@@ -155,7 +153,7 @@ void check_analytic(const AnalyticScene& analytic, const toml::table& table, con
       fail(place.below(key), table.get(key), "the law " + show(law) + " has no such key; it has: " + show(own));
     }
   }
-  const bool bed = analytic.law == Law::winkler || analytic.law == Law::spring;
+  const bool bed = analytic.law == A::Law::winkler || analytic.law == A::Law::spring;
   if (bed && !table.contains("stiffness")) {
     fail(place.below("stiffness"), &table, "missing; the law " + show(law) + " needs it");
   }

@@ -38,6 +38,8 @@ struct Range {
   [[nodiscard]] std::string text() const;
 };
 
+inline constexpr Range kModulus{0, 1e12, true, "Pa"};  ///< of any elastic law
+
 /// Throws Error(bad_input) "FILE:LINE: KEY: what". `node` gives the line; null: the file as a whole.
 [[noreturn]] void fail(const Place& place, const toml::node* node, const std::string& what);
 /// The same with "got VALUE; allowed RANGE".

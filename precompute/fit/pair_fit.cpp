@@ -36,8 +36,8 @@ public:
     for (Eigen::Index i = 0; i < rows.rows(); ++i) add(RowVectorXd(rows.row(i)), 0.0);
   }
   [[nodiscard]] MatrixXd matrix() const {
-    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    return Eigen::Map<const RowMajor>(entries_.data(), static_cast<Eigen::Index>(target_.size()), columns_);
+    using ByRow = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    return Eigen::Map<const ByRow>(entries_.data(), static_cast<Eigen::Index>(target_.size()), columns_);
   }
   [[nodiscard]] VectorXd target() const {
     return Eigen::Map<const VectorXd>(target_.data(), static_cast<Eigen::Index>(target_.size()));

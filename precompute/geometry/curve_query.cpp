@@ -17,10 +17,9 @@ namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
-using Kernel = CgalKernel;
-using Segments = std::vector<Kernel::Segment_3>;
-using Primitive = CGAL::AABB_segment_primitive<Kernel, Segments::const_iterator>;
-using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
+using Segments = std::vector<CgalKernel::Segment_3>;
+using SegmentTree =
+    CGAL::AABB_tree<CGAL::AABB_traits<CgalKernel, CGAL::AABB_segment_primitive<CgalKernel, Segments::const_iterator>>>;
 
 using Ends = std::pair<Vector3d, Vector3d>;  // tangents at the ends of a piece
 
@@ -78,7 +77,7 @@ struct CurveQuery::Impl {
   Curves curves;
   std::vector<Ends> tangents;
   Segments segments;
-  Tree tree;
+  SegmentTree tree;
 };
 
 CurveQuery::CurveQuery(const Curves& curves) : impl_(std::make_unique<Impl>(curves)) {}
