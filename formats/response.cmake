@@ -10,4 +10,6 @@ target_include_directories(palpate_response PUBLIC
   ${CMAKE_CURRENT_LIST_DIR}/.. ${CMAKE_CURRENT_LIST_DIR}/include)
 target_include_directories(palpate_response PRIVATE ${CMAKE_CURRENT_LIST_DIR}/../runtime/include)
 target_link_libraries(palpate_response PRIVATE palpate_file palpate_settings)
-target_precompile_headers(palpate_response REUSE_FROM palpate_headers)
+if(TARGET palpate_headers)
+  target_precompile_headers(palpate_response REUSE_FROM palpate_headers)
+endif()

@@ -9,7 +9,7 @@ palpate_packages=(
   g++ cmake ninja-build ccache pkg-config
   libeigen3-dev libcgal-dev libtet1.5-dev libopenmesh-dev libtinygltf-dev nlohmann-json3-dev
   libsuitesparse-dev libopenblas-dev libceres-dev libxxhash-dev libfmt-dev libtomlplusplus-dev libcli11-dev
-  libusb-1.0-0-dev libgtest-dev libbenchmark-dev python3
+  libusb-1.0-0-dev umockdev libumockdev-dev libgtest-dev libbenchmark-dev python3
 )
 
 # palpate_install [PACKAGE...]: installs those of them (or of all that the build needs) that are missing, or says exactly

@@ -33,7 +33,7 @@ enum class Outcome : std::uint8_t { done, stalled, timed_out, gone };
 /// The endpoints and the interface a protocol speaks through.
 struct Wiring {
   std::uint8_t interface = 0;
-  std::uint8_t in = 0x81, out = 0x02;  ///< endpoint addresses
+  std::uint8_t in = 0x81, out = 0x02;  ///< endpoint addresses; 0: the interface's first one that way
   bool interrupt = false;              ///< interrupt transfers; bulk otherwise
   std::uint16_t packet = 64;           ///< bytes a transfer of input asks for
 };

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The whole life of a device through libusb: adopted, claimed, homed, driven, closed, and again.
+#include "tests/device/rig.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace palpate {
+namespace {
+
+using namespace test;
+using device::Fault;
+using device::Phase;
+using device::Sample;
+using device::Vec3;
+
+// A slow circle of the tip's joints, once the arm is homed.
+device::Joints circling(double time) {
+  const double angle = 4 * std::max(time - 0.5, 0.0);
+  return {0.3 * std::sin(angle), 0.2 * (1 - std::cos(angle)), 1.5707963267948966 + 0.2 * std::sin(angle)};
+}
+
+TEST(UsbLife, HomesFollowsTheArmAndPushesTheWayItIsTold) {
+  Rig rig;
+  ASSERT_TRUE(rig.device) << rig.opened.error;
+  ASSERT_TRUE(rig.reach(Phase::ready));
+  const Vec3 force{1.0, -0.5, 0.25};
+  const Sample sample = rig.drive(0.05, force);
+  EXPECT_EQ(sample.phase, Phase::ready);
+  EXPECT_EQ(sample.fault, Fault::none);
+  const Vec3 home = device::position(rig.model.geometry, {0, 0, 1.5707963267948966});
+  EXPECT_LT(length(sample.pose.translation - home), 1e-9);
+  const device::Joints amps = device::currents(rig.model.geometry, rig.model.angles(0), force);
+  const auto got = rig.last_push();
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(got[k], 1000 * amps[k], 0.51);
+  rig.device->close();
+  EXPECT_EQ(rig.device->read().phase, Phase::closed);
+  EXPECT_TRUE(is_zero(rig.port.log().back().bytes));
+  EXPECT_TRUE(rig.device->counts().zero_left);
+  rig.device->close();
+}
+
+TEST(UsbLife, EncodersThatWrapAreFollowed) {
+  Rig rig;
+  rig.port.with_model([&] { rig.model.motion = circling; });
+  ASSERT_TRUE(rig.reach(Phase::ready));
+  int samples = 0;
+  double worst = 0, fastest = 0;
+  std::uint32_t number = 0;
+  Vec3 before{};
+  for (const double end = device::now() + 2.5; device::now() < end; pause(0.001)) {
+    const Sample sample = rig.device->read();
+    ASSERT_EQ(sample.phase, Phase::ready) << device::name(sample.fault);
+    if (sample.number == number) continue;
+    // The arm moves on while a report is on its way: its pose is looked for in the last few milliseconds.
+    double nearest = 1;
+    for (double age = 0; age < 0.01; age += 1e-4) {
+      const auto at = rig.port.with_model([&] { return rig.model.angles(sample.time - age); });
+      nearest = std::fmin(nearest, length(sample.pose.translation - position(rig.model.geometry, at)));
+    }
+    worst = std::fmax(worst, nearest);
+    if (number != 0) fastest = std::fmax(fastest, length(sample.pose.translation - before));
+    before = sample.pose.translation;
+    number = sample.number;
+    ++samples;
+  }
+  EXPECT_GT(samples, 100);
+  EXPECT_GT(fastest, 1e-4);
+  EXPECT_LT(worst, 5e-4);  // three encoders of 0.1 mm at the tip
+}
+
+TEST(UsbLife, NoForceBeforeItIsHomed) {
+  device::WoodenOptions wooden = quick_homing();
+  wooden.hold = 0.2;
+  Rig rig({}, wooden);
+  ASSERT_TRUE(rig.reach(Phase::homing));
+  while (rig.device->read().phase == Phase::homing) {
+    rig.device->write({device::now(), {5, 5, 5}, {}});
+    pause(0.001);
+  }
+  EXPECT_EQ(rig.device->read().phase, Phase::ready);
+  // All that was written before the first force is zero, and that was for the whole of the hold.
+  const std::vector<Written> log = rig.port.log();
+  const auto first = std::find_if(log.begin(), log.end(), [](const Written& each) { return !is_zero(each.bytes); });
+  const double until = first == log.end() ? log.back().time : first->time;
+  EXPECT_GT(until - log.front().time, 0.2);
+  EXPECT_GT(first - log.begin(), 50);
+}
+
+TEST(UsbLife, ForcesAreLimitedAndNothingElseThanNumbersGoesOut) {
+  Rig rig;
+  ASSERT_TRUE(rig.reach(Phase::ready));
+  rig.drive(0.05, {30, 0, -30});  // far beyond 5 N
+  const device::Joints home{0, 0, 1.5707963267948966};
+  const double part = 5 / std::sqrt(2.0);
+  const device::Joints amps = device::currents(rig.model.geometry, home, {part, 0, -part});
+  const auto got = rig.last_push();
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(got[k], 1000 * amps[k], 0.51);
+  const double begun = device::now();
+  rig.drive(0.05, {std::nan(""), 1, 1});
+  rig.drive(0.05, {std::numeric_limits<double>::infinity(), 0, 0});
+  for (const Written& each : rig.port.log()) {
+    // The last finite command may have been on its way.
+    if (each.time > begun + 0.02) {
+      EXPECT_TRUE(is_zero(each.bytes));
+    }
+  }
+}
+
+// The force loop hangs: 10 ms later the device is told zero, and goes on being told so.
+TEST(UsbLife, AForceThatIsNotRenewedEnds) {
+  Rig rig;
+  ASSERT_TRUE(rig.reach(Phase::ready));
+  rig.drive(0.1, {1, 1, 1});
+  const double last = device::now();
+  rig.device->write({last, {1, 1, 1}, {}});
+  pause(0.2);
+  EXPECT_EQ(rig.device->read().phase, Phase::ready);
+  const std::vector<Written> log = rig.port.log();
+  int pushes = 0, zeros = 0;
+  for (const Written& each : log) {
+    // A period, and what a busy machine adds to it.
+    if (each.time > last + device::kStale + 0.05) ++(is_zero(each.bytes) ? zeros : pushes);
+  }
+  EXPECT_EQ(pushes, 0);
+  EXPECT_GT(zeros, 10);
+  EXPECT_GT(rig.device->counts().stale, 10u);
+  const double again = device::now();
+  rig.drive(0.05, {1, 1, 1});
+  const std::vector<Written> later = rig.port.log();
+  EXPECT_TRUE(std::any_of(later.begin(), later.end(),
+                          [&](const Written& each) { return each.time > again && !is_zero(each.bytes); }));
+}
+
+TEST(UsbLife, IsOpenedAgainAfterItWasUnplugged) {
+  Rig rig;
+  for (int life = 0; life < 3; ++life) {
+    ASSERT_TRUE(rig.device) << rig.opened.error;
+    ASSERT_TRUE(rig.reach(Phase::ready));
+    rig.drive(0.03, {0, 0, 1});
+    rig.port.unplug();
+    EXPECT_EQ(rig.drive(1, {0, 0, 1}).fault, Fault::unplugged);
+    rig.device->close();
+    EXPECT_EQ(rig.device->read().fault, Fault::unplugged);
+    rig.device.reset();
+    rig.plug();
+    rig.open();
+  }
+}
+
+TEST(UsbOpen, TakesTheInterfaceFromTheKernelAndGivesItBack) {
+  Rig rig;
+  ASSERT_TRUE(rig.device) << rig.opened.error;
+  EXPECT_FALSE(rig.usbfs->kernel_driver());
+  rig.device.reset();
+  EXPECT_TRUE(rig.usbfs->kernel_driver());
+}
+
+TEST(UsbOpen, ADeviceThatAnotherProgramHasIsRefused) {
+  WoodenModel model;
+  UsbPort port(model);
+  Usbfs usbfs(port);
+  usbfs.take(true);
+  const auto opened =
+      device::UsbDevice::adopt(usbfs.descriptor(), device::kDevices[0], std::make_unique<device::WoodenProtocol>());
+  EXPECT_FALSE(opened.device);
+  EXPECT_EQ(opened.fault, Fault::refused);
+  EXPECT_NE(opened.error.find("claimed"), std::string::npos) << opened.error;
+}
+
+TEST(UsbOpen, SaysWhatIsWrong) {
+  WoodenModel model;
+  UsbPort port(model);
+  const auto protocol = [] { return std::make_unique<device::WoodenProtocol>(); };
+  Usbfs usbfs(port);
+  // Of another kind.
+  auto opened = device::UsbDevice::adopt(usbfs.descriptor(), device::kDevices[1], protocol());
+  EXPECT_FALSE(opened.device);
+  EXPECT_EQ(opened.fault, Fault::refused);
+  EXPECT_NE(opened.error.find("another kind"), std::string::npos) << opened.error;
+  // No USB device at all.
+  opened = device::UsbDevice::adopt(0, device::kDevices[0], protocol());
+  EXPECT_FALSE(opened.device);
+  EXPECT_FALSE(opened.error.empty());
+  // Gone meanwhile: libusb only says that it cannot talk with it.
+  Usbfs other(port);
+  port.unplug();
+  opened = device::UsbDevice::adopt(other.descriptor(), device::kDevices[0], protocol());
+  EXPECT_FALSE(opened.device);
+  EXPECT_FALSE(opened.error.empty());
+  // Options.
+  device::UsbOptions options;
+  options.rate = std::nan("");
+  opened = device::UsbDevice::adopt(0, device::kDevices[0], protocol(), options);
+  EXPECT_FALSE(opened.device);
+  EXPECT_NE(opened.error.find("rate"), std::string::npos) << opened.error;
+}
+
+}  // namespace
+}  // namespace palpate
