@@ -27,6 +27,8 @@ inline constexpr DeviceKind kDevices[] = {
     {"WoodenHaptics (mbed board)", 0x1234, 0x0006, 5.0, 1000.0, 0.1, 0.5, 0.0, 1000.0, "wooden-mbed", "wooden"},
     {"WoodenHaptics (Teensy board)", 0x16c0, 0x0486, 5.0, 1000.0, 0.1, 0.5, 0.0, 1000.0, "wooden-teensy", "wooden"},
     {"Novint Falcon", 0x0403, 0xcb48, 8.0, 3000.0, 0.04, 0.0, 0.0, 1000.0, "falcon", "falcon"},
+    // Devices on the open link announce their limits, and the driver keeps to them; these are the link's own.
+    {"Open link (test id)", 0x1209, 0x0001, 1000.0, 0.0, 0.0, 0.1, 0.0, 20000.0, "open-link", "open-link"},
 };
 
 /// The kind with these ids, or null.

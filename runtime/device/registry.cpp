@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "device/registry.hpp"
 
+#include "device/falcon_protocol.hpp"
+#include "device/open_link_protocol.hpp"
+
 #include <algorithm>
 #include <utility>
 
@@ -16,7 +19,20 @@ std::unique_ptr<Protocol> make_wooden(const DeviceKind&, const DriverOptions& op
   return std::make_unique<WoodenProtocol>(options.wooden);
 }
 
+std::unique_ptr<Protocol> make_falcon(const DeviceKind&, const DriverOptions& options, std::string& error) {
+  falcon::Firmware firmware;
+  if (!options.falcon_firmware.empty()) firmware = falcon::read_firmware(options.falcon_firmware);
+  error = firmware.error;
+  return error.empty() ? std::make_unique<FalconProtocol>(std::move(firmware.bytes)) : nullptr;
+}
+
+std::unique_ptr<Protocol> make_open_link(const DeviceKind&, const DriverOptions&, std::string&) {
+  return std::make_unique<OpenLinkProtocol>();
+}
+
 constexpr Driver kDrivers[] = {
+    {"falcon", make_falcon},
+    {"open-link", make_open_link},
     {"wooden", make_wooden},
 };
 

@@ -42,20 +42,8 @@ inline bool is_zero(const Bytes& bytes) {
   return std::all_of(bytes.begin(), bytes.end(), [](std::uint8_t byte) { return byte == 0; });
 }
 
-struct Rig {
-  explicit Rig(const device::UsbOptions& options = {}, const device::WoodenOptions& wooden = quick_homing()) {
-    plug();
-    open(options, wooden);
-  }
-  ~Rig() { device.reset(); }
-
-  void plug() { usbfs = std::make_unique<Usbfs>(port); }
-  void open(const device::UsbOptions& options = {}, const device::WoodenOptions& wooden = quick_homing()) {
-    opened = device::UsbDevice::adopt(usbfs->descriptor(), device::kDevices[0],
-                                      std::make_unique<device::WoodenProtocol>(wooden), options);
-    device = std::move(opened.device);
-  }
-
+/// A device of any kind and the force loop above it.
+struct Driven {
   /// Until the device is in this phase, or stopped; false: not within `seconds`.
   bool reach(device::Phase phase, double seconds = 5) {
     const double end = device::now() + seconds;
@@ -66,13 +54,6 @@ struct Rig {
       pause(0.001);
     }
     return false;
-  }
-
-  /// The last command other than zero; all zero: there was none.
-  [[nodiscard]] std::array<int, 3> last_push() const {
-    const std::vector<Written> log = port.log();
-    const auto last = std::find_if(log.rbegin(), log.rend(), [](const Written& each) { return !is_zero(each.bytes); });
-    return last == log.rend() ? std::array<int, 3>{} : milliamps(last->bytes);
   }
 
   /// The force loop, at about 1 kHz for so long (s), or until the device stops.
@@ -87,11 +68,34 @@ struct Rig {
     return sample;
   }
 
+  device::UsbDevice::Opened opened;
+  std::unique_ptr<device::UsbDevice> device;
+};
+
+struct Rig : Driven {
+  explicit Rig(const device::UsbOptions& options = {}, const device::WoodenOptions& wooden = quick_homing()) {
+    plug();
+    open(options, wooden);
+  }
+  ~Rig() { device.reset(); }
+
+  void plug() { usbfs = std::make_unique<Usbfs>(port); }
+  void open(const device::UsbOptions& options = {}, const device::WoodenOptions& wooden = quick_homing()) {
+    opened = device::UsbDevice::adopt(usbfs->descriptor(), device::kDevices[0],
+                                      std::make_unique<device::WoodenProtocol>(wooden), options);
+    device = std::move(opened.device);
+  }
+
+  /// The last command other than zero; all zero: there was none.
+  [[nodiscard]] std::array<int, 3> last_push() const {
+    const std::vector<Written> log = port.log();
+    const auto last = std::find_if(log.rbegin(), log.rend(), [](const Written& each) { return !is_zero(each.bytes); });
+    return last == log.rend() ? std::array<int, 3>{} : milliamps(last->bytes);
+  }
+
   WoodenModel model;
   UsbPort port{model};
   std::unique_ptr<Usbfs> usbfs;
-  device::UsbDevice::Opened opened;
-  std::unique_ptr<device::UsbDevice> device;
 };
 
 }  // namespace palpate::test

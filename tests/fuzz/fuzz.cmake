@@ -1,17 +1,28 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Compiles the fuzz target with clang's libFuzzer and sanitizers and runs it for SECONDS on the corpus and the goldens:
-# cmake -D SOURCE=. -D FOLDER=build/fuzz -D SECONDS=600 -P tests/fuzz/fuzz.cmake
+# Compiles a fuzz target (response: the reader of files; device: the languages of devices) with clang's libFuzzer and
+# sanitizers and runs it for SECONDS, the reader on its corpus and the goldens:
+# cmake -D SOURCE=. -D NAME=response -D FOLDER=build/fuzz -D SECONDS=600 -P tests/fuzz/fuzz.cmake
 # New inputs stay in FOLDER/corpus, one that breaks a promise in FOLDER/crash-*. It ends with an error then.
 find_program(clang NAMES clang++-14 clang++-19 clang++-18 clang++-17 clang++-16 clang++-15 clang++)
 if(NOT clang)
   message(STATUS "skipped: no clang++ in PATH (Debian's clang-14 and libclang-rt-14-dev)")
   return()
 endif()
+if(NAME STREQUAL "device")
+  # Without libusb, which no language knows.
+  file(GLOB sources ${SOURCE}/runtime/device/*_codec.cpp ${SOURCE}/runtime/device/*_kinematics.cpp
+       ${SOURCE}/runtime/device/*_protocol.cpp ${SOURCE}/runtime/device/*_boot.cpp)
+  set(seeds)
+else()
+  set(sources)
+  set(seeds ${SOURCE}/tests/fuzz/corpus ${SOURCE}/tests/goldens)
+endif()
 file(MAKE_DIRECTORY ${FOLDER}/corpus)
 execute_process(
   COMMAND ${clang} -std=c++17 -O1 -g -fno-omit-frame-pointer -fsanitize=fuzzer,address,undefined
           -fno-sanitize-recover=undefined -ffp-contract=off -I${SOURCE} -I${SOURCE}/formats/include
-          -I${SOURCE}/runtime/include ${SOURCE}/tests/fuzz/fuzz_response.cpp -o ${FOLDER}/fuzz_response
+          -I${SOURCE}/runtime -I${SOURCE}/runtime/include ${SOURCE}/tests/fuzz/fuzz_${NAME}.cpp ${sources}
+          -o ${FOLDER}/fuzz_${NAME}
   RESULT_VARIABLE code ERROR_VARIABLE error)
 if(NOT code EQUAL 0 AND error MATCHES "libclang_rt")
   message(STATUS "skipped: no clang++ with its run time (Debian's libclang-rt-14-dev)")
@@ -20,9 +31,8 @@ elseif(NOT code EQUAL 0)
   message(FATAL_ERROR "the fuzz target does not compile:\n${error}")
 endif()
 execute_process(
-  COMMAND ${FOLDER}/fuzz_response -max_total_time=${SECONDS} -max_len=16384 -timeout=20 -rss_limit_mb=2048
-          -print_final_stats=1 -artifact_prefix=${FOLDER}/ ${FOLDER}/corpus ${SOURCE}/tests/fuzz/corpus
-          ${SOURCE}/tests/goldens
+  COMMAND ${FOLDER}/fuzz_${NAME} -max_total_time=${SECONDS} -max_len=16384 -timeout=20 -rss_limit_mb=2048
+          -print_final_stats=1 -artifact_prefix=${FOLDER}/ ${FOLDER}/corpus ${seeds}
   RESULT_VARIABLE code ERROR_VARIABLE log)
 file(WRITE ${FOLDER}/log.txt "${log}")
 string(REGEX MATCHALL "stat::[^\n]*|SUMMARY[^\n]*|broken promise[^\n]*|Test unit written[^\n]*" lines "${log}")

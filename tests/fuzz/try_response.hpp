@@ -3,21 +3,13 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <vector>
 
 #include "palpate/runtime.hpp"
+#include "tests/fuzz/promise.hpp"
 
 namespace palpate::test {
-
-/// The promise of the reader is broken: says which and ends the program, as a sanitizer does.
-inline void expect(bool good, const char* promise) {
-  if (good) return;
-  std::fprintf(stderr, "broken promise: %s\n", promise);
-  std::abort();
-}
 
 inline bool finite(const runtime::Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
