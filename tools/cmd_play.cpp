@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// palpate play: a recorded or synthetic motion in, forces and torques and a plot out.
+// palpate play: a recorded or synthetic motion, or the recording of a run, in; forces and torques and a plot out.
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "formats/error.hpp"
 #include "formats/file.hpp"
 #include "tools/command.hpp"
 #include "tools/commands.hpp"
 #include "tools/output.hpp"
 #include "tools/play.hpp"
 #include "tools/response_input.hpp"
+#ifdef PALPATE_DRIVE
+#include "tools/play_run.hpp"
+#endif
 
 namespace palpate::cli {
 namespace {
@@ -20,13 +24,27 @@ struct Options {
 
 const char* plural(std::size_t count) { return count == 1 ? "" : "s"; }
 
-void run(const Options& options, const Globals& globals) {
-  const ResponseInput input(options.file);
-  const std::uint32_t tool = input.tool(options.tool);
-  const std::vector<MotionRow> motion = read_motion(options.motion);
-  PlaySummary s;
-  const std::vector<PlayedRow> rows = play(input.view(), tool, motion, s);
-  const std::string tool_name = input.view().tools[tool].name;
+nlohmann::ordered_json json_of(const Options& options, const std::string& tool, std::size_t rows,
+                               const PlaySummary& s) {
+  return {{"file", options.file},
+          {"motion", options.motion},
+          {"tool", tool},
+          {"rows", rows},
+          {"ticks", s.ticks},
+          {"contacts", s.contacts},
+          {"contact_time", s.contact_time},
+          {"slide_time", s.slide_time},
+          {"peak_force", s.peak_force},
+          {"peak_torque", s.peak_torque},
+          {"peak_depth", s.peak_depth},
+          {"starts_inside", s.starts_inside},
+          {"rows_beyond", s.rows_beyond},
+          {"rows_covered", s.rows_covered}};
+}
+
+/// Files, warnings; the summary as text where it is not wanted as JSON.
+void report(const Options& options, const Globals& globals, const std::string& tool_name,
+            const std::vector<PlayedRow>& rows, const PlaySummary& s) {
   if (!options.out.empty()) write_file(options.out, forces_csv(rows));
   if (!options.plot.empty()) write_file(options.plot, forces_svg(rows, "Force on the tool '" + tool_name + "'"));
   if (s.starts_inside) {
@@ -36,23 +54,7 @@ void run(const Options& options, const Globals& globals) {
     warn(std::to_string(s.rows_beyond) + " of " + std::to_string(rows.size()) +
          " rows lie deeper than was sampled, there or on the way: these forces are extrapolated");
   }
-  if (globals.json) {
-    print_json({{"file", options.file},
-                {"motion", options.motion},
-                {"tool", tool_name},
-                {"rows", rows.size()},
-                {"ticks", s.ticks},
-                {"contacts", s.contacts},
-                {"contact_time", s.contact_time},
-                {"slide_time", s.slide_time},
-                {"peak_force", s.peak_force},
-                {"peak_torque", s.peak_torque},
-                {"peak_depth", s.peak_depth},
-                {"starts_inside", s.starts_inside},
-                {"rows_beyond", s.rows_beyond},
-                {"rows_covered", s.rows_covered}});
-    return;
-  }
+  if (globals.json) return;
   char text[400];
   std::snprintf(text, sizeof text,
                 "%zu row%s, %zu tick%s, %zu contact%s; %.3g s in contact, of these %.3g s sliding\n"
@@ -62,13 +64,78 @@ void run(const Options& options, const Globals& globals) {
   print(text);
 }
 
+#ifdef PALPATE_DRIVE
+
+/// The same forces as in the run, bit for bit, or an error; of another response file, how different they are.
+void replay(Options options, const Globals& globals) {
+  const device::RunLog log = read_run(options.motion);
+  if (log.records.empty()) throw Error(ExitCode::bad_input, options.motion + ": the recording has no ticks");
+  if (options.file.empty()) options.file = log.header.response;
+  const ResponseInput input(options.file);
+  const std::uint32_t tool = input.tool(options.tool.empty() ? log.header.tool_name : options.tool);
+  const PlayedRun played = play_run(log, input, tool);
+  const device::Replay& r = played.replay;
+  const std::string tool_name = input.view().tools[tool].name;
+  if (!played.same_response) {
+    warn(options.file + ": not the response file of the run (its hash differs): the forces are what this one gives");
+  }
+  if (!log.complete) {
+    warn(options.motion + ": the recording was cut short after " + std::to_string(r.ticks) + " ticks" +
+         (log.torn > 0 ? " and " + std::to_string(log.torn) + " bytes of the next" : ""));
+  }
+  const std::size_t missing = log.complete ? log.end.dropped : r.missing;
+  if (missing > 0) {
+    warn(options.motion + ": " + std::to_string(missing) + " ticks are missing; only the first " +
+         std::to_string(r.compared) + " are compared with the run");
+  }
+  report(options, globals, tool_name, played.rows, played.summary);
+  if (globals.json) {
+    nlohmann::ordered_json json = json_of(options, tool_name, played.rows.size(), played.summary);
+    json["run"] = {{"device", log.header.device},    {"rate", log.header.rate},
+                   {"complete", log.complete},       {"same_response", played.same_response},
+                   {"ticks_missing", missing},       {"ticks_compared", r.compared},
+                   {"ticks_different", r.different}, {"first_different", r.first_different},
+                   {"largest_difference", r.largest}};
+    print_json(json);
+  } else {
+    char text[200];
+    std::snprintf(text, sizeof text, "%zu of %zu tick%s of the run compared: %zu differ%s, by up to %.3g N\n",
+                  r.compared, r.ticks, plural(r.ticks), r.different, r.different == 1 ? "s" : "", r.largest);
+    print(text);
+  }
+  if (played.same_response && tool_name == log.header.tool_name && r.different > 0) {
+    throw Error(ExitCode::tolerance,
+                options.motion + ": tick " + std::to_string(r.first_different) + " does not give the force of the run");
+  }
+}
+
+#endif
+
+void run(Options options, const Globals& globals) {
+#ifdef PALPATE_DRIVE
+  if (is_run(options.file)) std::swap(options.file, options.motion);  // alone, or in the other order
+  if (!options.motion.empty() && is_run(options.motion)) return replay(options, globals);
+#endif
+  if (options.motion.empty())
+    throw Error(ExitCode::usage, "motion is required: " + options.file + " is no recording of a run");
+  const ResponseInput input(options.file);
+  const std::uint32_t tool = input.tool(options.tool);
+  const std::vector<MotionRow> motion = read_motion(options.motion);
+  PlaySummary s;
+  const std::vector<PlayedRow> rows = play(input.view(), tool, motion, s);
+  const std::string tool_name = input.view().tools[tool].name;
+  report(options, globals, tool_name, rows, s);
+  if (globals.json) print_json(json_of(options, tool_name, rows.size(), s));
+}
+
 }  // namespace
 
 void add_play(CLI::App& app, Globals& globals) {
   auto options = std::make_shared<Options>();
   Command command(app, "play", "Plays a motion against a response file");
-  command.option("file", options->file, "Response file (.palp)").required();
-  command.option("motion", options->motion, "Motion (CSV: t,x,y,z,qw,qx,qy,qz in s and m)").required();
+  command.option("file", options->file, "Response file (.palp), or a run alone: its own response file").required();
+  command.option("motion", options->motion,
+                 "Motion (CSV: t,x,y,z,qw,qx,qy,qz in s and m), or a run of 'palpate drive'");
   command.option("--out", options->out, "Write forces and torques here (CSV)");
   command.option("--plot", options->plot, "Write a plot of force and depth here (SVG)");
   command.option("--tool", options->tool, "Name of the tool; default: the file's first");

@@ -40,15 +40,19 @@ int steps_between(const MotionRow& a, const MotionRow& b, double reach, double l
   return static_cast<int>(std::clamp(std::ceil(way / longest), 1.0, 10000.0));
 }
 
-void account(PlaySummary& summary, const Tick& t, double duration) {
-  summary.peak_force = std::max(summary.peak_force, length(t.force));
-  summary.peak_torque = std::max(summary.peak_torque, length(t.torque));
-  summary.peak_depth = std::max(summary.peak_depth, t.depth);
-  if (touches(t)) summary.contact_time += duration;
-  if (t.state == State::slide) summary.slide_time += duration;
-}
-
 }  // namespace
+
+void account(PlaySummary& summary, const Tick& tick, double seconds) {
+  const bool touching = touches(tick);
+  ++summary.ticks;
+  summary.peak_force = std::max(summary.peak_force, length(tick.force));
+  summary.peak_torque = std::max(summary.peak_torque, length(tick.torque));
+  summary.peak_depth = std::max(summary.peak_depth, tick.depth);
+  if (touching) summary.contact_time += seconds;
+  if (tick.state == State::slide) summary.slide_time += seconds;
+  summary.contacts += touching && !summary.touching ? 1 : 0;
+  summary.touching = touching;
+}
 
 std::vector<PlayedRow> play(const runtime::View& view, std::uint32_t tool, const std::vector<MotionRow>& motion,
                             PlaySummary& summary) {
@@ -58,7 +62,6 @@ std::vector<PlayedRow> play(const runtime::View& view, std::uint32_t tool, const
   const double longest = 0.01 * view.meta->depth_scale;
   std::vector<PlayedRow> rows;
   rows.reserve(motion.size());
-  bool touching = false;
   for (std::size_t i = 0; i < motion.size(); ++i) {
     const MotionRow& from = motion[i > 0 ? i - 1 : 0];
     const int steps = i > 0 ? steps_between(from, motion[i], reach, longest) : 1;
@@ -68,15 +71,12 @@ std::vector<PlayedRow> play(const runtime::View& view, std::uint32_t tool, const
     for (int k = 1; k <= steps; ++k) {
       tick = contact.tick(pose_between(from, motion[i], k / static_cast<double>(steps)));
       account(summary, tick, duration);
-      summary.contacts += touches(tick) && !touching ? 1 : 0;
-      touching = touches(tick);
       beyond = beyond || tick.beyond;
       covered = covered || tick.covered > 0.5;
     }
     summary.rows_beyond += beyond ? 1 : 0;
     summary.rows_covered += covered ? 1 : 0;
-    summary.ticks += static_cast<std::size_t>(steps);
-    summary.starts_inside = summary.starts_inside || (i == 0 && touching);
+    summary.starts_inside = summary.starts_inside || (i == 0 && summary.touching);
     rows.push_back({motion[i].time, tick});
   }
   return rows;

@@ -24,9 +24,13 @@ struct PlaySummary {
   double peak_depth = 0;                    ///< m
   double contact_time = 0, slide_time = 0;  ///< s
   std::size_t contacts = 0;                 ///< times that a contact began
+  bool touching = false;                    ///< in the last tick
   std::size_t rows_beyond = 0;              ///< deeper than the pair was sampled, there or on the way
   std::size_t rows_covered = 0;             ///< more than half taken from neighbours, there or on the way
 };
+
+/// Adds a tick that lasted so long (s); rows are for whoever has them.
+void account(PlaySummary& summary, const runtime::Tick& tick, double seconds);
 
 /// Ticks through the motion, with as many ticks between two rows as keep each below 1 % of the depth scale
 /// (at most 10 000): a recorded motion is not an occasion for late detection.

@@ -3,6 +3,11 @@
 # timing.
 add_library(palpate_playback STATIC motion_file.cpp play.cpp plot.cpp response_input.cpp straight_press.cpp)
 target_link_libraries(palpate_playback PUBLIC palpate_runtime palpate_response palpate_file PRIVATE palpate_settings)
+# What drive shares with play: runs recorded and replayed, devices placed in scenes and shown.
+if(TARGET palpate_device)
+  add_library(palpate_drive STATIC drive_device.cpp drive_frame.cpp drive_view.cpp play_run.cpp)
+  target_link_libraries(palpate_drive PUBLIC palpate_playback palpate_device PRIVATE palpate_settings)
+endif()
 if(PALPATE_BENCH)
   find_package(benchmark REQUIRED)
   add_library(palpate_tick_bench STATIC open_bench.cpp tick_bench.cpp)

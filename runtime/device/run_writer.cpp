@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#include "device/run_writer.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <vector>
+
+namespace palpate::device {
+
+RunWriter::RunWriter(const std::string& path, RunHeader header, std::size_t capacity) : ring_(capacity) {
+  file_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (file_ < 0) {
+    open_error_ = std::strerror(errno);
+    return;
+  }
+  seal(header);
+  write(&header, sizeof header);
+  open_error_ = result_.error;
+  if (open_error_.empty()) thread_ = std::thread([this] { drain(); });
+}
+
+RunWriter::~RunWriter() { finish(); }
+
+void RunWriter::put(const RunRecord& record) noexcept {
+  ticks_.fetch_add(1, std::memory_order_relaxed);
+  if (!ring_.put(record)) dropped_.fetch_add(1, std::memory_order_relaxed);
+}
+
+void RunWriter::drain() {
+  std::vector<RunRecord> batch(256);
+  for (;;) {
+    const bool last = finishing_.load(std::memory_order_acquire);  // asked before the ring: nothing is put after it
+    const std::size_t count = ring_.take(batch.data(), batch.size());
+    if (count == 0) {
+      if (last) return;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      continue;
+    }
+    for (std::size_t k = 0; k < count; ++k) seal(batch[k]);
+    const std::size_t whole = write(batch.data(), count * sizeof(RunRecord)) / sizeof(RunRecord);
+    dropped_.fetch_add(count - whole, std::memory_order_relaxed);
+  }
+}
+
+/// How many bytes went in. After a refusal none do any more: the file stays readable up to there.
+std::size_t RunWriter::write(const void* bytes, std::size_t size) {
+  std::size_t done = 0;
+  while (done < size && result_.error.empty()) {
+    const ssize_t written = ::write(file_, static_cast<const char*>(bytes) + done, size - done);
+    if (written >= 0) {
+      done += static_cast<std::size_t>(written);
+    } else if (errno != EINTR) {
+      result_.error = std::strerror(errno);
+    }
+  }
+  return done;
+}
+
+const RunWritten& RunWriter::finish() {
+  finishing_.store(true, std::memory_order_release);
+  if (thread_.joinable()) thread_.join();
+  if (file_ < 0) return result_;
+  result_.ticks = ticks_.load();
+  result_.dropped = dropped_.load();
+  RunEnd end;
+  end.ticks = result_.ticks;
+  end.dropped = result_.dropped;
+  seal(end);
+  write(&end, sizeof end);
+  if (::close(file_) != 0 && result_.error.empty()) result_.error = std::strerror(errno);
+  file_ = -1;
+  return result_;
+}
+
+}  // namespace palpate::device

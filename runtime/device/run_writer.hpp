@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+// Writes the recording of a run while it goes on, in a thread of its own.
+#pragma once
+
+#include "device/ring.hpp"
+#include "device/run_record.hpp"
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <thread>
+
+namespace palpate::device {
+
+/// What became of a recording.
+struct RunWritten {
+  std::uint64_t ticks = 0;    ///< given to put()
+  std::uint64_t dropped = 0;  ///< of these not in the file: the disk was too slow, or refused
+  std::string error;          ///< why the disk refused; empty: it did not
+};
+
+/// put() is for the force loop, everything else for the thread that made the writer.
+class RunWriter {
+public:
+  /// Creates or replaces the file and starts the thread; error() says whether that went well. `capacity`: ticks that
+  /// wait for a slow disk.
+  RunWriter(const std::string& path, RunHeader header, std::size_t capacity = std::size_t{1} << 14);
+  ~RunWriter();  ///< finishes
+  RunWriter(const RunWriter&) = delete;
+  RunWriter& operator=(const RunWriter&) = delete;
+
+  /// Why the file could not be made; empty: it was.
+  [[nodiscard]] const std::string& error() const { return open_error_; }
+
+  /// Never waits: what finds no room is dropped and counted.
+  void put(const RunRecord& record) noexcept;
+
+  /// Counted so far.
+  [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
+
+  /// After the last put(): writes what waits and the end, and closes. Again: the same answer.
+  const RunWritten& finish();
+
+private:
+  void drain();
+  std::size_t write(const void* bytes, std::size_t size);
+
+  Ring<RunRecord> ring_;
+  int file_ = -1;
+  std::string open_error_;
+  RunWritten result_;  // error: of the thread until it is joined
+  std::atomic<std::uint64_t> ticks_{0}, dropped_{0};
+  std::atomic<bool> finishing_{false};
+  std::thread thread_;
+};
+
+}  // namespace palpate::device

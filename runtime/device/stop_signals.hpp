@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// Signals as requests to a force loop, and what a program that crashes can still do for the hand.
+#pragma once
+
+#include "device/stop_flags.hpp"
+
+#include <csignal>
+#include <memory>
+
+namespace palpate::device {
+
+/// While it lives: SIGINT and SIGTERM ask for a stop, and for an emergency stop when they come again; SIGHUP, SIGQUIT
+/// and SIGTSTP (a suspended program sends no zero) ask for an emergency stop. SIGSEGV, SIGBUS, SIGFPE, SIGILL and
+/// SIGABRT ask for an emergency stop, hold the thread that crashed for kHold, in which the loop, or the staleness rule
+/// of the thread that speaks with the device, sends zero, and then end the program as they would have. Where that
+/// thread itself crashed only the device's own watchdog is left. One at a time; `flags` must outlive it.
+class StopSignals {
+public:
+  static constexpr long kHold = 200;  ///< ms; a thread that is not real-time may have to wait for its turn
+
+  explicit StopSignals(StopFlags& flags);
+  ~StopSignals();  ///< all as before
+  StopSignals(const StopSignals&) = delete;
+  StopSignals& operator=(const StopSignals&) = delete;
+
+private:
+  static constexpr int kSignals[] = {SIGINT,  SIGTERM, SIGHUP, SIGQUIT, SIGTSTP,
+                                     SIGSEGV, SIGBUS,  SIGFPE, SIGILL,  SIGABRT};
+
+  struct sigaction before_[sizeof kSignals / sizeof kSignals[0]] = {};
+  stack_t stack_before_ = {};
+  std::unique_ptr<char[]> stack_;  // of the handler: a thread may crash because its own is full
+};
+
+}  // namespace palpate::device

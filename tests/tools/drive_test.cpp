@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// palpate drive on the simulated device, its recording replayed by palpate play, and where a device is placed.
+#include "tools/drive_frame.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "device/run_record.hpp"
+#include "formats/error.hpp"
+#include "tests/cli/palpate_program.hpp"
+#include "tests/support/response_samples.hpp"
+#include "tools/drive_view.hpp"
+
+namespace palpate::test {
+namespace {
+
+using Json = nlohmann::json;
+using runtime::Vec3;
+
+class Drive : public PalpateProgram {
+protected:
+  // A machine that does much else may miss any number of deadlines: one run is made until it has force, and used by
+  // all.
+  static void SetUpTestSuite() {
+    shared_ = new TemporaryFolder;
+    ResponseSampleOptions options;
+    options.tools = ResponseSampleOptions::Tools::all;
+    write_response_file(shared_->path() / "box.palp", encode(box_content(options)));
+    for (int k = 0; k < 5; ++k) {
+      driven_ = run_program(PALPATE_PROGRAM,
+                            {"drive", "box.palp", "--device", "sim", "--seconds", "2", "--ramp", "0.05", "--limit", "2",
+                             "--rate", "1000", "--json"},
+                            {.folder = shared_->path()});
+      if (driven_.exit_code == 0) return;
+    }
+  }
+  static void TearDownTestSuite() { delete shared_; }
+
+  RunResult in_shared(const std::vector<std::string>& arguments) const {
+    return run_program(PALPATE_PROGRAM, arguments, {.folder = shared_->path()});
+  }
+
+  static inline TemporaryFolder* shared_ = nullptr;
+  static inline RunResult driven_;
+};
+
+TEST_F(Drive, LeavesStatisticsARecordingAndAPlot) {
+  ASSERT_EQ(driven_.exit_code, 0) << driven_.error;
+  const Json json = Json::parse(driven_.out);
+  EXPECT_EQ(json["device"], "sim");
+  EXPECT_EQ(json["tool"], "ball");
+  EXPECT_EQ(json["ended"], "asked to stop");
+  EXPECT_GT(json["peak_force"].get<double>(), 0.05) << "the simulated hand presses the body";
+  EXPECT_LE(json["peak_force"].get<double>(), 2 * (1 + 1e-12));
+  EXPECT_GT(json["rate"].get<double>(), 300);
+  EXPECT_EQ(json["ticks_not_recorded"], 0);
+  EXPECT_GT(json["sample_age"]["count"].get<int>(), 100);
+  EXPECT_NE(driven_.error.find("position"), std::string::npos) << "no line a second where there is no terminal";
+  const auto ticks = json["ticks"].get<std::uintmax_t>();
+  EXPECT_EQ(std::filesystem::file_size(shared_->path() / "box.palprun"),
+            sizeof(device::RunHeader) + ticks * sizeof(device::RunRecord) + sizeof(device::RunEnd));
+  EXPECT_NE(file_content(shared_->path() / "box-run.svg").find("force on the hand (N)"), std::string::npos);
+}
+
+TEST_F(Drive, PlayGivesTheSameForcesBitForBit) {
+  const Json driven = Json::parse(driven_.out);
+  for (const auto& arguments : {std::vector<std::string>{"play", "box.palprun", "--json", "--out", "forces.csv"},
+                                std::vector<std::string>{"play", "box.palp", "box.palprun", "--json"}}) {
+    const RunResult result = in_shared(arguments);
+    ASSERT_EQ(result.exit_code, 0) << result.error;
+    const Json json = Json::parse(result.out);
+    EXPECT_EQ(json["ticks"], driven["ticks"]);
+    EXPECT_EQ(json["run"]["ticks_compared"], driven["ticks"]);
+    EXPECT_EQ(json["run"]["ticks_different"], 0);
+    EXPECT_EQ(json["run"]["same_response"], true);
+    EXPECT_GE(json["contacts"], 1);
+    EXPECT_GT(json["peak_force"].get<double>(), 0.05);
+    EXPECT_EQ(result.error, "");
+  }
+  EXPECT_EQ(file_content(shared_->path() / "forces.csv").rfind("t,fx,fy,fz", 0), 0U);
+  const RunResult text = in_shared({"play", "box.palprun"});
+  EXPECT_NE(text.out.find("of the run compared: 0 differ"), std::string::npos) << text.out;
+}
+
+TEST_F(Drive, PlaySaysWhenTheResponseFileIsAnother) {
+  ResponseSampleOptions options;
+  options.tools = ResponseSampleOptions::Tools::all;
+  options.friction = false;
+  write_response_file(shared_->path() / "other.palp", encode(box_content(options)));
+  const RunResult result = in_shared({"play", "other.palp", "box.palprun", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_NE(result.error.find("its hash differs"), std::string::npos) << result.error;
+  const Json json = Json::parse(result.out);
+  EXPECT_EQ(json["run"]["same_response"], false);
+  EXPECT_GT(json["run"]["ticks_different"], 0);
+}
+
+TEST_F(Drive, PlayRefusesARecordingThatDoesNotGiveItsForces) {
+  std::string bytes = file_content(shared_->path() / "box.palprun");
+  const std::size_t at = sizeof(device::RunHeader) + 700 * sizeof(device::RunRecord);
+  device::RunRecord record;
+  std::memcpy(&record, bytes.data() + at, sizeof record);
+  record.force[2] += 1e-15;
+  device::seal(record);
+  std::memcpy(bytes.data() + at, &record, sizeof record);
+  shared_->write("forged.palprun", bytes);
+  const RunResult forged = in_shared({"play", "box.palp", "forged.palprun", "--json"});
+  EXPECT_EQ(forged.exit_code, 5);
+  EXPECT_NE(forged.error.find("tick 701 "), std::string::npos) << forged.error;
+  EXPECT_EQ(Json::parse(forged.out)["run"]["ticks_different"], 1);
+  bytes[at + 20] ^= 1;
+  shared_->write("damaged.palprun", bytes);
+  expect_failure(in_shared({"play", "box.palp", "damaged.palprun"}), 2, {"damaged.palprun: record 700", "checksum"});
+  shared_->write("cut.palprun", bytes.substr(0, at - 100));
+  const RunResult cut = in_shared({"play", "box.palp", "cut.palprun"});
+  EXPECT_EQ(cut.exit_code, 0);
+  EXPECT_NE(cut.error.find("cut short after 699 ticks"), std::string::npos) << cut.error;
+}
+
+TEST_F(Drive, CtrlCStopsItCleanly) {
+  write_response_file(folder() / "ball.palp", encode(ball_content()));
+  const RunResult result = run({"drive", "ball.palp", "--device", "sim", "--json", "--no-record", "--tool", "ball"},
+                               {.time_limit = 60, .interrupt = std::chrono::milliseconds(1000)});
+  EXPECT_FALSE(result.timed_out);
+  EXPECT_EQ(result.signal, 0) << result.error;
+  if (result.exit_code == 5) GTEST_SKIP() << "the machine is too busy: " << result.error;
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_EQ(Json::parse(result.out)["ended"], "asked to stop");
+  EXPECT_FALSE(std::filesystem::exists(folder() / "ball.palprun"));
+}
+
+TEST_F(Drive, WhatCannotBeIsNamed) {
+  write_response_file(folder() / "ball.palp", encode(ball_content()));
+  const auto fails = [&](int code, std::vector<std::string> arguments, const std::vector<std::string>& cause) {
+    arguments.insert(arguments.begin(), "drive");
+    expect_failure(run(arguments), code, cause);
+  };
+  fails(1, {}, {"which response file"});
+  fails(1, {"ball.palp", "--device", "elephant"}, {"no device is called 'elephant'", "falcon", "sim"});
+  fails(1, {"ball.palp", "--device", "sim", "--rate", "5"}, {"--rate", "got 5"});
+  fails(1, {"ball.palp", "--device", "sim", "--at", "1,2"}, {"--at", "X,Y,Z"});
+  fails(1, {"ball.palp", "--device", "sim", "--up", "w"}, {"--up", "-z"});
+  fails(2, {"ball.palp", "--device", "sim", "--tool", "spoon"}, {"there is no tool 'spoon'", "ball"});
+  fails(4, {"none.palp", "--device", "sim"}, {"none.palp"});
+  fails(4, {"ball.palp", "--device", "sim", "--record", "no/such/run"}, {"no/such/run"});
+  const RunResult list = run({"drive", "--list"});
+  EXPECT_EQ(list.exit_code, 0);
+  for (const char* name : {"falcon", "wooden-mbed", "sim"}) EXPECT_NE(list.out.find(name), std::string::npos) << name;
+}
+
+TEST_F(Drive, AFullDiskIsSaidAndTheRunGoesOn) {
+  write_response_file(folder() / "ball.palp", encode(ball_content()));
+  RunOptions options;
+  options.folder = folder();
+  options.file_limit = 60000;  // some 240 ticks
+  const RunResult result = run({"drive", "ball.palp", "--device", "sim", "--seconds", "1", "--json"}, options);
+  if (result.exit_code == 5) GTEST_SKIP() << "the machine is too busy: " << result.error;
+  EXPECT_EQ(result.exit_code, 4);
+  EXPECT_NE(result.error.find("ball.palprun"), std::string::npos) << result.error;
+  const Json json = Json::parse(result.out);
+  EXPECT_GT(json["ticks_not_recorded"], 0);
+  EXPECT_GT(json["ticks"], 300);
+}
+
+TEST(DriveFrame, StandsOverTheTopWithAGap) {
+  ResponseSampleOptions options;
+  options.tools = ResponseSampleOptions::Tools::all;
+  const std::vector<std::byte> bytes = encode(box_content(options));
+  const runtime::View view = runtime::View::open(bytes.data(), bytes.size()).view;
+  for (const char* up : {"x", "-x", "y", "-y", "z", "-z"}) {
+    for (const char* device_up : {"y", "z", "-z"}) {
+      for (std::uint32_t tool = 0; tool < 3; ++tool) {
+        cli::FrameOptions placing;
+        placing.up = *cli::axis_named(up);
+        placing.device_up = *cli::axis_named(device_up);
+        placing.scale = 0.5;
+        placing.gap = 0.02;
+        const runtime::DeviceFrame frame = cli::place_device(view, tool, placing);
+        EXPECT_TRUE(frame.turn.valid());
+        EXPECT_NEAR(length(frame.turn.rotate(placing.device_up) - placing.up), 0, 1e-12);
+        EXPECT_NEAR(runtime::find_touch(view, tool, frame.turn).clearance, 0.01, 1e-4) << up;
+        // A metre of the hand is half one of the scene: the gap downwards, it touches.
+        const runtime::Pose down = frame.to_scene({{1, 0, 0, 0, 1, 0, 0, 0, 1}, -0.0205 * placing.device_up});
+        EXPECT_LT(runtime::find_touch(view, tool, down).clearance, 0) << up << device_up << tool;
+      }
+    }
+  }
+}
+
+TEST(DriveFrame, IsWhereItIsToldToBe) {
+  const std::vector<std::byte> bytes = encode(ball_content());
+  const runtime::View view = runtime::View::open(bytes.data(), bytes.size()).view;
+  cli::FrameOptions placing;
+  placing.at = Vec3{1, 2, 3};
+  EXPECT_EQ(length(cli::place_device(view, 0, placing).turn.translation - Vec3{1, 2, 3}), 0);
+}
+
+TEST(DriveView, ShowsModeCauseAndForce) {
+  device::LoopReport report;
+  report.ticks = 100;
+  report.elapsed = 0.1;
+  report.seen.sample.pose.translation = {0.0123, 0, -0.004};
+  report.out.command.force = {0, 0, 1.25};
+  report.out.mode = device::Mode::suspended;
+  report.out.cause = device::Cause::stale;
+  const std::string screen = cli::drive_screen({"a.palp", "ball", "sim", 2.5}, report, 7);
+  for (const char* part : {"12.30", "1.250 N", "###############...............", "suspended: the sample is stale",
+                           "not recorded 7", "1000.0 Hz"}) {
+    EXPECT_NE(screen.find(part), std::string::npos) << part << "\n" << screen;
+  }
+  EXPECT_NE(cli::drive_line(report).find("1.250 N"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace palpate::test

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// palpate drive: a baked body on a haptic device, live; leaves a recording and a plot.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "device/contact_source.hpp"
+#include "device/loop.hpp"
+#include "device/stop_signals.hpp"
+#include "formats/error.hpp"
+#include "formats/file.hpp"
+#include "tools/command.hpp"
+#include "tools/commands.hpp"
+#include "tools/drive_device.hpp"
+#include "tools/drive_frame.hpp"
+#include "tools/drive_view.hpp"
+#include "tools/output.hpp"
+#include "tools/play_run.hpp"
+
+namespace palpate::cli {
+namespace {
+
+using device::Cause;
+using device::Histogram;
+using device::LoopReport;
+
+struct Options {
+  std::string file, device, tool, record, plot, at, up = "z", device_up, firmware;
+  double rate = 1000, seconds = 0, scale = 1, force_scale = 1, limit = 3, ramp = 1;
+  int core = -1, priority = 80;
+  std::optional<double> stop_button;
+  bool list = false, no_record = false;
+};
+
+runtime::Vec3 point(const std::string& text) {
+  std::istringstream stream(text);
+  runtime::Vec3 at;
+  char comma[2] = {};
+  std::string rest;
+  if (!(stream >> at.x >> comma[0] >> at.y >> comma[1] >> at.z) || comma[0] != ',' || comma[1] != ',' ||
+      stream >> rest || !(length(at) < 1e6)) {
+    throw Error(ExitCode::usage, "--at: got '" + text + "'; expected three numbers X,Y,Z in m");
+  }
+  return at;
+}
+
+runtime::Vec3 axis(const std::string& option, const std::string& text) {
+  if (const auto named = axis_named(text)) return *named;
+  throw Error(ExitCode::usage, option + ": got '" + text + "'; allowed x, y, z, -x, -y, -z");
+}
+
+std::uint32_t button_mask(const std::optional<double>& number) {
+  if (!number) return ~std::uint32_t{0};
+  return *number < 1 ? 0 : std::uint32_t{1} << static_cast<int>(*number - 1);
+}
+
+device::LoopOptions loop_options(const Options& options, const device::DeviceKind& kind) {
+  device::LoopOptions loop;
+  loop.seconds = options.seconds;
+  loop.governor.rate = options.rate;
+  loop.governor.limit = std::min(options.limit, kind.peak_force);
+  loop.governor.ramp_up = options.ramp;
+  loop.governor.stop_buttons = button_mask(options.stop_button);
+  loop.realtime.core = options.core;
+  loop.realtime.priority = options.priority;
+  if (const char* wrong = loop.validate()) throw Error(ExitCode::usage, wrong);
+  return loop;
+}
+
+FrameOptions frame_options(const Options& options, const device::DeviceKind& kind) {
+  FrameOptions frame;
+  frame.up = axis("--up", options.up);
+  frame.device_up = options.device_up.empty() ? upward(kind) : axis("--device-up", options.device_up);
+  frame.scale = options.scale;
+  frame.force_scale = options.force_scale;
+  // What a hand reaches in both directions from the middle of the workspace.
+  if (kind.workspace_radius > 0) frame.gap = std::min(frame.gap, 0.25 * kind.workspace_radius);
+  if (!options.at.empty()) frame.at = point(options.at);
+  return frame;
+}
+
+/// Down to the body and as deep into it as was sampled (less deep by what the hand gives way), and back, drifting
+/// sideways.
+device::Probing probing(const runtime::View& view, const FrameOptions& frame) {
+  const double depth = view.meta->depth_scale / frame.scale;
+  device::Probing motion;
+  motion.stroke = -(frame.gap + depth) * frame.device_up;
+  motion.sway = 0.25 * depth * any_orthogonal(frame.device_up);
+  return motion;
+}
+
+template <std::size_t N>
+void name_in(char (&field)[N], const std::string& text) {
+  std::strncpy(field, text.c_str(), N - 1);
+}
+
+device::RunHeader run_header(const device::LoopOptions& loop, const runtime::DeviceFrame& frame,
+                             const ResponseInput& input, std::uint32_t tool, const DriveTitle& title) {
+  device::RunHeader header;
+  device::set_options(header, loop.governor, frame);
+  header.tool = tool;
+  header.response_size = input.view().size;
+  header.response_hash = response_hash(input);
+  name_in(header.device, title.device);
+  name_in(header.tool_name, title.tool);
+  name_in(header.response, title.file);
+  return header;
+}
+
+nlohmann::ordered_json histogram_json(const Histogram& h) {
+  return {{"count", h.count()},      {"mean", h.mean()},          {"median", h.quantile(0.5)},
+          {"p99", h.quantile(0.99)}, {"p999", h.quantile(0.999)}, {"most", h.most()}};
+}
+
+/// Live until the loop has stopped.
+void watch(device::ForceLoop& loop, device::StopFlags& stop, const device::RunWriter* record, const DriveTitle& title,
+           const Globals& globals) {
+  const Keys keys;
+  DriveView view(title);
+  const auto dropped = [&] { return record != nullptr ? record->dropped() : 0; };
+  while (loop.running()) {
+    const int key = keys.wait(50);
+    if (key == ' ') stop.emergency_stop();
+    if (key == 'q') stop.stop();
+    if (!globals.quiet) view.show(loop.report(), dropped());
+    if (key == 's') {
+      std::fputs(drive_statistics(loop.report(), dropped()).c_str(), stderr);
+      view.rest();
+    }
+  }
+  loop.join();
+  if (!globals.quiet) view.show(loop.report(), dropped());
+}
+
+/// What a run that did not end by a stop that was asked for ends with.
+void throw_cause(const LoopReport& report) {
+  const std::string what = "the run ended: " + standing(report.out);
+  switch (report.out.cause) {
+    case Cause::device:
+    case Cause::stale:
+      throw Error(ExitCode::io, what);
+    case Cause::deadlines:
+    case Cause::late:
+      throw Error(ExitCode::tolerance, what);
+    case Cause::source:
+    case Cause::pose:
+      throw Error(ExitCode::numerical, what);
+    default:
+      return;
+  }
+}
+
+void report_run(const Options& options, const Globals& globals, const DriveTitle& title, const LoopReport& report,
+                const device::Realtime& granted, const device::RunWritten& written) {
+  if (!globals.json) return print(drive_statistics(report, written.dropped));
+  print_json({{"file", options.file},
+              {"tool", title.tool},
+              {"device", title.device},
+              {"recording", options.record},
+              {"plot", options.plot},
+              {"ended", device::name(report.out.cause)},
+              {"fault", device::name(report.out.fault)},
+              {"seconds", report.elapsed},
+              {"ticks", report.ticks},
+              {"rate", report.rate()},
+              {"asked_rate", options.rate},
+              {"missed_deadlines", report.missed},
+              {"late_ticks", report.late_ticks},
+              {"stale_ticks", report.stale_ticks},
+              {"suspensions", report.suspensions},
+              {"ticks_not_recorded", written.dropped},
+              {"peak_force", report.peak_force},
+              {"limit", title.limit},
+              {"period", histogram_json(report.period)},
+              {"late", histogram_json(report.late)},
+              {"sample_age", histogram_json(report.age)},
+              {"realtime", granted.fifo},
+              {"locked_memory", granted.locked},
+              {"core", granted.pinned ? options.core : -1}});
+}
+
+void run(Options options, const Globals& globals) {
+  if (options.list) return print(list_devices());
+  if (options.file.empty()) throw Error(ExitCode::usage, "which response file? (or --list)");
+  const device::DeviceKind& kind = find_drive_kind(options.device);
+  const device::LoopOptions loop_settings = loop_options(options, kind);
+  const ResponseInput input(options.file);
+  const std::uint32_t tool = input.tool(options.tool);
+  const FrameOptions placing = frame_options(options, kind);
+  const runtime::DeviceFrame frame = place_device(input.view(), tool, placing);
+  const DriveTitle title{options.file, input.view().tools[tool].name, kind.name, loop_settings.governor.limit};
+  device::ContactSource<> source(input.view(), tool, frame);
+
+  // Before the last run's recording is replaced.
+  const std::unique_ptr<device::Device> device = open_drive_device(
+      {options.device, options.rate, options.priority, options.firmware, probing(input.view(), placing)});
+
+  const std::string stem = std::filesystem::path(options.file).stem().string();
+  if (options.record.empty() && !options.no_record) options.record = stem + ".palprun";
+  if (options.plot.empty() && !options.no_record) options.plot = stem + "-run.svg";
+  std::unique_ptr<device::RunWriter> record;
+  if (!options.no_record) {
+    record = std::make_unique<device::RunWriter>(options.record, run_header(loop_settings, frame, input, tool, title));
+    if (!record->error().empty()) throw Error(ExitCode::io, options.record + ": " + record->error());
+  }
+
+  LoopReport report;
+  device::Realtime granted;
+  {
+    device::StopFlags stop;
+    const device::StopSignals signals(stop);
+    device::ForceLoop loop(*device, source, loop_settings, stop, record.get());
+    granted = loop.start();
+    if (!granted.refused.empty()) warn("not granted: " + granted.refused + "; the loop may be late");
+    watch(loop, stop, record.get(), title, globals);
+    report = loop.report();
+    device->close();
+  }
+  device::release_memory();
+  const device::RunWritten written = record ? record->finish() : device::RunWritten{};
+  report_run(options, globals, title, report, granted, written);
+  if (record && report.ticks > written.dropped) {
+    write_file(options.plot, run_svg(read_run(options.record), "Tool '" + title.tool + "' on " + title.device));
+  }
+  throw_cause(report);
+  if (!written.error.empty()) {
+    throw Error(ExitCode::io, options.record + ": " + written.error + "; " + std::to_string(written.dropped) +
+                                  " ticks are not recorded");
+  }
+}
+
+}  // namespace
+
+void add_drive(CLI::App& app, Globals& globals) {
+  auto options = std::make_shared<Options>();
+  Command command(app, "drive", "Drives a haptic device with a response file");
+  command.option("file", options->file, "Response file (.palp)");
+  command.option("--device", options->device, "Name of the device; default: the one that is plugged in").named("NAME");
+  command.flag("--list", options->list, "Print the devices that are known, and stop");
+  command.option("--rate", options->rate, "Rate of the force loop (Hz)").check(number_in(100, 10000)).shows_default();
+  command.option("--seconds", options->seconds, "Stop after this time; default: run until Ctrl-C")
+      .check(number_in(1e-3, 1e6));
+  command.option("--limit", options->limit, "Largest force (N); never above the device's own")
+      .check(number_in(1e-3, 100))
+      .shows_default();
+  command.option("--ramp", options->ramp, "Time from no force to all of it (s)")
+      .check(number_in(0.01, 60))
+      .shows_default();
+  command.option("--tool", options->tool, "Name of the tool; default: the file's first");
+  command.option("--scale", options->scale, "Metres of the scene for one of the hand")
+      .check(number_in(1e-4, 1e4))
+      .shows_default();
+  command.option("--force-scale", options->force_scale, "Newtons on the hand for one of the scene")
+      .check(number_in(0, 1e4))
+      .shows_default();
+  command.option("--at", options->at, "Where the device's origin is in the scene (m); default: over the body's top")
+      .named("X,Y,Z");
+  command.option("--up", options->up, "Upward axis of the scene: x, y, z, -x, -y or -z").shows_default().named("AXIS");
+  command.option("--device-up", options->device_up, "Upward axis of the device; default: the kind's own").named("AXIS");
+  command
+      .option("--stop-button", options->stop_button,
+              "The only button of the device that is an emergency stop, from 1 (0: none); default: all are")
+      .check(whole_in(0, 32));
+  command.option("--core", options->core, "Processor that the force loop stays on (-1: any)")
+      .check(whole_in(-1, 1023))
+      .shows_default();
+  command.option("--priority", options->priority, "Real-time priority of the force loop (0: none)")
+      .check(whole_in(0, 98))
+      .shows_default();
+  command.option("--firmware", options->firmware, "The maker's firmware, for a Falcon on which none runs yet")
+      .named("FILE");
+  const Option record =
+      command.option("--record", options->record, "Recording for 'palpate play'; default: NAME.palprun here, replaced")
+          .named("FILE");
+  command.option("--plot", options->plot, "Plot of the run (SVG); default: NAME-run.svg here, replaced").named("FILE");
+  command.flag("--no-record", options->no_record, "Leave no recording and no plot").excludes(record);
+  command.runs([options, &globals] { run(*options, globals); });
+}
+
+}  // namespace palpate::cli

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/drive_device.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "device/registry.hpp"
+#include "device/sim_device.hpp"
+#include "formats/error.hpp"
+
+namespace palpate::cli {
+
+using device::DeviceKind;
+
+const DeviceKind& find_drive_kind(const std::string& name) {
+  if (const device::SimKind* sim = device::find_sim_kind(name)) return sim->kind;
+  const auto called = [&](const DeviceKind& kind) { return name.empty() || device::is_called(kind, name); };
+  if (std::none_of(std::begin(device::kDevices), std::end(device::kDevices), called)) {
+    throw Error(ExitCode::usage, "no device is called '" + name + "'; there are\n" + list_devices());
+  }
+  const device::Enumeration seen = device::enumerate();
+  if (!seen.ok) throw Error(ExitCode::io, seen.error);
+  for (const device::FoundDevice& found : seen.found) {
+    if (called(*found.kind)) return *found.kind;
+  }
+  throw Error(ExitCode::io, (name.empty() ? "no known haptic device" : "no '" + name + "'") +
+                                " is plugged in ('--device sim' is simulated); there are\n" + list_devices());
+}
+
+std::unique_ptr<device::Device> open_drive_device(const DriveDeviceOptions& options) {
+  if (const device::SimKind* sim = device::find_sim_kind(options.name)) {
+    device::PlantOptions plant = sim->plant;
+    plant.hand.intended = options.probing;
+    return std::make_unique<device::SimDevice>(sim->kind, plant);
+  }
+  const DeviceKind& kind = find_drive_kind(options.name);
+  device::UsbOptions usb;
+  usb.rate = kind.rate > 0 ? std::min(options.rate, kind.rate) : options.rate;
+  usb.priority = options.priority;
+  device::DriverOptions drivers;
+  drivers.falcon_firmware = options.firmware;
+  device::UsbDevice::Opened opened = device::open_device(options.name, drivers, usb);
+  if (!opened.device) throw Error(ExitCode::io, std::string(kind.name) + ": " + opened.error);
+  return std::move(opened.device);
+}
+
+std::string list_devices() {
+  const device::Enumeration seen = device::enumerate();
+  std::string lines;
+  const auto add = [&](const char* called, const DeviceKind& kind, const char* what, const char* state) {
+    char line[200];
+    std::snprintf(line, sizeof line, "  %-14s %-30s %4.3g N  %s\n", called, what, kind.peak_force, state);
+    lines += line;
+  };
+  for (const DeviceKind& kind : device::kDevices) {
+    const bool there = std::any_of(seen.found.begin(), seen.found.end(),
+                                   [&](const device::FoundDevice& found) { return found.kind == &kind; });
+    const bool driven = device::find_driver(kind) != nullptr;
+    add(kind.key, kind, kind.name, !driven ? "has no driver" : there ? "plugged in" : "not plugged in");
+  }
+  for (const device::SimKind& sim : device::sim_kinds())
+    add(sim.kind.name, sim.kind, "a device in a hand", "simulated");
+  if (!seen.ok) lines += "  (" + seen.error + ")\n";
+  return lines;
+}
+
+}  // namespace palpate::cli

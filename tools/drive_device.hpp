@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A device for `palpate drive` by what it is called, or the one that is plugged in.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "device/device.hpp"
+#include "device/sim_plant.hpp"
+
+namespace palpate::cli {
+
+struct DriveDeviceOptions {
+  std::string name;         ///< empty: the one that is plugged in
+  double rate = 1000;       ///< Hz of the force loop; a link that takes fewer commands gets as many as it takes
+  int priority = 0;         ///< SCHED_FIFO, of the thread that speaks with the device, where permitted; 0: none
+  std::string firmware;     ///< path of a maker's file, for devices that are told theirs
+  device::Probing probing;  ///< what the hand of a simulated device does
+};
+
+/// The kind that the name will open, for its limits. Throws Error(usage) with what there is for a name that nothing
+/// has, Error(io) where no such device is plugged in.
+const device::DeviceKind& find_drive_kind(const std::string& name);
+
+/// Throws Error(io) with the cause where it cannot be opened.
+std::unique_ptr<device::Device> open_drive_device(const DriveDeviceOptions& options);
+
+/// The known devices with what they are called, which of them are plugged in, and the simulated ones.
+std::string list_devices();
+
+}  // namespace palpate::cli

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where a device sits in a scene when nobody says so: over the body's top, its own upward axis along the scene's.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "device/device_table.hpp"
+#include "palpate/runtime.hpp"
+
+namespace palpate::cli {
+
+struct FrameOptions {
+  runtime::Vec3 up{0, 0, 1};         ///< of the scene, unit
+  runtime::Vec3 device_up{0, 0, 1};  ///< of the device, unit
+  double scale = 1;                  ///< m of the scene for one of the hand, above 0
+  double force_scale = 1;            ///< N on the hand for one in the scene, at least 0
+  double gap = 0.01;                 ///< m of the hand from its origin down to the body, at least 0
+  std::optional<runtime::Vec3> at;   ///< m, scene: where the device's origin is; over the body's top unless told
+};
+
+/// The smallest turn that takes the device's upward axis to the scene's, and an origin `gap` over the site whose normal
+/// points upward and that is highest of those with a response of their own (of all, where there is none). Throws
+/// Error(bad_input) where the tool finds no free place there.
+runtime::DeviceFrame place_device(const runtime::View& view, std::uint32_t tool, const FrameOptions& options);
+
+/// The upward axis that a kind of device has as it stands on a table.
+runtime::Vec3 upward(const device::DeviceKind& kind);
+
+/// "x", "-z" and so on; nothing for anything else.
+std::optional<runtime::Vec3> axis_named(const std::string& name);
+
+}  // namespace palpate::cli
