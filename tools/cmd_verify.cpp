@@ -15,6 +15,9 @@
 #include "tools/verify_ccx.hpp"
 #include "tools/verify_checks.hpp"
 #include "tools/verify_contacts.hpp"
+#ifdef PALPATE_DEVICES
+#include "tools/verify_device.hpp"
+#endif
 #include "tools/verify_paper.hpp"
 
 #include <cstdio>
@@ -28,12 +31,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string input, work, response, report, samples, battery, family, other, cases, paper;
+  std::string input, work, response, report, samples, battery, family, other, cases, paper, device;
   std::uint32_t count = 40;
   std::uint64_t seed = 1;
   bool slide = false, two_tips = false;
   int contacts = 3;
-  double radii = 3.5;
+  double radii = 3.5, rate = 1000, scale = 1;
   VerifyLimits limits;
 };
 
@@ -192,12 +195,11 @@ void solve(const Options& options, const Globals& globals) {
 
 // What is verified, one thing at a time; keys that belong to another are errors.
 void check_usage(const Options& options) {
-  const std::pair<const char*, bool> kinds[] = {{"--battery", !options.battery.empty()},
-                                                {"--compare", !options.other.empty()},
-                                                {"--paper", !options.paper.empty()},
-                                                {"--samples", !options.samples.empty()},
-                                                {"--slide", options.slide},
-                                                {"--two-tips", options.two_tips}};
+  const std::pair<const char*, bool> kinds[] = {
+      {"--battery", !options.battery.empty()}, {"--compare", !options.other.empty()},
+      {"--device", !options.device.empty()},   {"--paper", !options.paper.empty()},
+      {"--samples", !options.samples.empty()}, {"--slide", options.slide},
+      {"--two-tips", options.two_tips}};
   const char* chosen = nullptr;
   for (const auto& [name, given] : kinds) {
     if (!given) continue;
@@ -213,6 +215,9 @@ void check_usage(const Options& options) {
   }
   if (!options.cases.empty() && options.other.empty() && options.battery.empty()) {
     throw Error(ExitCode::usage, "--case belongs to --battery and --compare");
+  }
+  if (options.device.empty() && (options.rate != 1000 || options.scale != 1)) {
+    throw Error(ExitCode::usage, "--rate and --scale belong to --device");
   }
   if (options.input.empty() && !own && !options.slide && !options.two_tips) {
     throw Error(ExitCode::usage,
@@ -230,10 +235,15 @@ void run(const Options& options, const Globals& globals) {
   if (!options.other.empty()) return run_ccx_command({options.report, options.cases}, globals);
   if (!options.paper.empty()) return run_paper_command({options.paper, options.report}, globals);
   if (!options.samples.empty()) return compare(options, globals);
+#ifdef PALPATE_DEVICES
+  if (!options.device.empty()) {
+    return run_device_command({options.input, options.device, options.report, options.rate, options.scale}, globals);
+  }
+#endif
   if (options.input.ends_with(".palp")) {
     throw Error(ExitCode::usage, options.input +
                                      ": a response file is compared with recorded solves: add --samples "
-                                     "FILE, or give the scene to solve new ones");
+                                     "FILE, or with --device, or give the scene to solve new ones");
   }
   solve(options, globals);
 }
@@ -243,7 +253,8 @@ void run(const Options& options, const Globals& globals) {
 void add_verify(CLI::App& app, Globals& globals) {
   auto options = std::make_shared<Options>();
   Command command(app, "verify", "Compares baked with solved forces; exit code 5 beyond a limit");
-  command.option("input", options->input, "Scene (solves held-out contacts) or, with --samples, a response file");
+  command.option("input", options->input,
+                 "Scene (solves held-out contacts) or, with --samples or --device, a response file");
   command.option("--battery", options->battery, "Instead of a scene: the cells of the stability table")
       .check(one_of({"stiff"}));
   command.option("--family", options->family, "Only this family of the battery");
@@ -274,6 +285,14 @@ void add_verify(CLI::App& app, Globals& globals) {
               "Largest share of held-out contacts that no solve was accepted for; 0.1 where another limit is set")
       .check(number_in(0, 1));
   command.option("--report", options->report, "Also write the JSON report to this file (usable as --samples)");
+#ifdef PALPATE_DEVICES
+  command.option("--device", options->device,
+                 "Of a response file: is it safe to touch with this device (sim, woody, falcon, ...)");
+  command.option("--rate", options->rate, "Of --device: Hz of the force loop").check(number_in(1, 1e5)).shows_default();
+  command.option("--scale", options->scale, "Of --device: N/m in the hand per N/m of the scene")
+      .check(number_in(1e-6, 1e6))
+      .shows_default();
+#endif
   command.option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
   command.option("--response", options->response, "Response file (default: NAME.palp beside the scene)");
   command.runs([options, &globals] { run(*options, globals); });

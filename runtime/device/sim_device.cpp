@@ -8,25 +8,34 @@
 namespace palpate::device {
 namespace {
 
-SimKind simulated(const char* name, double peak_force, double stiffness, double workspace_radius, double watchdog,
-                  double mass, double damping, double friction, double resolution, double delay) {
-  SimKind kind{{name, 0, 0, peak_force, stiffness, workspace_radius, watchdog}, {}};
-  kind.plant.mass = mass;
-  kind.plant.damping = damping;
-  kind.plant.friction = friction;
-  kind.plant.resolution = resolution;
-  kind.plant.delay_in = kind.plant.delay_out = 0.5 * delay;
-  kind.plant.peak_force = peak_force;
-  return kind;
+/// Mass (kg), damping (N s/m), Coulomb friction (N), encoder step (m), delay there and back (s).
+struct Mechanics {
+  double mass, damping, friction, resolution, delay;
+};
+
+SimKind simulated(const DeviceKind& kind, const Mechanics& m) {
+  SimKind result{kind, {}};
+  result.plant.mass = m.mass;
+  result.plant.damping = m.damping;
+  result.plant.friction = m.friction;
+  result.plant.resolution = m.resolution;
+  result.plant.delay_in = result.plant.delay_out = 0.5 * m.delay;
+  result.plant.peak_force = kind.peak_force;
+  return result;
 }
 
 }  // namespace
 
+// Force, stiffness and encoder steps are what makers and designers state (a WoodenHaptics' step: 2 pi / 2000 / 12 turns
+// of 0.205 m), and so are mass and friction of "sim-touch" and "sim-premium". Other masses, friction and all viscous
+// damping are estimates, for nobody states them; delays are those of the links. None was measured on a device.
 const std::vector<SimKind>& sim_kinds() {
   static const std::vector<SimKind> kinds = {
-      simulated("sim", 5, 1000, 0.10, 0.5, 0.10, 0.5, 0.10, 50e-6, 400e-6),
-      simulated("sim-woody", 5, 1000, 0.10, 0.5, 0.20, 0.5, 0.15, 54e-6, 400e-6),
-      simulated("sim-falcon", 8, 3000, 0.04, 0, 0.25, 1.0, 0.40, 60e-6, 1000e-6),
+      simulated({"sim", 0, 0, 5, 1000, 0.10, 0.5}, {0.10, 0.5, 0.10, 50e-6, 0.4e-3}),
+      simulated({"sim-woody", 0, 0, 5, 1000, 0.10, 0.5}, {0.20, 0.5, 0.15, 54e-6, 1.0e-3}),
+      simulated({"sim-falcon", 0, 0, 8, 3000, 0.04, 0}, {0.25, 1.0, 0.40, 60e-6, 1.5e-3}),
+      simulated({"sim-touch", 0, 0, 3.3, 1260, 0.06, 0}, {0.045, 0.1, 0.26, 55e-6, 1.0e-3}),
+      simulated({"sim-premium", 0, 0, 8.5, 3500, 0.10, 0}, {0.075, 0.05, 0.04, 30e-6, 0.2e-3}),
   };
   return kinds;
 }

@@ -82,6 +82,12 @@ void SimPlant::advance(double to) {
   run(to);
 }
 
+void SimPlant::place(const Vec3& position, const Vec3& velocity) {
+  given_ += runtime::dot(force_, position - position_);
+  position_ = position;
+  velocity_ = velocity;
+}
+
 // The spring is taken where the handle is after half a substep, the position moves with the mean of both velocities: of
 // second order, the swing of the spring is kept, and the work of a constant force is exactly what becomes of it.
 // Coulomb friction is what it can take of the velocity at most, the implicit step of its inclusion (Moreau): the handle
@@ -102,7 +108,9 @@ void SimPlant::run(double to) {
     const Vec3 free = kept * velocity_ + gain * pull;
     const double speed = runtime::length(free), taken = gain * o.friction;
     const Vec3 next = speed > taken ? (1 - taken / speed) * free : Vec3{};
-    position_ = position_ + 0.5 * h * (velocity_ + next);
+    const Vec3 moved = 0.5 * h * (velocity_ + next);
+    position_ = position_ + moved;
+    lost_ += o.damping * runtime::dot(moved, moved) / h + o.friction * runtime::length(moved);
     velocity_ = next;
   }
   given_ += runtime::dot(force_, position_ - before);

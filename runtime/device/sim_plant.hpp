@@ -73,12 +73,17 @@ public:
   /// Moves on to a time. seen() does so by itself.
   void advance(double to);
 
+  /// Somebody takes the handle and puts it here (m, m/s), now.
+  void place(const Vec3& position, const Vec3& velocity);
+
   [[nodiscard]] const PlantOptions& options() const { return options_; }
   [[nodiscard]] double time() const { return time_; }        ///< s, how far it has moved on
   [[nodiscard]] Vec3 position() const { return position_; }  ///< m, true
   [[nodiscard]] Vec3 velocity() const { return velocity_; }  ///< m/s, true
   [[nodiscard]] Vec3 force() const { return force_; }        ///< N, of the motors
   [[nodiscard]] double given() const { return given_; }      ///< J, work of the motors on the handle since the start
+  /// J that friction and damping of the device (not the hand) have turned into heat since the start.
+  [[nodiscard]] double lost() const { return lost_; }
 
 private:
   struct Pending {
@@ -88,7 +93,7 @@ private:
   void run(double to);
 
   PlantOptions options_;
-  double time_ = 0, given_ = 0;
+  double time_ = 0, given_ = 0, lost_ = 0;
   Vec3 position_, velocity_, force_;
   std::array<Pending, 256> pending_;  ///< a ring, in order of time
   std::size_t first_ = 0, count_ = 0;

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <tuple>
+#include <type_traits>
 
 namespace palpate::runtime {
 
@@ -71,7 +72,8 @@ struct TwoAxes {
 
 /// Steps one after the other: Output<output::LowPass, output::Limit> out({80}, {3.0}). Output<> is empty and changes
 /// nothing. A force that is not finite, or a time that is not above 0, gives zero and resets every step: nothing of it
-/// is remembered.
+/// is remembered. Steps that ask for it (passivity.hpp) are given where the device was seen (m, its frame), too: then
+/// out(force, seconds, position), where a position that is not finite counts as such a force.
 template <class... Steps>
 class Output {
 public:
@@ -79,11 +81,16 @@ public:
   explicit Output(const Steps&... steps) : steps_(steps...) {}
 
   Vec3 operator()(Vec3 force, double seconds) {
-    if (!(std::isfinite(dot(force, force)) && seconds > 0 && std::isfinite(seconds))) {
+    static_assert(!(kWantsPosition<Steps> || ...), "a step asks for the position");
+    return (*this)(force, seconds, {});
+  }
+
+  Vec3 operator()(Vec3 force, double seconds, const Vec3& position) {
+    if (!(std::isfinite(dot(force, force) + dot(position, position)) && seconds > 0 && std::isfinite(seconds))) {
       reset();
       return {};
     }
-    std::apply([&](auto&... step) { ((force = step(force, seconds)), ...); }, steps_);
+    std::apply([&](auto&... step) { ((force = take(step, force, seconds, position)), ...); }, steps_);
     return force;
   }
 
@@ -92,14 +99,32 @@ public:
     std::apply([](auto&... step) { (step.reset(), ...); }, steps_);
   }
 
+  /// A step, by its type.
+  template <class Step>
+  [[nodiscard]] const Step& step() const {
+    return std::get<Step>(steps_);
+  }
+
 private:
+  template <class Step>
+  static constexpr bool kWantsPosition = std::is_invocable_v<Step&, const Vec3&, double, const Vec3&>;
+
+  template <class Step>
+  static Vec3 take(Step& step, const Vec3& force, double seconds, const Vec3& position) {
+    if constexpr (kWantsPosition<Step>) {
+      return step(force, seconds, position);
+    } else {
+      return step(force, seconds);
+    }
+  }
+
   std::tuple<Steps...> steps_;
 };
 
 template <>
 class Output<> {
 public:
-  Vec3 operator()(const Vec3& force, double /*seconds*/) const { return force; }
+  Vec3 operator()(const Vec3& force, double /*seconds*/, const Vec3& /*position*/ = {}) const { return force; }
   void reset() {}
 };
 

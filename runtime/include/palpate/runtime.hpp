@@ -12,4 +12,5 @@
 #include "palpate/moving.hpp"
 #include "palpate/open.hpp"
 #include "palpate/output.hpp"
+#include "palpate/passivity.hpp"
 #include "palpate/turn.hpp"

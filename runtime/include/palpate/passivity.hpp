@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+// Time-domain passivity of a force loop: watches the energy that sampling, hold and delay make, and takes back
+// stiffness.
+#pragma once
+
+#include "palpate/math3.hpp"
+
+#include <cmath>
+
+namespace palpate::runtime::output {
+
+/// What the observer knows of the device, in its frame. What is not known is 0: then more is taken for made.
+struct PassivityOptions {
+  double delay = 0;      ///< s, from an encoder through the loop to the motor; [0, 0.02]
+  double damping = 0;    ///< N s/m, viscous, that the device has at least; at least 0
+  double friction = 0;   ///< N, Coulomb, that the device has at least; at least 0
+  double stiffness = 0;  ///< N/m, of the stiffest contact, where it is known beforehand; at least 0
+  double trace = 1e-4;   ///< J, that may have been given out beyond what went in; above 0
+
+  [[nodiscard]] bool valid() const {
+    return delay >= 0 && delay <= 0.02 && damping >= 0 && damping < 1e6 && friction >= 0 && friction < 1e6 &&
+           stiffness >= 0 && stiffness < 1e12 && trace > 0 && trace < 1e6;
+  }
+};
+
+/// Passivity observer and controller; the last step of an Output, for it must see what is sent.
+///
+/// The observer (Hannaford and Ryu 2002; with the energy that the model itself would show as its reference, Ryu et al.
+/// 2005) adds up what the motors gave out between two samples beyond what the contact would have on the same way
+/// without sampling: (force that acted - mean of the forces at both ends) . motion. A passive contact gives out nothing
+/// on a closed way, so the sum bounds what sampling, hold and delay have made. From it goes what the device surely
+/// turns to heat, friction |motion| + damping |motion|^2 / time; it is at least 0, so nothing is saved up.
+///
+/// The controller does not add damping, which would be as late as the force that it has to mend: it lets the force be a
+/// smaller share of the contact's, 1 - made / trace, but no smaller than what makes the stiffest secant so far passive
+/// for any hand: 2 damping / (delay + T (1 + ceil(delay / T))) over that slope, T the time between samples (Colgate and
+/// Schenkel 1997, with a delay; device/stability.hpp). Within a contact the share only falls, which takes energy out;
+/// it rises again when there is no force. So what is made stays below the trace, but for what is on its way already
+/// when it gets there: forces of the last delay and tick.
+class Passivity {
+public:
+  explicit Passivity(const PassivityOptions& options) : options_(options), slope_(options.stiffness) {}
+
+  /// Force (N) of the contact at a position (m) that the loop sees, `seconds` after the last one.
+  Vec3 operator()(const Vec3& force, double seconds, const Vec3& position) {
+    time_ += seconds;
+    if (started_) observe(force, seconds, position - position_);
+    started_ = true;
+    if (!(dot(force, force) > 0)) share_ = 1;
+    share_ = std::fmin(share_, std::fmax(1 - made_ / options_.trace, passive_share(seconds)));
+    position_ = position;
+    contact_ = force;
+    sent_[newest_ = (newest_ + 1) % kSent] = {time_, share_ * force};
+    return share_ * force;
+  }
+
+  /// As if nothing had been sent or made.
+  void reset() { *this = Passivity(options_); }
+
+  [[nodiscard]] double made() const { return made_; }    ///< J, energy made that the device has not turned to heat
+  [[nodiscard]] double share() const { return share_; }  ///< of the contact's force that is sent, [0, 1]
+
+private:
+  struct Sent {
+    double time = -HUGE_VAL;
+    Vec3 force;
+  };
+
+  void observe(const Vec3& force, double seconds, const Vec3& motion) {
+    const Vec3 without = 0.5 * share_ * (contact_ + force);
+    const double heat = options_.friction * length(motion) + options_.damping * dot(motion, motion) / seconds;
+    made_ = std::fmax(0, made_ + dot(acted(seconds) - without, motion) - heat);
+    const double way = length(motion);
+    if (way > 0) slope_ = std::fmax(slope_, length(force - contact_) / way);
+  }
+
+  /// Share of the force with which the contact, as stiff as it has been, makes nothing.
+  [[nodiscard]] double passive_share(double seconds) const {
+    if (!(slope_ > 0)) return 0;
+    const double late = options_.delay + seconds * (1 + std::ceil(options_.delay / seconds * (1 - 1e-12)));
+    return std::fmin(1, 2 * options_.damping / (late * slope_));
+  }
+
+  /// Mean of the forces that acted since the last sample: those sent a delay before.
+  [[nodiscard]] Vec3 acted(double seconds) const {
+    const double from = time_ - seconds - options_.delay;
+    double to = time_ - options_.delay;
+    Vec3 sum;
+    int k = newest_;
+    for (int count = 0; count < kSent && to > from; ++count, k = (k + kSent - 1) % kSent) {
+      const double begin = std::fmax(sent_[k].time, from);
+      if (begin >= to) continue;
+      sum = sum + (to - begin) * sent_[k].force;
+      to = begin;
+    }
+    return (1 / seconds) * sum;
+  }
+
+  static constexpr int kSent = 256;
+  PassivityOptions options_;
+  bool started_ = false;
+  double time_ = 0, made_ = 0, share_ = 1;
+  double slope_;  ///< N/m, steepest secant of force over motion so far
+  Vec3 position_, contact_;
+  Sent sent_[kSent];
+  int newest_ = 0;
+};
+
+}  // namespace palpate::runtime::output

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Contacts, devices, rates, delays and hands whose onset of oscillation is predicted and simulated.
+#pragma once
+
+#include "device/closed_loop.hpp"
+#include "device/sim_device.hpp"
+#include "palpate/view.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace palpate::test {
+
+using device::Response;
+using device::Vec3;
+
+/// A contact that the hand presses along -z of the device, touching at z = 0. Forces are those of scale 1.
+struct ContactLaw {
+  std::string name;
+  double most_depth = 0;                          ///< m, no deeper
+  double height = 0.002;                          ///< m, where the hand comes from; 0: it is held from the beginning
+  std::function<double(double depth)> force;      ///< N along z, slowly pressed
+  std::function<double(double depth)> slope;      ///< N/m, spectral norm of the Jacobian
+  std::function<double(double depth)> amplitude;  ///< m, to swing: within the contact, and without slip
+  std::function<Vec3(double depth)> direction;    ///< unit, the motion that it belongs to
+  std::function<Response(double scale)> make;     ///< a new contact whose forces are scaled
+};
+
+/// Linear spring on both sides, linear wall, Hertz' sphere, a curve that stiffens by e every 0.8 mm.
+std::vector<ContactLaw> plain_laws();
+
+/// A response file's tool 0 on the middle of the first triangle, through the runtime's Contact. The view must outlive
+/// it.
+ContactLaw file_law(const std::string& name, const runtime::View& view);
+
+struct NamedHand {
+  std::string name;
+  device::Hand hand;
+};
+std::vector<NamedHand> hands();
+
+struct StabilityCase {
+  const device::SimKind* kind = nullptr;
+  const ContactLaw* law = nullptr;
+  const NamedHand* hand = nullptr;
+  double rate = 1000;    ///< Hz
+  double delay = 0.001;  ///< s, there and back
+};
+
+/// The stiffnesses (N/m) are slopes of the scaled law at the depth where the hand's 45 % of the peak force rest.
+struct StabilityResult {
+  double predicted = 0, frequency = 0;  ///< N/m and Hz; infinite: none that the device can show
+  double simulated = 0;                 ///< N/m; infinite: none found
+  double passive = 0;                   ///< N/m, for any hand
+  bool passive_oscillates = false;      ///< a trial at 0.99 of that bound
+  // With the passivity controller, on contacts 1.5 and 5 times as stiff as the simulated onset:
+  int controlled = 0, controlled_oscillate = 0;  ///< trials
+  double past_trace = 0;                         ///< J given to the hand, beyond the trace, most
+  double share = 0;  ///< of it in what forces on their way could do (Swing::on_its_way), most
+  int trials = 0;
+};
+
+/// The device cannot show oscillations above two encoder steps on a contact so stiff that they take half its peak
+/// force.
+StabilityResult examine(const StabilityCase& c);
+
+/// The response as the controller lets it through: limited to the device's peak force, half its friction credited.
+Response controlled(const StabilityCase& c, const Response& response);
+
+/// One trial of a case whose law is scaled so.
+device::Swing swing(const StabilityCase& c, double scale, const Response& response);
+
+/// Scale at which the slope at the resting depth is this (N/m).
+double scale_of(const StabilityCase& c, double stiffness);
+
+}  // namespace palpate::test

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The passivity observer against the energy that a held and delayed spring makes; what the controller does and leaves.
+#include <cmath>
+#include <limits>
+
+#include "tests/runtime/allocation_counter.hpp"
+#include "tests/runtime/support.hpp"
+
+namespace palpate {
+namespace {
+
+using namespace test;
+using runtime::Output;
+using runtime::output::Limit;
+using runtime::output::Passivity;
+using runtime::output::PassivityOptions;
+
+constexpr double kTick = 1e-3, kPi = 3.14159265358979, kStiff = 2000, kFar = 1e-3, kOmega = 60;
+
+using Out = Output<Passivity>;
+
+PassivityOptions watching(double delay) {
+  PassivityOptions options;
+  options.delay = delay;
+  options.trace = 1e5;  // the force stays as it is
+  return options;
+}
+
+/// A spring that is swung for some cycles along a slanted line.
+double made_by(Out& out, double cycles, double stiffness = kStiff) {
+  const Vec3 along = unit(Vec3{1, -2, 2}, {});
+  const int ticks = static_cast<int>(cycles * 2 * kPi / kOmega / kTick);
+  for (int k = 0; k <= ticks; ++k) {
+    const Vec3 position = kFar * std::sin(kOmega * k * kTick) * along;
+    out(-stiffness * position, kTick, position);
+  }
+  return out.step<Passivity>().made();
+}
+
+// A force -K x held for T and late by D gives out pi K A^2 sin(w (D + T / 2)) sinc(w T / 2) a cycle.
+TEST(Passivity, ObservesWhatHoldAndDelayMake) {
+  for (const double delay : {0.0, 0.00037, 0.001, 0.0042}) {
+    Out out{Passivity(watching(delay))};
+    const double half = 0.5 * kOmega * kTick;
+    const double cycle = kPi * kStiff * kFar * kFar * std::sin(kOmega * (delay + 0.5 * kTick)) * std::sin(half) / half;
+    EXPECT_NEAR(made_by(out, 20), 20 * cycle, 0.01 * 20 * cycle) << delay;
+  }
+}
+
+TEST(Passivity, LeavesAloneWhatTheDeviceTurnsToHeat) {
+  PassivityOptions options;
+  options.delay = 0.002;
+  options.damping = 1.01 * kStiff * 0.0025;  // b > K (T / 2 + D)
+  Out out{Passivity(options)};
+  made_by(out, 20);
+  EXPECT_LT(out.step<Passivity>().made(), 1e-6);
+  EXPECT_GT(out.step<Passivity>().share(), 0.99);
+  options.damping *= 0.8;
+  Out tight{Passivity(options)};
+  made_by(tight, 20);
+  EXPECT_LT(tight.step<Passivity>().share(), 0.9);
+}
+
+TEST(Passivity, TakesNoMoreStiffnessThanMustBe) {
+  PassivityOptions options;
+  options.delay = 0.002;
+  options.damping = 0.5 * kStiff * 0.0025;
+  Out out{Passivity(options)};
+  made_by(out, 50);
+  // With half the damping that the spring would need, half of the spring.
+  EXPECT_NEAR(out.step<Passivity>().share(), 0.5, 0.01);
+  EXPECT_LT(out.step<Passivity>().made(), 2 * options.trace);
+}
+
+TEST(Passivity, GivesBackItsShareOnlyWithoutForce) {
+  PassivityOptions options;
+  options.delay = 0.003;
+  options.friction = 0.05;
+  Out out{Passivity(options)};
+  double last = 1;
+  for (int k = 0; k < 400; ++k) {
+    const Vec3 position{kFar * std::sin(kOmega * k * kTick), 0, 0};
+    out(Vec3{5, 0, 0} - kStiff * position, kTick, position);
+    EXPECT_LE(out.step<Passivity>().share(), last);
+    last = out.step<Passivity>().share();
+  }
+  EXPECT_LT(last, 0.1);
+  // Friction on a free way pays for what was made: 0.1 mJ over 0.05 N are 2 mm.
+  for (int k = 0; k < 400; ++k) out({}, kTick, {0, 1e-5 * k, 0});
+  EXPECT_EQ(out.step<Passivity>().share(), 1);
+  EXPECT_EQ(distance(out({1, 2, 3}, kTick, {0, 4e-3, 0}), {1, 2, 3}), 0);
+}
+
+TEST(Passivity, ComesAfterALimitAndForgetsWhatIsNotFinite) {
+  Output<Limit, Passivity> out(Limit{3}, Passivity(watching(0.001)));
+  EXPECT_NEAR(length(out({30, 40, 0}, kTick, {})), 3, 1e-3);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(length(out({1, 0, 0}, kTick, {nan, 0, 0})), 0);
+  EXPECT_EQ(length(out({1, nan, 0}, kTick, {})), 0);
+  EXPECT_EQ(length(out({1, 0, 0}, 0, {})), 0);
+  EXPECT_EQ(out.step<Passivity>().made(), 0);
+  // A leap while nothing was known is no motion.
+  EXPECT_EQ(distance(out({1, 0, 0}, kTick, {7, 0, 0}), {1, 0, 0}), 0);
+  EXPECT_EQ(out.step<Passivity>().made(), 0);
+}
+
+TEST(Passivity, AllocatesNothing) {
+  Out out{Passivity(watching(0.004))};
+  const long before = allocations();
+  made_by(out, 5);
+  EXPECT_EQ(allocations(), before);
+}
+
+TEST(Passivity, KnowsUsableOptions) {
+  EXPECT_TRUE(PassivityOptions().valid());
+  for (const auto change :
+       {+[](PassivityOptions& o) { o.delay = 0.03; }, +[](PassivityOptions& o) { o.trace = 0; },
+        +[](PassivityOptions& o) { o.damping = NAN; }, +[](PassivityOptions& o) { o.friction = -1; },
+        +[](PassivityOptions& o) { o.stiffness = -1; }}) {
+    PassivityOptions options;
+    change(options);
+    EXPECT_FALSE(options.valid());
+  }
+}
+
+}  // namespace
+}  // namespace palpate
