@@ -77,6 +77,17 @@ enum Feature : std::uint32_t {
   feature_all = 127u
 };
 
+/// What a person calls it.
+inline constexpr const char* feature_name(Feature feature) {
+  return feature == feature_lateral        ? "sideways forces of straight pushes"
+         : feature == feature_friction     ? "friction"
+         : feature == feature_tool_patches ? "tools of several vertices"
+         : feature == feature_search       ? "a search tree"
+         : feature == feature_coupled      ? "coupled responses"
+         : feature == feature_grasp        ? "grasps"
+                                           : "turns of grasps";
+}
+
 enum SiteFlag : std::uint32_t {
   site_held = 1u << 0,     ///< the vertex lies on a support
   site_outside = 1u << 1,  ///< outside the region that was sampled

@@ -20,11 +20,20 @@ struct ContactSettings {
 
 /// Follows one tool. Every tick takes bounded time, allocates nothing and throws nothing. Not for several
 /// threads at once; any number of contacts may share a view, which must outlive them.
-class Contact {
+/// kFeatures (layout::Feature bits): what it can do; of what is left out it has neither code nor memory, and with a
+/// file that holds it every tick is a fault. View::open<kFeatures> says so beforehand.
+template <std::uint32_t kFeatures = layout::feature_all>
+class BasicContact {
+  static constexpr bool kCoupled = (kFeatures & layout::feature_coupled) != 0;
+  static constexpr bool kFriction = (kFeatures & layout::feature_friction) != 0;
+
 public:
   /// `tool`: an index below view.meta->tool_count.
-  Contact(const View& view, std::uint32_t tool, const ContactSettings& settings = {})
-      : view_(&view), tool_(tool), reach_(skeleton_radius(view, tool)), probe_(view.tools[tool].probe_radius) {
+  BasicContact(const View& view, std::uint32_t tool, const ContactSettings& settings = {})
+      : view_(&view),
+        tool_(tool),
+        reach_(skeleton_radius<kFeatures>(view, tool)),
+        probe_(view.tools[tool].probe_radius) {
     late_ = settings.late_depth >= 0 ? settings.late_depth : 0.02 * view.meta->depth_scale;
     const layout::ToolRecord& record = view.tools[tool];
     profile_ = record.kind == static_cast<std::uint32_t>(layout::ToolKind::profile) && record.axis_length > 0;
@@ -38,7 +47,7 @@ public:
 
   /// Force at `pose`. Ticks are meant to follow a motion: what happens between two is not seen.
   Tick tick(const Pose& pose) {
-    if (!pose.valid()) return fault();
+    if (!fits() || !pose.valid()) return fault();
     if (keeps(pose)) return hold(pose, pose.apply(anchor_));
     return seek(pose);
   }
@@ -47,15 +56,21 @@ public:
   /// Beyond what that search knew to be free, the surface near its nearest point is looked at; a body met elsewhere is
   /// felt from the first search that sees it on, without force at first.
   Tick tick(const Pose& pose, const Search& latest) {
-    if (!pose.valid() || !latest.pose.valid()) return fault();
+    if (!fits() || !pose.valid() || !latest.pose.valid()) return fault();
     if (keeps(pose)) return hold(pose, pose.apply(anchor_));
     search_ = latest;
     return motion_since_search(pose) < search_.touch.safe ? free() : meet(pose);
   }
 
-  [[nodiscard]] const Field& field() const { return field_; }
+  [[nodiscard]] const BasicField<kFeatures>& field() const { return field_; }
 
 private:
+  /// The file holds nothing that was left out; grasps are no matter of a contact.
+  [[nodiscard]] bool fits() const {
+    constexpr std::uint32_t kOfContacts = layout::feature_all & ~(layout::feature_grasp | layout::feature_turn);
+    return (view_->features & kOfContacts & ~kFeatures) == 0;
+  }
+
   /// The deflection, split at c.
   struct Deflection {
     double depth;   ///< m, less the depth at first sight
@@ -89,7 +104,7 @@ private:
 
   Tick seek(const Pose& pose) {
     if (search_.touch.safe > 0 && motion_since_search(pose) < search_.touch.safe) return {};
-    search_ = search(*view_, tool_, pose);
+    search_ = search<kFeatures>(*view_, tool_, pose);
     return search_.touch.clearance >= 0 ? free() : meet(pose);
   }
 
@@ -173,14 +188,14 @@ private:
     last_ = q;
     Deflection d = deflection(q);
     if (!(d.depth > 0)) return release(d);
-    if (view_->coupled_laws != nullptr) deepen(d);
+    if constexpr (kCoupled) {
+      if (view_->coupled_laws != nullptr) deepen(d);
+    }
     DepthTerms terms = field_.at_depth(d.depth);
-    if (!view_->has(layout::feature_friction)) return follow(pose, q, d, {}, terms);
+    if (!kFriction || !view_->has(layout::feature_friction)) return follow(pose, q, d, {}, terms);
     const Vec3 tangential_force = terms.straight + field_.sideways(terms, d.sideways);
-    const double size = length(tangential_force);
-    if (size > terms.limit * (1 + 1e-9)) {
-      return follow(pose, q, d,
-                    slip(field_, terms, view_->meta->sideways_scale, d.sideways, (1 / size) * tangential_force), terms);
+    if (length(tangential_force) > terms.limit * (1 + 1e-9)) {
+      return follow(pose, q, d, slip(field_, terms, view_->meta->sideways_scale, d.sideways, tangential_force), terms);
     }
     field_.couple(terms, d.sideways);
     return output(State::stick, pose, q, terms, tangential_force);
@@ -227,7 +242,7 @@ private:
   /// c cannot follow along the surface (the tool straddles a fissure or left over an edge): takes the point
   /// nearest to the tool instead, at a depth that answers with no more than the present force.
   bool hand_over(const Pose& pose, const Vec3& q, double force) {
-    const Location nearest = locate(*view_, q);
+    const Location nearest = locate<kFeatures>(*view_, q);
     const Projection found = project(*view_, nearest.at, q);
     // Decided before anything changes: a contact that stays must not lose depth tick by tick.
     if (!found.converged || found.at.triangle == at_.triangle) return false;
@@ -314,7 +329,9 @@ private:
   // from c (c takes it over when it slides).
   double depth_ = 0;  ///< m
   Vec3 anchored_;     ///< m
-  Field field_;
+  BasicField<kFeatures> field_;
 };
+
+using Contact = BasicContact<>;
 
 }  // namespace palpate::runtime

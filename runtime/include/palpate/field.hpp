@@ -21,11 +21,15 @@ struct FieldForce {
 
 /// Blend of the responses at a body point and a tool point. Fixed size, no allocation. Not for several threads at once:
 /// it remembers the parts of its curves that were asked for last, since the next tick asks for the same.
-class Field {
+/// Of layout::Feature those that kFeatures leaves out take neither code nor memory; the view must not have them.
+template <std::uint32_t kFeatures = layout::feature_all>
+class BasicField {
+  static constexpr bool kCoupled = (kFeatures & layout::feature_coupled) != 0;
+
 public:
-  Field() = default;
+  BasicField() = default;
   /// `tool` is an index into the file's tools; `tool_point.patch` one of that tool's patches.
-  Field(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point) {
+  BasicField(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point) {
     build(view, tool, body_point, tool_point);
   }
 
@@ -42,28 +46,28 @@ public:
     basis_x_ = any_orthogonal(normal_);
     basis_y_ = cross(normal_, basis_x_);
     covered_ = limit_ = 0;
-    const bool coupled = view.coupled_laws != nullptr;
-    if (coupled) {
-      law_.clear(layout::coupled_degrees(m), m.depth_scale, m.sideways_scale);
-    } else {
-      separable_.clear(m, basis_x_, basis_y_);
+    if constexpr (kCoupled) {
+      if (is_coupled()) law_.clear(layout::coupled_degrees(m), m.depth_scale, m.sideways_scale);
     }
+    if (!is_coupled()) separable_.clear(m, basis_x_, basis_y_);
     per_scale_ = m.sideways_scale > 0 ? 1 / m.sideways_scale : 0;
     std::uint32_t corner[3];
     double weight[3];
-    const int corners = tool_corners(view, tool, tool_point, corner, weight);
+    const int corners = tool_corners<kFeatures>(view, tool, tool_point, corner, weight);
     double weights[3];
     patch_weights(view, body_point, weights);
     const layout::Patch& patch = view.patches[view.triangles[body_point.triangle].patch];
     for (int k = 0; k < 3; ++k) {
       if (!(weights[k] > 0)) continue;
       const Vec3 x = sideways_axis(patch.vertex[k]);
-      if (!coupled) separable_.begin_body(x);
+      if (!is_coupled()) separable_.begin_body(x);
       for (int l = 0; l < corners; ++l) {
         add(layout::response_index(m, patch.vertex[k], corner[l]), weights[k] * weight[l], x);
       }
     }
-    if (coupled) law_.finish();
+    if constexpr (kCoupled) {
+      if (is_coupled()) law_.finish();
+    }
   }
 
   [[nodiscard]] const Vec3& normal() const { return normal_; }
@@ -76,11 +80,10 @@ public:
   [[nodiscard]] DepthTerms at_depth(double z) const {
     DepthTerms terms;
     if (!(z > 0)) return terms;
-    if (view_->coupled_laws != nullptr) {
-      coupled_at(z, terms);
-    } else {
-      separable_.at_depth(z, terms);
+    if constexpr (kCoupled) {
+      if (is_coupled()) coupled_at(z, terms);
     }
+    if (!is_coupled()) separable_.at_depth(z, terms);
     terms.depth = z;
     terms.beyond = z > limit_ * kLimitSlack;
     return terms;
@@ -88,22 +91,29 @@ public:
 
   /// Sideways force at a sideways deflection (m, body frame; its part along n(c) does not count).
   [[nodiscard]] Vec3 sideways(const DepthTerms& terms, const Vec3& deflection) const {
-    if (view_->coupled_laws != nullptr) return coupled_sideways(terms, deflection);
+    if constexpr (kCoupled) {
+      if (is_coupled()) return coupled_sideways(terms, deflection);
+    }
     return terms.depth > 0 ? separable_.sideways(terms, deflection) : Vec3{};
   }
 
   /// Adds what a sideways deflection does to the normal force; the limit stays that of the straight push.
   void couple(DepthTerms& terms, const Vec3& deflection) const {
-    if (view_->coupled_laws != nullptr) terms.normal_force += coupling(terms, deflection);
+    if constexpr (kCoupled) {
+      if (is_coupled()) terms.normal_force += coupling(terms, deflection);
+    }
   }
 
   /// The sideways deflection (m) that a contact keeps when it goes deeper from z0 to z1 > z0 >= 0 without moving
   /// sideways: less, for new area is anchored unstressed. The same in a file of another model.
   [[nodiscard, gnu::noinline]] Vec3 deepened(double z0, double z1, const Vec3& deflection) const {
-    if (view_->coupled_laws == nullptr) return deflection;
+    if (!is_coupled()) return deflection;
     if (!(z0 > 0)) return {};
-    const coupled::Vec2 u = law_.deepen(law_.abscissa(z0), law_.abscissa(z1), in_basis(deflection));
-    return view_->meta->sideways_scale * (u.x * basis_x_ + u.y * basis_y_);
+    if constexpr (kCoupled) {
+      const coupled::Vec2 u = law_.deepen(law_.abscissa(z0), law_.abscissa(z1), in_basis(deflection));
+      return view_->meta->sideways_scale * (u.x * basis_x_ + u.y * basis_y_);
+    }
+    return {};
   }
 
   /// Force of a whole deflection p - c (m, body frame), sticking. Zero where its depth is not positive.
@@ -122,6 +132,9 @@ public:
   }
 
 private:
+  /// The file's responses are of the coupled model.
+  [[nodiscard]] bool is_coupled() const { return kCoupled && view_->coupled_laws != nullptr; }
+
   /// u of a deflection (m).
   [[nodiscard]] coupled::Vec2 in_basis(const Vec3& deflection) const {
     return {per_scale_ * dot(deflection, basis_x_), per_scale_ * dot(deflection, basis_y_)};
@@ -147,7 +160,8 @@ private:
 
   /// The x axis of a site's frame, carried to c; any where nothing lies sideways.
   [[nodiscard]] Vec3 sideways_axis(std::uint32_t site) const {
-    if ((view_->features & (layout::feature_lateral | layout::feature_friction)) == 0) return basis_x_;
+    constexpr std::uint32_t kSideways = kFeatures & (layout::feature_lateral | layout::feature_friction);
+    if ((view_->features & kSideways) == 0) return basis_x_;
     return carried_tangent(view_->sites[site], normal_, basis_x_);
   }
 
@@ -155,9 +169,11 @@ private:
     const layout::ResponseHead& head = view_->response_head(index);
     limit_ += weight * head.depth_limit;
     if ((head.flags & layout::response_covered) != 0) covered_ += weight;
-    if (view_->coupled_laws == nullptr) return separable_.add(*view_, index, weight);
-    law_.add(view_->coupled_coefs(index), static_cast<double>(view_->coupled_unit(index)), layout::kLimitUnit, weight,
-             {dot(x, basis_x_), dot(x, basis_y_)});
+    if (!is_coupled()) return separable_.add(*view_, index, weight);
+    if constexpr (kCoupled) {
+      law_.add(view_->coupled_coefs(index), static_cast<double>(view_->coupled_unit(index)), layout::kLimitUnit, weight,
+               {dot(x, basis_x_), dot(x, basis_y_)});
+    }
   }
 
   /// Limits are stored as floats: a push to just the sampled depth must not count as beyond it.
@@ -167,8 +183,10 @@ private:
   Vec3 normal_, basis_x_, basis_y_;
   double per_scale_ = 0;  ///< 1 / X (1/m)
   double covered_ = 0, limit_ = 0;
-  SeparableLaw separable_;
-  coupled::Law law_;
+  SeparableLaw<kFeatures> separable_;
+  detail::If<kCoupled, coupled::Law> law_;
 };
+
+using Field = BasicField<>;
 
 }  // namespace palpate::runtime

@@ -138,10 +138,11 @@ inline Vec3 pseudonormal(const View& view, const BodyPoint& at) {
 
 /// Nearest point of the contact surface. Any finite point; the first triangle in file order wins a tie
 /// without a search section.
+template <std::uint32_t kFeatures = layout::feature_all>
 inline Location locate(const View& view, const Vec3& p) {
   detail::Nearest best{HUGE_VAL, {1, 0, 0}};
   Location found;
-  if (view.search != nullptr) {
+  if ((kFeatures & layout::feature_search) != 0 && view.search != nullptr) {
     detail::search_tree(view, p, best, found.at.triangle);
   } else {
     for (std::uint32_t t = 0; t < view.meta->triangle_count; ++t) detail::consider(view, p, t, best, found.at.triangle);

@@ -14,28 +14,27 @@ using layout::Section;
 inline bool check_header(const View& v, bool trusted, Fault& fault) {
   if (reinterpret_cast<std::uintptr_t>(v.bytes) % 8 != 0) return fault.say("the buffer is not aligned to 8 bytes");
   if (v.size < sizeof(layout::FileHeader)) {
-    return fault.say("truncated: %zu bytes, the header alone has %zu", v.size, sizeof(layout::FileHeader));
+    return fault.say("truncated: % bytes, the header alone has %", v.size, sizeof(layout::FileHeader));
   }
   const layout::FileHeader& h = v.header();
   for (int k = 0; k < 8; ++k) {
     if (h.magic[k] != layout::kMagic[k])
       return fault.say("not a Palpate response file: the first bytes are not PALPATE");
   }
-  if (h.version != layout::kVersion) return fault.say("version %u, this reader knows %u", h.version, layout::kVersion);
+  if (h.version != layout::kVersion) return fault.say("version %, this reader knows %", h.version, layout::kVersion);
   if (h.file_size != v.size) {
-    return fault.say("%s: the header says %llu bytes, there are %zu",
-                     h.file_size > v.size ? "truncated" : "trailing bytes",
-                     static_cast<unsigned long long>(h.file_size), v.size);
+    return fault.say("%: the header says % bytes, there are %", h.file_size > v.size ? "truncated" : "trailing bytes",
+                     h.file_size, v.size);
   }
-  if (v.size % layout::kAlignment != 0) return fault.say("%zu bytes, not a multiple of 64", v.size);
+  if (v.size % layout::kAlignment != 0) return fault.say("% bytes, not a multiple of 64", v.size);
   const std::uint64_t table =
       sizeof(layout::FileHeader) + std::uint64_t{h.section_count} * sizeof(layout::SectionEntry);
   if (h.section_count > layout::kMaxSections || table > v.size)
-    return fault.say("impossible section count %u", h.section_count);
+    return fault.say("impossible section count %", h.section_count);
   if (!trusted && checksum::of_file(v.bytes, v.size, offsetof(layout::FileHeader, checksum)) != h.checksum) {
     return fault.say("damaged: the checksum does not match");
   }
-  if ((h.features & ~layout::feature_all) != 0) return fault.say("unknown feature bits %#x", h.features);
+  if ((h.features & ~layout::feature_all) != 0) return fault.say("unknown feature bits %", Bits{h.features});
   for (const std::uint32_t r : h.reserved) {
     if (r != 0) return fault.say("reserved header bytes are not zero");
   }
@@ -48,14 +47,14 @@ inline bool check_table(const View& v, const layout::SectionEntry* (&entry)[layo
   for (std::uint32_t i = 0; i < v.header().section_count; ++i) {
     const layout::SectionEntry& e = v.sections()[i];
     if (e.id <= last || e.id >= layout::kSectionIds)
-      return fault.say("table of contents: entry %u has section id %u", i, e.id);
+      return fault.say("table of contents: entry % has section id %", i, e.id);
     const char* name = layout::section_name(e.id);
-    if (e.offset % layout::kAlignment != 0) return fault.say("section %s is not aligned to 64 bytes", name);
+    if (e.offset % layout::kAlignment != 0) return fault.say("section % is not aligned to 64 bytes", name);
     if (e.offset < end || e.offset > v.size || e.size > v.size - e.offset) {
-      return fault.say("section %s lies outside the file or over another", name);
+      return fault.say("section % lies outside the file or over another", name);
     }
     if (e.element_size == 0 || e.count == 0 || e.count > layout::kMaxCount || e.size != e.count * e.element_size) {
-      return fault.say("section %s: size is not count times element size", name);
+      return fault.say("section %: size is not count times element size", name);
     }
     end = e.offset + e.size;
     last = e.id;
@@ -69,7 +68,7 @@ inline bool check_meta(const layout::Meta& m, Fault& fault) {
     return fault.say("META: depth scale must be at least 1e-9 and below 1000 m");
   const bool coupled = layout::is_coupled(m);
   if (m.model != static_cast<std::uint32_t>(layout::Model::separable) && !coupled)
-    return fault.say("META: unknown model %u", m.model);
+    return fault.say("META: unknown model %", m.model);
   const std::uint32_t degrees[] = {m.order,        m.push_degree,    m.straight_degree, m.stiffness_degree,
                                    m.cubic_degree, m.quartic_degree, m.limit_degree};
   for (const std::uint32_t d : degrees) {
@@ -93,11 +92,11 @@ inline bool check_meta(const layout::Meta& m, Fault& fault) {
                   {m.friction_coefs, !coupled && friction, "friction"}};
   for (const auto& f : families) {
     if (f.wanted ? f.count < layout::kMinCoefs || f.count > layout::kMaxCoefs : f.count != 0) {
-      return fault.say("META: %u %s coefficients, allowed 4 to 32 or, where left out, 0", f.count, f.name);
+      return fault.say("META: % % coefficients, allowed 4 to 32 or, where left out, 0", f.count, f.name);
     }
   }
   if (m.subdivision < 1 || m.subdivision > layout::kMaxSubdivision)
-    return fault.say("META: subdivision %u, allowed 1 to 1024", m.subdivision);
+    return fault.say("META: subdivision %, allowed 1 to 1024", m.subdivision);
   if (m.response_count != std::uint64_t{m.site_count} * m.tool_vertex_count) {
     return fault.say("META: response count is not sites times tool vertices");
   }
@@ -133,13 +132,12 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
     const auto id = static_cast<std::uint32_t>(want.id);
     const layout::SectionEntry* e = entry[id];
     if (want.count == 0 && e != nullptr)
-      return fault.say("section %s must be absent in this file", layout::section_name(id));
+      return fault.say("section % must be absent in this file", layout::section_name(id));
     if (want.count == 0) continue;
-    if (e == nullptr) return fault.say("section %s is missing", layout::section_name(id));
+    if (e == nullptr) return fault.say("section % is missing", layout::section_name(id));
     if (e->element_size != want.element || e->count != want.count) {
-      return fault.say("section %s: %llu elements of %u bytes, expected %llu of %llu", layout::section_name(id),
-                       static_cast<unsigned long long>(e->count), e->element_size,
-                       static_cast<unsigned long long>(want.count), static_cast<unsigned long long>(want.element));
+      return fault.say("section %: % elements of % bytes, expected % of %", layout::section_name(id), e->count,
+                       e->element_size, want.count, want.element);
     }
     at[id] = v.bytes + e->offset;
   }
@@ -148,8 +146,8 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
     const std::uint32_t coefs = grasp->element_size > 8 ? (grasp->element_size - 8) / (4 * layout::kGraspCurves) : 0;
     if (coefs < layout::kMinCoefs || coefs > layout::kMaxCoefs || grasp->element_size != layout::grasp_size(coefs) ||
         grasp->count != m.response_count) {
-      return fault.say("section GRASP: %llu elements of %u bytes, expected %u of 8 and 24 for each of 4 to 32",
-                       static_cast<unsigned long long>(grasp->count), grasp->element_size, m.response_count);
+      return fault.say("section GRASP: % elements of % bytes, expected % of 8 and 24 for each of 4 to 32", grasp->count,
+                       grasp->element_size, m.response_count);
     }
     v.grasps = v.bytes + grasp->offset;
     v.grasp_coefs = coefs;
@@ -157,21 +155,27 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
   if (const auto* turn = entry[static_cast<std::uint32_t>(Section::turn)]) {
     if (v.grasps == nullptr) return fault.say("section TURN without GRASP");
     if (turn->element_size != layout::turn_size(v.grasp_coefs) || turn->count != m.response_count) {
-      return fault.say("section TURN: %llu elements of %u bytes, expected %u of %u",
-                       static_cast<unsigned long long>(turn->count), turn->element_size, m.response_count,
-                       layout::turn_size(v.grasp_coefs));
+      return fault.say("section TURN: % elements of % bytes, expected % of %", turn->count, turn->element_size,
+                       m.response_count, layout::turn_size(v.grasp_coefs));
     }
     v.turns = v.bytes + turn->offset;
   }
   const auto* text = entry[static_cast<std::uint32_t>(Section::provenance)];
   if (text == nullptr || text->element_size != 1) return fault.say("section PROVENANCE is missing");
-  const std::uint32_t features =
-      (m.lateral_coefs + m.straight_degree > 0 ? layout::feature_lateral : 0u) |
-      (m.friction_coefs > 0 || coupled ? layout::feature_friction : 0u) |
-      (m.tool_patch_count > 0 ? layout::feature_tool_patches : 0u) |
-      (m.search_nodes > 0 ? layout::feature_search : 0u) | (coupled ? layout::feature_coupled : 0u) |
-      (v.grasps != nullptr ? layout::feature_grasp : 0u) | (v.turns != nullptr ? layout::feature_turn : 0u);
-  if (features != v.features) return fault.say("feature bits %#x do not fit the sections present", v.features);
+  const struct {
+    bool present;
+    layout::Feature feature;
+  } parts[] = {{m.lateral_coefs + m.straight_degree > 0, layout::feature_lateral},
+               {m.friction_coefs > 0 || coupled, layout::feature_friction},
+               {m.tool_patch_count > 0, layout::feature_tool_patches},
+               {m.search_nodes > 0, layout::feature_search},
+               {coupled, layout::feature_coupled},
+               {v.grasps != nullptr, layout::feature_grasp},
+               {v.turns != nullptr, layout::feature_turn}};
+  std::uint32_t features = 0;
+  for (const auto& part : parts)
+    if (part.present) features |= part.feature;
+  if (features != v.features) return fault.say("feature bits % do not fit the sections present", Bits{v.features});
   if (at[2] == nullptr || at[3] == nullptr || at[4] == nullptr || at[5] == nullptr || at[6] == nullptr ||
       at[9] == nullptr) {
     return fault.say("META: sites, patches, surface, tools and responses must not be empty");
@@ -193,32 +197,51 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
   return true;
 }
 
-inline bool open_checked(View& v, bool trusted, Fault& fault) {
+/// The features that a program leaves out are not in the file.
+inline bool check_features(std::uint32_t held, std::uint32_t known, Fault& fault) {
+  for (std::uint32_t bit = 0; (1u << bit) <= layout::feature_all; ++bit) {
+    if ((held & ~known & (1u << bit)) == 0) continue;
+    return fault.say("the file has %, which this program leaves out",
+                     layout::feature_name(static_cast<layout::Feature>(1u << bit)));
+  }
+  return true;
+}
+
+template <std::uint32_t kFeatures>
+bool open_checked(View& v, bool trusted, Fault& fault) {
   const layout::SectionEntry* entry[layout::kSectionIds] = {};
   if (!check_header(v, trusted, fault)) return false;
   v.features = v.header().features;
-  if (!check_table(v, entry, fault)) return false;
+  if (!check_features(v.features, kFeatures, fault) || !check_table(v, entry, fault)) return false;
   const layout::SectionEntry* meta = entry[static_cast<std::uint32_t>(Section::meta)];
   if (meta == nullptr || meta->size != sizeof(layout::Meta)) return fault.say("section META is missing");
   v.meta = reinterpret_cast<const layout::Meta*>(v.bytes + meta->offset);
-  return check_meta(*v.meta, fault) && bind_sections(v, entry, fault) && (trusted || check_records(v, fault));
+  return check_meta(*v.meta, fault) && bind_sections(v, entry, fault) &&
+         (trusted || check_records<kFeatures>(v, fault));
 }
 
-inline OpenResult open(const void* data, std::size_t size, bool trusted) {
+template <std::uint32_t kFeatures>
+OpenResult open(const void* data, std::size_t size, bool trusted) {
   OpenResult result;
   View v;
   v.bytes = static_cast<const unsigned char*>(data);
   v.size = data == nullptr ? 0 : size;
   Fault fault{result.error, sizeof result.error};
-  result.ok = open_checked(v, trusted, fault);
+  result.ok = open_checked<kFeatures>(v, trusted, fault);
   if (result.ok) result.view = v;
   return result;
 }
 
 }  // namespace detail
 
-inline OpenResult View::open(const void* data, std::size_t size) { return detail::open(data, size, false); }
+template <std::uint32_t kFeatures>
+OpenResult View::open(const void* data, std::size_t size) {
+  return detail::open<kFeatures>(data, size, false);
+}
 
-inline OpenResult View::open_trusted(const void* data, std::size_t size) { return detail::open(data, size, true); }
+template <std::uint32_t kFeatures>
+OpenResult View::open_trusted(const void* data, std::size_t size) {
+  return detail::open<kFeatures>(data, size, true);
+}
 
 }  // namespace palpate::runtime

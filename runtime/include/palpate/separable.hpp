@@ -13,7 +13,12 @@ namespace palpate::runtime {
 /// Blend of the separable responses of up to three body vertices and three tool vertices (Hayward and Mahvash 2004).
 /// Push, straight sideways force and friction limit are blended once; sideways forces are products, each in the frame
 /// of its body vertex, and are blended as forces. Not for several threads at once (pieces.hpp).
+/// Of layout::Feature those that kFeatures leaves out take neither code nor memory.
+template <std::uint32_t kFeatures>
 class SeparableLaw {
+  static constexpr bool kLateral = (kFeatures & layout::feature_lateral) != 0;
+  static constexpr bool kFriction = (kFeatures & layout::feature_friction) != 0;
+
 public:
   /// Forgets all responses. The basis spans what lies across n(c).
   void clear(const layout::Meta& meta, const Vec3& basis_x, const Vec3& basis_y) {
@@ -23,12 +28,16 @@ public:
     per_depth_ = 1 / static_cast<double>(meta.depth_scale);
     per_sideways_ = meta.sideways_scale > 0 ? 1 / static_cast<double>(meta.sideways_scale) : 0;
     for (std::uint32_t k = 0; k < meta.normal_coefs; ++k) push_[k] = 0;
-    for (std::uint32_t k = 0; k < 2 * meta.lateral_coefs; ++k) lateral_[k] = 0;
-    for (std::uint32_t k = 0; k < meta.friction_coefs; ++k) mu_[k] = 0;
     bodies_ = pairs_ = 0;
     push_piece_.forget();
-    lateral_pieces_.forget();
-    mu_piece_.forget();
+    if constexpr (kLateral) {
+      for (std::uint32_t k = 0; k < 2 * meta.lateral_coefs; ++k) lateral_[k] = 0;
+      lateral_pieces_.forget();
+    }
+    if constexpr (kFriction) {
+      for (std::uint32_t k = 0; k < meta.friction_coefs; ++k) mu_[k] = 0;
+      mu_piece_.forget();
+    }
   }
 
   /// What is added from now on has its sideways curves along x (unit, across n(c)) and along n(c) x x.
@@ -45,23 +54,12 @@ public:
     const Body& body = body_[bodies_ - 1];
     const float* push = view.normal_coefs(index);
     for (std::uint32_t k = 0; k < m.normal_coefs; ++k) push_[k] += weight * push[k];
-    if (view.lateral != nullptr) {
-      const float *x = view.lateral_coefs(index), *y = x + m.lateral_coefs;
-      const double cosine = weight * body.cosine, sine = weight * body.sine;
-      for (std::uint32_t k = 0; k < m.lateral_coefs; ++k) {
-        lateral_[k] += cosine * x[k] - sine * y[k];
-        lateral_[m.lateral_coefs + k] += sine * x[k] + cosine * y[k];
-      }
+    if constexpr (kLateral) {
+      if (view.lateral != nullptr) add_lateral(view.lateral_coefs(index), weight * body.cosine, weight * body.sine);
     }
-    if (view.friction == nullptr) return;
-    Pair& pair = pair_[pairs_++];
-    pair.coefs = view.friction_coefs(index);
-    pair.weight = weight;
-    pair.growth.forget();
-    pair.phi.forget();
-    const float* mu = pair.coefs + 2 * m.growth_coefs + 2 * m.sideways_coefs;
-    for (std::uint32_t k = 0; k < m.friction_coefs; ++k) mu_[k] += weight * mu[k];
-    body_[bodies_].first_pair = pairs_;
+    if constexpr (kFriction) {
+      if (view.friction != nullptr) add_friction(view.friction_coefs(index), weight);
+    }
   }
 
   /// Forces, limit and growths at depth z > 0 (m).
@@ -72,19 +70,23 @@ public:
     const double extra = share < 1 ? 0 : 0.5 * (share - 1);  // linear in z beyond Z: ds/dz = 1 / (2 Z) there
     terms.normal_force = one(push_piece_, push_, m.normal_coefs, s);
     if (extra > 0) terms.normal_force += extra * spline::slope_at_1(push_, static_cast<int>(m.normal_coefs));
-    if (m.lateral_coefs > 0) {
-      double straight[2];
-      both(lateral_pieces_, lateral_, m.lateral_coefs, s, extra, straight);
-      terms.straight = straight[0] * basis_x_ + straight[1] * basis_y_;
+    if constexpr (kLateral) {
+      if (m.lateral_coefs > 0) {
+        double straight[2];
+        both(lateral_pieces_, lateral_, m.lateral_coefs, s, extra, straight);
+        terms.straight = straight[0] * basis_x_ + straight[1] * basis_y_;
+      }
     }
     terms.limit = HUGE_VAL;
-    if (m.friction_coefs == 0) return;
-    terms.limit = one(mu_piece_, mu_, m.friction_coefs, s) * terms.normal_force;
-    for (int j = 0; j < pairs_; ++j) {
-      double growth[2];
-      both(pair_[j].growth, pair_[j].coefs, m.growth_coefs, s, extra, growth);
-      for (int axis = 0; axis < 2; ++axis) {
-        terms.growth[j][axis] = pair_[j].weight * (growth[axis] > 0 ? growth[axis] : 0);
+    if constexpr (kFriction) {
+      if (m.friction_coefs == 0) return;
+      terms.limit = one(mu_piece_, mu_, m.friction_coefs, s) * terms.normal_force;
+      for (int j = 0; j < pairs_; ++j) {
+        double growth[2];
+        both(pair_[j].growth, pair_[j].coefs, m.growth_coefs, s, extra, growth);
+        for (int axis = 0; axis < 2; ++axis) {
+          terms.growth[j][axis] = pair_[j].weight * (growth[axis] > 0 ? growth[axis] : 0);
+        }
       }
     }
   }
@@ -92,8 +94,36 @@ public:
   /// Sideways force (N, body frame) at terms of a positive depth and a deflection (m), without that of the straight
   /// push.
   [[nodiscard]] Vec3 sideways(const DepthTerms& terms, const Vec3& deflection) const {
+    if constexpr (kFriction) {
+      if (meta_->sideways_coefs > 0) return sum_sideways(terms, deflection);
+    }
+    return {};
+  }
+
+private:
+  void add_lateral(const float* x, double cosine, double sine) {
+    const std::uint32_t count = meta_->lateral_coefs;
+    const float* y = x + count;
+    for (std::uint32_t k = 0; k < count; ++k) {
+      lateral_[k] += cosine * x[k] - sine * y[k];
+      lateral_[count + k] += sine * x[k] + cosine * y[k];
+    }
+  }
+
+  void add_friction(const float* coefs, double weight) {
     const layout::Meta& m = *meta_;
-    if (m.sideways_coefs == 0) return {};
+    Pair& pair = pair_[pairs_++];
+    pair.coefs = coefs;
+    pair.weight = weight;
+    pair.growth.forget();
+    pair.phi.forget();
+    const float* mu = pair.coefs + 2 * m.growth_coefs + 2 * m.sideways_coefs;
+    for (std::uint32_t k = 0; k < m.friction_coefs; ++k) mu_[k] += weight * mu[k];
+    body_[bodies_].first_pair = pairs_;
+  }
+
+  [[nodiscard]] Vec3 sum_sideways(const DepthTerms& terms, const Vec3& deflection) const {
+    const layout::Meta& m = *meta_;
     const int count = static_cast<int>(m.sideways_coefs);
     const double x = per_sideways_ * dot(deflection, basis_x_), y = per_sideways_ * dot(deflection, basis_y_);
     double force_x = 0, force_y = 0;
@@ -113,7 +143,6 @@ public:
     return force_x * basis_x_ + force_y * basis_y_;
   }
 
-private:
   /// One body vertex, its frame carried to c: turned by this angle against the basis. Its pairs end where the next
   /// one's begin.
   struct Body {
@@ -177,12 +206,13 @@ private:
   double per_depth_ = 0, per_sideways_ = 0;  ///< 1 / Z, 1 / X (1/m)
   int bodies_ = 0, pairs_ = 0;
   Body body_[4];
-  Pair pair_[9];
+  detail::If<kFriction, Pair[9]> pair_;
   double push_[layout::kMaxCoefs] = {};
-  double lateral_[2 * layout::kMaxCoefs] = {};  ///< along basis_x_, then along basis_y_
-  double mu_[layout::kMaxCoefs] = {};
-  Pieces<1> push_piece_, mu_piece_;
-  Pieces<2> lateral_pieces_;
+  detail::If<kLateral, double[2 * layout::kMaxCoefs]> lateral_ = {};  ///< along basis_x_, then along basis_y_
+  detail::If<kFriction, double[layout::kMaxCoefs]> mu_ = {};
+  Pieces<1> push_piece_;
+  detail::If<kFriction, Pieces<1>> mu_piece_;
+  detail::If<kLateral, Pieces<2>> lateral_pieces_;
 };
 
 }  // namespace palpate::runtime

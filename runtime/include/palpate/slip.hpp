@@ -9,15 +9,17 @@
 namespace palpate::runtime {
 
 /// The sideways deflection (m) at which the friction limit holds: c gives way against the force until then, from the
-/// deflection `from` along `direction` (unit), that of the present sideways force. The force along that line never
+/// deflection `from` and its sideways force (N), that of the straight push included. The force along that line never
 /// grows on the way, so the root is bracketed. `scale` is the file's sideways scale (m).
-[[nodiscard]] inline Vec3 slip(const Field& field, const DepthTerms& terms, double scale, const Vec3& from,
-                               const Vec3& direction) {
+template <class AnyField>
+[[nodiscard]] inline Vec3 slip(const AnyField& field, const DepthTerms& terms, double scale, const Vec3& from,
+                               const Vec3& force) {
+  const Vec3 direction = (1 / length(force)) * force;
   const auto excess = [&](double way) {
     return dot(terms.straight + field.sideways(terms, from + way * direction), direction) - terms.limit;
   };
   const double most = length(from) + 2 * scale;
-  double low = 0, at_low = excess(0);
+  double low = 0, at_low = dot(force, direction) - terms.limit;
   // The slope at the start tells how far; a little more brackets the root, else the step doubles.
   const double probe = 1e-3 * scale, drop = at_low - excess(probe);
   double high = drop > 0 ? 1.0001 * probe * at_low / drop : most;
@@ -31,15 +33,22 @@ namespace palpate::runtime {
   }
   // The straight push alone is beyond the limit: c creeps on, tick by tick.
   if (at_high > 0) return from + (length(from) + 0.02 * scale) * direction;
-  for (int i = 0; i < 24 && at_high < -1e-5 * terms.limit; ++i) {
-    const double middle = i % 4 == 3 ? 0.5 * (low + high) : low + (high - low) * at_low / (at_low - at_high);
+  // The Illinois rule (Dowell and Jarratt, BIT 11, 1971): an end that stays twice running counts half, or it would stay
+  // for good. Halves now and then, for the worst.
+  double reached = at_high;
+  for (int i = 0, stayed = 0; i < 24 && reached < -1e-5 * terms.limit; ++i) {
+    const double middle = i % 8 == 7 ? 0.5 * (low + high) : low + (high - low) * at_low / (at_low - at_high);
     const double value = excess(middle);
     if (value > 0) {
       low = middle;
       at_low = value;
+      if (stayed > 0) at_high *= 0.5;
+      stayed = 1;
     } else {
       high = middle;
-      at_high = value;
+      at_high = reached = value;
+      if (stayed < 0) at_low *= 0.5;
+      stayed = -1;
     }
     if (high - low < 1e-9 * most) break;
   }

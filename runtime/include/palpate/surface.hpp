@@ -79,10 +79,11 @@ inline Vec3 carried_tangent(const layout::Site& site, const Vec3& n, const Vec3&
 }
 
 /// Distinct vertices, numbered over all tools, of a tool point with their weights; returns how many.
+template <std::uint32_t kFeatures = layout::feature_all>
 inline int tool_corners(const View& view, std::uint32_t tool, const ToolPoint& at, std::uint32_t (&corner)[3],
                         double (&weight)[3]) {
   const layout::ToolRecord& record = view.tools[tool];
-  if (view.tool_patches == nullptr || record.vertex_count == 1) {
+  if ((kFeatures & layout::feature_tool_patches) == 0 || view.tool_patches == nullptr || record.vertex_count == 1) {
     corner[0] = record.first_vertex;
     weight[0] = 1;
     return 1;

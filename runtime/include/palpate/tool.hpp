@@ -18,10 +18,13 @@ struct ToolTouch {
 };
 
 /// Distance of the farthest skeleton point from the tool frame's origin (m).
+template <std::uint32_t kFeatures = layout::feature_all>
 inline double skeleton_radius(const View& view, std::uint32_t tool) {
   const layout::ToolRecord& record = view.tools[tool];
   double reach = record.axis_length;
-  if (record.kind != static_cast<std::uint32_t>(layout::ToolKind::mesh) || view.tool_vertices == nullptr) return reach;
+  const bool probes =
+      record.kind == static_cast<std::uint32_t>(layout::ToolKind::mesh) && view.tool_vertices != nullptr;
+  if ((kFeatures & layout::feature_tool_patches) == 0 || !probes) return reach;
   for (std::uint32_t i = 0; i < record.vertex_count; ++i) {
     reach = std::fmax(reach, length(to_vec(view.tool_vertices[record.first_vertex + i].point)));
   }
@@ -31,6 +34,7 @@ inline double skeleton_radius(const View& view, std::uint32_t tool) {
 namespace detail {
 
 /// Nearest point of the axis: a few samples, then alternating projections from the best of them.
+template <std::uint32_t kFeatures>
 inline ToolTouch touch_axis(const View& view, const layout::ToolRecord& tool, const Pose& pose) {
   constexpr int kSamples = 9, kRefinements = 12;
   const double axis = tool.axis_length;
@@ -39,7 +43,7 @@ inline ToolTouch touch_axis(const View& view, const layout::ToolRecord& tool, co
   const int samples = axis > 0 ? kSamples : 1;
   for (int i = 0; i < samples; ++i) {
     const double at = samples > 1 ? axis * i / (samples - 1) : 0;
-    const Location found = locate(view, pose.apply({0, 0, at}));
+    const Location found = locate<kFeatures>(view, pose.apply({0, 0, at}));
     if (i > 0 && found.signed_distance >= best.body.signed_distance) continue;
     best.body = found;
     along = at;
@@ -51,7 +55,7 @@ inline ToolTouch touch_axis(const View& view, const layout::ToolRecord& tool, co
     const double wanted = pose.along_axis(best.body.point - pose.translation);
     const double at = wanted > 0 ? (wanted < axis ? wanted : axis) : 0;
     if (std::fabs(at - along) < 1e-9 * axis) break;
-    const Location found = locate(view, pose.apply({0, 0, at}));
+    const Location found = locate<kFeatures>(view, pose.apply({0, 0, at}));
     if (found.signed_distance >= best.body.signed_distance) break;
     best.body = found;
     along = at;
@@ -64,6 +68,7 @@ inline ToolTouch touch_axis(const View& view, const layout::ToolRecord& tool, co
 /// Deepest probe point: a grid over every patch. Points that cannot beat the best are passed over, for the
 /// distance changes no faster than the probe moves. Between the points nothing is seen: clearance and safe distance
 /// hold for them alone, and a body sharper than the grid is met late.
+template <std::uint32_t kFeatures>
 inline ToolTouch touch_probes(const View& view, const layout::ToolRecord& tool, const Pose& pose) {
   constexpr int kSteps = 4;
   ToolTouch best;
@@ -79,7 +84,7 @@ inline ToolTouch touch_probes(const View& view, const layout::ToolRecord& tool, 
         const double w[3] = {a / double{kSteps}, b / double{kSteps}, (kSteps - a - b) / double{kSteps}};
         const Vec3 anchor = w[0] * v[0] + w[1] * v[1] + w[2] * v[2];
         if (last_distance - length(anchor - last) >= best.body.signed_distance) continue;
-        const Location found = locate(view, pose.apply(anchor));
+        const Location found = locate<kFeatures>(view, pose.apply(anchor));
         last = anchor;
         last_distance = found.signed_distance;
         if (found.signed_distance >= best.body.signed_distance) continue;
@@ -97,10 +102,14 @@ inline ToolTouch touch_probes(const View& view, const layout::ToolRecord& tool, 
 }  // namespace detail
 
 /// The tool point that is nearest to the body, or deepest in it.
+template <std::uint32_t kFeatures = layout::feature_all>
 inline ToolTouch find_touch(const View& view, std::uint32_t tool, const Pose& pose) {
   const layout::ToolRecord& record = view.tools[tool];
   const bool probes = record.kind == static_cast<std::uint32_t>(layout::ToolKind::mesh) && view.tool_patches != nullptr;
-  return probes ? detail::touch_probes(view, record, pose) : detail::touch_axis(view, record, pose);
+  if ((kFeatures & layout::feature_tool_patches) != 0 && probes) {
+    return detail::touch_probes<kFeatures>(view, record, pose);
+  }
+  return detail::touch_axis<kFeatures>(view, record, pose);
 }
 
 /// What a search found, and where the tool was then.
@@ -110,8 +119,9 @@ struct Search {
 };
 
 /// For a thread that searches while another one makes forces (Contact::tick with a Search).
+template <std::uint32_t kFeatures = layout::feature_all>
 inline Search search(const View& view, std::uint32_t tool, const Pose& pose) {
-  return {pose, find_touch(view, tool, pose)};
+  return {pose, find_touch<kFeatures>(view, tool, pose)};
 }
 
 /// Where on its profile a tool touches: arc length from the tip's pole (m), for an axis point `along` (m) and

@@ -6,27 +6,64 @@
 #include "palpate/view.hpp"
 
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
+#include <cstddef>
+#include <cstdint>
 
 namespace palpate::runtime::detail {
 
-/// Collects the one message that opening ends with.
-struct Fault {
-  char* text;
-  std::size_t capacity;
+/// Bits, written in hexadecimal.
+struct Bits {
+  std::uint32_t bits;
+};
 
-#if defined(__GNUC__)
-  __attribute__((format(printf, 2, 3)))
-#endif
-  bool
-  say(const char* format, ...) {
-    std::va_list arguments;
-    va_start(arguments, format);
-    std::vsnprintf(text, capacity, format, arguments);
-    va_end(arguments);
+/// Collects the one message that opening ends with. In it every % stands for the next value: a text, a whole number or
+/// bits. No printf: its lengths of integers differ between machines, and a microcontroller would carry all of it.
+class Fault {
+public:
+  Fault(char* text, std::size_t capacity) : text_(text), capacity_(capacity) {}
+
+  template <class... Values>
+  bool say(const char* message, const Values&... values) {
+    const Value all[] = {Value(values)..., Value("")};
+    write(message, all, all + sizeof...(values));
     return false;
   }
+
+private:
+  struct Value {
+    const char* text = nullptr;
+    std::uint64_t number = 0;
+    unsigned base = 10;
+    explicit Value(const char* t) : text(t) {}
+    explicit Value(std::uint64_t n) : number(n) {}
+    explicit Value(const Bits& b) : number(b.bits), base(16) {}
+  };
+
+  void put(char c) {
+    if (used_ + 1 < capacity_) text_[used_++] = c;
+  }
+  void put(const char* text) {
+    while (*text != 0) put(*text++);
+  }
+  void put(std::uint64_t number, unsigned base) {
+    if (number >= base) put(number / base, base);
+    put("0123456789abcdef"[number % base]);
+  }
+  void write(const char* message, const Value* value, const Value* end) {
+    for (; *message != 0; ++message) {
+      if (*message != '%' || value == end) {
+        put(*message);
+        continue;
+      }
+      if (value->base == 16) put("0x");
+      value->text != nullptr ? put(value->text) : put(value->number, value->base);
+      ++value;
+    }
+    text_[used_] = 0;
+  }
+
+  char* text_;
+  std::size_t capacity_, used_ = 0;
 };
 
 inline bool in_range(const float (&p)[3]) {

@@ -16,41 +16,41 @@ inline bool is_text(const char* p, std::size_t capacity) {
 
 inline bool check_tool(const View& v, std::uint32_t i, Fault& fault) {
   const layout::ToolRecord& t = v.tools[i];
-  if (!is_text(t.name, sizeof t.name) || t.name[0] == 0) return fault.say("TOOLS: tool %u: bad name", i);
-  if (t.kind > 2) return fault.say("TOOLS: tool %u: unknown kind %u", i, t.kind);
+  if (!is_text(t.name, sizeof t.name) || t.name[0] == 0) return fault.say("TOOLS: tool %: bad name", i);
+  if (t.kind > 2) return fault.say("TOOLS: tool %: unknown kind %", i, t.kind);
   const float sizes[] = {t.radius, t.probe_radius, t.axis_length};
   for (const float s : sizes) {
-    if (!(s >= 0 && s < 1e5f)) return fault.say("TOOLS: tool %u: lengths must be finite and not negative", i);
+    if (!(s >= 0 && s < 1e5f)) return fault.say("TOOLS: tool %: lengths must be finite and not negative", i);
   }
   const auto kind = static_cast<layout::ToolKind>(t.kind);
   // Where the contact patch on such a tool is, nothing could tell.
   if (kind != layout::ToolKind::mesh && t.axis_length == 0 && t.vertex_count != 1) {
-    return fault.say("TOOLS: tool %u: without an axis a sphere or profile has one vertex", i);
+    return fault.say("TOOLS: tool %: without an axis a sphere or profile has one vertex", i);
   }
   if (kind != layout::ToolKind::profile && t.axis_length != 0) {
-    return fault.say("TOOLS: tool %u: only a profile has an axis", i);
+    return fault.say("TOOLS: tool %: only a profile has an axis", i);
   }
   if (kind == layout::ToolKind::mesh && t.probe_radius != 0) {
-    return fault.say("TOOLS: tool %u: the probe radius of a mesh is 0", i);
+    return fault.say("TOOLS: tool %: the probe radius of a mesh is 0", i);
   }
   const std::uint64_t end = std::uint64_t{t.first_patch} + t.patch_count;
   const bool patched = v.tool_patches != nullptr;
   if (patched ? t.patch_count == 0 || end > v.meta->tool_patch_count
               : t.patch_count != 0 || t.first_patch != 0 || t.vertex_count != 1) {
-    return fault.say("TOOLS: tool %u: patches out of range", i);
+    return fault.say("TOOLS: tool %: patches out of range", i);
   }
   float reached = -HUGE_VALF;  // meridian at the end of the segments so far
   for (std::uint64_t p = t.first_patch; patched && p < end; ++p) {
     const auto& corner = v.tool_patches[p].vertex;
     for (const std::uint32_t c : corner) {
       if (c < t.first_vertex || c - t.first_vertex >= t.vertex_count) {
-        return fault.say("TOOL_PATCHES: patch %u names a vertex of another tool", static_cast<unsigned>(p));
+        return fault.say("TOOL_PATCHES: patch % names a vertex of another tool", p);
       }
     }
     if (kind != layout::ToolKind::profile) continue;
     const float low = v.tool_vertices[corner[0]].meridian, high = v.tool_vertices[corner[1]].meridian;
     if (low > high || low < reached) {
-      return fault.say("TOOL_PATCHES: patch %u: a profile's segments must ascend", static_cast<unsigned>(p));
+      return fault.say("TOOL_PATCHES: patch %: a profile's segments must ascend", p);
     }
     reached = high;
   }
@@ -63,17 +63,17 @@ inline bool check_tools(const View& v, Fault& fault) {
     const layout::ToolVertexRecord& r = v.tool_vertices[i];
     if (!in_range(r.point) || !is_frame(r.normal, r.tangent) || !(std::fabs(r.meridian) < 1e5f) ||
         !is_text(r.name, sizeof r.name)) {
-      return fault.say("TOOL_VERTICES: vertex %u: point, frame, meridian or name is wrong", i);
+      return fault.say("TOOL_VERTICES: vertex %: point, frame, meridian or name is wrong", i);
     }
   }
   for (std::uint32_t i = 0; i < v.meta->tool_count; ++i) {
     const layout::ToolRecord& t = v.tools[i];
     if (t.first_vertex != vertices || t.vertex_count == 0 || t.first_patch != patches) {
-      return fault.say("TOOLS: tool %u: vertices and patches must follow those of the tool before", i);
+      return fault.say("TOOLS: tool %: vertices and patches must follow those of the tool before", i);
     }
     vertices += t.vertex_count;
     patches += t.patch_count;
-    if (vertices > v.meta->tool_vertex_count) return fault.say("TOOLS: tool %u: vertices out of range", i);
+    if (vertices > v.meta->tool_vertex_count) return fault.say("TOOLS: tool %: vertices out of range", i);
     if (!check_tool(v, i, fault)) return false;
   }
   if (vertices != v.meta->tool_vertex_count || patches != v.meta->tool_patch_count) {
@@ -82,12 +82,18 @@ inline bool check_tools(const View& v, Fault& fault) {
   return true;
 }
 
-inline bool check_records(const View& v, Fault& fault) {
+template <std::uint32_t kFeatures>
+bool check_records(const View& v, Fault& fault) {
   if (v.provenance_size < 2 || v.provenance[0] != '{' || v.provenance[v.provenance_size - 1] != '}') {
     return fault.say("PROVENANCE: not a JSON object");
   }
-  return check_sites(v, fault) && check_surface(v, fault) && check_tools(v, fault) && check_responses(v, fault) &&
-         check_grasps(v, fault) && check_search(v, fault);
+  if (!check_sites(v, fault) || !check_surface(v, fault) || !check_tools(v, fault)) return false;
+  if (!check_responses<kFeatures>(v, fault)) return false;
+  if constexpr ((kFeatures & layout::feature_grasp) != 0) {
+    if (!check_grasps(v, fault)) return false;
+  }
+  if constexpr ((kFeatures & layout::feature_search) != 0) return check_search(v, fault);
+  return true;
 }
 
 }  // namespace palpate::runtime::detail

@@ -30,35 +30,38 @@ inline bool check_coupled(const View& v, std::uint32_t i, float largest, Fault& 
   const float unit = v.coupled_unit(i);
   const std::int16_t* coefs = v.coupled_coefs(i);
   const int count = coupled::count(degrees);
-  if (!(unit >= 0 && unit <= largest / 32768)) return fault.say("COUPLED: response %u: the unit is out of range", i);
+  if (!(unit >= 0 && unit <= largest / 32768)) return fault.say("COUPLED: response %: the unit is out of range", i);
   if (const char* broken = coupled::broken_rule(coefs, degrees, 10 / layout::kLimitUnit)) {
-    return fault.say("COUPLED: response %u: %s", i, broken);
+    return fault.say("COUPLED: response %: %", i, broken);
   }
-  if (count % 2 != 0 && coefs[count] != 0) return fault.say("COUPLED: response %u: padding is not zero", i);
+  if (count % 2 != 0 && coefs[count] != 0) return fault.say("COUPLED: response %: padding is not zero", i);
   return true;
 }
 
-inline bool check_responses(const View& v, Fault& fault) {
+template <std::uint32_t kFeatures>
+bool check_responses(const View& v, Fault& fault) {
   constexpr float kLargest = 1e12f;  // N; products of two curves and of extrapolations stay finite
   const layout::Meta& m = *v.meta;
   for (std::uint32_t i = 0; i < m.response_count; ++i) {
     const layout::ResponseHead& head = v.response_head(i);
     if (!is_limit(head.depth_limit, m.depth_scale))
-      return fault.say("RESPONSES: response %u: depth limit out of range", i);
+      return fault.say("RESPONSES: response %: depth limit out of range", i);
     if (head.flags != layout::response_solved && head.flags != layout::response_covered &&
         head.flags != layout::response_measured && head.flags != layout::response_analytic) {
-      return fault.say("RESPONSES: response %u: must be one of solved, covered, measured, analytic", i);
+      return fault.say("RESPONSES: response %: must be one of solved, covered, measured, analytic", i);
     }
-    if (v.coupled_laws != nullptr) {
-      if (!check_coupled(v, i, kLargest, fault)) return false;
-      continue;
+    if constexpr ((kFeatures & layout::feature_coupled) != 0) {
+      if (v.coupled_laws != nullptr) {
+        if (!check_coupled(v, i, kLargest, fault)) return false;
+        continue;
+      }
     }
     if (!is_curve(v.normal_coefs(i), m.normal_coefs, 2, 0, kLargest, 1)) {
-      return fault.say("RESPONSES: response %u: normal force must start at zero and not decrease", i);
+      return fault.say("RESPONSES: response %: normal force must start at zero and not decrease", i);
     }
     for (std::uint32_t axis = 0; v.lateral != nullptr && axis < 2; ++axis) {
       if (!is_curve(v.lateral_coefs(i) + axis * m.lateral_coefs, m.lateral_coefs, 2, -kLargest, kLargest, 0)) {
-        return fault.say("LATERAL: response %u: must start at zero and be finite", i);
+        return fault.say("LATERAL: response %: must start at zero and be finite", i);
       }
     }
     if (v.friction == nullptr) continue;
@@ -66,14 +69,14 @@ inline bool check_responses(const View& v, Fault& fault) {
     const float* sideways = growth + 2 * m.growth_coefs;
     for (std::uint32_t axis = 0; axis < 2; ++axis) {
       if (!is_curve(growth + axis * m.growth_coefs, m.growth_coefs, 1, 0, 1e3f, 0)) {
-        return fault.say("FRICTION: response %u: growth must start at zero and not be negative", i);
+        return fault.say("FRICTION: response %: growth must start at zero and not be negative", i);
       }
       if (!is_sideways(sideways + axis * m.sideways_coefs, m.sideways_coefs, kLargest)) {
-        return fault.say("FRICTION: response %u: sideways force must oppose the deflection and vanish at zero", i);
+        return fault.say("FRICTION: response %: sideways force must oppose the deflection and vanish at zero", i);
       }
     }
     if (!is_curve(sideways + 2 * m.sideways_coefs, m.friction_coefs, 0, 0, 10, 0)) {
-      return fault.say("FRICTION: response %u: friction limit out of 0 to 10", i);
+      return fault.say("FRICTION: response %: friction limit out of 0 to 10", i);
     }
   }
   return true;
@@ -89,23 +92,23 @@ inline bool check_grasp(const View& v, std::uint64_t index, bool holds, Fault& f
   const double most = v.meta->depth_scale;
   if (holds ? !is_limit(head.depth, most) || !(head.pulled == 0 || is_limit(head.pulled, most))
             : head.depth != 0 || head.pulled != 0) {
-    return fault.say("GRASP: response %u: depth or pull out of range, or not as the tool's others", i);
+    return fault.say("GRASP: response %: depth or pull out of range, or not as the tool's others", i);
   }
   for (std::uint32_t k = 0; k < layout::kGraspCurves; ++k) {
     if (!is_curve(c + k * n, n, holds ? 0 : n, -kLargest, kLargest, k == 2 ? 1 : 0)) {
-      return fault.say("GRASP: response %u: curves must be finite, and the normal force not decrease", i);
+      return fault.say("GRASP: response %: curves must be finite, and the normal force not decrease", i);
     }
   }
   for (std::uint32_t k = 3; k < layout::kGraspCurves; ++k) {
     const float* curve = c + k * n;
     if (curve[0] != curve[1] || curve[n - 1] != curve[n - 2]) {
-      return fault.say("GRASP: response %u: stiffness must be level at its ends", i);
+      return fault.say("GRASP: response %: stiffness must be level at its ends", i);
     }
   }
   const float *xx = c + 3 * n, *xy = c + 4 * n, *yy = c + 5 * n;
   for (std::uint32_t k = 0; k < n; ++k) {
     if (xx[k] < 0 || yy[k] < 0 || double{xy[k]} * xy[k] > double{xx[k]} * yy[k]) {
-      return fault.say("GRASP: response %u: stiffness must be positive semidefinite", i);
+      return fault.say("GRASP: response %: stiffness must be positive semidefinite", i);
     }
   }
   return true;
@@ -119,12 +122,12 @@ inline bool check_turn(const View& v, std::uint64_t index, bool turns, Fault& fa
     if (turned == 0 &&
         is_curve(curves, layout::kTurnCurves * v.grasp_coefs, layout::kTurnCurves * v.grasp_coefs, 0, 0, 0))
       return true;
-    return fault.say("TURN: response %u: must be zero as the tool's others", i);
+    return fault.say("TURN: response %: must be zero as the tool's others", i);
   }
-  if (!is_limit(turned, layout::kLargestTurn)) return fault.say("TURN: response %u: angle out of range", i);
-  if (!(v.grasp_head(index).depth > 0)) return fault.say("TURN: response %u: has no grasp", i);
+  if (!is_limit(turned, layout::kLargestTurn)) return fault.say("TURN: response %: angle out of range", i);
+  if (!(v.grasp_head(index).depth > 0)) return fault.say("TURN: response %: has no grasp", i);
   if (const char* broken = grasp::broken_turn(v.grasp_curves(index), curves, static_cast<int>(v.grasp_coefs))) {
-    return fault.say("TURN: response %u: %s", i, broken);
+    return fault.say("TURN: response %: %", i, broken);
   }
   return true;
 }

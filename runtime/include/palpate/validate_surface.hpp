@@ -9,16 +9,16 @@ namespace palpate::runtime::detail {
 inline bool check_sites(const View& v, Fault& fault) {
   for (std::uint32_t i = 0; i < v.meta->site_count; ++i) {
     const layout::Site& s = v.sites[i];
-    if (!in_range(s.position)) return fault.say("SITES: site %u: position is not finite", i);
-    if (!is_frame(s.normal, s.tangent)) return fault.say("SITES: site %u: frame is not orthonormal", i);
-    if (!is_limit(s.depth_limit, v.meta->depth_scale)) return fault.say("SITES: site %u: depth limit out of range", i);
-    if ((s.flags & ~layout::site_all) != 0 || s.reserved != 0) return fault.say("SITES: site %u: unknown flags", i);
+    if (!in_range(s.position)) return fault.say("SITES: site %: position is not finite", i);
+    if (!is_frame(s.normal, s.tangent)) return fault.say("SITES: site %: frame is not orthonormal", i);
+    if (!is_limit(s.depth_limit, v.meta->depth_scale)) return fault.say("SITES: site %: depth limit out of range", i);
+    if ((s.flags & ~layout::site_all) != 0 || s.reserved != 0) return fault.say("SITES: site %: unknown flags", i);
   }
   for (std::uint32_t i = 0; i < v.meta->patch_count; ++i) {
     const auto& p = v.patches[i].vertex;
     if (p[0] >= v.meta->site_count || p[1] >= v.meta->site_count || p[2] >= v.meta->site_count || p[0] == p[1] ||
         p[1] == p[2] || p[2] == p[0]) {
-      return fault.say("PATCHES: patch %u: corners must be three different sites", i);
+      return fault.say("PATCHES: patch %: corners must be three different sites", i);
     }
   }
   return true;
@@ -64,27 +64,27 @@ inline bool check_edge(const View& v, std::uint32_t t, int corner, Fault& fault)
       continue;
     if (other < t) return true;
     if (same_weights(v, t, from, other, their_to) && same_weights(v, t, to, other, their_from)) return true;
-    return fault.say("SURFACE_TRIANGLES: triangles %u and %u disagree on the weights along their edge", t, other);
+    return fault.say("SURFACE_TRIANGLES: triangles % and % disagree on the weights along their edge", t, other);
   }
-  return fault.say("SURFACE_TRIANGLES: triangle %u: triangle %u is not its neighbour", t, other);
+  return fault.say("SURFACE_TRIANGLES: triangle %: triangle % is not its neighbour", t, other);
 }
 
 inline bool check_surface(const View& v, Fault& fault) {
   for (std::uint32_t i = 0; i < v.meta->vertex_count; ++i) {
-    if (!in_range(v.vertices[i].xyz)) return fault.say("SURFACE_VERTICES: vertex %u is not finite", i);
+    if (!in_range(v.vertices[i].xyz)) return fault.say("SURFACE_VERTICES: vertex % is not finite", i);
   }
   for (std::uint32_t i = 0; i < v.meta->triangle_count; ++i) {
     const layout::SurfaceTriangle& t = v.triangles[i];
     const auto& c = t.vertex;
     if (c[0] >= v.meta->vertex_count || c[1] >= v.meta->vertex_count || c[2] >= v.meta->vertex_count || c[0] == c[1] ||
         c[1] == c[2] || c[2] == c[0]) {
-      return fault.say("SURFACE_TRIANGLES: triangle %u: corners must be three different vertices", i);
+      return fault.say("SURFACE_TRIANGLES: triangle %: corners must be three different vertices", i);
     }
-    if (t.patch >= v.meta->patch_count) return fault.say("SURFACE_TRIANGLES: triangle %u: no patch %u", i, t.patch);
+    if (t.patch >= v.meta->patch_count) return fault.say("SURFACE_TRIANGLES: triangle %: no patch %", i, t.patch);
     for (int k = 0; k < 3; ++k) {
       if (std::uint32_t{t.grid[k][0]} + t.grid[k][1] > v.meta->subdivision ||
           t.neighbour[k] >= v.meta->triangle_count) {
-        return fault.say("SURFACE_TRIANGLES: triangle %u: grid or neighbour out of range", i);
+        return fault.say("SURFACE_TRIANGLES: triangle %: grid or neighbour out of range", i);
       }
     }
   }
@@ -119,10 +119,10 @@ inline bool check_search(const View& v, Fault& fault) {
       return fault.say("SEARCH: not a tree, or too deep");
     if (n.count == 0) {
       if (n.first <= at.node || n.first >= v.meta->search_nodes - 1)
-        return fault.say("SEARCH: node %u: bad children", at.node);
+        return fault.say("SEARCH: node %: bad children", at.node);
       for (std::uint32_t child = n.first; child < n.first + 2; ++child) {
         if (!is_inside(n, v.search[child].lower) || !is_inside(n, v.search[child].upper)) {
-          return fault.say("SEARCH: node %u does not hold its children", at.node);
+          return fault.say("SEARCH: node % does not hold its children", at.node);
         }
       }
       stack[top++] = {n.first + 1, at.depth + 1};
@@ -130,11 +130,11 @@ inline bool check_search(const View& v, Fault& fault) {
       continue;
     }
     if (n.first != next || n.count > v.meta->triangle_count - next)
-      return fault.say("SEARCH: node %u: bad triangles", at.node);
+      return fault.say("SEARCH: node %: bad triangles", at.node);
     next += n.count;
     for (std::uint32_t t = n.first; t < next; ++t) {
       for (const std::uint32_t c : v.triangles[t].vertex) {
-        if (!is_inside(n, v.vertices[c].xyz)) return fault.say("SEARCH: node %u does not hold its triangles", at.node);
+        if (!is_inside(n, v.vertices[c].xyz)) return fault.say("SEARCH: node % does not hold its triangles", at.node);
       }
     }
   }

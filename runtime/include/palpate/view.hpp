@@ -6,10 +6,20 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 namespace palpate::runtime {
 
 struct OpenResult;
+
+namespace detail {
+
+/// A T where it is `kept`, else nothing: what a feature needs to remember.
+struct Nothing {};
+template <bool kept, class T>
+using If = std::conditional_t<kept, T, Nothing>;
+
+}  // namespace detail
 
 /// Pointers into the bytes of a response file. Copyable; the bytes must outlive it and stay as they are.
 struct View {
@@ -35,11 +45,14 @@ struct View {
   std::uint32_t grasp_coefs = 0;          ///< of each of their curves
   const unsigned char* turns = nullptr;   ///< null when no tool's turns have a torque
 
-  /// Checks `size` bytes at `data` (aligned to 8) against the specification; defined in open.hpp.
+  /// Checks `size` bytes at `data` (aligned to 8) against the specification; defined in open.hpp. `kFeatures`
+  /// (layout::Feature bits): what the program can do with a file; one that holds more is refused by name.
+  template <std::uint32_t kFeatures = layout::feature_all>
   static OpenResult open(const void* data, std::size_t size);
   /// For bytes that open() has accepted before and that nobody can have changed since: checks header, table of contents
   /// and META, neither the checksum nor a record, which takes microseconds however large the file is. With any other
   /// bytes what follows is undefined.
+  template <std::uint32_t kFeatures = layout::feature_all>
   static OpenResult open_trusted(const void* data, std::size_t size);
 
   [[nodiscard]] const layout::FileHeader& header() const { return *reinterpret_cast<const layout::FileHeader*>(bytes); }

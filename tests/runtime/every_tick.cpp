@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Compiled without exceptions and RTTI, and looked into: what it leaves to the linker is what a tick needs.
+#include "tests/runtime/every_tick.hpp"
+
+#include "palpate/runtime.hpp"
+#include "tests/runtime/wandering.hpp"
+
+namespace palpate::test {
+namespace {
+
+using namespace runtime;
+
+bool touches(const Tick& tick) { return tick.state == State::stick || tick.state == State::slide; }
+
+template <class Held>
+void hold_on(const View& view, std::uint32_t tool, const Pose& pose, const Tick& tick, EveryTick& sum) {
+  Held grasp(view, tool, pose, tick);
+  Pose turning = pose;
+  for (int i = 0; i < 4; ++i) {
+    turning = Pose::from_quaternion(1, 0.01, 0.02, 0.01 * i, {1e-4, 0, 1e-4 * i}) * turning;
+    const Tick held = grasp.tick(turning);
+    sum.held += length(held.force) > 0;
+    sum.finite = sum.finite && std::isfinite(length(held.force) + length(held.torque));
+  }
+}
+
+}  // namespace
+
+EveryTick every_tick(const void* bytes, std::size_t size, int ticks, void (*halfway)()) {
+  static char error[200];
+  constexpr std::uint32_t kMostSites = 64;
+  SiteScales::Scale factors[kMostSites];
+  EveryTick sum;
+  const OpenResult opened = View::open(bytes, size);
+  const View& view = opened.view;
+  if (!opened || view.meta->site_count > kMostSites) {
+    for (std::size_t i = 0; i < sizeof error; ++i) error[i] = opened.error[i];
+    sum.error = opened ? "too many sites for this test" : error;
+    return sum;
+  }
+  SiteScales scales(view, factors);
+  for (std::uint32_t tool = 0; tool < view.meta->tool_count; ++tool) {
+    Wandering wandering(tool + 7);
+    Contact alone(view, tool), served(view, tool);
+    MovingContact moving(view, tool);
+    AdjustedContact adjusted(view, tool, scales);
+    Latest<Search> searches;
+    Search latest;
+    Output<output::LowPass, output::RateLimit, output::Limit> out({200}, {500}, {3});
+    const DeviceFrame device{Pose::from_quaternion(1, 0.1, 0.2, 0.3, {0.1, 0.2, 0.3}), 2, 0.5};
+    for (int i = 0; i < ticks; ++i) {
+      if (i == ticks / 2 && tool == 0) halfway();
+      const Pose pose = wandering.next();
+      if (i % 20 == 0) searches.write(search(view, tool, pose));
+      searches.read(latest);
+      if (i % 100 == 0) scales.set(static_cast<std::uint32_t>(i / 100) % view.meta->site_count, 0.5f);
+      const Pose breathing = Pose::from_quaternion(1, 0, 0, 1e-6 * i, {0, 0, 1e-7 * i});
+      const Tick answers[] = {alone.tick(pose), served.tick(pose, latest), moving.tick(breathing, breathing * pose),
+                              adjusted.tick(pose, 1e-3)};
+      for (const Tick& tick : answers) {
+        sum.touching += touches(tick);
+        sum.finite = sum.finite && std::isfinite(length(device.to_device(out(tick.force, 1e-3))));
+      }
+      if (i % 50 != 0 || !touches(answers[0])) continue;
+      hold_on<Grasp>(view, tool, pose, answers[0], sum);
+      hold_on<TurningGrasp>(view, tool, pose, answers[0], sum);
+    }
+  }
+  return sum;
+}
+
+}  // namespace palpate::test

@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# A feature that is left out leaves no code: functions of each are in the object with all and not in that with none.
+include(${CMAKE_CURRENT_LIST_DIR}/../support/run.cmake)
+
+# Sets `functions` to the object's own, and `bytes` to the size of code and constants.
+function(look_into object)
+  run(${NM} --demangle --defined-only --print-size ${object})
+  set(functions "${output}" PARENT_SCOPE)
+  run(${SIZE} ${object})
+  string(REGEX MATCH "\n *([0-9]+)" found "${output}")
+  set(bytes ${CMAKE_MATCH_1} PARENT_SCOPE)
+endfunction()
+
+look_into(${ALL})
+set(all "${functions}")
+set(all_bytes ${bytes})
+look_into(${NONE})
+foreach(part IN ITEMS coupled::Law:: coupled::Energy:: coupled::margin runtime::slip< ::sum_sideways search_tree touch_probes
+                      coupled::broken_rule check_grasp check_turn check_search)
+  if(NOT all MATCHES "${part}")
+    message(FATAL_ERROR "${part} is not even in the object with all features:\n${all}")
+  endif()
+  if(functions MATCHES "${part}")
+    message(FATAL_ERROR "${part} is in the object without features:\n${functions}")
+  endif()
+endforeach()
+message(STATUS "${all_bytes} bytes with all features, ${bytes} without")
+if(NOT bytes GREATER 0 OR NOT bytes LESS all_bytes)
+  message(FATAL_ERROR "leaving features out saves nothing")
+endif()

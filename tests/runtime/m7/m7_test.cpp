@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The runtime on a Cortex-M7, emulated instruction by instruction: the host's forces, in so many instructions.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "formats/response.hpp"
+#include "tests/runtime/m7/ticks.hpp"
+
+namespace palpate::test {
+namespace {
+
+using runtime::State;
+
+#ifdef PALPATE_BOARD_TICKS
+
+std::string output(const char* command) {
+  std::string text;
+  FILE* pipe = ::popen(command, "r");
+  if (pipe == nullptr) return text;
+  char part[4096];
+  for (std::size_t got = 0; (got = std::fread(part, 1, sizeof part, pipe)) > 0;) text.append(part, got);
+  EXPECT_EQ(::pclose(pipe), 0) << command;
+  return text;
+}
+
+TEST(CortexM7, PrintsWhatTheExamplePrintsOnTheHost) {
+  const std::string host = output(PALPATE_HOST_MICROCONTROLLER);
+  EXPECT_NE(host.find("1000 ms:"), std::string::npos);
+  EXPECT_EQ(output(PALPATE_BOARD_MICROCONTROLLER), host);
+}
+
+// What the board writes, tick by tick.
+std::vector<TickRecord> run_board() {
+  const std::string bytes = output(PALPATE_BOARD_TICKS);
+  std::vector<TickRecord> records(bytes.size() / sizeof(TickRecord));
+  std::memcpy(records.data(), bytes.data(), records.size() * sizeof(TickRecord));
+  return records;
+}
+
+struct Longest {
+  std::uint32_t tick = 0, search = 0, alone = 0;
+  void include(const TickRecord& r) {
+    tick = std::max(tick, r.tick);
+    search = std::max(search, r.search);
+    alone = std::max(alone, r.alone);
+  }
+};
+
+// Instructions of the longest tick that was given a search.
+std::uint32_t allowed(const std::string& file) {
+  // A capsule's orientation changes its responses, so most of its ticks blend six of them twice.
+  if (file == "profile_tool.palp") return 25000;
+  // From next to no depth, the anchor of an energy of degree 4 goes 64 steps in one tick; 25 000 in 99 of 100 ticks.
+  if (file == "coupled_4.palp") return 200000;
+  return 20000;
+}
+
+TEST(CortexM7, GivesTheForcesOfTheHostInSoManyInstructions) {
+  const std::vector<TickRecord> board = run_board();
+  std::size_t next = 0;
+  int seen[5] = {};
+  for (const char* name : {PALPATE_M7_FILES}) {
+    SCOPED_TRACE(name);
+    const std::vector<std::byte> bytes = read_bytes(std::filesystem::path(PALPATE_GOLDENS) / name);
+    const runtime::OpenResult opened = runtime::View::open(bytes.data(), bytes.size());
+    ASSERT_TRUE(opened) << opened.error;
+    const std::size_t first = next;
+    float force = 0, force_apart = 0, torque_apart = 0;
+    Longest longest;
+    std::uint64_t all = 0, lean = 0;
+    std::vector<std::uint32_t> touching;
+    const auto uncounted = [](const auto& work) { return work(), 0u; };
+    tick_all(opened.view, uncounted, [&](const TickRecord& host) {
+      ASSERT_LT(next, board.size());
+      const TickRecord& there = board[next++];
+      ASSERT_EQ(host.state, there.state) << next - first;
+      ++seen[there.state];
+      for (int k = 0; k < 3; ++k) {
+        force = std::max(force, std::abs(host.force[k]));
+        force_apart = std::max(force_apart, std::abs(host.force[k] - there.force[k]));
+        torque_apart = std::max(torque_apart, std::abs(host.torque[k] - there.torque[k]));
+      }
+      longest.include(there);
+      all += there.tick;
+      lean += there.lean;
+      const auto state = static_cast<State>(there.state);
+      if (state == State::stick || state == State::slide) touching.push_back(there.tick);
+    });
+    ASSERT_GT(next, first);
+    // Both compute in double precision and round to float.
+    constexpr float kLever = 0.03f;  // m
+    EXPECT_GT(force, 0.1f);
+    EXPECT_LE(force_apart, 2e-7f * force);
+    EXPECT_LE(torque_apart, 2e-7f * force * kLever);
+    EXPECT_LE(longest.tick, allowed(name));
+    // What a program leaves out of itself saves instructions.
+    const bool leaner = name == std::string("frictionless.palp") || name == std::string("separable.palp");
+    EXPECT_LT(static_cast<double>(lean), (leaner ? 1 : 1.01) * static_cast<double>(all));
+    std::nth_element(touching.begin(), touching.begin() + touching.size() / 2, touching.end());
+    std::printf("%-18s %5u instructions a touching tick, at most %6u; a search %6u; both in one %6u; lean %.3f of it\n",
+                name, touching[touching.size() / 2], longest.tick, longest.search, longest.alone,
+                static_cast<double>(lean) / static_cast<double>(all));
+  }
+  EXPECT_EQ(next, board.size());
+  EXPECT_GT(seen[static_cast<int>(State::stick)], 1000);
+  EXPECT_GT(seen[static_cast<int>(State::slide)], 1000);
+  EXPECT_GT(seen[static_cast<int>(State::free)], 1000);
+  EXPECT_GT(seen[static_cast<int>(State::released)], 10);
+}
+
+#else
+
+TEST(CortexM7, IsEmulated) {
+  GTEST_SKIP() << "needs gcc-arm-none-eabi, libstdc++-arm-none-eabi-newlib and qemu-system-arm when configured";
+}
+
+#endif
+
+}  // namespace
+}  // namespace palpate::test

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// On the board: ticks all tools of the response files in flash, and writes the records to standard output.
+#include "tests/runtime/m7/ticks.hpp"
+
+#include <cstdio>
+
+extern "C" const unsigned char files_begin[], files_end[];  // one after the other
+
+namespace {
+
+// QEMU's -icount shift=10 executes an instruction in 1024 ns of the board's time, which SysTick counts at 25 MHz in 24
+// bits: 25.6 steps an instruction, up to 655 360 of them.
+class Clock {
+public:
+  Clock() { registers()[1] = kLast, registers()[2] = 0, registers()[0] = 5; }
+  template <class Work>
+  std::uint32_t operator()(const Work& work) const {
+    const std::uint32_t before = registers()[2];
+    work();
+    return (((before - registers()[2]) & kLast) * 10 + 128) / 256;
+  }
+
+private:
+  static constexpr std::uint32_t kLast = 0xFFFFFF;
+  static volatile std::uint32_t* registers() { return reinterpret_cast<volatile std::uint32_t*>(0xE000E010); }
+};
+
+}  // namespace
+
+int main() {
+  using namespace palpate;
+  const Clock clock;
+  const std::uint32_t hundred = clock([] { __asm__ volatile(".rept 100\n nop\n .endr"); });
+  if (hundred < 100 || hundred > 103)
+    return std::fprintf(stderr, "100 instructions count as %u\n", unsigned(hundred)), 1;
+  for (const unsigned char* file = files_begin; file < files_end;) {
+    const auto size = static_cast<std::size_t>(reinterpret_cast<const layout::FileHeader*>(file)->file_size);
+    const runtime::OpenResult opened = runtime::View::open(file, size);
+    if (!opened) return std::fprintf(stderr, "%s\n", opened.error), 2;
+    test::tick_all(opened.view, clock, [](const test::TickRecord& r) { std::fwrite(&r, sizeof r, 1, stdout); });
+    file += size;
+  }
+}
