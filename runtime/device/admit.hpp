@@ -18,9 +18,7 @@ inline bool fresh(const Command& command, double time) {
 /// What to send at `time` (s): zero where the command is not fresh or not finite; a force beyond kind.peak_force
 /// shortened along its line.
 inline Command admitted(const Command& command, const DeviceKind& kind, double time) {
-  const bool finite =
-      std::isfinite(dot(command.force, command.force)) && std::isfinite(dot(command.torque, command.torque));
-  if (!fresh(command, time) || !finite) return {time, {}, {}};
+  if (!fresh(command, time) || !finite(command.force) || !finite(command.torque)) return {time, {}, {}};
   return {command.time, runtime::output::Limit{kind.peak_force}(command.force, 0), command.torque};
 }
 

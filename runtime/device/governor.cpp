@@ -10,8 +10,6 @@ namespace {
 
 bool within(double value, double low, double high) { return value >= low && value <= high; }
 
-bool finite(const Vec3& v) { return std::isfinite(runtime::dot(v, v)); }
-
 Vec3 shortened(const Vec3& v, double most) { return runtime::output::Limit{most}(v, 0); }
 
 }  // namespace

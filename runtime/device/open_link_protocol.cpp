@@ -31,7 +31,7 @@ Vec3 vector(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
 // No longer than `most`, along what is driven alone; zero where it is no number.
 void limit(const Vec3& v, double most, unsigned axes, float (&out)[3]) {
   const Vec3 driven{(axes & 1U) != 0 ? v.x : 0, (axes & 2U) != 0 ? v.y : 0, (axes & 4U) != 0 ? v.z : 0};
-  if (!std::isfinite(dot(driven, driven))) return;
+  if (!finite(driven)) return;
   const Vec3 held = runtime::output::Limit{most}(driven, 0);
   out[0] = static_cast<float>(held.x);
   out[1] = static_cast<float>(held.y);
@@ -151,8 +151,8 @@ void OpenLinkProtocol::take(double time, const State& state) {
   last_ = state;
   any_ = true;
   // What has waited on its way is no news: silence is measured on.
-  const double sent = sent_at_[state.heard];
-  if (time - sent < kLimits.hold) watch_.good(time);
+  last_sent_ = sent_at_[state.heard];
+  if (time - last_sent_ < kLimits.hold) watch_.good(time);
   sample_.time = time;
   ++sample_.number;
   sample_.buttons = state.buttons;
@@ -170,8 +170,10 @@ bool OpenLinkProtocol::possible(double time, const State& state) const {
   if (!(out <= 1.001 * capabilities_.radius) || !(std::fabs(size - 1) < 1e-3)) return false;
   if (!any_) return true;
   const double passed = 1e-6 * static_cast<std::uint32_t>(state.clock - last_.clock);
-  constexpr double kOff = 0.05;  // s that the clocks may differ by between two samples: what one of them has waited
-  if (!(passed > 0) || passed > time - sample_.time + kOff) return false;
+  // The last one was measured after the frame was sent that it answers, this one before it came in, however long either
+  // has waited. What is allowed beyond that is for a device that measures ahead of the frame.
+  constexpr double kOff = 0.05;  // s
+  if (!(passed > 0) || passed > 1.01 * (time - last_sent_) + kOff) return false;
   // Homing moves the origin.
   if (((state.flags ^ last_.flags) & State::kHomed) != 0 || (state.flags & State::kHomed) == 0) return true;
   const double moved = length(vector(state.position) - vector(last_.position));

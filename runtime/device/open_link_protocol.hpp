@@ -52,6 +52,7 @@ private:
   InputWatch watch_{kLimits};
   Sample sample_;
   openlink::State last_;                    // that was believed
+  double last_sent_ = 0;                    // s: when the frame was sent that it answers
   bool any_ = false;                        // there is a last one
   std::array<double, 256> sent_at_{};       // s, by sequence
   std::uint8_t sequence_ = 0, theirs_ = 0;  // last sent, last received

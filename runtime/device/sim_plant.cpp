@@ -9,8 +9,6 @@
 namespace palpate::device {
 namespace {
 
-bool finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
 double stepped(double value, double step) { return step > 0 ? step * std::floor(value / step + 0.5) : value; }
 
 }  // namespace

@@ -26,7 +26,7 @@ const char* WoodenGeometry::validate() const {
   }
   if (!positive(counts)) return "an encoder has counts in a turn";
   if (!positive(torque_constant)) return "a motor's torque constant is above 0";
-  if (!std::isfinite(dot(origin, origin))) return "the origin of an arm is finite";
+  if (!finite(origin)) return "the origin of an arm is finite";
   return nullptr;
 }
 

@@ -270,6 +270,18 @@ TEST(FalconFault, LeapOfTwentyDegrees) {
   falcon.expect_end(Fault::impossible);
 }
 
+TEST(FalconFault, APlaceThatTheArmsReachAndNoGripDoes) {
+  FalconModel model(firmware());
+  FalconProtocol protocol;
+  VirtualLink link(protocol, model);
+  model.leave_running({});
+  model.homed = Input::kHomed;
+  model.tip = {0.06, 0.05, 0.08};
+  ASSERT_TRUE(falcon::inverse(model.tip).reached);
+  EXPECT_TRUE(link.run_until(Phase::stopped, 0.2));
+  EXPECT_EQ(protocol.sample().fault, Fault::impossible);
+}
+
 TEST(FalconFault, LostOrigin) {
   Ready falcon;
   falcon.model.faults.lose_home = true;

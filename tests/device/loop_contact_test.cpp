@@ -51,6 +51,21 @@ TEST(LoopContact, IsTheContactsForceInTheDevicesFrame) {
   EXPECT_FALSE(source.answer(upright({NAN, 0, 0}), 1e-3).usable);
 }
 
+// After a force was taken away: what was pressed in meanwhile gives nothing back.
+TEST(LoopContact, AResetContactBeginsWithoutForce) {
+  const Opened ball(ball_content({}));
+  DeviceFrame frame;
+  frame.turn.translation = {0, 0, kBallRadius + kTipRadius};
+  ContactSource<> source(ball.view, 0, frame);
+  device::Answer answer;
+  for (int k = 0; k <= 300; ++k) answer = source.answer(upright({0, 0, 1e-3 - 1e-5 * k}), 1e-3);
+  EXPECT_GT(answer.force.z, 0.1);
+  source.reset();
+  answer = source.answer(upright({0, 0, -0.003}), 1e-3);
+  EXPECT_TRUE(answer.usable);
+  EXPECT_EQ(length(answer.force), 0);
+}
+
 // A hand that pulls the device down into the ball, engaged: the loop's force holds it at a depth, within the limits.
 TEST(LoopContact, ASimulatedHandRestsOnTheBall) {
   static FakeClock clock;

@@ -204,6 +204,7 @@ TEST(OpenLinkFault, EachEndsInZeroAndAName) {
        },
        Fault::impossible},
       {"clock stands", [](Ready& r) { r.model.clock_rate = 0; }, Fault::impossible},
+      {"clock runs ahead", [](Ready& r) { r.model.clock_rate = 100; }, Fault::impossible},
       {"origin lost", [](Ready& r) { r.model.measured.homed = false; }, Fault::reported},
       {"too hot", [](Ready& r) { r.model.measured.fault = 3; }, Fault::reported},
       {"stall", [](Ready& r) { r.link.outcome = Outcome::stalled; }, Fault::stalled},
@@ -236,6 +237,45 @@ TEST(OpenLinkFault, WhatPassesIsNoFault) {
   device.model.faults.late = 0;
   device.link.run(0.05);
   EXPECT_TRUE(pushes());
+}
+
+TEST(OpenLinkFault, FramesThatComeTwiceAreNoNews) {
+  Ready device;
+  OpenLinkProtocol& protocol = device.protocol;
+  const auto heard = [&](std::uint8_t sequence, std::uint32_t clock) {
+    State state;
+    state.flags = State::kHomed;
+    state.clock = clock;
+    const Frame frame = encode(sequence, state);
+    protocol.received(device.link.time, frame.bytes, frame.size());
+    return protocol.sample().number;
+  };
+  // A device that has just begun: its first frame, then later ones, then old ones.
+  protocol.start(device.link.time);
+  const Frame hello = encode(0, OpenLinkModel::usual());
+  protocol.received(device.link.time, hello.bytes, hello.size());
+  EXPECT_EQ(heard(1, 1000), 1U);
+  EXPECT_EQ(heard(1, 1500), 1U);
+  EXPECT_EQ(heard(3, 2000), 2U);
+  EXPECT_EQ(heard(2, 2500), 2U);
+  EXPECT_EQ(heard(250, 2500), 2U);
+  EXPECT_EQ(heard(4, 2500), 3U);
+  EXPECT_EQ(protocol.sample().fault, Fault::none);
+}
+
+// A host that was held up while homing reads what has waited, then what is fresh: between the two the device's clock
+// has gone further than the host's.
+TEST(OpenLinkFault, AHostThatWasHeldUpIsNoFaultOfTheDevice) {
+  OpenLinkModel model;
+  model.measured.homed = false;
+  OpenLinkProtocol protocol;
+  VirtualLink link(protocol, model);
+  ASSERT_TRUE(link.run_until(Phase::homing, 0.1));
+  link.run(0.05);
+  model.advance(link.time + 0.001);
+  link.time += 0.5;
+  link.run(0.05);
+  EXPECT_EQ(protocol.sample().phase, Phase::homing) << name(protocol.sample().fault);
 }
 
 // The host sleeps with a force given. The device lets go by itself, and the host that wakes up says why it stops.

@@ -16,6 +16,7 @@ using runtime::Pose;
 using runtime::View;
 
 constexpr double kTrace = 1e-4;  // J
+constexpr double kEdge = 1.3;
 
 /// A law of the depth alone.
 ContactLaw plain(const char* name, double most_depth, double (*force)(double), double (*slope)(double)) {
@@ -173,7 +174,9 @@ Response controlled(const StabilityCase& c, const Response& response) {
 
 StabilityResult examine(const StabilityCase& c) {
   StabilityResult result;
-  const double most = largest_scale(c);
+  // Both are looked for a little farther than the device can show, so that none is lost at the edge by being there a
+  // little later than the other.
+  const double showing = largest_scale(c), most = kEdge * showing;
   // The smallest scale that is as stiff as the onset at its own amplitude.
   double scale = 1e-4, below = scale;
   while (scale < most && stiffness_at(c, scale) < onset_at(c, scale).stiffness) {
@@ -196,7 +199,7 @@ StabilityResult examine(const StabilityCase& c) {
   // Simulated: from well below upwards, then between.
   constexpr double kStep = 1.12;
   double high = 0.5 * scale;
-  while (oscillates(high)) high /= kStep;
+  while (high > 0.01 * scale && oscillates(high)) high /= kStep;
   double low = high;
   bool found = false;
   while (!found && high < std::min(3 * scale, most)) {
@@ -209,6 +212,10 @@ StabilityResult examine(const StabilityCase& c) {
     (oscillates(middle) ? high : low) = middle;
   }
   result.simulated = found ? stiffness_at(c, std::sqrt(low * high)) : HUGE_VAL;
+  if (result.predicted > stiffness_at(c, showing) && result.simulated > stiffness_at(c, showing)) {
+    result.predicted = result.simulated = HUGE_VAL;
+    found = false;
+  }
   for (const double over : {1.5, 5.0}) {
     if (!found) break;
     const double at = scale_of(c, over * result.simulated);

@@ -11,8 +11,6 @@
 
 namespace palpate::test {
 
-inline bool finite(const runtime::Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
 /// Forces of contacts at every corner of the first triangles and at every tool's patches, from a push that barely
 /// touches to a tool at the 1e6 m that the specification promises to answer with a number.
 inline void try_fields(const runtime::View& view) {

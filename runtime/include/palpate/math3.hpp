@@ -19,6 +19,8 @@ inline Vec3 cross(const Vec3& a, const Vec3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 inline double length(const Vec3& a) { return std::sqrt(dot(a, a)); }
+/// Finite, and short enough for its square to be.
+inline bool finite(const Vec3& a) { return std::isfinite(dot(a, a)); }
 inline Vec3 to_vec(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
 
 /// `v` without its part along the unit vector n.

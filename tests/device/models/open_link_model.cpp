@@ -2,7 +2,6 @@
 #include "tests/device/models/open_link_model.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace palpate::test {
 
@@ -32,6 +31,7 @@ Capabilities OpenLinkModel::usual() {
 
 void OpenLinkModel::plugged(double time) {
   time_ = next_step_ = time;
+  clock_ = -500000;  // just below where it wraps
   received_.clear();
   queue_.clear();
   firmware_.emplace(board_, capabilities_);
@@ -40,6 +40,7 @@ void OpenLinkModel::plugged(double time) {
 void OpenLinkModel::advance(double time) {
   for (; next_step_ <= time; next_step_ += kStep) {
     time_ = next_step_;
+    clock_ += 1e6 * clock_rate * kStep;
     if (!faults.frozen) firmware_->step();
   }
 }
@@ -60,9 +61,7 @@ bool OpenLinkModel::read(double time, Bytes& packet) {
 }
 
 std::uint32_t OpenLinkModel::Board::microseconds() const {
-  // Begins just below where it wraps.
-  return static_cast<std::uint32_t>(static_cast<std::int64_t>(std::llround(1e6 * model.clock_rate * model.time_)) -
-                                    500000);
+  return static_cast<std::uint32_t>(static_cast<std::int64_t>(model.clock_));
 }
 
 void OpenLinkModel::Board::actuate(const float* force, const float* torque) {

@@ -58,6 +58,7 @@ private:
   device::openlink::Capabilities capabilities_;
   Board board_{*this};
   std::optional<device::openlink::Firmware<Board>> firmware_;
+  double clock_ = 0;                                   // us
   double time_ = 0, next_step_ = 0;                    // s
   std::deque<std::uint8_t> received_;                  // not read by the firmware yet
   std::deque<std::pair<double, std::uint8_t>> queue_;  // for the host: when, what
