@@ -11,12 +11,12 @@
 namespace palpate::cli {
 namespace {
 
-struct Options {
+struct BakeArguments {
   std::string scene, work;
   bool resume = true;
 };
 
-void run(const Options& options, const Globals& globals) {
+void run_bake(const BakeArguments& options, const Globals& globals) {
   pipeline::Pipeline p = pipeline::prepare(options.scene, {options.work, {}});
   pipeline::plan(p);
   const BakeReport report = bake_with_progress(p, globals);
@@ -30,12 +30,12 @@ void run(const Options& options, const Globals& globals) {
 }  // namespace
 
 void add_bake(CLI::App& app, Globals& globals) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BakeArguments>();
   Command command(app, "bake", "Solves every open pair; goes on where an earlier bake stopped");
   command.option("scene", options->scene, "Scene file").required();
   command.option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
   command.flag("--resume", options->resume, "Go on with what is there (always so; accepted for scripts)");
-  command.runs([options, &globals] { run(*options, globals); });
+  command.runs([options, &globals] { run_bake(*options, globals); });
 }
 
 }  // namespace palpate::cli

@@ -28,7 +28,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct BenchArguments {
   std::string file, tool, work;
   bool solver = false, models = false, open = false;
   double bytes = 0;
@@ -67,7 +67,7 @@ private:
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
 };
 
-void run_open(const Options& options, const Globals& globals) {
+void run_open(const BenchArguments& options, const Globals& globals) {
   constexpr int kRounds = 7;
   std::unique_ptr<TemporaryFile> large;
   if (options.bytes > 0) {
@@ -92,7 +92,7 @@ void run_open(const Options& options, const Globals& globals) {
   print(text);
 }
 
-void run(Options options, const Globals& globals) {
+void run_bench(BenchArguments options, const Globals& globals) {
 #ifdef PALPATE_SOLVER_BENCH
   if (options.solver && options.models) throw Error(ExitCode::usage, "--solver and --models exclude each other");
   if (options.solver) return run_solver_bench({options.file, options.bench.contacts}, globals);
@@ -130,7 +130,7 @@ void run(Options options, const Globals& globals) {
 }  // namespace
 
 void add_bench(CLI::App& app, Globals& globals) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchArguments>();
   Command command(app, "bench", "Times the ticks of a response file");
   command.option("file", options->file,
                  "Response file (.palp); with --models a scene, with --solver a scene, or nothing for a block");
@@ -162,7 +162,7 @@ void add_bench(CLI::App& app, Globals& globals) {
   command.runs([options, command, &globals] {
     constexpr int kSolved = 8;  // of a solve of seconds fewer are asked for than of a tick of nanoseconds
     if (options->solver && !command.given("--contacts")) options->bench.contacts = kSolved;
-    run(*options, globals);
+    run_bench(*options, globals);
   });
 }
 

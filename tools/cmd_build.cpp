@@ -12,11 +12,11 @@
 namespace palpate::cli {
 namespace {
 
-struct Options {
+struct BuildArguments {
   std::string scene, work, output;
 };
 
-void run(const Options& options, const Globals& globals) {
+void run_build(const BuildArguments& options, const Globals& globals) {
   pipeline::Pipeline p = pipeline::prepare(options.scene, {options.work, options.output});
   note(globals, text(p.body.report));
   if (p.body.report.thin_bag) {
@@ -36,12 +36,12 @@ void run(const Options& options, const Globals& globals) {
 }  // namespace
 
 void add_build(CLI::App& app, Globals& globals) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BuildArguments>();
   Command command(app, "build", "Bakes a scene: mesh, plan, bake, fit; writes NAME.palp");
   command.option("scene", options->scene, "Scene file (TOML)").required();
   command.option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
   command.option("-o,--output", options->output, "Response file (default: NAME.palp beside the scene)");
-  command.runs([options, &globals] { run(*options, globals); });
+  command.runs([options, &globals] { run_build(*options, globals); });
 }
 
 }  // namespace palpate::cli

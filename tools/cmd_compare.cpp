@@ -21,7 +21,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using runtime::Vec3;
 
-struct Options {
+struct CompareArguments {
   std::string file, other, tool;
   double within = 0.001, depth = std::numeric_limits<double>::infinity();
 };
@@ -49,7 +49,7 @@ struct Pair {
   [[nodiscard]] double ratio() const { return force / other; }
 };
 
-std::vector<Pair> compare(const Options& options, const ResponseInput& file, const ResponseInput& other) {
+std::vector<Pair> compare(const CompareArguments& options, const ResponseInput& file, const ResponseInput& other) {
   const std::uint32_t tool = file.tool(options.tool), other_tool = other.tool(options.tool);
   const std::vector<Site> candidates = own_sites(other.view(), other_tool);
   std::vector<Pair> pairs;
@@ -85,7 +85,7 @@ std::string line(const char* name, const Pair& p) {
   return text;
 }
 
-void run(const Options& options, const Globals& globals) {
+void run_compare(const CompareArguments& options, const Globals& globals) {
   const ResponseInput file(options.file), other(options.other);
   const std::vector<Pair> pairs = compare(options, file, other);
   if (pairs.empty()) {
@@ -110,7 +110,7 @@ void run(const Options& options, const Globals& globals) {
 }  // namespace
 
 void add_compare(CLI::App& app, Globals& globals) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CompareArguments>();
   Command command(app, "compare", "How much stiffer one response file is than another, at sites of the same place");
   command.option("file", options->file, "Response file").required();
   command.option("other", options->other, "Response file that it is set against").required();
@@ -120,7 +120,7 @@ void add_compare(CLI::App& app, Globals& globals) {
       .shows_default();
   command.option("--depth", options->depth, "Deepest push (m); left out: as deep as both were sampled")
       .check(number_in(1e-6, 1));
-  command.runs([options, &globals] { run(*options, globals); });
+  command.runs([options, &globals] { run_compare(*options, globals); });
 }
 
 }  // namespace palpate::cli

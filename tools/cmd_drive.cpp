@@ -28,7 +28,7 @@ using device::Cause;
 using device::Histogram;
 using device::LoopReport;
 
-struct Options {
+struct DriveArguments {
   std::string file, device, tool, record, plot, at, up = "z", device_up, firmware;
   double rate = 1000, seconds = 0, scale = 1, force_scale = 1, limit = 3, ramp = 1;
   int core = -1, priority = 80;
@@ -58,7 +58,7 @@ std::uint32_t button_mask(const std::optional<double>& number) {
   return *number < 1 ? 0 : std::uint32_t{1} << static_cast<int>(*number - 1);
 }
 
-device::LoopOptions loop_options(const Options& options, const device::DeviceKind& kind) {
+device::LoopOptions loop_options(const DriveArguments& options, const device::DeviceKind& kind) {
   device::LoopOptions loop;
   loop.seconds = options.seconds;
   loop.governor.rate = options.rate;
@@ -71,7 +71,7 @@ device::LoopOptions loop_options(const Options& options, const device::DeviceKin
   return loop;
 }
 
-FrameOptions frame_options(const Options& options, const device::DeviceKind& kind) {
+FrameOptions frame_options(const DriveArguments& options, const device::DeviceKind& kind) {
   FrameOptions frame;
   frame.up = axis("--up", options.up);
   frame.device_up = options.device_up.empty() ? upward(kind) : axis("--device-up", options.device_up);
@@ -154,8 +154,8 @@ void throw_cause(const LoopReport& report) {
   }
 }
 
-void report_run(const Options& options, const Globals& globals, const DriveTitle& title, const LoopReport& report,
-                const device::Realtime& granted, const device::RunWritten& written) {
+void report_run(const DriveArguments& options, const Globals& globals, const DriveTitle& title,
+                const LoopReport& report, const device::Realtime& granted, const device::RunWritten& written) {
   if (!globals.json) return print(drive_statistics(report, written.dropped));
   print_json({{"file", options.file},
               {"tool", title.tool},
@@ -183,7 +183,7 @@ void report_run(const Options& options, const Globals& globals, const DriveTitle
               {"core", granted.pinned ? options.core : -1}});
 }
 
-void run(Options options, const Globals& globals) {
+void run_drive(DriveArguments options, const Globals& globals) {
   if (options.list) return print(list_devices());
   if (options.file.empty()) throw Error(ExitCode::usage, "which response file? (or --list)");
   const device::DeviceKind& kind = find_drive_kind(options.device);
@@ -236,7 +236,7 @@ void run(Options options, const Globals& globals) {
 }  // namespace
 
 void add_drive(CLI::App& app, Globals& globals) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DriveArguments>();
   Command command(app, "drive", "Drives a haptic device with a response file");
   command.option("file", options->file, "Response file (.palp)");
   command.option("--device", options->device, "Name of the device; default: the one that is plugged in").named("NAME");
@@ -278,7 +278,7 @@ void add_drive(CLI::App& app, Globals& globals) {
           .named("FILE");
   command.option("--plot", options->plot, "Plot of the run (SVG); default: NAME-run.svg here, replaced").named("FILE");
   command.flag("--no-record", options->no_record, "Leave no recording and no plot").excludes(record);
-  command.runs([options, &globals] { run(*options, globals); });
+  command.runs([options, &globals] { run_drive(*options, globals); });
 }
 
 }  // namespace palpate::cli

@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct ExportArguments {
   std::string file, curves, glb, vtu, tool, field = "stiffness";
   std::uint32_t tool_vertex = 0;
   double depth = 0;  ///< m; 0: half the file's depth scale
@@ -38,7 +38,7 @@ struct Options {
   throw Error(ExitCode::bad_input, file + ": no field '" + field + "': " + cause);
 }
 
-void run(const Options& options, const Globals& globals) {
+void run_export(const ExportArguments& options, const Globals& globals) {
   if (options.curves.empty() && options.glb.empty() && options.vtu.empty()) {
     throw Error(ExitCode::usage, "nothing to write: export takes --curves, --glb or --vtu");
   }
@@ -105,7 +105,7 @@ void run(const Options& options, const Globals& globals) {
 }  // namespace
 
 void add_export(CLI::App& app, Globals& globals) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ExportArguments>();
   Command command(app, "export", "Writes a response file's curves as CSV, its body with a field as GLB or .vtu");
   command.option("file", options->file, "Response file (.palp)").required();
   command.option("--curves", options->curves, "CSV: force and friction limit of every response along pushes");
@@ -123,7 +123,7 @@ void add_export(CLI::App& app, Globals& globals) {
   command.option("--tool", options->tool, "Tool of the fields; default: the file's first");
   command.option("--tool-vertex", options->tool_vertex, "Its vertex that presses, by number").shows_default();
   command.option("--points", options->points, "Points of a curve").check(whole_in(2, 10000)).shows_default();
-  command.runs([options, &globals] { run(*options, globals); });
+  command.runs([options, &globals] { run_export(*options, globals); });
 }
 
 }  // namespace palpate::cli

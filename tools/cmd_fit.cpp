@@ -11,12 +11,12 @@
 namespace palpate::cli {
 namespace {
 
-struct Options {
+struct FitArguments {
   std::string scene, work, output;
   std::vector<std::string> measured;
 };
 
-void run(const Options& options, const Globals& globals) {
+void run_fit(const FitArguments& options, const Globals& globals) {
   pipeline::Pipeline p = pipeline::prepare(
       options.scene, {options.work, options.output, {options.measured.begin(), options.measured.end()}});
   pipeline::plan(p);
@@ -35,7 +35,7 @@ void run(const Options& options, const Globals& globals) {
 }  // namespace
 
 void add_fit(CLI::App& app, Globals& globals) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<FitArguments>();
   Command command(app, "fit", "Fits the solved samples and writes the response file NAME.palp");
   command.option("scene", options->scene, "Scene file").required();
   command.option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
@@ -44,7 +44,7 @@ void add_fit(CLI::App& app, Globals& globals) {
       "--measured", options->measured,
       "Recordings with a real tool (CSV, formats/recording-file.md), as [[measured]] in the scene: they stand "
       "in place of what is solved at the sites nearest to them");
-  command.runs([options, &globals] { run(*options, globals); });
+  command.runs([options, &globals] { run_fit(*options, globals); });
 }
 
 }  // namespace palpate::cli

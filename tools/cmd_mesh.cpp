@@ -35,7 +35,7 @@ nlohmann::ordered_json to_json(const SurfaceReport& report) {
           {"thin_bag", report.thin_bag}};
 }
 
-void run(const Arguments& arguments, const Globals& globals) {
+void run_mesh(const Arguments& arguments, const Globals& globals) {
   const Scene scene = read_scene(arguments.scene);
   const Body loaded = apply_prestress(prepare_body(scene));
   const Body& body = loaded.stress_free ? *loaded.stress_free : loaded;
@@ -74,7 +74,7 @@ void add_mesh(CLI::App& app, Globals& globals) {
   Command command(app, "mesh", "Prepares the organ's surface and reports what was done to it");
   command.option("scene", arguments->scene, "Scene file").required();
   command.option("--out", arguments->out, "Folder for the prepared surfaces (.ply)");
-  command.runs([arguments, &globals] { run(*arguments, globals); });
+  command.runs([arguments, &globals] { run_mesh(*arguments, globals); });
 }
 
 }  // namespace palpate::cli

@@ -13,11 +13,11 @@
 namespace palpate::cli {
 namespace {
 
-struct Options {
+struct PlanArguments {
   std::string scene, work;
 };
 
-void run(const Options& options, const Globals& globals) {
+void run_plan(const PlanArguments& options, const Globals& globals) {
   pipeline::Pipeline p = pipeline::prepare(options.scene, {options.work, {}});
   pipeline::plan(p);
   const Plan& plan = p.plan;
@@ -72,11 +72,11 @@ void run(const Options& options, const Globals& globals) {
 }  // namespace
 
 void add_plan(CLI::App& app, Globals& globals) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PlanArguments>();
   Command command(app, "plan", "Lists every pair to be solved (NAME.work/manifest.json)");
   command.option("scene", options->scene, "Scene file").required();
   command.option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
-  command.runs([options, &globals] { run(*options, globals); });
+  command.runs([options, &globals] { run_plan(*options, globals); });
 }
 
 }  // namespace palpate::cli

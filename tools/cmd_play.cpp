@@ -18,13 +18,13 @@
 namespace palpate::cli {
 namespace {
 
-struct Options {
+struct PlayArguments {
   std::string file, motion, out, plot, tool;
 };
 
 const char* plural(std::size_t count) { return count == 1 ? "" : "s"; }
 
-nlohmann::ordered_json json_of(const Options& options, const std::string& tool, std::size_t rows,
+nlohmann::ordered_json json_of(const PlayArguments& options, const std::string& tool, std::size_t rows,
                                const PlaySummary& s) {
   return {{"file", options.file},
           {"motion", options.motion},
@@ -43,7 +43,7 @@ nlohmann::ordered_json json_of(const Options& options, const std::string& tool, 
 }
 
 /// Files, warnings; the summary as text where it is not wanted as JSON.
-void report(const Options& options, const Globals& globals, const std::string& tool_name,
+void report(const PlayArguments& options, const Globals& globals, const std::string& tool_name,
             const std::vector<PlayedRow>& rows, const PlaySummary& s) {
   if (!options.out.empty()) write_file(options.out, forces_csv(rows));
   if (!options.plot.empty()) write_file(options.plot, forces_svg(rows, "Force on the tool '" + tool_name + "'"));
@@ -67,7 +67,7 @@ void report(const Options& options, const Globals& globals, const std::string& t
 #ifdef PALPATE_DRIVE
 
 /// The same forces as in the run, bit for bit, or an error; of another response file, how different they are.
-void replay(Options options, const Globals& globals) {
+void replay(PlayArguments options, const Globals& globals) {
   const device::RunLog log = read_run(options.motion);
   if (log.records.empty()) throw Error(ExitCode::bad_input, options.motion + ": the recording has no ticks");
   if (options.file.empty()) options.file = log.header.response;
@@ -111,7 +111,7 @@ void replay(Options options, const Globals& globals) {
 
 #endif
 
-void run(Options options, const Globals& globals) {
+void run_play(PlayArguments options, const Globals& globals) {
 #ifdef PALPATE_DRIVE
   if (is_run(options.file)) std::swap(options.file, options.motion);  // alone, or in the other order
   if (!options.motion.empty() && is_run(options.motion)) return replay(options, globals);
@@ -131,7 +131,7 @@ void run(Options options, const Globals& globals) {
 }  // namespace
 
 void add_play(CLI::App& app, Globals& globals) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PlayArguments>();
   Command command(app, "play", "Plays a motion against a response file");
   command.option("file", options->file, "Response file (.palp), or a run alone: its own response file").required();
   command.option("motion", options->motion,
@@ -139,7 +139,7 @@ void add_play(CLI::App& app, Globals& globals) {
   command.option("--out", options->out, "Write forces and torques here (CSV)");
   command.option("--plot", options->plot, "Write a plot of force and depth here (SVG)");
   command.option("--tool", options->tool, "Name of the tool; default: the file's first");
-  command.runs([options, &globals] { run(*options, globals); });
+  command.runs([options, &globals] { run_play(*options, globals); });
 }
 
 }  // namespace palpate::cli

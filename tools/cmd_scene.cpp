@@ -40,7 +40,7 @@ std::string tissues_text() {
   return text;
 }
 
-void run(const std::string& file, const Globals& globals) {
+void run_scene(const std::string& file, const Globals& globals) {
   const Scene scene = read_scene(file);
   check_files(scene);
   if (!globals.json) {
@@ -77,7 +77,7 @@ void add_scene(CLI::App& app, Globals& globals) {
     if (arguments->reference) return print(scene_reference());
     if (arguments->tissues) return print(tissues_text());
     if (arguments->file.empty()) throw Error(ExitCode::usage, "scene is required");
-    run(arguments->file, globals);
+    run_scene(arguments->file, globals);
   });
 }
 

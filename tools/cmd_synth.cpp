@@ -28,7 +28,7 @@ E enumerator(const std::vector<std::string>& names, const std::string& name) {
   return static_cast<E>(std::find(names.begin(), names.end(), name) - names.begin());
 }
 
-void run(const Arguments& arguments, const Globals& globals) {
+void run_synth(const Arguments& arguments, const Globals& globals) {
   synth::DatasetOptions options = arguments.options;
   options.organ = enumerator<synth::Organ>(kOrgans, arguments.organ);
   options.instrument = enumerator<synth::Instrument>(kInstruments, arguments.instrument);
@@ -89,7 +89,7 @@ void add_synth(CLI::App& app, Globals& globals) {
       .named("MOTION")
       .shows_default();
   command.option("--rate", o.motion_rate, "Rows of the motion a second").check(number_in(1.0, 1e4)).shows_default();
-  command.runs([arguments, &globals] { run(*arguments, globals); });
+  command.runs([arguments, &globals] { run_synth(*arguments, globals); });
 }
 
 }  // namespace palpate::cli

@@ -30,7 +30,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct VerifyArguments {
   std::string input, work, response, report, samples, battery, family, other, cases, paper, device;
   std::uint32_t count = 40;
   std::uint64_t seed = 1;
@@ -71,11 +71,11 @@ std::string table(const VerifyStatistics& s) {
 
 Json contacts_json(const VerifyStatistics& s) { return {{"solved", s.accepted}, {"refused", s.refused}}; }
 
-void check_limits(const Options& options, const VerifyStatistics& s) {
+void check_limits(const VerifyArguments& options, const VerifyStatistics& s) {
   if (const auto broken = broken_limits(s, options.limits)) throw Error(ExitCode::tolerance, *broken);
 }
 
-void publish(const Options& options, const Globals& globals, const Json& json, const std::string& text) {
+void publish(const VerifyArguments& options, const Globals& globals, const Json& json, const std::string& text) {
   if (!options.report.empty()) write_report(options.report, json);
   if (globals.json) {
     print_json(json);
@@ -85,7 +85,7 @@ void publish(const Options& options, const Globals& globals, const Json& json, c
 }
 
 // Against recorded solves: nothing is solved, no scene is needed.
-void compare(const Options& options, const Globals& globals) {
+void compare(const VerifyArguments& options, const Globals& globals) {
   const ResponseInput input(options.input);
   std::vector<HeldOut> contacts = read_recorded(options.samples);
   compare_with_file(input.view(), contacts);
@@ -106,7 +106,7 @@ void compare(const Options& options, const Globals& globals) {
   check_limits(options, s);
 }
 
-HeldOutSet solve_contacts(const Options& options, const Globals& globals, const pipeline::Pipeline& p,
+HeldOutSet solve_contacts(const VerifyArguments& options, const Globals& globals, const pipeline::Pipeline& p,
                           const runtime::View& view) {
   HeldOutOptions held;
   held.count = options.count;
@@ -147,7 +147,7 @@ std::string solved_text(const HeldOutSet& set, const VerifyStatistics& s, const 
   return out;
 }
 
-void solve(const Options& options, const Globals& globals) {
+void solve(const VerifyArguments& options, const Globals& globals) {
   // Whatever can fail for another reason than a solve fails before the first one.
   if (!options.report.empty()) check_writable(options.report);
   pipeline::Pipeline p = pipeline::prepare(options.input, {options.work, options.response});
@@ -194,7 +194,7 @@ void solve(const Options& options, const Globals& globals) {
 }
 
 // What is verified, one thing at a time; keys that belong to another are errors.
-void check_usage(const Options& options) {
+void check_usage(const VerifyArguments& options) {
   const std::pair<const char*, bool> kinds[] = {
       {"--battery", !options.battery.empty()}, {"--compare", !options.other.empty()},
       {"--device", !options.device.empty()},   {"--paper", !options.paper.empty()},
@@ -225,7 +225,7 @@ void check_usage(const Options& options) {
   }
 }
 
-void run(const Options& options, const Globals& globals) {
+void run_verify(const VerifyArguments& options, const Globals& globals) {
   check_usage(options);
   const ContactsCommand contacts{options.input, options.report, options.contacts, options.radii};
   if (options.slide) return run_slide(contacts, globals);
@@ -251,7 +251,7 @@ void run(const Options& options, const Globals& globals) {
 }  // namespace
 
 void add_verify(CLI::App& app, Globals& globals) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<VerifyArguments>();
   Command command(app, "verify", "Compares baked with solved forces; exit code 5 beyond a limit");
   command.option("input", options->input,
                  "Scene (solves held-out contacts) or, with --samples or --device, a response file");
@@ -295,7 +295,7 @@ void add_verify(CLI::App& app, Globals& globals) {
 #endif
   command.option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
   command.option("--response", options->response, "Response file (default: NAME.palp beside the scene)");
-  command.runs([options, &globals] { run(*options, globals); });
+  command.runs([options, &globals] { run_verify(*options, globals); });
 }
 
 }  // namespace palpate::cli

@@ -23,7 +23,7 @@ TEST_F(Interrupt, ABakeStopsAndGoesOn) {
             0);
   // Interrupted a little later each time, until one pair is solved; there are more than two.
   RunResult stopped;
-  for (auto wait = std::chrono::milliseconds(500);; wait = wait * 5 / 4) {
+  for (auto wait = std::chrono::milliseconds(500);; wait = wait * 3 / 2) {
     stopped = run({"bake", "scene.toml", "--quiet", "--threads", "1"}, {.time_limit = 240, .interrupt = wait});
     ASSERT_FALSE(stopped.timed_out);
     // Before the first solve there is nothing to save, and the signal ends the program.
