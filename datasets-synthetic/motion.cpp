@@ -2,6 +2,8 @@
 // Motions as smooth steps between places: position and velocity are continuous, as a hand's are.
 #include "datasets-synthetic/motion.hpp"
 
+#include "precompute/algebra/rotation_between.hpp"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -20,7 +22,7 @@ double smooth_step(double t) {
 
 /// Rotation that turns the tool's handle axis (+z) into `normal`.
 Eigen::Quaterniond orientation(const Eigen::Vector3d& normal) {
-  return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal).normalized();
+  return rotation_between(Eigen::Vector3d::UnitZ(), normal).normalized();
 }
 
 class Rows {

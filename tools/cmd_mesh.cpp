@@ -16,7 +16,7 @@ namespace palpate::cli {
 
 namespace {
 
-struct Arguments {
+struct MeshArguments {
   std::string scene, out;
 };
 
@@ -35,7 +35,7 @@ nlohmann::ordered_json to_json(const SurfaceReport& report) {
           {"thin_bag", report.thin_bag}};
 }
 
-void run_mesh(const Arguments& arguments, const Globals& globals) {
+void run_mesh(const MeshArguments& arguments, const Globals& globals) {
   const Scene scene = read_scene(arguments.scene);
   const Body loaded = apply_prestress(prepare_body(scene));
   const Body& body = loaded.stress_free ? *loaded.stress_free : loaded;
@@ -70,7 +70,7 @@ void run_mesh(const Arguments& arguments, const Globals& globals) {
 }  // namespace
 
 void add_mesh(CLI::App& app, Globals& globals) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<MeshArguments>();
   Command command(app, "mesh", "Prepares the organ's surface and reports what was done to it");
   command.option("scene", arguments->scene, "Scene file").required();
   command.option("--out", arguments->out, "Folder for the prepared surfaces (.ply)");

@@ -18,7 +18,7 @@ const std::vector<std::string> kOrgans{"slab", "ball", "liver", "kidney", "bladd
 const std::vector<std::string> kInstruments{"sphere", "punch", "capsule", "stylus"};
 const std::vector<std::string> kMotions{"probe", "scan"};
 
-struct Arguments {
+struct SynthArguments {
   synth::DatasetOptions options;
   std::string folder, organ, instrument = kInstruments[0], motion = kMotions[0];
 };
@@ -28,7 +28,7 @@ E enumerator(const std::vector<std::string>& names, const std::string& name) {
   return static_cast<E>(std::find(names.begin(), names.end(), name) - names.begin());
 }
 
-void run_synth(const Arguments& arguments, const Globals& globals) {
+void run_synth(const SynthArguments& arguments, const Globals& globals) {
   synth::DatasetOptions options = arguments.options;
   options.organ = enumerator<synth::Organ>(kOrgans, arguments.organ);
   options.instrument = enumerator<synth::Instrument>(kInstruments, arguments.instrument);
@@ -49,7 +49,7 @@ void run_synth(const Arguments& arguments, const Globals& globals) {
 }  // namespace
 
 void add_synth(CLI::App& app, Globals& globals) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<SynthArguments>();
   synth::DatasetOptions& o = arguments->options;
   Command command(app, "synth", "Writes a synthetic organ with scene and motion, from a seed");
 

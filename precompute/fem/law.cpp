@@ -2,15 +2,16 @@
 // What all laws share.
 #include "precompute/fem/law.hpp"
 
-#include <Eigen/Eigenvalues>
+#include "precompute/algebra/spectrum.hpp"
+
 #include <algorithm>
 
 namespace palpate {
 
 Tangent positive_part(const Tangent& tangent) {
-  const Eigen::SelfAdjointEigenSolver<Tangent> eigen(tangent);
-  const double least = 1e-6 * std::max(0.0, eigen.eigenvalues()[8]);
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(least).asDiagonal() * eigen.eigenvectors().transpose();
+  const auto eigen = spectrum(tangent);
+  const double least = 1e-6 * std::max(0.0, eigen.values[8]);
+  return eigen.vectors * eigen.values.cwiseMax(least).asDiagonal() * eigen.vectors.transpose();
 }
 
 }  // namespace palpate

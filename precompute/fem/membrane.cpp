@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "precompute/fem/membrane.hpp"
 
+#include "precompute/algebra/spectrum.hpp"
 #include "precompute/fem/face_shape.hpp"
 #include "precompute/fem/pressure.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -43,8 +43,8 @@ struct Strain {
 };
 
 Matrix2d positive_part(const Matrix2d& m) {
-  const Eigen::SelfAdjointEigenSolver<Matrix2d> eigen(m);
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() * eigen.eigenvectors().transpose();
+  const auto eigen = spectrum(m);
+  return eigen.vectors * eigen.values.cwiseMax(0).asDiagonal() * eigen.vectors.transpose();
 }
 
 template <class Face>

@@ -2,9 +2,8 @@
 // Spectral form: W = sum g(c) over the eigenvalues c of C = F^T F.
 #include "precompute/fem/ogden.hpp"
 
+#include "precompute/algebra/spectrum.hpp"
 #include "precompute/fem/guarded.hpp"
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -17,10 +16,10 @@ using Eigen::Vector3d;
 // Values of g and its derivatives at the three eigenvalues.
 struct Ogden::Principal {
   Principal(const std::vector<Term>& terms, const Matrix3d& f) {
-    const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(f.transpose() * f);
-    directions = eigen.eigenvectors();
+    const auto eigen = spectrum<3>(f.transpose() * f);
+    directions = eigen.vectors;
     for (int k = 0; k < 3; ++k) {
-      c[k] = eigen.eigenvalues()[k];
+      c[k] = eigen.values[k];
       g[k] = at(terms, c[k]);
     }
   }

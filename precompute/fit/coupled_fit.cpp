@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Rows from the runtime's own law, a first solution without constraints, and cones by their square roots.
+// CoupledRows from the runtime's own law, a first solution without constraints, and cones by their square roots.
 #include "precompute/fit/coupled_fit.hpp"
 
 #include <algorithm>
@@ -57,13 +57,13 @@ private:
   std::vector<Law> laws_;
 };
 
-/// Rows of forces over the peak, data first, priors after; the limit's columns stay empty.
-struct Rows {
+/// CoupledRows of forces over the peak, data first, priors after; the limit's columns stay empty.
+struct CoupledRows {
   MatrixXd matrix;
   VectorXd target;
 };
 
-Rows make_rows(const PairSamples& data, const CoupledScales& scales) {
+CoupledRows make_rows(const PairSamples& data, const CoupledScales& scales) {
   const Degrees& d = scales.degrees;
   const coupled::Places p = coupled::places(d);
   const Columns columns(scales);
@@ -105,8 +105,8 @@ Rows make_rows(const PairSamples& data, const CoupledScales& scales) {
   bend(p.stiffness, 3, d.stiffness + 1);
   bend(p.coupling, 3, coupled::from_square(d.stiffness));
   for (int k = 0; k < p.limit; ++k) add(kRidge * RowVectorXd::Unit(p.end, k), 0);
-  Rows result{MatrixXd(static_cast<Eigen::Index>(rows.size()), p.limit),
-              VectorXd(static_cast<Eigen::Index>(rows.size()))};
+  CoupledRows result{MatrixXd(static_cast<Eigen::Index>(rows.size()), p.limit),
+                     VectorXd(static_cast<Eigen::Index>(rows.size()))};
   for (std::size_t k = 0; k < rows.size(); ++k) {
     result.matrix.row(static_cast<Eigen::Index>(k)) = rows[k];
     result.target[static_cast<Eigen::Index>(k)] = target[k];
@@ -274,7 +274,7 @@ Eigen::Vector2d deepened(const Law& law, const CoupledScales& scales, double fro
 VectorXd fit_coupled(const std::vector<Sample>& samples, const CoupledScales& scales, const std::string& what) {
   const PairSamples data = sort_samples(samples, what);
   const coupled::Places p = coupled::places(scales.degrees);
-  const Rows rows = make_rows(data, scales);
+  const CoupledRows rows = make_rows(data, scales);
   VectorXd coefs = VectorXd::Zero(p.end);
   coefs.head(p.limit) = solve_linear(rows.matrix, rows.target, what + ", coupled law");
   if (coupled::broken_rule(coefs.data(), scales.degrees, HUGE_VAL) != nullptr) {

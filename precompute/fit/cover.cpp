@@ -7,6 +7,7 @@
 #include <set>
 
 #include "formats/error.hpp"
+#include "precompute/algebra/rotation_between.hpp"
 
 namespace palpate::fit {
 namespace {
@@ -22,7 +23,7 @@ class CarriedField {
 public:
   CarriedField(const ContactFrame& target, const CoverSource& source, const ModelScales& scales)
       : source_(source), scales_(scales) {
-    const auto rotation = Eigen::Quaterniond::FromTwoVectors(source.frame->n, target.n).toRotationMatrix();
+    const auto rotation = rotation_between(source.frame->n, target.n).toRotationMatrix();
     const Vector3d x = target.to_local(rotation * source.frame->x), y = target.to_local(rotation * source.frame->y);
     to_target_ << x.x(), y.x(), x.y(), y.y();
   }
@@ -42,7 +43,7 @@ private:
 
 /// Cosine and sine of the source's x axis in `frame`.
 Eigen::Vector2d turned(const ContactFrame& frame, const CoverSource& source) {
-  const Vector3d x = Eigen::Quaterniond::FromTwoVectors(source.frame->n, frame.n) * source.frame->x;
+  const Vector3d x = rotation_between(source.frame->n, frame.n) * source.frame->x;
   return frame.to_local(x).head<2>().normalized();
 }
 

@@ -2,13 +2,13 @@
 // Linear least squares with weak priors: one smooth curve where data are scarce, straight on beyond them.
 #include "precompute/fit/grasp_fit.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 
 #include "formats/error.hpp"
 #include "palpate/grasp_law.hpp"
+#include "precompute/algebra/spectrum.hpp"
 #include "precompute/fit/least_squares.hpp"
 #include "precompute/fit/spline_rows.hpp"
 
@@ -18,7 +18,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int n = kGraspCoefs;
 constexpr double kFloor = 0.02;  // of the peak force, below which errors count absolutely
 constexpr double kPrior = 1e-2;  // weight of smoothness against relative errors
 constexpr double kAside = 0.01;  // of Z: straight pulls are sideways by less
@@ -27,7 +26,7 @@ constexpr double kLowest = -10;  // peaks: least coefficient of Fn
 
 grasp::Law make_law(const GraspCurves& grasp, double scale) {
   grasp::Law law;
-  law.clear(n, scale);
+  law.clear(kGraspCoefs, scale);
   law.add(grasp.curves.data(), 1);
   return law;
 }
@@ -50,43 +49,47 @@ double peak_force(const std::vector<const Sample*>& samples) {
 // their ends, so that the law goes on beyond them: their unknowns are two fewer.
 void fit_sideways(const std::vector<const Sample*>& samples, double scale, double peak, const std::string& what,
                   VectorXd& curves) {
-  const MatrixXd level = level_ends(n), bends = kPrior * smooth_rows(n);
+  const MatrixXd level = level_ends(kGraspCoefs), bends = kPrior * smooth_rows(kGraspCoefs);
   const auto count = static_cast<Eigen::Index>(samples.size());
-  MatrixXd all = MatrixXd::Zero(2 * count + 5 * bends.rows(), 5 * n);
+  MatrixXd all = MatrixXd::Zero(2 * count + 5 * bends.rows(), 5 * kGraspCoefs);
   VectorXd target = VectorXd::Zero(all.rows());
   for (Eigen::Index i = 0; i < count; ++i) {
     const Sample& s = *samples[static_cast<std::size_t>(i)];
     const double weight = peak / std::max(s.force.norm(), kFloor * peak);
-    const Eigen::RowVectorXd value = weight * value_row(n, grasp_abscissa(s.deflection.z(), scale));
+    const Eigen::RowVectorXd value = weight * value_row(kGraspCoefs, grasp_abscissa(s.deflection.z(), scale));
     const double x = s.deflection.x() / scale, y = s.deflection.y() / scale;  // stiffnesses in peak / Z
-    all.row(2 * i).segment(0, n) = value;
-    all.row(2 * i).segment(2 * n, n) = -x * value;
-    all.row(2 * i).segment(3 * n, n) = -y * value;
-    all.row(2 * i + 1).segment(n, n) = value;
-    all.row(2 * i + 1).segment(3 * n, n) = -x * value;
-    all.row(2 * i + 1).segment(4 * n, n) = -y * value;
+    all.row(2 * i).segment(0, kGraspCoefs) = value;
+    all.row(2 * i).segment(2 * kGraspCoefs, kGraspCoefs) = -x * value;
+    all.row(2 * i).segment(3 * kGraspCoefs, kGraspCoefs) = -y * value;
+    all.row(2 * i + 1).segment(kGraspCoefs, kGraspCoefs) = value;
+    all.row(2 * i + 1).segment(3 * kGraspCoefs, kGraspCoefs) = -x * value;
+    all.row(2 * i + 1).segment(4 * kGraspCoefs, kGraspCoefs) = -y * value;
     target[2 * i] = weight * s.force.x() / peak;
     target[2 * i + 1] = weight * s.force.y() / peak;
   }
-  for (int k = 0; k < 5; ++k) all.block(2 * count + k * bends.rows(), k * n, bends.rows(), n) = bends;
-  MatrixXd rows(all.rows(), 2 * n + 3 * (n - 2));
-  rows.leftCols(2 * n) = all.leftCols(2 * n);
-  for (int k = 0; k < 3; ++k) rows.middleCols(2 * n + k * (n - 2), n - 2) = all.middleCols((2 + k) * n, n) * level;
+  for (int k = 0; k < 5; ++k)
+    all.block(2 * count + k * bends.rows(), k * kGraspCoefs, bends.rows(), kGraspCoefs) = bends;
+  MatrixXd rows(all.rows(), 2 * kGraspCoefs + 3 * (kGraspCoefs - 2));
+  rows.leftCols(2 * kGraspCoefs) = all.leftCols(2 * kGraspCoefs);
+  for (int k = 0; k < 3; ++k)
+    rows.middleCols(2 * kGraspCoefs + k * (kGraspCoefs - 2), kGraspCoefs - 2) =
+        all.middleCols((2 + k) * kGraspCoefs, kGraspCoefs) * level;
   const VectorXd solved = solve_linear(rows, target, what + ", grasp sideways curves");
-  curves.segment(0, 2 * n) = peak * solved.segment(0, 2 * n);
-  VectorXd stiffness(3 * n);
+  curves.segment(0, 2 * kGraspCoefs) = peak * solved.segment(0, 2 * kGraspCoefs);
+  VectorXd stiffness(3 * kGraspCoefs);
   for (int k = 0; k < 3; ++k) {
-    stiffness.segment(k * n, n) = peak / scale * (level * solved.segment(2 * n + k * (n - 2), n - 2));
+    stiffness.segment(k * kGraspCoefs, kGraspCoefs) =
+        peak / scale * (level * solved.segment(2 * kGraspCoefs + k * (kGraspCoefs - 2), kGraspCoefs - 2));
   }
-  for (int i = 0; i < n; ++i) {
+  for (int i = 0; i < kGraspCoefs; ++i) {
     Eigen::Matrix2d k;
-    k << stiffness[i], stiffness[n + i], stiffness[n + i], stiffness[2 * n + i];
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(k);
-    const Eigen::Vector2d values = eigen.eigenvalues().cwiseMax(kLeast * std::max(eigen.eigenvalues()[1], 0.0));
-    k = eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
-    curves[3 * n + i] = k(0, 0);
-    curves[4 * n + i] = k(0, 1);
-    curves[5 * n + i] = k(1, 1);
+    k << stiffness[i], stiffness[kGraspCoefs + i], stiffness[kGraspCoefs + i], stiffness[2 * kGraspCoefs + i];
+    const auto eigen = spectrum(k);
+    const Eigen::Vector2d values = eigen.values.cwiseMax(kLeast * std::max(eigen.values[1], 0.0));
+    k = eigen.vectors * values.asDiagonal() * eigen.vectors.transpose();
+    curves[3 * kGraspCoefs + i] = k(0, 0);
+    curves[4 * kGraspCoefs + i] = k(0, 1);
+    curves[5 * kGraspCoefs + i] = k(1, 1);
   }
 }
 
@@ -94,24 +97,24 @@ void fit_sideways(const std::vector<const Sample*>& samples, double scale, doubl
 // kLowest, and the increments to the others.
 void fit_normal(const std::vector<const Sample*>& samples, double scale, double peak, const std::string& what,
                 GraspCurves& grasp) {
-  MatrixXd coefs = MatrixXd::Zero(n, n);
-  for (int i = 0; i < n; ++i) coefs.row(i).head(i + 1).setOnes();
-  grasp.curves.segment(2 * n, n).setZero();
+  MatrixXd coefs = MatrixXd::Zero(kGraspCoefs, kGraspCoefs);
+  for (int i = 0; i < kGraspCoefs; ++i) coefs.row(i).head(i + 1).setOnes();
+  grasp.curves.segment(2 * kGraspCoefs, kGraspCoefs).setZero();
   const grasp::Law sideways = make_law(grasp, scale);
-  const MatrixXd bends = kPrior * smooth_rows(n);
+  const MatrixXd bends = kPrior * smooth_rows(kGraspCoefs);
   const auto count = static_cast<Eigen::Index>(samples.size());
-  MatrixXd rows(count + bends.rows(), n);
+  MatrixXd rows(count + bends.rows(), kGraspCoefs);
   VectorXd target = VectorXd::Zero(rows.rows());
   for (Eigen::Index i = 0; i < count; ++i) {
     const Sample& s = *samples[static_cast<std::size_t>(i)];
     const double weight = peak / std::max(s.force.norm(), kFloor * peak);
     const double coupling = sideways.force({s.deflection.x(), s.deflection.y(), s.deflection.z()}).n;
-    rows.row(i) = weight * value_row(n, grasp_abscissa(s.deflection.z(), scale));
+    rows.row(i) = weight * value_row(kGraspCoefs, grasp_abscissa(s.deflection.z(), scale));
     target[i] = weight * ((s.force.z() - coupling) / peak - kLowest);
   }
   rows.bottomRows(bends.rows()) = bends;
   const VectorXd rise = coefs * solve_nonnegative(rows * coefs, target, what + ", grasp normal curve");
-  grasp.curves.segment(2 * n, n) = peak * (rise.array() + kLowest).matrix();
+  grasp.curves.segment(2 * kGraspCoefs, kGraspCoefs) = peak * (rise.array() + kLowest).matrix();
 }
 
 }  // namespace
@@ -135,7 +138,7 @@ GraspCurves fit_grasp(const std::vector<Sample>& samples, double depth_scale, co
   if (!(peak > 0)) throw Error(ExitCode::numerical, what + ": a grasp without any force");
   grasp.depth = taken.front()->deflection.z();
   grasp.pulled = std::min(grasp.pulled, depth_scale);
-  grasp.curves = VectorXd::Zero(static_cast<Eigen::Index>(layout::kGraspCurves) * n);
+  grasp.curves = VectorXd::Zero(static_cast<Eigen::Index>(layout::kGraspCurves) * kGraspCoefs);
   fit_sideways(taken, depth_scale, peak, what, grasp.curves);
   fit_normal(taken, depth_scale, peak, what, grasp);
   return grasp;
@@ -144,13 +147,13 @@ GraspCurves fit_grasp(const std::vector<Sample>& samples, double depth_scale, co
 GraspCurves blend_grasps(const std::vector<GraspShare>& shares, double depth_scale) {
   GraspCurves blend;
   grasp::Law law;
-  law.clear(n, depth_scale);
+  law.clear(kGraspCoefs, depth_scale);
   for (const GraspShare& s : shares) {
     blend.depth += s.share * s.grasp->depth;
     blend.pulled += s.share * s.grasp->pulled;
     law.add(s.grasp->curves.data(), s.share, s.turned.x(), s.turned.y());
   }
-  blend.curves = Eigen::Map<const VectorXd>(law.coefs(), static_cast<Eigen::Index>(layout::kGraspCurves) * n);
+  blend.curves = Eigen::Map<const VectorXd>(law.coefs(), static_cast<Eigen::Index>(layout::kGraspCurves) * kGraspCoefs);
   return blend;
 }
 

@@ -25,9 +25,9 @@ constexpr double continuation_weight = 0.02;
 constexpr double bend_weight = 1e-2;
 constexpr int continuation_points = 8;
 
-class Rows {
+class CurveRows {
 public:
-  explicit Rows(int columns) : columns_(columns) {}
+  explicit CurveRows(int columns) : columns_(columns) {}
   void add(const RowVectorXd& row, double target) {
     entries_.insert(entries_.end(), row.begin(), row.end());
     target_.push_back(target);
@@ -56,7 +56,7 @@ double abscissa(double depth, double scale) { return std::sqrt(std::clamp(depth 
 
 /// Priors of a force curve over s: one cubic where data are scarce; beyond the deepest sample the tangent
 /// stiffness in z there goes on, F(z) = F(d) + F'(d) (z - d).
-void add_curve_priors(Rows& rows, int count, double reach) {
+void add_curve_priors(CurveRows& rows, int count, double reach) {
   rows.add(jump_weight * jump_rows(count));
   if (reach > 1 - 1e-9) return;
   for (int k = 1; k <= continuation_points; ++k) {
@@ -70,7 +70,7 @@ void add_curve_priors(Rows& rows, int count, double reach) {
 /// Monotone Fn: unknowns are the increments of the coefficients from the third on.
 VectorXd fit_normal(const PairData& data, const ModelScales& scales, const std::string& what) {
   const int n = scales.normal_coefs;
-  Rows rows(n);
+  CurveRows rows(n);
   for (const Sample* sample : data.normal) {
     const double w = data.weight(*sample) * data.peak;
     const double s = abscissa(sample->deflection.z(), scales.depth);
@@ -85,7 +85,7 @@ VectorXd fit_normal(const PairData& data, const ModelScales& scales, const std::
 
 VectorXd fit_lateral(const PairData& data, const ModelScales& scales, int axis, const std::string& what) {
   const int n = scales.lateral_coefs;
-  Rows rows(n);
+  CurveRows rows(n);
   for (const Sample* sample : data.normal) {
     const double w = data.weight(*sample) * data.peak;
     rows.add(w * value_row(n, abscissa(sample->deflection.z(), scales.depth)), w * sample->force[axis] / data.peak);
@@ -100,7 +100,7 @@ VectorXd fit_lateral(const PairData& data, const ModelScales& scales, int axis, 
 VectorXd fit_friction(const PairData& data, const std::vector<Sample>& samples, const ModelScales& scales,
                       const std::string& what) {
   const int n = scales.friction_coefs;
-  Rows rows(n);
+  CurveRows rows(n);
   for (const auto& [depth, limit] : friction_limits(samples)) {
     rows.add(value_row(n, abscissa(depth, scales.depth)), limit);
   }

@@ -14,7 +14,8 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kRidge = 1e-6;  // of the weights over the peak: keeps close centres from playing against each other
+constexpr double kBasisRidge =
+    1e-6;  // of the weights over the peak: keeps close centres from playing against each other
 
 Vector3d place(const Vector3d& deflection, const RadialBasis& network) {
   const double z = std::sqrt(std::clamp(deflection.z() / network.depth, 0.0, 1.0));
@@ -68,7 +69,7 @@ RadialBasis fit_radial_basis(const std::vector<Sample>& samples, const ModelScal
     }
     target.row(i) = weight * s.force.transpose();
   }
-  rows.bottomRows(taken) = kRidge * MatrixXd::Identity(taken, taken);
+  rows.bottomRows(taken) = kBasisRidge * MatrixXd::Identity(taken, taken);
   network.weights.resize(taken, 3);
   for (int axis = 0; axis < 3; ++axis) {
     network.weights.col(axis) = data.peak * solve_linear(rows, target.col(axis), what + ", radial basis");

@@ -14,8 +14,8 @@ namespace {
 constexpr double kKept = 0.5;            // of the samples, by which the curves are found
 constexpr double kFarOut = 5.0;          // spreads: an outlier
 constexpr double kNear = 0.01;           // of the force: a spread is never taken for smaller
-constexpr double kFloor = 0.02;          // of the peak force, below which that counts as the force
-constexpr double kUsualError = 0.01;     // of the force, that solved samples have
+constexpr double kRecordedFloor = 0.02;  // of the peak force, below which that counts as the force
+constexpr double kSolvedError = 0.01;    // of the force, that solved samples have
 constexpr double kMostOutliers = 0.25;   // of the samples
 constexpr double kMostResidual = 0.1;    // rms over the largest force
 constexpr double kLeastDepth = 0.5;      // of what is asked for
@@ -91,8 +91,8 @@ private:
     for (std::size_t k = 0; k < samples_.size(); ++k) {
       if (!kept_[k]) continue;
       Sample& sample = kept.emplace_back(samples_[k]);
-      const double size = std::max(sample.force.norm(), kFloor * peak_);
-      if (weigh_) sample.weight *= size / std::hypot(size, spread_[k] / kUsualError);
+      const double size = std::max(sample.force.norm(), kRecordedFloor * peak_);
+      if (weigh_) sample.weight *= size / std::hypot(size, spread_[k] / kSolvedError);
     }
     curves_ = fit_pair(kept, scales_, what_);
     distance_.resize(samples_.size());
@@ -119,7 +119,7 @@ private:
         last = begin;
       }
       const double force = evaluate(curves_, scales_, samples_[list[i]].deflection).norm();
-      spread_[list[i]] = std::max(median, kNear * std::max(force, kFloor * peak_));
+      spread_[list[i]] = std::max(median, kNear * std::max(force, kRecordedFloor * peak_));
     }
   }
 

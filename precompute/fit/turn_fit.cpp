@@ -2,13 +2,13 @@
 // One linear least-squares problem of torques and of what a turn adds to the force, then what keeps the energy bounded.
 #include "precompute/fit/turn_fit.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "formats/error.hpp"
 #include "palpate/turn_law.hpp"
+#include "precompute/algebra/spectrum.hpp"
 #include "precompute/fit/least_squares.hpp"
 #include "precompute/fit/spline_rows.hpp"
 
@@ -23,12 +23,13 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 using Coupling = Eigen::Matrix<double, 2, 3>;
 
-constexpr int n = kGraspCoefs, kCurves = static_cast<int>(layout::kTurnCurves);
-constexpr int kFree = 3;         // curves of T, which bend freely; the others are level at their ends
-constexpr double kFloor = 0.02;  // of the peak torque or force, below which errors count absolutely
-constexpr double kPrior = 1e-2;  // weight of smoothness against relative errors
-constexpr double kLeast = 1e-3;  // smallest over largest stiffness of turns
-constexpr double kMost = 0.98;   // of the coupling at which the stiffness of moves and turns is no longer positive
+constexpr int kCurves = static_cast<int>(layout::kTurnCurves);
+constexpr int kFree = 3;             // curves of T, which bend freely; the others are level at their ends
+constexpr double kTurnFloor = 0.02;  // of the peak torque or force, below which errors count absolutely
+constexpr double kTurnPrior = 1e-2;  // weight of smoothness against relative errors
+constexpr double kLeastTurn = 1e-3;  // smallest over largest stiffness of turns
+constexpr double kMostCoupling =
+    0.98;  // of the coupling at which the stiffness of moves and turns is no longer positive
 /// Curve of K's entries.
 constexpr std::array<std::array<int, 3>, 3> kStiffness{{{3, 4, 6}, {4, 5, 7}, {6, 7, 8}}};
 
@@ -64,16 +65,19 @@ Vector3d by_rotation(const Sample& s) {
   return s.torque - (1 - std::cos(a)) / a * once + (a - std::sin(a)) / a * axis.cross(once);
 }
 
-/// Rows of the problem: unknown are the curves' coefficients, those of T in torques, of K in torques a largest angle,
-/// of C in torques a depth scale, all of the peak torque.
-class Rows {
+/// TurnRows of the problem: unknown are the curves' coefficients, those of T in torques, of K in torques a largest
+/// angle, of C in torques a depth scale, all of the peak torque.
+class TurnRows {
 public:
-  Rows(Eigen::Index most, double depth_scale, double angle)
-      : matrix_(MatrixXd::Zero(most, kCurves * n)), target_(VectorXd::Zero(most)), scale_(depth_scale), angle_(angle) {}
+  TurnRows(Eigen::Index most, double depth_scale, double angle)
+      : matrix_(MatrixXd::Zero(most, kCurves * kGraspCoefs)),
+        target_(VectorXd::Zero(most)),
+        scale_(depth_scale),
+        angle_(angle) {}
 
   /// Torque: T - C^T e - K theta.
   void torque(const Sample& s, double weight, const Vector3d& value) {
-    const RowVectorXd at = weight * value_row(n, grasp_abscissa(s.deflection.z(), scale_));
+    const RowVectorXd at = weight * value_row(kGraspCoefs, grasp_abscissa(s.deflection.z(), scale_));
     for (int i = 0; i < 3; ++i) {
       put(i, at);
       for (int j = 0; j < 3; ++j) put(kStiffness[i][j], -s.rotation[j] / angle_ * at);
@@ -86,8 +90,8 @@ public:
   /// derivative by the depth of -T theta + e C theta + theta K theta / 2.
   void force(const Sample& s, double weight, const Vector3d& value) {
     const double u = grasp_abscissa(s.deflection.z(), scale_);
-    const RowVectorXd at = weight * value_row(n, u);
-    const RowVectorXd slope = weight * 0.5 / layout::kGraspRange * slope_row(n, u);
+    const RowVectorXd at = weight * value_row(kGraspCoefs, u);
+    const RowVectorXd slope = weight * 0.5 / layout::kGraspRange * slope_row(kGraspCoefs, u);
     const Vector3d turn = s.rotation / angle_;
     for (int j = 0; j < 2; ++j) {
       for (int i = 0; i < 3; ++i) put(9 + 3 * j + i, -s.rotation[i] * at);
@@ -103,7 +107,7 @@ public:
 
   /// One smooth curve where data are scarce.
   void priors() {
-    const MatrixXd smooth = kPrior * smooth_rows(n);
+    const MatrixXd smooth = kTurnPrior * smooth_rows(kGraspCoefs);
     for (int curve = 0; curve < kCurves; ++curve) {
       for (Eigen::Index i = 0; i < smooth.rows(); ++i) {
         put(curve, smooth.row(i));
@@ -113,22 +117,24 @@ public:
   }
 
   [[nodiscard]] VectorXd solve(const std::string& what) const {
-    const MatrixXd level = level_ends(n);
-    const auto place = [](int curve) { return kFree * n + (curve - kFree) * (n - 2); };
+    const MatrixXd level = level_ends(kGraspCoefs);
+    const auto place = [](int curve) { return kFree * kGraspCoefs + (curve - kFree) * (kGraspCoefs - 2); };
     MatrixXd reduced(used_, place(kCurves));
-    reduced.leftCols(kFree * n) = matrix_.topRows(used_).leftCols(kFree * n);
+    reduced.leftCols(kFree * kGraspCoefs) = matrix_.topRows(used_).leftCols(kFree * kGraspCoefs);
     for (int k = kFree; k < kCurves; ++k) {
-      reduced.middleCols(place(k), n - 2) = matrix_.topRows(used_).middleCols(k * n, n) * level;
+      reduced.middleCols(place(k), kGraspCoefs - 2) =
+          matrix_.topRows(used_).middleCols(k * kGraspCoefs, kGraspCoefs) * level;
     }
     const VectorXd solved = solve_linear(reduced, target_.head(used_), what);
-    VectorXd curves(kCurves * n);
-    curves.head(kFree * n) = solved.head(kFree * n);
-    for (int k = kFree; k < kCurves; ++k) curves.segment(k * n, n) = level * solved.segment(place(k), n - 2);
+    VectorXd curves(kCurves * kGraspCoefs);
+    curves.head(kFree * kGraspCoefs) = solved.head(kFree * kGraspCoefs);
+    for (int k = kFree; k < kCurves; ++k)
+      curves.segment(k * kGraspCoefs, kGraspCoefs) = level * solved.segment(place(k), kGraspCoefs - 2);
     return curves;
   }
 
 private:
-  void put(int curve, const RowVectorXd& row) { matrix_.row(used_).segment(curve * n, n) += row; }
+  void put(int curve, const RowVectorXd& row) { matrix_.row(used_).segment(curve * kGraspCoefs, kGraspCoefs) += row; }
   void end(double target) { target_[used_++] = target; }
 
   MatrixXd matrix_;
@@ -141,39 +147,39 @@ private:
 bool about_three_axes(const std::vector<const Sample*>& samples, double angle) {
   Matrix3d sum = Matrix3d::Zero();
   for (const Sample* s : samples) sum += s->rotation * s->rotation.transpose();
-  return Eigen::SelfAdjointEigenSolver<Matrix3d>(sum).eigenvalues()[0] > 0.01 * angle * angle;
+  return spectrum(sum).values[0] > 0.01 * angle * angle;
 }
 
 Matrix2d inverse_root(const Matrix2d& k) {
-  const Eigen::SelfAdjointEigenSolver<Matrix2d> eigen(k);
-  return eigen.operatorInverseSqrt();
+  const auto eigen = spectrum(k);
+  return eigen.vectors * eigen.values.cwiseSqrt().cwiseInverse().asDiagonal() * eigen.vectors.transpose();
 }
 
-/// Coefficient by coefficient: K's smallest over its largest eigenvalue at least kLeast, and as much less of C as makes
-/// the stiffness of moves and turns together positive definite.
+/// Coefficient by coefficient: K's smallest over its largest eigenvalue at least kLeastTurn, and as much less of C as
+/// makes the stiffness of moves and turns together positive definite.
 void bound_energy(const GraspCurves& grasp, VectorXd& curves, const std::string& what) {
-  for (int i = 0; i < n; ++i) {
-    const auto of = [&](int curve) -> double& { return curves[curve * n + i]; };
+  for (int i = 0; i < kGraspCoefs; ++i) {
+    const auto of = [&](int curve) -> double& { return curves[curve * kGraspCoefs + i]; };
     Matrix3d k;
     for (int r = 0; r < 3; ++r) {
       for (int c = 0; c < 3; ++c) k(r, c) = of(kStiffness[r][c]);
     }
-    const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(k);
-    const Vector3d values = eigen.eigenvalues().cwiseMax(kLeast * eigen.eigenvalues()[2]);
+    const auto eigen = spectrum(k);
+    const Vector3d values = eigen.values.cwiseMax(kLeastTurn * eigen.values[2]);
     Matrix2d move;
-    move << grasp.curves[3 * n + i], grasp.curves[4 * n + i], grasp.curves[4 * n + i], grasp.curves[5 * n + i];
-    if (!(values[0] > 0) || !(Eigen::SelfAdjointEigenSolver<Matrix2d>(move).eigenvalues()[0] > 0)) {
+    move << grasp.curves[3 * kGraspCoefs + i], grasp.curves[4 * kGraspCoefs + i], grasp.curves[4 * kGraspCoefs + i],
+        grasp.curves[5 * kGraspCoefs + i];
+    if (!(values[0] > 0) || !(spectrum(move).values[0] > 0)) {
       throw Error(ExitCode::numerical, what + ": a grasp that does not resist moves or turns");
     }
-    k = eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
+    k = eigen.vectors * values.asDiagonal() * eigen.vectors.transpose();
     Coupling across;
     for (int j = 0; j < 6; ++j) across(j / 3, j % 3) = of(9 + j);
-    const Matrix3d root =
-        eigen.eigenvectors() * values.cwiseSqrt().cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
+    const Matrix3d root = eigen.vectors * values.cwiseSqrt().cwiseInverse().asDiagonal() * eigen.vectors.transpose();
     const Coupling scaled = inverse_root(move) * across * root;
     const Matrix2d square = scaled * scaled.transpose();
-    const double share = std::sqrt(Eigen::SelfAdjointEigenSolver<Matrix2d>(square).eigenvalues()[1]);
-    across *= std::min(1.0, kMost / std::max(share, kMost));
+    const double share = std::sqrt(spectrum(square).values[1]);
+    across *= std::min(1.0, kMostCoupling / std::max(share, kMostCoupling));
     for (int r = 0; r < 3; ++r) {
       for (int c = r; c < 3; ++c) of(kStiffness[r][c]) = k(r, c);
     }
@@ -199,20 +205,20 @@ TurnCurves fit_turns(const std::vector<Sample>& samples, const GraspCurves& gras
   if (peak.angle > layout::kLargestTurn) {
     throw Error(ExitCode::numerical, what + ": turned by " + std::to_string(peak.angle) + " rad; at most 1 is stored");
   }
-  const auto most = static_cast<Eigen::Index>(6 * taken.size()) + 2 * kCurves * n;
-  Rows rows(most, depth_scale, peak.angle);
+  const auto most = static_cast<Eigen::Index>(6 * taken.size()) + 2 * kCurves * kGraspCoefs;
+  TurnRows rows(most, depth_scale, peak.angle);
   for (const Sample* s : taken) {
-    rows.torque(*s, peak.torque / std::max(s->torque.norm(), kFloor * peak.torque), by_rotation(*s) / peak.torque);
+    rows.torque(*s, peak.torque / std::max(s->torque.norm(), kTurnFloor * peak.torque), by_rotation(*s) / peak.torque);
     if (s->rotation.isZero(0)) continue;
     const Vector3d added = s->force - evaluate(grasp, depth_scale, s->deflection);
     const double unit = peak.torque / depth_scale;
-    rows.force(*s, unit / std::max(s->force.norm(), kFloor * peak.force), added / unit);
+    rows.force(*s, unit / std::max(s->force.norm(), kTurnFloor * peak.force), added / unit);
   }
   rows.priors();
   TurnCurves turn;
   turn.curves = peak.torque * rows.solve(what + ", grasp turns");
-  turn.curves.segment(3 * n, 6 * n) /= peak.angle;
-  turn.curves.segment(9 * n, 6 * n) /= depth_scale;
+  turn.curves.segment(3 * kGraspCoefs, 6 * kGraspCoefs) /= peak.angle;
+  turn.curves.segment(9 * kGraspCoefs, 6 * kGraspCoefs) /= depth_scale;
   turn.turned = peak.angle;
   bound_energy(grasp, turn.curves, what);
   return turn;
@@ -221,12 +227,12 @@ TurnCurves fit_turns(const std::vector<Sample>& samples, const GraspCurves& gras
 TurnCurves blend_turns(const std::vector<TurnShare>& shares, double depth_scale) {
   TurnCurves blend;
   grasp::TurnLaw law;
-  law.clear(n, depth_scale);
+  law.clear(kGraspCoefs, depth_scale);
   for (const TurnShare& s : shares) {
     blend.turned += s.share * s.turn->turned;
     law.add(s.turn->curves.data(), s.share, s.turned.x(), s.turned.y());
   }
-  blend.curves = Eigen::Map<const VectorXd>(law.coefs(), kCurves * n);
+  blend.curves = Eigen::Map<const VectorXd>(law.coefs(), kCurves * kGraspCoefs);
   return blend;
 }
 
@@ -234,8 +240,8 @@ Vector3d evaluate_torque(const GraspCurves& grasp, const TurnCurves& turn, doubl
                          const Vector3d& deflection, const Vector3d& rotation) {
   grasp::Law moved;
   grasp::TurnLaw turned;
-  moved.clear(n, depth_scale);
-  turned.clear(n, depth_scale);
+  moved.clear(kGraspCoefs, depth_scale);
+  turned.clear(kGraspCoefs, depth_scale);
   moved.add(grasp.curves.data(), 1);
   turned.add(turn.curves.data(), 1);
   const grasp::Triple t = turned.answer(moved, triple(deflection), triple(rotation)).torque;
@@ -250,7 +256,7 @@ std::vector<double> turn_errors(const GraspCurves& grasp, const TurnCurves& turn
   for (const Sample* s : taken) {
     if (s->rotation.isZero(0)) continue;
     const Vector3d model = evaluate_torque(grasp, turn, depth_scale, s->deflection, s->rotation);
-    errors.push_back((model - s->torque).norm() / std::max(s->torque.norm(), kFloor * peak));
+    errors.push_back((model - s->torque).norm() / std::max(s->torque.norm(), kTurnFloor * peak));
   }
   return errors;
 }

@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 using Triangle = std::array<std::int32_t, 3>;
 
 // Faces of a positive tetrahedron, counter-clockwise from outside.
-constexpr int kFaces[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+constexpr int kTriangles[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
 
 double six_volumes(const LinearTets& m, const std::array<std::int32_t, 4>& t) {
   const Vector3d& a = m.points[t[0]];
@@ -110,7 +110,7 @@ std::string find_regions(LinearTets& mesh, const SurfaceTriangles& outer, const 
   std::vector<TetFace> faces;
   faces.reserve(mesh.tets.size() * 4);
   for (std::size_t i = 0; i < mesh.tets.size(); ++i) {
-    for (const auto& f : kFaces) {
+    for (const auto& f : kTriangles) {
       const Triangle t{mesh.tets[i][f[0]], mesh.tets[i][f[1]], mesh.tets[i][f[2]]};
       faces.push_back({sorted(t), static_cast<std::int32_t>(i), even(t)});
     }
@@ -181,8 +181,8 @@ double min_dihedral(const LinearTets& mesh) {
   for (const auto& t : mesh.tets) {
     std::array<Vector3d, 4> normal;
     for (int f = 0; f < 4; ++f) {
-      const Vector3d& a = mesh.points[t[kFaces[f][0]]];
-      normal[f] = (mesh.points[t[kFaces[f][1]]] - a).cross(mesh.points[t[kFaces[f][2]]] - a).normalized();
+      const Vector3d& a = mesh.points[t[kTriangles[f][0]]];
+      normal[f] = (mesh.points[t[kTriangles[f][1]]] - a).cross(mesh.points[t[kTriangles[f][2]]] - a).normalized();
     }
     for (int i = 0; i < 4; ++i) {
       // Outward normals: the angle between the faces is 180 degrees less theirs.

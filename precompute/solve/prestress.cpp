@@ -23,7 +23,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr double kSurface = 1.5;     // element edges on the surface, in those of the body's coarse copy
-constexpr double kGrowth = 0.5;      // per depth below it
+constexpr double kEdgeGrowth = 0.5;  // per depth below it
 constexpr double kTolerance = 1e-9;  // of the energy, over Young's modulus times the cube of the elements
 
 [[noreturn]] void fail(const std::string& what) { throw Error(ExitCode::numerical, "prestress: " + what); }
@@ -96,7 +96,9 @@ Body apply_prestress(Body body) {
   if (!body.prestress.any()) return body;
   const SurfaceQuery& query = *body.query;
   const double edge = kSurface * body.base_size;
-  const SizeField size = [&](const Vector3d& p) { return edge + kGrowth * std::max(0.0, -query.signed_distance(p)); };
+  const SizeField size = [&](const Vector3d& p) {
+    return edge + kEdgeGrowth * std::max(0.0, -query.signed_distance(p));
+  };
   const VolumeMeshResult made = mesh_volume(body, size, {});
   if (!made.usable) fail("the body could not be meshed: " + made.cause);
   const TetMesh& mesh = made.mesh;

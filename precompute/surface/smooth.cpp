@@ -16,17 +16,17 @@ struct Traits : OpenMesh::DefaultTraits {
   using Point = OpenMesh::Vec3d;
   using Normal = OpenMesh::Vec3d;
 };
-using Mesh = OpenMesh::TriMesh_ArrayKernelT<Traits>;
+using SkinMesh = OpenMesh::TriMesh_ArrayKernelT<Traits>;
 
 Surface subdivided(const Surface& surface) {
-  Mesh mesh;
+  SkinMesh mesh;
   for (const auto& v : surface.vertices) mesh.add_vertex({v.x(), v.y(), v.z()});
   for (const auto& t : surface.triangles) {
-    mesh.add_face(Mesh::VertexHandle(t[0]), Mesh::VertexHandle(t[1]), Mesh::VertexHandle(t[2]));
+    mesh.add_face(SkinMesh::VertexHandle(t[0]), SkinMesh::VertexHandle(t[1]), SkinMesh::VertexHandle(t[2]));
   }
   std::size_t valence = 0;
   for (const auto v : mesh.vertices()) valence = std::max(valence, std::size_t(mesh.valence(v)));
-  OpenMesh::Subdivider::Uniform::ModifiedButterflyT<Mesh, double> subdivider;
+  OpenMesh::Subdivider::Uniform::ModifiedButterflyT<SkinMesh, double> subdivider;
   subdivider.init_weights(std::max<std::size_t>(valence + 1, 7));  // older versions do not check their table's end
   subdivider.attach(mesh);
   subdivider(1);

@@ -3,12 +3,12 @@
 #include "precompute/surface/supports.hpp"
 
 #include "formats/error.hpp"
+#include "precompute/algebra/spectrum.hpp"
 #include "precompute/geometry/topology.hpp"
 #include "precompute/surface/weld.hpp"
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <set>
@@ -16,7 +16,7 @@
 namespace palpate {
 namespace {
 
-[[noreturn]] void fail(const std::string& message) { throw Error(ExitCode::bad_input, message); }
+[[noreturn]] void refuse_support(const std::string& message) { throw Error(ExitCode::bad_input, message); }
 
 std::string list_of(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, ", ")); }
 
@@ -89,9 +89,9 @@ Eigen::Matrix<double, 6, 6> resistance(const Body& body, const Surface& surface,
 std::string free_motion(const Body& body, const Surface& surface) {
   const auto box = bounds(surface);
   const auto sum = resistance(body, surface, box.center(), box.diagonal().norm());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(sum);
-  if (eigen.eigenvalues()[0] > 1e-9 * eigen.eigenvalues()[5] && eigen.eigenvalues()[0] > 0) return {};
-  const Eigen::Matrix<double, 6, 1> motion = eigen.eigenvectors().col(0);
+  const auto eigen = spectrum<Eigen::Dynamic>(sum);
+  if (eigen.values[0] > 1e-9 * eigen.values[5] && eigen.values[0] > 0) return {};
+  const Eigen::Matrix<double, 6, 1> motion = eigen.vectors.col(0);
   const bool slides = motion.head<3>().norm() > motion.tail<3>().norm();
   return (slides ? "slide along " : "turn about the direction ") +
          coordinates((slides ? motion.head<3>() : motion.tail<3>()).normalized());
@@ -118,10 +118,12 @@ void check_components(const Body& body, const std::vector<bool>& held, const std
     if (any) {
       const std::string motion = free_motion(body, component);
       if (motion.empty()) continue;
-      fail(fmt::format("{}: the supports leave component {} of {} of the body free to {}", file, k + 1, count, motion));
+      refuse_support(
+          fmt::format("{}: the supports leave component {} of {} of the body free to {}", file, k + 1, count, motion));
     }
-    fail(fmt::format("{}: no support holds component {} of {} of the body ({:.4g} mL round {} m): it would float away",
-                     file, k + 1, count, volume * 1e6, coordinates(bounds(component).center())));
+    refuse_support(
+        fmt::format("{}: no support holds component {} of {} of the body ({:.4g} mL round {} m): it would float away",
+                    file, k + 1, count, volume * 1e6, coordinates(bounds(component).center())));
   }
 }
 
@@ -145,7 +147,7 @@ void check_supports(const Body& body, const Scene& scene) {
     if (support.kind == SupportScene::Kind::mesh) {
       const auto names = present_parts(surface);
       if (std::find(names.begin(), names.end(), support.mesh) == names.end()) {
-        fail(where + ": the body has no part named '" + support.mesh + "'; there are: " + list_of(names));
+        refuse_support(where + ": the body has no part named '" + support.mesh + "'; there are: " + list_of(names));
       }
     }
     bool any = false;
@@ -161,12 +163,12 @@ void check_supports(const Body& body, const Scene& scene) {
     for (std::size_t v = 0; !any && v < surface.vertices.size(); ++v) any = holds(body, k, surface.vertices[v]);
     if (!any) {
       const auto box = bounds(surface);
-      fail(fmt::format("{} holds no point of the body, which lies from {} to {} m", where, coordinates(box.min()),
-                       coordinates(box.max())));
+      refuse_support(fmt::format("{} holds no point of the body, which lies from {} to {} m", where,
+                                 coordinates(box.min()), coordinates(box.max())));
     }
   }
   if (std::all_of(held.begin(), held.end(), [](bool h) { return h; })) {
-    fail(scene.file.string() + ": the supports hold the whole surface: nothing is left to touch");
+    refuse_support(scene.file.string() + ": the supports hold the whole surface: nothing is left to touch");
   }
   if (!scene.supports.empty()) check_components(body, held, scene.file.string());
 }

@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3d;
 
 // One contact, solved as a bake would: at a place of the sample's top, down and then perhaps sideways.
-struct Push {
+struct PaperPush {
   const Scene* scene = nullptr;
   const Body* body = nullptr;
   std::size_t tool = 0;
@@ -23,10 +23,10 @@ struct Push {
   int directions = 0;  // sideways, from +x on
 };
 
-std::vector<std::vector<Sample>> solve(const std::vector<Push>& pushes, unsigned threads) {
+std::vector<std::vector<Sample>> solve(const std::vector<PaperPush>& pushes, unsigned threads) {
   std::vector<std::vector<Sample>> all(pushes.size());
   parallel_for(pushes.size(), threads, {}, [&](std::size_t k) {
-    const Push& push = pushes[k];
+    const PaperPush& push = pushes[k];
     const Scene& scene = *push.scene;
     const Tool tool = make_tool(scene.tools.at(push.tool));
     ContactFrame frame;
@@ -148,7 +148,7 @@ std::vector<PaperStatement> figure_4_statements(const std::vector<PaperPanel>& p
 PaperFigure solve_figure_2(const Scene& loose, const Scene& firm, unsigned threads) {
   const Body bodies[2] = {prepare_body(loose), prepare_body(firm)};
   const Scene* scenes[2] = {&loose, &firm};
-  std::vector<Push> pushes;
+  std::vector<PaperPush> pushes;
   for (int k = 0; k < 2; ++k) {
     if (scenes[k]->tools.size() != 3) throw Error(ExitCode::bad_input, scenes[k]->name + ": figure 2 has three tools");
     for (std::size_t tool = 0; tool < 3; ++tool) pushes.push_back({scenes[k], &bodies[k], tool, {0, 0, 0}, 0});
@@ -166,7 +166,7 @@ PaperFigure solve_figure_2(const Scene& loose, const Scene& firm, unsigned threa
 PaperFigure solve_figure_4(const Scene& homogeneous, const Scene& inclusion, unsigned threads) {
   const Body plain = prepare_body(homogeneous), lumpy = prepare_body(inclusion);
   const double depth = homogeneous.sampling.depth;
-  std::vector<Push> pushes{{&homogeneous, &plain, 0, {0, 0, 0}, 2}, {&inclusion, &lumpy, 0, {0, 0, 0}, 2}};
+  std::vector<PaperPush> pushes{{&homogeneous, &plain, 0, {0, 0, 0}, 2}, {&inclusion, &lumpy, 0, {0, 0, 0}, 2}};
   // First contact points beside the end point, which lies below the origin.
   std::vector<double> beside;
   for (const double share : {0.4, 0.8}) {

@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 using Law = MaterialScene::Law;
 using Shape = ToolScene::Shape;
 
-constexpr double kRadius = 0.005;  // m, of the usual tip
+constexpr double kTipRadius = 0.005;  // m, of the usual tip
 constexpr double kWidth = 0.06, kHeight = 0.03;
 
 SupportScene half_space(const Vector3d& point, const Vector3d& normal) {
@@ -27,7 +27,7 @@ SupportScene half_space(const Vector3d& point, const Vector3d& normal) {
 }
 
 // A block whose top is z = 0, held at its bottom, under a sphere.
-StiffCell block(const std::string& family, double width = kWidth, double height = kHeight, double radius = kRadius) {
+StiffCell block(const std::string& family, double width = kWidth, double height = kHeight, double radius = kTipRadius) {
   StiffCell cell;
   cell.family = family;
   cell.surface = box_solid({-width / 2, -width / 2, -height}, {width / 2, width / 2, 0}, height, "block");
@@ -61,7 +61,7 @@ void modulus(std::vector<StiffCell>& cells) {
         StiffCell cell = block("modulus");
         cell.scene.material.young = young;
         cell.scene.material.poisson = poisson;
-        add(cells, cell, share * kRadius, kHeight,
+        add(cells, cell, share * kTipRadius, kHeight,
             fmt::format("E {:g} Pa, nu {:g}, depth {:g} R", young, poisson, share));
       }
     }
@@ -81,7 +81,8 @@ void compressibility(std::vector<StiffCell>& cells) {
           tool.half_angle = 1.0;
         }
         const char* name = shape == Shape::sphere ? "sphere" : shape == Shape::punch ? "punch" : "cone";
-        add(cells, cell, share * kRadius, kHeight, fmt::format("nu {:g}, {}, depth {:g} mm", poisson, name, 5 * share));
+        add(cells, cell, share * kTipRadius, kHeight,
+            fmt::format("nu {:g}, {}, depth {:g} mm", poisson, name, 5 * share));
       }
     }
   }
@@ -165,7 +166,7 @@ void law(std::vector<StiffCell>& cells) {
     for (const double share : {0.1, 0.4, 1.0, 1.6}) {
       StiffCell cell = block("law");
       cell.scene.material = material(which);
-      add(cells, cell, share * kRadius, kHeight, fmt::format("{}, depth {:g} R", name, share));
+      add(cells, cell, share * kTipRadius, kHeight, fmt::format("{}, depth {:g} R", name, share));
     }
   }
 }
@@ -207,7 +208,7 @@ void sliver(std::vector<StiffCell>& cells) {
       cut.vertices = points;
       cut.parts.assign(cut.triangles.size(), 0);
       s = cut;
-      add(cells, cell, share * kRadius, kHeight, fmt::format("aspect {:g}, depth {:g} R", aspect, share));
+      add(cells, cell, share * kTipRadius, kHeight, fmt::format("aspect {:g}, depth {:g} R", aspect, share));
     }
   }
 }
@@ -234,7 +235,8 @@ void friction(std::vector<StiffCell>& cells) {
         StiffCell cell = block("friction");
         cell.scene.friction = mu;
         cell.scene.material.poisson = poisson;
-        add(cells, cell, share * kRadius, kHeight, fmt::format("mu {:g}, depth {:g} R, nu {:g}", mu, share, poisson));
+        add(cells, cell, share * kTipRadius, kHeight,
+            fmt::format("mu {:g}, depth {:g} R, nu {:g}", mu, share, poisson));
       }
     }
   }
@@ -286,11 +288,11 @@ void margin(std::vector<StiffCell>& cells) {
         cell.scene.supports = {half_space({0.9 * length, 0, 0}, {-1, 0, 0})};
         // At the very edge there is no wall to speak of: beyond the core range, a fifth of the tip's radius is asked
         // for.
-        const double x = from_edge * kRadius, wall = square ? length : x * std::tan(angle);
-        const double thickness = std::max(wall, 0.2 * kRadius);
-        cell.core = wall >= 0.2 * kRadius;
+        const double x = from_edge * kTipRadius, wall = square ? length : x * std::tan(angle);
+        const double thickness = std::max(wall, 0.2 * kTipRadius);
+        cell.core = wall >= 0.2 * kTipRadius;
         cell.site = {x, 0, 0};
-        const double depth = share * std::min(thickness, 2 * kRadius);
+        const double depth = share * std::min(thickness, 2 * kTipRadius);
         add(cells, cell, depth, thickness,
             fmt::format("{:g} degrees, {:g} R from the edge, depth {:.3g} mm", degrees, from_edge, 1e3 * depth));
       }
@@ -304,8 +306,8 @@ void pointed(std::vector<StiffCell>& cells) {
       StiffCell cell = block("pointed");
       ToolScene& tool = cell.scene.tools[0];
       tool.shape = Shape::punch;
-      tool.edge_radius = edge * kRadius;
-      add(cells, cell, share * kRadius, kHeight, fmt::format("punch, edge {:g} R, depth {:g} R", edge, share));
+      tool.edge_radius = edge * kTipRadius;
+      add(cells, cell, share * kTipRadius, kHeight, fmt::format("punch, edge {:g} R, depth {:g} R", edge, share));
     }
   }
   for (const double half_angle : {0.1, 0.3, 0.8}) {
@@ -328,7 +330,7 @@ void support(std::vector<StiffCell>& cells) {
       StiffCell cell = block("support");
       cell.scene.supports[0].type = SupportScene::Type::spring;
       cell.scene.supports[0].stiffness = stiffness;
-      add(cells, cell, share * kRadius, kHeight, fmt::format("bed of {:g} N/m^3, depth {:g} R", stiffness, share));
+      add(cells, cell, share * kTipRadius, kHeight, fmt::format("bed of {:g} N/m^3, depth {:g} R", stiffness, share));
     }
   }
 }

@@ -12,6 +12,8 @@ namespace palpate::device {
 using runtime::Pose;
 using runtime::Vec3;
 
+inline constexpr double kPi = 3.141592653589793;
+
 /// How far a device has come. Only a device that is ready is given a force other than zero.
 enum class Phase : std::uint8_t {
   closed,

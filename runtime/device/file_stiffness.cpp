@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "device/file_stiffness.hpp"
 
+#include "device/device.hpp"
 #include "palpate/field.hpp"
 
 #include <algorithm>
@@ -58,7 +59,6 @@ std::vector<std::pair<std::uint32_t, ToolPoint>> tool_points(const View& view, s
 void search(const Field& field, const View& view, FileStiffness& best, std::uint32_t tool, std::uint32_t site,
             std::uint32_t vertex) {
   constexpr int kDepths = 24, kWays = 8;
-  constexpr double kPi = 3.141592653589793;
   const Vec3 n = field.normal(), x = runtime::any_orthogonal(n), y = cross(n, x);
   const double step = 1e-5 * view.meta->depth_scale;
   for (int i = 1; i <= kDepths; ++i) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "device/stability.hpp"
 
+#include "device/device.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,8 +11,6 @@
 
 namespace palpate::device {
 namespace {
-
-constexpr double kPi = 3.141592653589793;
 
 using Mat3 = std::array<double, 9>;
 

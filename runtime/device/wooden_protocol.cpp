@@ -9,8 +9,6 @@ namespace palpate::device {
 
 namespace {
 
-constexpr double kPi = 3.141592653589793;
-
 // Reports are late when the host is: so much (s) of movement beyond the time between two of them is believed.
 constexpr double kJitter = 0.005;
 

@@ -4,7 +4,7 @@
 
 #include <ostream>
 
-namespace palpate::test {
+namespace palpate::test::surface_input_test {
 namespace {
 
 /// A closed box of 40 mm as OFF.
@@ -135,4 +135,4 @@ TEST_F(GoodSurface, ARegionMayBeCalledBody) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::surface_input_test

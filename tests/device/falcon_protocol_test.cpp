@@ -12,7 +12,7 @@
 #include "tests/device/seeded.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-namespace palpate::device {
+namespace palpate::device::falcon_protocol_test {
 namespace {
 
 using falcon::Boot;
@@ -371,4 +371,4 @@ TEST(FalconFault, AForceThatIsNoNumberIsNone) {
 }
 
 }  // namespace
-}  // namespace palpate::device
+}  // namespace palpate::device::falcon_protocol_test

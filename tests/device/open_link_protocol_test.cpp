@@ -10,7 +10,7 @@
 #include "tests/device/models/open_link_model.hpp"
 #include "tests/device/models/virtual_link.hpp"
 
-namespace palpate::device {
+namespace palpate::device::open_link_protocol_test {
 namespace {
 
 using namespace openlink;
@@ -479,4 +479,4 @@ TEST(OpenLinkFirmware, NothingIsDrivenBeforeHello) {
 }
 
 }  // namespace
-}  // namespace palpate::device
+}  // namespace palpate::device::open_link_protocol_test

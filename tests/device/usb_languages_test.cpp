@@ -14,7 +14,7 @@
 #include "tests/device/rig.hpp"
 #include "tests/device/seeded.hpp"
 
-namespace palpate {
+namespace palpate::usb_languages_test {
 namespace {
 
 using namespace test;
@@ -306,4 +306,4 @@ TEST(UsbOpenLink, SplitPacketsAreNoFault) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::usb_languages_test

@@ -11,7 +11,7 @@
 #include <limits>
 #include <random>
 
-namespace palpate {
+namespace palpate::wooden_protocol_test {
 namespace {
 
 using namespace device;
@@ -283,4 +283,4 @@ TEST(WoodenProtocol, KeepsItsPromisesOnAnyBytes) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::wooden_protocol_test

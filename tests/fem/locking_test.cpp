@@ -13,7 +13,7 @@
 #include <functional>
 #include <numbers>
 
-namespace palpate {
+namespace palpate::locking_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -162,4 +162,4 @@ TEST(PlainElement, ClosesOnTheSameValueAndLocks) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::locking_test

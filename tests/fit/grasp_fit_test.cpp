@@ -11,7 +11,7 @@
 
 #include "formats/error.hpp"
 
-namespace palpate::fit {
+namespace palpate::fit::grasp_fit_test {
 namespace {
 
 constexpr double Z = 0.005;
@@ -96,4 +96,4 @@ TEST(GraspFit, RefusesWhatIsTooLittleOrNoNumber) {
 }
 
 }  // namespace
-}  // namespace palpate::fit
+}  // namespace palpate::fit::grasp_fit_test

@@ -10,7 +10,7 @@
 #include "formats/error.hpp"
 #include "tests/fit/analytic_pair.hpp"
 
-namespace palpate::fit {
+namespace palpate::fit::pair_fit_test {
 namespace {
 
 using test::AnalyticPair;
@@ -222,4 +222,4 @@ TEST(PairFit, BadSamplesNameThePair) {
 }
 
 }  // namespace
-}  // namespace palpate::fit
+}  // namespace palpate::fit::pair_fit_test

@@ -8,7 +8,7 @@
 #include "formats/error.hpp"
 #include "tests/fit/analytic_pair.hpp"
 
-namespace palpate::fit {
+namespace palpate::fit::radial_basis_test {
 namespace {
 
 constexpr double kDepth = 0.004, kReach = 0.0016;
@@ -45,4 +45,4 @@ TEST(RadialBasis, GoesThroughItsSamplesWithACentreAtEach) {
 }
 
 }  // namespace
-}  // namespace palpate::fit
+}  // namespace palpate::fit::radial_basis_test

@@ -11,7 +11,7 @@
 #include "formats/error.hpp"
 #include "tests/fit/analytic_pair.hpp"
 
-namespace palpate::test {
+namespace palpate::test::recorded_fit_test {
 namespace {
 
 constexpr double Z = 0.005, kPeak = 0.8;  // m, N
@@ -181,4 +181,4 @@ TEST(RecordedFit, RefusalsNameTheirCause) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::recorded_fit_test

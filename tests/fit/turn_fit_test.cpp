@@ -13,7 +13,7 @@
 #include "formats/error.hpp"
 #include "palpate/turn_check.hpp"
 
-namespace palpate::fit {
+namespace palpate::fit::turn_fit_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -165,4 +165,4 @@ TEST(TurnFit, RefusesWhatIsTooLittleOrNoNumber) {
 }
 
 }  // namespace
-}  // namespace palpate::fit
+}  // namespace palpate::fit::turn_fit_test

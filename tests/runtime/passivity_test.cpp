@@ -6,7 +6,7 @@
 #include "tests/runtime/allocation_counter.hpp"
 #include "tests/runtime/support.hpp"
 
-namespace palpate {
+namespace palpate::passivity_test {
 namespace {
 
 using namespace test;
@@ -124,4 +124,4 @@ TEST(Passivity, KnowsUsableOptions) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::passivity_test

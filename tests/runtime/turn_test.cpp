@@ -13,7 +13,7 @@
 #include "tests/runtime/allocation_counter.hpp"
 #include "tests/runtime/support.hpp"
 
-namespace palpate {
+namespace palpate::turn_test {
 namespace {
 
 using namespace test;
@@ -341,4 +341,4 @@ TEST(Turn, IsRefusedWhereItsCurvesBreakTheRules) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::turn_test

@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace palpate {
+namespace palpate::grasp_turn_test {
 namespace {
 
 constexpr double kYoung = 5e3, kPoisson = 0.49, kShear = kYoung / (2 * (1 + kPoisson));
@@ -128,4 +128,4 @@ TEST(TurnedSphere, ForceOfATurnIsTheTorqueOfAMove) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::grasp_turn_test

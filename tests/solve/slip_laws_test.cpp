@@ -9,7 +9,7 @@
 #include <cmath>
 #include <vector>
 
-namespace palpate {
+namespace palpate::slip_laws_test {
 namespace {
 
 constexpr double kYoung = 5e3, kPoisson = 0.49;
@@ -130,4 +130,4 @@ TEST(SlippingPushes, ASceneGetsItsFrictionLimitSolved) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::slip_laws_test

@@ -15,7 +15,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace palpate {
+namespace palpate::thick_sphere_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -165,4 +165,4 @@ TEST(NeoHookeanShell, InflationIsTheClosedForm) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::thick_sphere_test

@@ -12,7 +12,7 @@
 #include <numbers>
 #include <vector>
 
-namespace palpate {
+namespace palpate::thin_layer_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -113,4 +113,4 @@ TEST(ThinLayer, SphereForce) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::thin_layer_test

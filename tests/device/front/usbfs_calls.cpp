@@ -14,8 +14,8 @@ namespace palpate::test {
 
 namespace {
 
-constexpr std::uint8_t kInput = 0x80;
-constexpr std::size_t kSetup = 8;
+constexpr std::uint8_t kInputBit = 0x80;
+constexpr std::size_t kSetupBytes = 8;
 
 std::uint8_t* bytes_of(const usbdevfs_urb& urb) { return static_cast<std::uint8_t*>(urb.buffer); }
 
@@ -86,7 +86,7 @@ int UsbfsCalls::driver(const usbdevfs_ioctl& call) {
 int UsbfsCalls::control(const usbdevfs_ctrltransfer& transfer) {
   ControlRequest asked{transfer.bRequestType, transfer.bRequest, transfer.wValue, transfer.wIndex, {}};
   auto* data = static_cast<std::uint8_t*>(transfer.data);
-  if ((transfer.bRequestType & kInput) == 0) asked.data.assign(data, data + transfer.wLength);
+  if ((transfer.bRequestType & kInputBit) == 0) asked.data.assign(data, data + transfer.wLength);
   Bytes reply;
   const int result = host_.control(device::now(), asked, reply);
   std::copy_n(reply.begin(), std::min<std::size_t>(reply.size(), transfer.wLength), data);
@@ -100,7 +100,7 @@ int UsbfsCalls::submit(usbdevfs_urb* urb) {
   transfer.control = urb->type == USBDEVFS_URB_TYPE_CONTROL;
   transfer.endpoint = urb->endpoint;
   transfer.room = urb->buffer_length;
-  const bool input = !transfer.control && (urb->endpoint & kInput) != 0;
+  const bool input = !transfer.control && (urb->endpoint & kInputBit) != 0;
   if (!input) transfer.bytes.assign(bytes_of(*urb), bytes_of(*urb) + urb->buffer_length);
   const int code = host_.submit(device::now(), std::move(transfer));
   advance();
@@ -114,8 +114,8 @@ int UsbfsCalls::reap(void** urb) {
   program->status = transfer.status;
   program->actual_length = transfer.length;
   const std::uint8_t direction = transfer.control ? bytes_of(*program)[0] : program->endpoint;
-  if ((direction & kInput) != 0) {
-    std::copy(transfer.bytes.begin(), transfer.bytes.end(), bytes_of(*program) + (transfer.control ? kSetup : 0));
+  if ((direction & kInputBit) != 0) {
+    std::copy(transfer.bytes.begin(), transfer.bytes.end(), bytes_of(*program) + (transfer.control ? kSetupBytes : 0));
   }
   *urb = program;
   advance();
