@@ -51,8 +51,8 @@ ContactEnergy::ContactEnergy(const TetMesh& mesh, const std::vector<char>& fixed
   anchors_.normal = anchors_.position;
 }
 
-// Calls visit(face, point index, shape values, position in the tool frame) for the points of faces that may
-// touch the tool or hold an anchor.
+// Calls visit(face, point index, shape values, position in the tool frame) for the points that may touch
+// the tool or hold an anchor.
 template <class Visit>
 void ContactEnergy::for_each_near(const VectorXd& x, Visit&& visit) const {
   const Matrix3d to_tool = pose_.linear().transpose();
@@ -75,6 +75,7 @@ void ContactEnergy::for_each_near(const VectorXd& x, Visit&& visit) const {
     for (int q = 0; q < kPoints; ++q) {
       Vector3d at = Vector3d::Zero();
       for (int n = 0; n < 6; ++n) at += kShape[q][n] * p.col(n);
+      if (held[q] == Hold::none && shape_.surely_beyond(at, margin)) continue;
       visit(face, f * kPoints + q, kShape[q], at);
     }
   }

@@ -21,6 +21,9 @@ public:
 
   [[nodiscard]] DistanceSample distance(const Eigen::Vector3d& point) const override;
   [[nodiscard]] double lower_bound(const Eigen::Vector3d& point) const override;
+  [[nodiscard]] bool surely_beyond(const Eigen::Vector3d& point, double gap) const override {
+    return lower_bound(point) > gap;
+  }
   [[nodiscard]] Eigen::AlignedBox3d bounds() const override { return bounds_; }
   [[nodiscard]] const SurfaceQuery& query() const { return query_; }
 

@@ -28,6 +28,8 @@ public:
   [[nodiscard]] virtual DistanceSample distance(const Eigen::Vector3d& point) const = 0;
   /// Cheap, and not above the distance (m): tells where no contact can be.
   [[nodiscard]] virtual double lower_bound(const Eigen::Vector3d& point) const { return distance(point).value; }
+  /// Cheaper than the distance: true where it is surely above `gap` (m), false says nothing.
+  [[nodiscard]] virtual bool surely_beyond(const Eigen::Vector3d& /*point*/, double /*gap*/) const { return false; }
   /// Axis-aligned bounds in the tool's frame.
   [[nodiscard]] virtual Eigen::AlignedBox3d bounds() const = 0;
 };
