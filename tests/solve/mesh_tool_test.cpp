@@ -54,6 +54,7 @@ TEST_F(MeshTools, AFineBallAnswersAsTheBall) {
   Surface ball = geodesic_sphere(24, "ball");
   for (Vector3d& v : ball.vertices) v *= sphere.radius;
   const Tool mesh = tool_of(ball);
+  scene_.solver.mesh_size = 0.5;
   const PairResult a = press(body, exact, exact.vertices[0], 0.002), b = press(body, mesh, lowest(mesh), 0.002);
   ASSERT_TRUE(a.outcome.accepted) << a.outcome.cause;
   ASSERT_TRUE(b.outcome.accepted) << b.outcome.cause;
@@ -86,6 +87,7 @@ TEST_F(MeshTools, HoweverTheFileIsTurnedTheAnswerIsTheSame) {
   constexpr double side = 0.008;
   const Body body = test::block_body(0.03, 5e3, 0.45);
   const Surface block = test::box_surface({-side / 2, -side / 2, 0}, {side / 2, side / 2, side});
+  scene_.solver.mesh_size = 0.5;
   const auto forces = [&](const Eigen::Matrix3d& turn) {
     Surface turned = block;
     for (Vector3d& v : turned.vertices) v = turn * v;

@@ -30,6 +30,8 @@ protected:
   ToolScene sphere;
   Scene scene;
 
+  Pair() { scene.solver.mesh_size = 0.5; }  // enough for what is compared here
+
   PairResult solve(double friction, double depth) {
     scene.friction = friction;
     scene.sampling.normal_points = 6;
@@ -50,6 +52,7 @@ TEST_F(Pair, FrictionlessSceneRunsNoTangentialSolve) {
 }
 
 TEST_F(Pair, SameInputsGiveTheSameBits) {
+  scene.solver.mesh_size = 0.8;  // bits are bits on any mesh
   scene.sampling.normal_points = 4;
   scene.sampling.tangential_directions = 2;
   const PairResult a = solve(0.3, 0.004), b = solve(0.3, 0.004);
@@ -63,6 +66,7 @@ TEST_F(Pair, SameInputsGiveTheSameBits) {
 
 // METIS, under CHOLMOD, draws from the process's one rand().
 TEST_F(Pair, ManyThreadsGiveTheSameBits) {
+  scene.solver.mesh_size = 0.8;  // bits are bits on any mesh
   scene.sampling.normal_points = 2;
   const Tool tool = make_tool(sphere);
   const auto once = [&] {
@@ -109,6 +113,7 @@ TEST_F(Pair, StickingPushIsStifferAndSidewaysAnswerIsSymmetric) {
 TEST_F(Pair, SidewaysStiffnessIsNoMatterOfTheAnchors) {
   const Tool tool = make_tool(sphere);
   scene.friction = 0.3;
+  scene.solver.mesh_size = 0.35;
   scene.sampling.normal_points = 4;
   const PairPath path = bake_path(scene, 0.005);
   PairOptions options = pair_options(scene);
@@ -223,7 +228,7 @@ TEST_F(Pair, AToolThatReachesHeldSurfaceIsRefusedByName) {
   scene_tool.length = 0.04;
   scene_tool.whole = true;
   scene.sampling.normal_points = 3;
-  scene.solver.mesh_size = 0.6;
+  scene.solver.mesh_size = 0.9;
   const Tool stem = make_tool(scene_tool);
   const PairResult r = solve_pair(body, stem, stem.vertices[stem.vertices.size() - 2], ContactFrame{},
                                   bake_path(scene, 0.002), pair_options(scene));

@@ -73,6 +73,7 @@ TEST(SlippingPushes, ChangeNothingElse) {
   const Body body = test::block_body(0.03, kYoung, kPoisson);
   Scene scene;
   scene.friction = 0.3;
+  scene.solver.mesh_size = 0.5;
   const ToolScene sphere;
   PairPath path = bake_path(scene, 0.004);
   path.normal_depths = {0.001, 0.0025, 0.004};
@@ -110,6 +111,7 @@ TEST(SlippingPushes, ASceneGetsItsFrictionLimitSolved) {
   scene.sampling.normal_points = 6;
   scene.sampling.friction_limit = SamplingScene::FrictionLimit::solved;
   PairPath path = bake_path(scene, 0.005);
+  path.tangential_depths = {path.tangential_depths.back()};
   path.tangential_points = 1;
   const PairResult r = test::press(test::block_body(0.03, kYoung, kPoisson), ToolScene{}, path, pair_options(scene));
   ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
