@@ -17,7 +17,9 @@ namespace {
 using Json = nlohmann::json;
 using runtime::Vec3;
 
-class Drive : public PalpateProgram {
+using Drive = PalpateProgram;
+
+class DriveRun : public ::testing::Test {
 protected:
   // A machine that does much else may miss any number of deadlines: one run is made until it has force, and used by
   // all.
@@ -44,7 +46,7 @@ protected:
   static inline RunResult driven_;
 };
 
-TEST_F(Drive, LeavesStatisticsARecordingAndAPlot) {
+TEST_F(DriveRun, LeavesStatisticsARecordingAndAPlot) {
   ASSERT_EQ(driven_.exit_code, 0) << driven_.error;
   const Json json = Json::parse(driven_.out);
   EXPECT_EQ(json["device"], "sim");
@@ -62,7 +64,7 @@ TEST_F(Drive, LeavesStatisticsARecordingAndAPlot) {
   EXPECT_NE(file_content(shared_->path() / "box-run.svg").find("force on the hand (N)"), std::string::npos);
 }
 
-TEST_F(Drive, PlayGivesTheSameForcesBitForBit) {
+TEST_F(DriveRun, PlayGivesTheSameForcesBitForBit) {
   const Json driven = Json::parse(driven_.out);
   for (const auto& arguments : {std::vector<std::string>{"play", "box.palprun", "--json", "--out", "forces.csv"},
                                 std::vector<std::string>{"play", "box.palp", "box.palprun", "--json"}}) {
@@ -82,7 +84,7 @@ TEST_F(Drive, PlayGivesTheSameForcesBitForBit) {
   EXPECT_NE(text.out.find("of the run compared: 0 differ"), std::string::npos) << text.out;
 }
 
-TEST_F(Drive, PlaySaysWhenTheResponseFileIsAnother) {
+TEST_F(DriveRun, PlaySaysWhenTheResponseFileIsAnother) {
   ResponseSampleOptions options;
   options.tools = ResponseSampleOptions::Tools::all;
   options.friction = false;
@@ -95,7 +97,7 @@ TEST_F(Drive, PlaySaysWhenTheResponseFileIsAnother) {
   EXPECT_GT(json["run"]["ticks_different"], 0);
 }
 
-TEST_F(Drive, PlayRefusesARecordingThatDoesNotGiveItsForces) {
+TEST_F(DriveRun, PlayRefusesARecordingThatDoesNotGiveItsForces) {
   std::string bytes = file_content(shared_->path() / "box.palprun");
   const std::size_t at = sizeof(device::RunHeader) + 700 * sizeof(device::RunRecord);
   device::RunRecord record;
