@@ -4,6 +4,7 @@
 #include "tests/support/response_samples.hpp"
 
 #include <csignal>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 namespace palpate::test {
@@ -21,6 +22,7 @@ TEST_F(Interrupt, ABakeStopsAndGoesOn) {
                  "--depth", "0.001", "--spacing", "0.03"})
                 .exit_code,
             0);
+  std::ofstream(folder() / "scene.toml", std::ios::app) << "normal_points = 4\n[solver]\nmesh_size = 1\n";
   // Interrupted a little later each time, until one pair is solved; there are more than two.
   RunResult stopped;
   for (auto wait = std::chrono::milliseconds(500);; wait = wait * 3 / 2) {
