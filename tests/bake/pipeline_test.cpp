@@ -66,7 +66,7 @@ mesh_size = )" << mesh_size << "\n" << more;
   [[nodiscard]] Pipeline baked() const {
     Pipeline p = open("work");
     BakeOptions options;
-    options.threads = 2;
+    options.threads = 1;
     const BakeReport report = pipeline::bake(p, options);
     EXPECT_EQ(report.refused.size(), 0U) << (report.refused.empty() ? "" : report.refused[0].cause);
     return p;
@@ -84,7 +84,7 @@ TEST_F(SlabPipeline, FrictionlessSlabLeavesOutWhatItDoesNotNeed) {
   const Pipeline p = open("work");
   EXPECT_GE(p.plan.pairs.size(), 3U);
   BakeOptions options;
-  options.threads = 2;
+  options.threads = 1;
   const BakeReport bake = pipeline::bake(p, options);
   EXPECT_EQ(bake.refused.size(), 0U) << (bake.refused.empty() ? "" : bake.refused[0].cause);
   EXPECT_GE(bake.normal_solves, 4 * p.plan.pairs.size());

@@ -45,7 +45,7 @@ TEST_F(Sources, AMeasuredSceneNeedsNoJournal) {
 TEST_F(Sources, ARecordingOfASolvedResponseGivesItBack) {
   const Pipeline solved = open("");
   BakeOptions options;
-  options.threads = 2;
+  options.threads = 1;
   ASSERT_EQ(pipeline::bake(solved, options).refused.size(), 0U);
   const Opened before = fitted(solved);
   const std::uint32_t pair = nearest_pair(solved, {0.002, 0, 0.02});
