@@ -17,9 +17,9 @@ v -0.04 -0.04 0\nv 0.04 -0.04 0\nv 0.04 0.04 0\nv -0.04 0.04 0\n\
 f 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n")
 set(common "[body]\nsurface = \"slab.obj\"\n[[tool]]\nname = \"tip\"\nradius = 0.005\n\
 [[support]]\nhalf_space = { point = [0, 0, -0.0299], normal = [0, 0, 1] }\n\
-[sampling]\nspacing = 0.012\ndepth = 0.003\nnormal_points = 8\n\
+[sampling]\nspacing = 0.012\ndepth = 0.003\nnormal_points = 6\n\
 within_box = { min = [-0.015, -0.015, -0.001], max = [0.015, 0.015, 0.001] }\n\
-[solver]\nmax_size = 0.03\nmesh_size = 0.5\n")
+[solver]\nmax_size = 0.03\nmesh_size = 0.8\n")
 file(WRITE ${FOLDER}/slab.toml "${common}")
 string(REPLACE "0.015" "0.012" few "${common}")  # a rough site takes many more solves
 file(WRITE ${FOLDER}/rough.toml "${few}[contact]\nfriction = 0.3\n")
