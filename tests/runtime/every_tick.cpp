@@ -42,6 +42,8 @@ EveryTick every_tick(const void* bytes, std::size_t size, int ticks, void (*half
   for (std::uint32_t tool = 0; tool < view.meta->tool_count; ++tool) {
     Wandering wandering(tool + 7);
     Contact alone(view, tool), served(view, tool);
+    SeveralContacts<> several(view, tool);
+    SeveralTools<2> tools(view, {tool, tool});
     MovingContact moving(view, tool);
     AdjustedContact adjusted(view, tool, scales);
     Latest<Search> searches;
@@ -55,8 +57,9 @@ EveryTick every_tick(const void* bytes, std::size_t size, int ticks, void (*half
       searches.read(latest);
       if (i % 100 == 0) scales.set(static_cast<std::uint32_t>(i / 100) % view.meta->site_count, 0.5f);
       const Pose breathing = Pose::from_quaternion(1, 0, 0, 1e-6 * i, {0, 0, 1e-7 * i});
-      const Tick answers[] = {alone.tick(pose), served.tick(pose, latest), moving.tick(breathing, breathing * pose),
-                              adjusted.tick(pose, 1e-3)};
+      const Tick answers[] = {
+          alone.tick(pose),          served.tick(pose, latest),  moving.tick(breathing, breathing * pose),
+          adjusted.tick(pose, 1e-3), several.tick(pose).each[0], tools.tick({pose, pose})[1]};
       for (const Tick& tick : answers) {
         sum.touching += touches(tick);
         sum.finite = sum.finite && std::isfinite(length(device.to_device(out(tick.force, 1e-3))));

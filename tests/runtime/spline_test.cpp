@@ -76,6 +76,28 @@ TEST(Spline, AbscissaIsClampedAndNanIsZero) {
   EXPECT_EQ(spline::value(c.data(), 5, std::numeric_limits<double>::quiet_NaN()), 1);
 }
 
+// Against Simpson's rule, which is exact for t f(t) on each half interval but for its fourth power.
+TEST(Spline, FirstMomentIsTheIntegral) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (int count = 4; count <= 12; ++count) {
+    std::vector<double> c;
+    for (int i = 0; i < count; ++i) c.push_back(unit(random));
+    const auto integrand = [&](double t) { return t * spline::value(c.data(), count, t / (count - 3)); };
+    double sum = 0;
+    constexpr int kParts = 400;
+    for (int part = 0; part < kParts * (count - 3); ++part) {
+      const double low = part / double{kParts}, high = (part + 1) / double{kParts};
+      sum += (integrand(low) + 4 * integrand(0.5 * (low + high)) + integrand(high)) / (6 * kParts);
+      if (part % 97 != 0) continue;
+      const int interval = spline::interval_of(count, high);
+      const double whole = spline::first_moment(c.data(), count, interval) +
+                           spline::first_moment(spline::cubic(c.data(), count, interval), interval, high - interval);
+      ASSERT_NEAR(whole, sum, 1e-10) << count << ' ' << high;
+    }
+  }
+}
+
 // Two curves at once, each asked at its own abscissa, which jumps, creeps, and trembles about a knot.
 TEST(Pieces, AreTheSplinesWhateverWasAskedBefore) {
   std::mt19937 random(3);
@@ -86,6 +108,7 @@ TEST(Pieces, AreTheSplinesWhateverWasAskedBefore) {
     runtime::Pieces<2> pieces;
     pieces.forget();
     double u[2] = {0, 1};
+    int taken = 0;
     for (int step = 0; step < 1000; ++step) {
       for (double& at : u) {
         const double knot = std::round(at * (count - 3)) / (count - 3);
@@ -95,12 +118,18 @@ TEST(Pieces, AreTheSplinesWhateverWasAskedBefore) {
         if (step % 7 > 2) at = knot + 1e-7 * (unit(random) - 0.5);
         at = std::clamp(at, 0.0, 1.0);
       }
+      const double t[2] = {spline::in_intervals(count, u[0]), spline::in_intervals(count, u[1])};
       double value[2];
-      pieces.values(c.data(), count, {spline::in_intervals(count, u[0]), spline::in_intervals(count, u[1])}, value);
+      if (!pieces.values(t, value)) {
+        for (int k = 0; k < 2; ++k) pieces.take(k, c.data() + k * count, count, t[k]);
+        ASSERT_TRUE(pieces.values(t, value));
+        ++taken;
+      }
       for (int k = 0; k < 2; ++k) {
         ASSERT_NEAR(value[k], spline::value(c.data() + k * count, count, u[k]), 1e-14) << count << " " << u[k];
       }
     }
+    EXPECT_LT(taken, 600) << "it remembers";
   }
 }
 
@@ -110,9 +139,13 @@ TEST(Pieces, ForgetOldCoefficients) {
   double value[1];
   for (const std::vector<double>* coefs : {&first, &second}) {
     piece.forget();
-    piece.values(coefs->data(), 5, {0.5}, value);
+    EXPECT_FALSE(piece.values({0.5}, value));
+    EXPECT_EQ(piece.take(0, coefs->data(), 5, 0.5), 0);
+    piece.known_values({0.5}, value);
     EXPECT_NEAR(value[0], (*coefs)[0], 1e-15);
   }
+  EXPECT_FALSE(piece.values({1.5}, value));
+  EXPECT_FALSE(piece.values({std::numeric_limits<double>::quiet_NaN()}, value));
 }
 
 }  // namespace

@@ -55,6 +55,33 @@ constexpr CubicsTable make_table(int degree) {
 inline constexpr CubicsTable kValues = make_table(3);
 inline constexpr CubicsTable kQuadratics = make_table(2);
 
+/// Integrals of the four functions over their interval: of themselves, and times the share v.
+struct Moments {
+  double area[4] = {}, moment[4] = {};
+};
+
+struct MomentsTable {
+  Moments at[3][3];
+};
+
+constexpr MomentsTable make_moments(const CubicsTable& of) {
+  MomentsTable table;
+  for (int before = 0; before < 3; ++before) {
+    for (int after = 0; after < 3; ++after) {
+      Moments& to = table.at[before][after];
+      for (int k = 0; k < 4; ++k) {
+        for (int p = 0; p < 4; ++p) {
+          to.area[k] += of.at[before][after].coef[p][k] / (p + 1);
+          to.moment[k] += of.at[before][after].coef[p][k] / (p + 2);
+        }
+      }
+    }
+  }
+  return table;
+}
+
+inline constexpr MomentsTable kMoments = make_moments(kValues);
+
 inline const Cubics& on_interval(const CubicsTable& table, int count, int interval) {
   const int after = count - 4 - interval;
   return table.at[interval < 2 ? interval : 2][after < 2 ? after : 2];
@@ -84,6 +111,26 @@ inline Cubic cubic(const Scalar* coefs, int count, int interval) {
     for (int p = 0; p < 4; ++p) c.power[p] += of.coef[p][k] * coefs[interval + k];
   }
   return c;
+}
+
+/// Integral of t f(t) dt, in knot intervals, of the spline f with these coefficients: from 0 to the start of an
+/// interval.
+template <class Scalar>
+inline double first_moment(const Scalar* coefs, int count, int interval) {
+  double sum = 0;
+  for (int i = 0; i < interval; ++i) {
+    const int after = count - 4 - i;
+    const detail::Moments& of = detail::kMoments.at[i < 2 ? i : 2][after < 2 ? after : 2];
+    for (int k = 0; k < 4; ++k) sum += (i * of.area[k] + of.moment[k]) * coefs[i + k];
+  }
+  return sum;
+}
+
+/// The same from there to a share v of the interval, on which f is this cubic.
+inline double first_moment(const Cubic& f, int interval, double v) {
+  double sum = 0;
+  for (int p = 3; p >= 0; --p) sum = sum * v + f.power[p] * (interval / (p + 1.0) + v / (p + 2.0));
+  return sum * v;
 }
 
 namespace detail {
@@ -143,6 +190,12 @@ inline double slope_at_0(const Scalar* coefs, int count) {
 template <class Scalar>
 inline double slope_at_1(const Scalar* coefs, int count) {
   return 3.0 * (count - 3) * (static_cast<double>(coefs[count - 1]) - coefs[count - 2]);
+}
+
+/// Value at u = 1 + extra, where the spline goes on along its tangent.
+template <class Scalar>
+inline double beyond(const Scalar* coefs, int count, double extra) {
+  return static_cast<double>(coefs[count - 1]) + extra * slope_at_1(coefs, count);
 }
 
 /// Abscissa of coefficient `index` (Greville): the spline with these coefficients reproduces u itself.

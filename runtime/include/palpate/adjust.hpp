@@ -42,7 +42,7 @@ private:
 /// Setting a factor gives no energy to a tool that is pressed there: one that falls takes force and stored energy with
 /// it; one that rises is taken over by a site that c comes to, not by one that has a share in the contact already.
 /// Sliding to places of higher factors is as over a body baked so: the force grows along the way, and lifting there
-/// gives back what the higher stiffness would have stored. Where that must not be, lower factors only.
+/// gives back what the hand gave, not what the higher stiffness would have stored (energy.hpp).
 /// Slip and stick stay those of the file, for the friction limit has the same factor. Grasps have no factors.
 class AdjustedContact {
 public:
@@ -65,8 +65,10 @@ public:
     }
     const double wanted = blend(tick.at), most = rate_ > 0 && seconds > 0 ? rate_ * seconds : 0;
     // A contact begins without force, whatever its factor.
-    scale_ = touching_ ? std::fmin(std::fmax(wanted, scale_ - most), scale_ + most) : wanted;
+    const double before = touching_ ? scale_ : wanted;
+    scale_ = touching_ ? std::fmin(std::fmax(wanted, before - most), before + most) : wanted;
     touching_ = true;
+    if (scale_ != before && before > 0) contact_.rescaled(scale_ / before);
     tick.force = scale_ * tick.force;
     tick.torque = scale_ * tick.torque;
     if (std::isfinite(tick.friction_limit)) tick.friction_limit *= scale_;

@@ -2,11 +2,7 @@
 // One tool against the body: free, sticking, sliding, released; one force a tick.
 #pragma once
 
-#include "palpate/field.hpp"
-#include "palpate/project.hpp"
-#include "palpate/slip.hpp"
-#include "palpate/tick.hpp"
-#include "palpate/tool.hpp"
+#include "palpate/hold.hpp"
 
 #include <cmath>
 
@@ -24,31 +20,27 @@ struct ContactSettings {
 /// file that holds it every tick is a fault. View::open<kFeatures> says so beforehand.
 template <std::uint32_t kFeatures = layout::feature_all>
 class BasicContact {
-  static constexpr bool kCoupled = (kFeatures & layout::feature_coupled) != 0;
-  static constexpr bool kFriction = (kFeatures & layout::feature_friction) != 0;
-
 public:
   /// `tool`: an index below view.meta->tool_count.
   BasicContact(const View& view, std::uint32_t tool, const ContactSettings& settings = {})
       : view_(&view),
         tool_(tool),
         reach_(skeleton_radius<kFeatures>(view, tool)),
-        probe_(view.tools[tool].probe_radius) {
-    late_ = settings.late_depth >= 0 ? settings.late_depth : 0.02 * view.meta->depth_scale;
-    const layout::ToolRecord& record = view.tools[tool];
-    profile_ = record.kind == static_cast<std::uint32_t>(layout::ToolKind::profile) && record.axis_length > 0;
-  }
+        probe_(view.tools[tool].probe_radius),
+        late_(settings.late_depth >= 0 ? settings.late_depth : 0.02 * view.meta->depth_scale),
+        hold_(view, tool) {}
 
   /// Forgets the contact. The next tick must be outside the body, else the contact starts at zero force.
   void reset() {
-    touching_ = was_free_ = false;
+    hold_.end();
+    was_free_ = false;
     search_.touch.safe = -1;
   }
 
   /// Force at `pose`. Ticks are meant to follow a motion: what happens between two is not seen.
   Tick tick(const Pose& pose) {
     if (!fits() || !pose.valid()) return fault();
-    if (keeps(pose)) return hold(pose, pose.apply(anchor_));
+    if (const Vec3 q = hold_.rest().point(pose); keeps(q)) return keep(pose, q);
     return seek(pose);
   }
 
@@ -57,12 +49,22 @@ public:
   /// felt from the first search that sees it on, without force at first.
   Tick tick(const Pose& pose, const Search& latest) {
     if (!fits() || !pose.valid() || !latest.pose.valid()) return fault();
-    if (keeps(pose)) return hold(pose, pose.apply(anchor_));
+    if (const Vec3 q = hold_.rest().point(pose); keeps(q)) return keep(pose, q);
     search_ = latest;
-    return motion_since_search(pose) < search_.touch.safe ? free() : meet(pose);
+    return motion_since_search(pose) < search_.touch.safe ? free(pose) : meet(pose);
   }
 
-  [[nodiscard]] const BasicField<kFeatures>& field() const { return field_; }
+  [[nodiscard]] const BasicField<kFeatures>& field() const { return hold_.rest().field(); }
+
+  /// J that the contact holds, and how much of it the hand did not give (energy.hpp): negative where it gave more.
+  [[nodiscard]] double stored() const { return hold_.lasts() ? hold_.stored() : 0; }
+  [[nodiscard]] double owed() const { return hold_.lasts() ? hold_.owed() : 0; }
+
+  /// For a host that multiplies forces: from now on by `ratio` (>= 0) times what it was in the last tick. What is
+  /// stored more by that is no work of the hand; with a ratio of 0 nothing is stored.
+  void rescaled(double ratio) {
+    if (hold_.lasts() && ratio > 0) hold_.rescaled(ratio);
+  }
 
 private:
   /// The file holds nothing that was left out; grasps are no matter of a contact.
@@ -71,23 +73,9 @@ private:
     return (view_->features & kOfContacts & ~kFeatures) == 0;
   }
 
-  /// The deflection, split at c.
-  struct Deflection {
-    double depth;   ///< m, less the depth at first sight
-    Vec3 sideways;  ///< m, across n(c)
-  };
-
-  /// A touching tool that leaps by more than a contact's size between two ticks did not move, it was put
-  /// elsewhere: the depth it finds there is no work of the hand and must not push.
-  [[nodiscard]] bool jumped(const Vec3& q) const {
-    const Vec3 way = q - last_;
-    const double size = probe_ + view_->meta->depth_scale;
-    return dot(way, way) > size * size;
-  }
-
-  [[nodiscard]] bool keeps(const Pose& pose) {
-    if (touching_ && jumped(pose.apply(anchor_))) reset();
-    return touching_;
+  [[nodiscard]] bool keeps(const Vec3& q) {
+    if (hold_.lasts() && hold_.jumped(q)) reset();
+    return hold_.lasts();
   }
 
   Tick fault() {
@@ -97,25 +85,34 @@ private:
     return tick;
   }
 
-  Tick free() {
+  Tick free(const Pose& pose) {
     was_free_ = true;
+    free_at_ = pose.translation;
     return {};
   }
 
+  Tick keep(const Pose& pose, const Vec3& q) {
+    Tick tick = hold_.tick(pose, q);
+    if (!hold_.lasts()) let_go(pose);
+    return tick;
+  }
+
+  void let_go(const Pose& pose) {
+    was_free_ = hold_.left();
+    free_at_ = pose.translation;
+    search_.touch.safe = -1;
+  }
+
   Tick seek(const Pose& pose) {
-    if (search_.touch.safe > 0 && motion_since_search(pose) < search_.touch.safe) return {};
+    if (search_.touch.safe > 0 && motion_since_search(pose) < search_.touch.safe) return free(pose);
     search_ = search<kFeatures>(*view_, tool_, pose);
-    return search_.touch.clearance >= 0 ? free() : meet(pose);
+    return search_.touch.clearance >= 0 ? free(pose) : meet(pose);
   }
 
   /// Begins a contact where the last search saw the body, if the tool overlaps it there.
   Tick meet(const Pose& pose) {
-    anchor_ = search_.touch.anchor;
-    tool_point_ = search_.touch.tool_point;
-    offset_depth_ = 0;
-    offset_sideways_ = anchored_ = {};
-    const Vec3 q = pose.apply(anchor_);
-    const double size = probe_ + view_->meta->depth_scale;
+    const Vec3 q = pose.apply(search_.touch.anchor);
+    const double size = hold_.rest().size();
     const bool seen = search_.touch.clearance < 0 && motion_since_search(pose) < 0.5 * size;
     const Projection found = seen ? first_point(search_.touch, q) : project(*view_, search_.touch.body.at, q);
     const double depth = probe_ - dot(q - found.point, found.normal);
@@ -124,17 +121,12 @@ private:
       was_free_ = false;
       return {};
     }
-    if (!(depth > 0)) return free();
-    place(found, pose);
-    const Deflection d = deflection(q);
-    offset_depth_ = was_free_ ? std::fmax(0, d.depth - late_) : d.depth;
-    offset_sideways_ = d.sideways;
-    depth_ = d.depth - offset_depth_;
-    touching_ = true;
-    // At zero depth there is no force yet, but the contact has begun: from here on the tool may push.
-    const DepthTerms terms = field_.at_depth(depth_);
-    last_ = q;
-    return terms.depth > 0 ? hold(pose, q) : output(State::stick, pose, q, terms, {});
+    if (!(depth > 0)) return free(pose);
+    // Met behind an old search, the body was not pressed by as much as it is deep.
+    const double came = was_free_ ? std::fmin(late_, length(pose.translation - free_at_)) : 0;
+    Tick tick = hold_.begin(search_.touch, found, came, pose);
+    if (!hold_.lasts()) let_go(pose);
+    return tick;
   }
 
   /// Most that any skeleton point can have moved since the last search.
@@ -160,176 +152,14 @@ private:
     return found;
   }
 
-  /// Rests the contact at a point of the surface and blends its responses.
-  void place(const Projection& to, const Pose& pose) {
-    at_ = to.at;
-    c_ = to.point;
-    turn(to.normal, pose);
-  }
-
-  /// Blends the responses for the present point of the body and the tool's present orientation.
-  void turn(const Vec3& n, const Pose& pose) {
-    if (profile_) {
-      meridian_ = profile_meridian(view_->tools[tool_], anchor_.z, pose.along_axis(n));
-      tool_point_ = profile_point(*view_, view_->tools[tool_], meridian_);
-    }
-    field_.build(*view_, tool_, at_, tool_point_, n);
-  }
-
-  [[nodiscard]] Deflection deflection(const Vec3& q) const {
-    const Vec3& n = field_.normal();
-    const Vec3 gap = q - c_;
-    return {probe_ - dot(gap, n) - offset_depth_, tangential(gap - offset_sideways_ - anchored_, n)};
-  }
-
-  /// `before`: where the pose takes the anchor.
-  Tick hold(const Pose& pose, const Vec3& before) {
-    const Vec3 q = profile_ ? roll(pose, before) : before;
-    last_ = q;
-    Deflection d = deflection(q);
-    if (!(d.depth > 0)) return release(d);
-    if constexpr (kCoupled) {
-      if (view_->coupled_laws != nullptr) deepen(d);
-    }
-    DepthTerms terms = field_.at_depth(d.depth);
-    if (!kFriction || !view_->has(layout::feature_friction)) return follow(pose, q, d, {}, terms);
-    const Vec3 tangential_force = terms.straight + field_.sideways(terms, d.sideways);
-    if (length(tangential_force) > terms.limit * (1 + 1e-9)) {
-      return follow(pose, q, d, slip(field_, terms, view_->meta->sideways_scale, d.sideways, tangential_force), terms);
-    }
-    field_.couple(terms, d.sideways);
-    return output(State::stick, pose, q, terms, tangential_force);
-  }
-
-  /// The anchor rule: sideways motion has been added to the effective deflection; going deeper moves its anchor.
-  [[gnu::noinline]] void deepen(Deflection& d) {
-    if (d.depth > depth_) {
-      const Vec3 kept = field_.deepened(depth_, d.depth, d.sideways);
-      anchored_ = anchored_ + d.sideways - kept;
-      d.sideways = kept;
-    }
-    depth_ = d.depth;
-  }
-
-  /// Moves c over the surface until the sideways deflection is `wanted`.
-  Tick follow(const Pose& pose, const Vec3& q, const Deflection& before, const Vec3& wanted,
-              const DepthTerms& terms_before) {
-    const double size = probe_ + view_->meta->depth_scale;  // m, of a contact
-    DepthTerms terms = terms_before;
-    Deflection d = before;
-    // c rests while the tool moves along n(c): 0.1 nm on a contact of 10 mm.
-    if (length(d.sideways - wanted) > 1e-8 * size) {
-      const Vec3 target = q - offset_sideways_ - wanted;
-      anchored_ = {};  // c itself goes on
-      const Projection found = project(*view_, at_, target);
-      if (found.residual > 0.1 * size && hand_over(pose, q, terms.normal_force)) {
-        d = deflection(q);
-      } else {
-        place(found, pose);
-        d = deflection(q);
-      }
-      if (!(d.depth > 0)) return release(d);
-      terms = field_.at_depth(d.depth);
-    }
-    Vec3 tangential_force = terms.straight + field_.sideways(terms, d.sideways);
-    const double sideways_force = length(tangential_force);
-    if (sideways_force > terms.limit) tangential_force = (terms.limit / sideways_force) * tangential_force;
-    depth_ = d.depth;
-    field_.couple(terms, d.sideways);
-    return output(State::slide, pose, q, terms, tangential_force);
-  }
-
-  /// c cannot follow along the surface (the tool straddles a fissure or left over an edge): takes the point
-  /// nearest to the tool instead, at a depth that answers with no more than the present force.
-  bool hand_over(const Pose& pose, const Vec3& q, double force) {
-    const Location nearest = locate<kFeatures>(*view_, q);
-    const Projection found = project(*view_, nearest.at, q);
-    // Decided before anything changes: a contact that stays must not lose depth tick by tick.
-    if (!found.converged || found.at.triangle == at_.triangle) return false;
-    place(found, pose);
-    offset_sideways_ = {};
-    const double depth = deflection(q).depth + offset_depth_;
-    double low = 0, high = std::fmax(0, depth - offset_depth_);
-    if (field_.at_depth(high).normal_force > force) {
-      for (int i = 0; i < 40; ++i) {
-        const double middle = 0.5 * (low + high);
-        (field_.at_depth(middle).normal_force > force ? high : low) = middle;
-      }
-      offset_depth_ = depth - low;
-    }
-    return true;
-  }
-
-  /// A capsule lays itself down: p runs along the axis to where it is deepest, c with it, at a bounded rate
-  /// and without changing the sideways deflection. Returns where the pose takes the anchor then.
-  Vec3 roll(const Pose& pose, const Vec3& before) {
-    const layout::ToolRecord& record = view_->tools[tool_];
-    const double cosine = pose.along_axis(field_.normal());
-    const double step = std::fmax(-0.1, std::fmin(0.1, -cosine)) * probe_;
-    const double along = std::fmax(0, std::fmin(record.axis_length, anchor_.z + step));
-    if (std::fabs(along - anchor_.z) > 1e-9 * probe_) {
-      const Deflection d = deflection(before);
-      anchor_.z = along;
-      const Vec3 q = pose.apply(anchor_);
-      place(project(*view_, at_, q - offset_sideways_ - anchored_ - d.sideways), pose);
-      return q;
-    }
-    if (std::fabs(profile_meridian(record, anchor_.z, cosine) - meridian_) > 1e-6 * probe_) {
-      turn(field_.normal(), pose);
-    }
-    return before;
-  }
-
-  Tick release(const Deflection& d) {
-    touching_ = false;
-    was_free_ = !(d.depth + offset_depth_ > 0);
-    search_.touch.safe = -1;
-    Tick tick;
-    tick.state = State::released;
-    return tick;
-  }
-
-  [[nodiscard]] Tick output(State state, const Pose& pose, const Vec3& q, const DepthTerms& terms,
-                            const Vec3& tangential_force) const {
-    const Vec3& n = field_.normal();
-    Tick tick;
-    tick.state = state;
-    tick.force = terms.normal_force * n + tangential_force;
-    tick.tool_point = q - probe_ * n;
-    tick.torque = cross(tick.tool_point - pose.translation, tick.force);
-    tick.depth = terms.depth;
-    tick.friction_limit = terms.limit;
-    tick.covered = field_.covered();
-    tick.beyond = terms.beyond;
-    tick.body_point = c_;
-    tick.at = at_;
-    tick.on_tool = tool_point_;
-    return tick;
-  }
-
   const View* view_;
   std::uint32_t tool_;
-  double reach_, probe_;  ///< m
-  double late_ = 0;
-  bool profile_ = false;
+  double reach_, probe_, late_;  ///< m
 
-  bool touching_ = false;
   bool was_free_ = false;  ///< the last tick saw no overlap
+  Vec3 free_at_;           ///< m, the tool then
   Search search_;          ///< the last one; free until the tool has moved by touch.safe from its pose
-  Vec3 last_;              ///< m, the anchor in the last tick
-
-  BodyPoint at_;
-  Vec3 c_;
-  Vec3 anchor_;  ///< m, tool frame
-  ToolPoint tool_point_;
-  double meridian_ = 0;
-  double offset_depth_ = 0;  ///< m, subtracted: depth at first sight
-  Vec3 offset_sideways_;     ///< m, the same across n(c)
-  // The coupled model's state: the depth of the last tick, and how far the anchor of the sideways deflection has gone
-  // from c (c takes it over when it slides).
-  double depth_ = 0;  ///< m
-  Vec3 anchored_;     ///< m
-  BasicField<kFeatures> field_;
+  BasicHold<kFeatures> hold_;
 };
 
 using Contact = BasicContact<>;

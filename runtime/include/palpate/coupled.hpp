@@ -300,6 +300,19 @@ public:
     return dot(d.straight, u) + d.energy.value(u, order());
   }
 
+  /// Integral of F dz from no depth to the abscissa t (J).
+  [[nodiscard]] double pushed(double t) const {
+    const double s = t < 1 ? t : 1, further = 2 * depth_scale_ * (t - s);  // dz = 2 Z s ds, and 2 Z dt beyond
+    double sum = 0, value = 0, slope = 0;
+    for (int k = degrees_.push - 2; k >= 0; --k) {
+      sum = sum * s + coefs_[k] / (k + 4);
+      slope = slope * s + value;
+      value = value * s + coefs_[k];
+    }
+    const double s2 = s * s;
+    return 2 * depth_scale_ * s2 * s2 * sum + further * (value + 0.5 * (t - s) * (2 * value + slope));
+  }
+
   /// u after the tool went deeper from t0 to t1 > t0 without moving sideways.
   [[nodiscard]] Vec2 deepen(double t0, double t1, Vec2 u) const {
     if (u.x == 0 && u.y == 0) return u;

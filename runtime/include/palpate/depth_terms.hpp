@@ -14,7 +14,7 @@ struct DepthTerms {
   double limit = 0;         ///< N, largest tangential force: mu(depth) Fn; infinite in a frictionless file
   Vec3 straight;            ///< N, sideways force of the straight push, across n(c)
   union {
-    double growth[9][2];       ///< of the separable model, as many as it has pairs
+    double growth[3][6];       ///< of the separable model, as many as it has triples (triple.hpp)
     coupled::AtDepth coupled;  ///< in a file of the coupled model
   };
   bool beyond = false;  ///< deeper than this pair was sampled

@@ -105,15 +105,39 @@ public:
   }
 
   /// The sideways deflection (m) that a contact keeps when it goes deeper from z0 to z1 > z0 >= 0 without moving
-  /// sideways: less, for new area is anchored unstressed. The same in a file of another model.
-  [[nodiscard, gnu::noinline]] Vec3 deepened(double z0, double z1, const Vec3& deflection) const {
-    if (!is_coupled()) return deflection;
+  /// sideways: less, for new area is anchored unstressed.
+  [[nodiscard]] Vec3 deepened(double z0, double z1, const Vec3& deflection) const {
+    return deepened(z0, at_depth(z1), deflection);
+  }
+
+  /// The same for a caller that has the terms at z1.
+  [[nodiscard, gnu::noinline]] Vec3 deepened(double z0, const DepthTerms& at_z1, const Vec3& deflection) const {
     if (!(z0 > 0)) return {};
     if constexpr (kCoupled) {
-      const coupled::Vec2 u = law_.deepen(law_.abscissa(z0), law_.abscissa(z1), in_basis(deflection));
-      return view_->meta->sideways_scale * (u.x * basis_x_ + u.y * basis_y_);
+      if (is_coupled()) {
+        const coupled::Vec2 u = law_.deepen(law_.abscissa(z0), law_.abscissa(at_z1.depth), in_basis(deflection));
+        return view_->meta->sideways_scale * (u.x * basis_x_ + u.y * basis_y_);
+      }
     }
-    return {};
+    return separable_.share_kept(z0, at_z1) * deflection;
+  }
+
+  /// Says that deepened() will be asked for these terms' depth as z0.
+  void remember(const DepthTerms& terms) const {
+    if (!is_coupled()) separable_.remember(terms);
+  }
+
+  /// What the deflection stores (J). The sideways forces of a separable response are no gradient: what they take is
+  /// not counted.
+  [[nodiscard, gnu::noinline]] double stored(const DepthTerms& terms, const Vec3& deflection) const {
+    if (!(terms.depth > 0)) return 0;
+    if constexpr (kCoupled) {
+      if (is_coupled()) {
+        return law_.pushed(law_.abscissa(terms.depth)) +
+               view_->meta->sideways_scale * law_.energy(terms.coupled, in_basis(deflection));
+      }
+    }
+    return separable_.pushed(terms.depth) - dot(terms.straight, deflection);
   }
 
   /// Force of a whole deflection p - c (m, body frame), sticking. Zero where its depth is not positive.

@@ -5,6 +5,7 @@
 #include "palpate/surface.hpp"
 
 #include <cmath>
+#include <type_traits>
 
 namespace palpate::runtime {
 
@@ -55,10 +56,20 @@ inline Nearest nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, 
   return best;
 }
 
-inline void consider(const View& view, const Vec3& p, std::uint32_t triangle, Nearest& best, std::uint32_t& at) {
+/// Every point counts.
+struct Anywhere {
+  bool operator()(const Vec3& /*point*/) const { return true; }
+};
+
+template <class Counts>
+inline void consider(const View& view, const Vec3& p, std::uint32_t triangle, const Counts& counts, Nearest& best,
+                     std::uint32_t& at) {
   const auto& v = view.triangles[triangle].vertex;
   const Nearest found = nearest_on_triangle(p, vertex(view, v[0]), vertex(view, v[1]), vertex(view, v[2]));
   if (found.squared >= best.squared) return;
+  if constexpr (!std::is_same_v<Counts, Anywhere>) {
+    if (!counts(position(view, {triangle, {found.bary[0], found.bary[1], found.bary[2]}}))) return;
+  }
   best = found;
   at = triangle;
 }
@@ -74,7 +85,8 @@ inline double box_distance(const layout::SearchNode& box, const Vec3& p) {
   return squared;
 }
 
-inline void search_tree(const View& view, const Vec3& p, Nearest& best, std::uint32_t& at) {
+template <class Counts>
+inline void search_tree(const View& view, const Vec3& p, const Counts& counts, Nearest& best, std::uint32_t& at) {
   struct Entry {
     std::uint32_t node;
     double distance;
@@ -86,7 +98,7 @@ inline void search_tree(const View& view, const Vec3& p, Nearest& best, std::uin
     if (entry.distance >= best.squared) continue;
     const layout::SearchNode& n = view.search[entry.node];
     if (n.count > 0) {
-      for (std::uint32_t t = n.first; t < n.first + n.count; ++t) consider(view, p, t, best, at);
+      for (std::uint32_t t = n.first; t < n.first + n.count; ++t) consider(view, p, t, counts, best, at);
       continue;
     }
     const Entry left{n.first, box_distance(view.search[n.first], p)};
@@ -136,22 +148,33 @@ inline Vec3 pseudonormal(const View& view, const BodyPoint& at) {
 
 }  // namespace detail
 
-/// Nearest point of the contact surface. Any finite point; the first triangle in file order wins a tie
-/// without a search section.
-template <std::uint32_t kFeatures = layout::feature_all>
-inline Location locate(const View& view, const Vec3& p) {
+/// Nearest point of the contact surface among those of the triangles whose own nearest point `counts` (a bool of a
+/// point, m). False where none does.
+template <std::uint32_t kFeatures = layout::feature_all, class Counts>
+inline bool locate_where(const View& view, const Vec3& p, const Counts& counts, Location& found) {
   detail::Nearest best{HUGE_VAL, {1, 0, 0}};
-  Location found;
   if ((kFeatures & layout::feature_search) != 0 && view.search != nullptr) {
-    detail::search_tree(view, p, best, found.at.triangle);
+    detail::search_tree(view, p, counts, best, found.at.triangle);
   } else {
-    for (std::uint32_t t = 0; t < view.meta->triangle_count; ++t) detail::consider(view, p, t, best, found.at.triangle);
+    for (std::uint32_t t = 0; t < view.meta->triangle_count; ++t) {
+      detail::consider(view, p, t, counts, best, found.at.triangle);
+    }
   }
+  if (std::isinf(best.squared)) return false;
   for (int k = 0; k < 3; ++k) found.at.bary[k] = best.bary[k];
   found.point = position(view, found.at);
   const double distance = std::sqrt(best.squared);
   const bool inside = dot(p - found.point, detail::pseudonormal(view, found.at)) < 0;
   found.signed_distance = inside ? -distance : distance;
+  return true;
+}
+
+/// Nearest point of the contact surface. Any finite point; the first triangle in file order wins a tie
+/// without a search section.
+template <std::uint32_t kFeatures = layout::feature_all>
+inline Location locate(const View& view, const Vec3& p) {
+  Location found;
+  locate_where<kFeatures>(view, p, detail::Anywhere{}, found);
   return found;
 }
 

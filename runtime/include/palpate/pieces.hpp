@@ -4,54 +4,71 @@
 
 #include "palpate/spline.hpp"
 
+#include <cmath>
+
 namespace palpate::runtime {
 
-/// N splines of one length, each remembered as a cubic on the knot interval that was last asked for. The coefficients
-/// stay with the caller: curve k's begin at coefs + k * count. Not for several threads at once.
+/// N splines, each remembered as a cubic on the knot interval that was last asked for. The coefficients stay with the
+/// caller. Not for several threads at once.
 template <int N>
 class Pieces {
 public:
+  /// Just outside its interval a cubic is that of the next up to the third power of this (in intervals): a deflection
+  /// that trembles about a knot, as one of zero does, must not ask for another cubic every tick.
+  static constexpr double kSlack = 1e-6;
+
+  Pieces() { forget(); }
+
   /// Other coefficients from now on.
   void forget() {
     for (double& start : start_) start = kNone;
   }
 
-  /// Curve k at t[k], which is spline::in_intervals of its abscissa.
+  /// Makes curve k's cubic that of the interval of t, which is spline::in_intervals of an abscissa. Returns the
+  /// interval.
   template <class Scalar>
-  void values(const Scalar* coefs, int count, const double (&t)[N], double (&value)[N]) const {
+  int take(int k, const Scalar* coefs, int count, double t) const {
+    const int interval = spline::interval_of(count, t);
+    if (start_[k] == interval) return interval;
+    const spline::Cubic cubic = spline::cubic(coefs, count, interval);
+    for (int p = 0; p < 4; ++p) power_[p][k] = cubic.power[p];
+    start_[k] = interval;
+    return interval;
+  }
+
+  /// Curve k at t[k]. False where one of these is not in the curve's interval, or no number: its cubic is to be taken.
+  bool values(const double (&t)[N], double (&value)[N]) const {
     double share[N];
+    for (int k = 0; k < N; ++k) share[k] = t[k] - start_[k];
     bool inside = true;
-    for (int k = 0; k < N; ++k) {
-      share[k] = t[k] - start_[k];
-      inside = inside && share[k] > -kSlack && share[k] < 1 + kSlack;
-    }
-    if (!inside) take(coefs, count, t, share);
+    for (int k = 0; k < N; ++k) inside = inside && std::fabs(share[k] - 0.5) < 0.5 + kSlack;
+    if (inside) at(share, value);
+    return inside;
+  }
+
+  /// The same for a caller that knows that t is in the intervals.
+  void known_values(const double (&t)[N], double (&value)[N]) const {
+    double share[N];
+    for (int k = 0; k < N; ++k) share[k] = t[k] - start_[k];
+    at(share, value);
+  }
+
+  /// Of curve k: the interval taken, and what it is there.
+  [[nodiscard]] int interval(int k) const { return static_cast<int>(start_[k]); }
+  [[nodiscard]] spline::Cubic cubic(int k) const { return {{power_[0][k], power_[1][k], power_[2][k], power_[3][k]}}; }
+
+private:
+  static constexpr double kNone = -8;
+
+  void at(const double (&share)[N], double (&value)[N]) const {
     for (int k = 0; k < N; ++k) {
       const double v = share[k];
       value[k] = (power_[0][k] + v * power_[1][k]) + v * v * (power_[2][k] + v * power_[3][k]);
     }
   }
 
-private:
-  static constexpr double kNone = -8;
-  /// Just outside its interval a cubic is that of the next up to the third power of this: a deflection that trembles
-  /// about a knot, as one of zero does, must not ask for another cubic every tick.
-  static constexpr double kSlack = 1e-6;
-
-  // Out of line: rarely called, and long.
-  template <class Scalar>
-  [[gnu::noinline]] void take(const Scalar* coefs, int count, const double (&t)[N], double (&share)[N]) const {
-    for (int k = 0; k < N; ++k) {
-      const int interval = spline::interval_of(count, t[k]);
-      const spline::Cubic cubic = spline::cubic(coefs + k * count, count, interval);
-      for (int p = 0; p < 4; ++p) power_[p][k] = cubic.power[p];
-      start_[k] = interval;
-      share[k] = t[k] - start_[k];
-    }
-  }
-
   mutable double start_[N];
-  mutable double power_[4][N];
+  mutable double power_[4][N] = {};  ///< by powers of the share of the interval
 };
 
 }  // namespace palpate::runtime

@@ -13,4 +13,5 @@
 #include "palpate/open.hpp"
 #include "palpate/output.hpp"
 #include "palpate/passivity.hpp"
+#include "palpate/several.hpp"
 #include "palpate/turn.hpp"

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "palpate/depth_terms.hpp"
-#include "palpate/pieces.hpp"
+#include "palpate/triple.hpp"
 #include "palpate/view.hpp"
 
 #include <cmath>
@@ -28,34 +28,37 @@ public:
     per_depth_ = 1 / static_cast<double>(meta.depth_scale);
     per_sideways_ = meta.sideways_scale > 0 ? 1 / static_cast<double>(meta.sideways_scale) : 0;
     for (std::uint32_t k = 0; k < meta.normal_coefs; ++k) push_[k] = 0;
-    bodies_ = pairs_ = 0;
-    push_piece_.forget();
+    responses_ = triples_ = 0;
+    low_ = 1;
+    high_ = 0;
+    pushed_interval_ = -1;
+    depth_curves_.forget();
+    depth_intervals_[kPush] = intervals(meta.normal_coefs);
     if constexpr (kLateral) {
       for (std::uint32_t k = 0; k < 2 * meta.lateral_coefs; ++k) lateral_[k] = 0;
-      lateral_pieces_.forget();
+      depth_intervals_[kStraight] = depth_intervals_[kStraight + 1] = intervals(meta.lateral_coefs);
     }
     if constexpr (kFriction) {
       for (std::uint32_t k = 0; k < meta.friction_coefs; ++k) mu_[k] = 0;
-      mu_piece_.forget();
+      depth_intervals_[kMu] = intervals(meta.friction_coefs);
+      growth_intervals_ = intervals(meta.growth_coefs);
+      known_.depth = 0;
     }
   }
 
   /// What is added from now on has its sideways curves along x (unit, across n(c)) and along n(c) x x.
   void begin_body(const Vec3& x) {
-    body_[bodies_].cosine = dot(x, basis_x_);
-    body_[bodies_].sine = dot(x, basis_y_);
-    body_[bodies_].first_pair = pairs_;
-    body_[++bodies_].first_pair = pairs_;
+    cosine_ = dot(x, basis_x_);
+    sine_ = dot(x, basis_y_);
   }
 
   /// One response of the view, by its index.
   void add(const View& view, std::uint64_t index, double weight) {
     const layout::Meta& m = *meta_;
-    const Body& body = body_[bodies_ - 1];
     const float* push = view.normal_coefs(index);
     for (std::uint32_t k = 0; k < m.normal_coefs; ++k) push_[k] += weight * push[k];
     if constexpr (kLateral) {
-      if (view.lateral != nullptr) add_lateral(view.lateral_coefs(index), weight * body.cosine, weight * body.sine);
+      if (view.lateral != nullptr) add_lateral(view.lateral_coefs(index), weight * cosine_, weight * sine_);
     }
     if constexpr (kFriction) {
       if (view.friction != nullptr) add_friction(view.friction_coefs(index), weight);
@@ -64,29 +67,75 @@ public:
 
   /// Forces, limit and growths at depth z > 0 (m).
   void at_depth(double z, DepthTerms& terms) const {
-    const layout::Meta& m = *meta_;
     const double share = z * per_depth_;
-    const double s = share < 1 ? std::sqrt(share) : 1.0;
-    const double extra = share < 1 ? 0 : 0.5 * (share - 1);  // linear in z beyond Z: ds/dz = 1 / (2 Z) there
-    terms.normal_force = one(push_piece_, push_, m.normal_coefs, s);
-    if (extra > 0) terms.normal_force += extra * spline::slope_at_1(push_, static_cast<int>(m.normal_coefs));
+    if (!(share < 1)) return beyond(0.5 * (share - 1), terms);
+    const double s = std::sqrt(share);
+    if (!(s > low_ && s < high_)) take_depth(s);
+    double t[kCurves], value[kCurves];
+    for (int k = 0; k < kCurves; ++k) t[k] = s * depth_intervals_[k];
+    depth_curves_.known_values(t, value);
+    terms.normal_force = value[kPush];
     if constexpr (kLateral) {
-      if (m.lateral_coefs > 0) {
-        double straight[2];
-        both(lateral_pieces_, lateral_, m.lateral_coefs, s, extra, straight);
-        terms.straight = straight[0] * basis_x_ + straight[1] * basis_y_;
-      }
+      if (meta_->lateral_coefs > 0) terms.straight = value[kStraight] * basis_x_ + value[kStraight + 1] * basis_y_;
     }
     terms.limit = HUGE_VAL;
     if constexpr (kFriction) {
-      if (m.friction_coefs == 0) return;
-      terms.limit = one(mu_piece_, mu_, m.friction_coefs, s) * terms.normal_force;
-      for (int j = 0; j < pairs_; ++j) {
-        double growth[2];
-        both(pair_[j].growth, pair_[j].coefs, m.growth_coefs, s, extra, growth);
-        for (int axis = 0; axis < 2; ++axis) {
-          terms.growth[j][axis] = pair_[j].weight * (growth[axis] > 0 ? growth[axis] : 0);
+      if (meta_->friction_coefs == 0) return;
+      terms.limit = value[kMu] * terms.normal_force;
+      const double at = s * growth_intervals_;
+      for (int j = 0; j < triples_; ++j) triple_[j].growths(at, terms.growth[j]);
+    }
+  }
+
+  /// Work of a straight push to depth z > 0 (J): the integral of Fn dz, exact.
+  [[nodiscard]] double pushed(double z) const {
+    const int count = static_cast<int>(meta_->normal_coefs);
+    const double share = z * per_depth_, s = share < 1 ? std::sqrt(share) : 1.0;
+    const double intervals = depth_intervals_[kPush], scale = 1 / per_depth_;
+    if (!(s > low_ && s < high_)) take_depth(s);
+    const int interval = depth_curves_.interval(kPush);
+    if (interval != pushed_interval_) {
+      pushed_interval_ = interval;
+      pushed_before_ = spline::first_moment(push_, count, interval);
+    }
+    const double here = spline::first_moment(depth_curves_.cubic(kPush), interval, s * intervals - interval);
+    double work = 2 * scale * (pushed_before_ + here) / (intervals * intervals);  // dz = 2 Z s ds
+    if (share > 1) {
+      const double further = z - scale;
+      work += further * (push_[count - 1] + 0.25 * further * per_depth_ * spline::slope_at_1(push_, count));
+    }
+    return work;
+  }
+
+  /// The share of a sideways deflection that going deeper from z0 > 0 leaves: the least of growth(z0) / growth(z1), so
+  /// that no more is stored than before; 1 where none grows.
+  [[nodiscard]] double share_kept(double z0, const DepthTerms& at_z1) const {
+    Triple::Lanes least = {1, 1, 1, 1, 1, 1};
+    if constexpr (kFriction) {
+      if (known_.depth != z0) {
+        DepthTerms terms;
+        at_depth(z0, terms);
+        terms.depth = z0;
+        remember(terms);
+      }
+      for (int j = 0; j < triples_; ++j) {
+        for (int k = 0; k < Triple::kLanes; ++k) {
+          const double ratio = known_.growth[j][k] / at_z1.growth[j][k];  // NaN where there is none
+          least[k] = ratio < least[k] ? ratio : least[k];
         }
+      }
+    }
+    double kept = least[0];
+    for (const double each : least) kept = each < kept ? each : kept;
+    return kept;
+  }
+
+  /// Keeps what share_kept needs of the terms of a depth that will be its z0.
+  void remember(const DepthTerms& terms) const {
+    if constexpr (kFriction) {
+      known_.depth = terms.depth;
+      for (int j = 0; j < triples_; ++j) {
+        for (int k = 0; k < Triple::kLanes; ++k) known_.growth[j][k] = terms.growth[j][k];
       }
     }
   }
@@ -95,7 +144,7 @@ public:
   /// push.
   [[nodiscard]] Vec3 sideways(const DepthTerms& terms, const Vec3& deflection) const {
     if constexpr (kFriction) {
-      if (meta_->sideways_coefs > 0) return sum_sideways(terms, deflection);
+      if (meta_->sideways_coefs > 0) return sum_sideways<false>(terms, deflection);
     }
     return {};
   }
@@ -112,107 +161,105 @@ private:
 
   void add_friction(const float* coefs, double weight) {
     const layout::Meta& m = *meta_;
-    Pair& pair = pair_[pairs_++];
-    pair.coefs = coefs;
-    pair.weight = weight;
-    pair.growth.forget();
-    pair.phi.forget();
-    const float* mu = pair.coefs + 2 * m.growth_coefs + 2 * m.sideways_coefs;
+    const int slot = responses_++ % Triple::kResponses;
+    if (slot == 0) triple_[triples_++].clear(m, coefs);
+    triple_[triples_ - 1].set(slot, coefs, weight, cosine_, sine_);
+    const float* mu = coefs + 2 * m.growth_coefs + 2 * m.sideways_coefs;
     for (std::uint32_t k = 0; k < m.friction_coefs; ++k) mu_[k] += weight * mu[k];
-    body_[bodies_].first_pair = pairs_;
   }
 
+  /// kTake: the curves need not have been taken where the deflection is.
+  template <bool kTake>
   [[nodiscard]] Vec3 sum_sideways(const DepthTerms& terms, const Vec3& deflection) const {
-    const layout::Meta& m = *meta_;
-    const int count = static_cast<int>(m.sideways_coefs);
     const double x = per_sideways_ * dot(deflection, basis_x_), y = per_sideways_ * dot(deflection, basis_y_);
-    double force_x = 0, force_y = 0;
-    for (int i = 0; i < bodies_; ++i) {
-      const Body& body = body_[i];
-      const Along along(count, body.cosine * x + body.sine * y, body.cosine * y - body.sine * x);
-      double fx = 0, fy = 0;
-      for (int j = body.first_pair; j < body_[i + 1].first_pair; ++j) {
-        double phi[2];
-        along.values(pair_[j].phi, pair_[j].coefs + 2 * m.growth_coefs, count, phi);
-        fx += terms.growth[j][0] * phi[0];
-        fy += terms.growth[j][1] * phi[1];
-      }
-      force_x += body.cosine * fx - body.sine * fy;
-      force_y += body.sine * fx + body.cosine * fy;
+    double force[2] = {0, 0};
+    for (int j = 0; j < triples_; ++j) {
+      if (!triple_[j].template add_force<kTake>(terms.growth[j], x, y, force)) return take_sideways(terms, deflection);
     }
-    return force_x * basis_x_ + force_y * basis_y_;
+    return force[0] * basis_x_ + force[1] * basis_y_;
   }
 
-  /// One body vertex, its frame carried to c: turned by this angle against the basis. Its pairs end where the next
-  /// one's begin.
-  struct Body {
-    double cosine = 1, sine = 0;
-    int first_pair = 0;
-  };
-  struct Pair {
-    const float* coefs = nullptr;  ///< gx, gy, phix, phiy, mu
-    double weight = 0;
-    Pieces<2> growth, phi;
+  struct Known {
+    double depth = 0;  ///< m; none where it is 0
+    Triple::Lanes growth[3];
   };
 
-  /// phi at x / X = r and y / X: inside [-1, 1] the splines, outside their tangents at the ends.
-  struct Along {
-    double r[2], t[2];
-    bool outside;
-    Along(int count, double x, double y) : r{x, y}, outside(false) {
-      for (int axis = 0; axis < 2; ++axis) {
-        const double above = r[axis] > -1 ? r[axis] : -1.0;  // a NaN lands at -1
-        const double inside = above < 1 ? above : 1.0;
-        t[axis] = 0.5 * (inside + 1) * (count - 3);
-        outside = outside || r[axis] != inside;
-      }
-    }
-    void values(const Pieces<2>& pieces, const float* phi, int count, double (&value)[2]) const {
-      pieces.values(phi, count, t, value);
-      if (outside) go_on(phi, count, value);
-    }
-    [[gnu::noinline]] void go_on(const float* phi, int count, double (&value)[2]) const {
-      for (int axis = 0; axis < 2; ++axis, phi += count) {
-        if (r[axis] > 1) value[axis] += 0.5 * (r[axis] - 1) * spline::slope_at_1(phi, count);
-        if (r[axis] < -1) value[axis] += 0.5 * (r[axis] + 1) * spline::slope_at_0(phi, count);
-      }
-    }
-  };
+  // What follows is rarely called, and long: inlined it would slow every tick.
 
-  static double one(const Pieces<1>& piece, const double* coefs, std::uint32_t coef_count, double s) {
+  /// Makes the cubics of all curves of the depth those of the knot intervals at s.
+  [[gnu::noinline]] void take_depth(double s) const {
+    low_ = -1;
+    high_ = 2;
+    take(kPush, push_, meta_->normal_coefs, s);
+    if constexpr (kLateral) {
+      const std::uint32_t count = meta_->lateral_coefs;
+      for (int axis = 0; count > 0 && axis < 2; ++axis) take(kStraight + axis, lateral_ + axis * count, count, s);
+    }
+    if constexpr (kFriction) {
+      if (meta_->friction_coefs == 0) return;
+      take(kMu, mu_, meta_->friction_coefs, s);
+      for (int j = 0; j < triples_; ++j) {
+        narrow(triple_[j].take_growths(s * growth_intervals_), static_cast<int>(meta_->growth_coefs));
+      }
+    }
+  }
+  void take(int curve, const double* coefs, std::uint32_t coef_count, double s) const {
     const int count = static_cast<int>(coef_count);
-    double value[1];
-    piece.values(coefs, count, {s * (count - 3)}, value);
-    return value[0];
+    narrow(depth_curves_.take(curve, coefs, count, s * depth_intervals_[curve]), count);
+  }
+  void narrow(int interval, int count) const {
+    constexpr double kSlack = Pieces<kCurves>::kSlack;
+    low_ = std::fmax(low_, (interval - kSlack) / (count - 3));
+    high_ = std::fmin(high_, (interval + 1 + kSlack) / (count - 3));
   }
 
-  template <class Scalar>
-  static void both(const Pieces<2>& pieces, const Scalar* coefs, std::uint32_t coef_count, double s, double extra,
-                   double (&value)[2]) {
-    const int count = static_cast<int>(coef_count);
-    const double t = s * (count - 3);
-    pieces.values(coefs, count, {t, t}, value);
-    if (extra > 0) go_on(extra, coefs, count, value);
+  [[nodiscard, gnu::noinline]] Vec3 take_sideways(const DepthTerms& terms, const Vec3& deflection) const {
+    return sum_sideways<true>(terms, deflection);
   }
 
-  // Out of line, or it would be computed first and dropped.
-  template <class Scalar>
-  [[gnu::noinline]] static void go_on(double extra, const Scalar* coefs, int count, double (&value)[2]) {
-    for (int axis = 0; axis < 2; ++axis) value[axis] += extra * spline::slope_at_1(coefs + axis * count, count);
+  /// What at_depth says at Z and deeper: linear in z, ds/dz = 1 / (2 Z); `extra` is s - 1 so.
+  [[gnu::noinline]] void beyond(double extra, DepthTerms& terms) const {
+    const auto on = [extra](const auto* coefs, std::uint32_t coef_count) {
+      return spline::beyond(coefs, static_cast<int>(coef_count), extra);
+    };
+    const layout::Meta& m = *meta_;
+    terms.normal_force = on(push_, m.normal_coefs);
+    if constexpr (kLateral) {
+      const std::uint32_t count = m.lateral_coefs;
+      if (count > 0) terms.straight = on(lateral_, count) * basis_x_ + on(lateral_ + count, count) * basis_y_;
+    }
+    terms.limit = HUGE_VAL;
+    if constexpr (kFriction) {
+      if (m.friction_coefs == 0) return;
+      terms.limit = mu_[m.friction_coefs - 1] * terms.normal_force;
+      for (int j = 0; j < triples_; ++j) triple_[j].growths_beyond(extra, terms.growth[j]);
+    }
   }
+
+  static double intervals(std::uint32_t coef_count) { return coef_count > 3 ? coef_count - 3.0 : 0.0; }
+
+  // Curves of the depth alone, all evaluated at once; those that the file has not are never taken.
+  static constexpr int kPush = 0, kMu = 1, kStraight = kFriction ? 2 : 1;
+  static constexpr int kCurves = kStraight + (kLateral ? 2 : 0);
 
   const layout::Meta* meta_ = nullptr;
   Vec3 basis_x_, basis_y_;
   double per_depth_ = 0, per_sideways_ = 0;  ///< 1 / Z, 1 / X (1/m)
-  int bodies_ = 0, pairs_ = 0;
-  Body body_[4];
-  detail::If<kFriction, Pair[9]> pair_;
+  double cosine_ = 1, sine_ = 0;             ///< of the angle of the present body vertex' frame against the basis
+  int responses_ = 0, triples_ = 0;
+  detail::If<kFriction, Triple[3]> triple_;
   double push_[layout::kMaxCoefs] = {};
   detail::If<kLateral, double[2 * layout::kMaxCoefs]> lateral_ = {};  ///< along basis_x_, then along basis_y_
   detail::If<kFriction, double[layout::kMaxCoefs]> mu_ = {};
-  Pieces<1> push_piece_;
-  detail::If<kFriction, Pieces<1>> mu_piece_;
-  detail::If<kLateral, Pieces<2>> lateral_pieces_;
+  // While low_ < s < high_ the cubics are of the right intervals.
+  mutable double low_ = 1, high_ = 0;
+  // For the work of a straight push: that to the start of this interval, -1 where none is known.
+  mutable int pushed_interval_ = -1;
+  mutable double pushed_before_ = 0;
+  Pieces<kCurves> depth_curves_;
+  double depth_intervals_[kCurves] = {};
+  detail::If<kFriction, double> growth_intervals_ = {};
+  mutable detail::If<kFriction, Known> known_;
 };
 
 }  // namespace palpate::runtime

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+// What a contact owes where its field was replaced, and what went through the hand.
+#pragma once
+
+#include "palpate/tick.hpp"
+
+#include <cmath>
+
+namespace palpate::runtime {
+
+/// A contact that sticks gives back what it took. One whose field is replaced (c goes on over a body that is harder
+/// elsewhere, the tool tilts, factors change) may store more than the hand gave: the difference is owed. It is not
+/// taken from the force, which stays the place's own, but from what comes back: a lift loses of the stored energy in
+/// the same proportion as is owed, so the force falls sooner than it rose, without a step, and is zero where nothing of
+/// what the hand gave is left. More than half of what is stored is not owed for long: beyond that the depth is held
+/// back. All losses follow motions: a hand at rest feels none.
+class EnergyAccount {
+public:
+  void reset() { owed_ = 0; }
+
+  /// Stored energy (J) before and after the field was replaced at one pose; returns what of it is to be lost at once.
+  /// With `friction` a loss pays what is owed but buys nothing; so does what was `rubbed` (J) besides, which is owed
+  /// itself where it is negative: the hand got it.
+  double replaced(double before, double after, bool friction, double rubbed) {
+    const double more = after - before;
+    stored_ = owed_ > 0 ? stored_ + more : after;  // what the motion of this tick changed is still to be told
+    const double least = friction ? std::fmin(owed_, 0.0) : owed_ + more;
+    owed_ = std::fmax(owed_ + more, least);
+    if (rubbed < 0 || owed_ > 0) owed_ = rubbed < 0 ? owed_ - rubbed : std::fmax(0.0, owed_ - rubbed);
+    return more > 0 && owed_ > 0.5 * after ? std::fmin(2 * owed_ - after, 2 * more) : 0;
+  }
+
+  /// Joules are `ratio` (above 0) times as large from now on.
+  void rescale(double ratio) { owed_ /= ratio; }
+
+  /// J, negative where the hand has given more than is stored.
+  [[nodiscard]] double owed() const { return owed_; }
+
+  /// J to lose on a motion after which `stored` would be left.
+  [[nodiscard]] double due(double stored) const {
+    constexpr double kMostShare = 4;
+    if (!(stored < stored_) || !(owed_ > 0)) return 0;
+    const double share = owed_ < kMostShare * (stored_ - owed_) ? owed_ / (stored_ - owed_) : kMostShare;
+    return std::fmin(share * (stored_ - stored), owed_);
+  }
+
+  /// After `lost` (J) of it was paid; `stored` is left.
+  void paid(double lost, double stored) {
+    owed_ -= lost;
+    stored_ = stored;
+  }
+
+private:
+  double owed_ = 0;    ///< J
+  double stored_ = 0;  ///< J, in the last tick; kept while something is owed
+};
+
+/// Counts the work of the hand on one contact, for a program that wants to see it: add every tick with its pose. Work
+/// is summed over trapezoids.
+class EnergyMeter {
+public:
+  void reset() { *this = EnergyMeter(); }
+
+  void add(const Pose& pose, const Tick& tick) {
+    if (!pose.valid()) return reset_last();
+    const Pose turned = started_ ? Pose{pose} * inverse(last_pose_) : Pose{};
+    const double* m = turned.rotation;
+    const Vec3 turn = 0.5 * Vec3{m[7] - m[5], m[2] - m[6], m[3] - m[1]};
+    const double work = started_ ? -0.5 * (dot(last_.force + tick.force, pose.translation - last_pose_.translation) +
+                                           dot(last_.torque + tick.torque, turn))
+                                 : 0;
+    (work > 0 ? given_ : returned_) += std::fabs(work);
+    last_pose_ = pose;
+    last_ = tick;
+    started_ = true;
+  }
+
+  /// J, of the hand on the body, and of the body on the hand.
+  [[nodiscard]] double given() const { return given_; }
+  [[nodiscard]] double returned() const { return returned_; }
+  /// J, with what the contact holds now (Contact::stored).
+  [[nodiscard]] double dissipated(double stored) const { return given_ - returned_ - stored; }
+
+private:
+  void reset_last() { started_ = false; }
+
+  Pose last_pose_;
+  Tick last_;
+  bool started_ = false;
+  double given_ = 0, returned_ = 0;
+};
+
+}  // namespace palpate::runtime

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT
+// Where a contact rests on body and tool: the field of the pair, and how far a tool is deflected from it.
+#pragma once
+
+#include "palpate/field.hpp"
+#include "palpate/project.hpp"
+#include "palpate/tool.hpp"
+
+#include <cmath>
+
+namespace palpate::runtime {
+
+/// The deflection of a tool, split at c.
+struct Deflection {
+  double depth;   ///< m, less what is subtracted
+  Vec3 sideways;  ///< m, across n(c), from its anchor
+};
+
+/// A point c of the body, a point p of the tool and their field. The sideways deflection is that from an anchor, which
+/// is c at first. Of layout::Feature those that kFeatures leaves out take neither code nor memory.
+template <std::uint32_t kFeatures = layout::feature_all>
+class BasicRest {
+public:
+  BasicRest(const View& view, std::uint32_t tool) : view_(&view), tool_(tool), probe_(view.tools[tool].probe_radius) {
+    const layout::ToolRecord& record = view.tools[tool];
+    profile_ = record.kind == static_cast<std::uint32_t>(layout::ToolKind::profile) && record.axis_length > 0;
+  }
+
+  /// Where a tool's point of a search meets the body, without sideways deflection and with a depth of at most `most`
+  /// (m): what is deeper is subtracted.
+  void begin(const ToolTouch& touch, const Projection& found, double most, const Pose& pose) {
+    anchor_ = touch.anchor;
+    tool_point_ = touch.tool_point;
+    subtracted_ = 0;
+    offset_ = anchored_ = rolled_ = {};
+    place(found, pose);
+    const Deflection d = deflection(point(pose));
+    subtracted_ = std::fmax(0, d.depth - most);
+    offset_ = d.sideways;
+  }
+
+  [[nodiscard]] const BasicField<kFeatures>& field() const { return field_; }
+  [[nodiscard]] const BodyPoint& at() const { return at_; }
+  [[nodiscard]] const Vec3& c() const { return c_; }
+  [[nodiscard]] const ToolPoint& on_tool() const { return tool_point_; }
+  /// m, from p to the skin.
+  [[nodiscard]] double probe() const { return probe_; }
+  /// m, of a contact.
+  [[nodiscard]] double size() const { return probe_ + view_->meta->depth_scale; }
+  /// The tool may touch along its axis.
+  [[nodiscard]] bool profile() const { return profile_; }
+
+  /// Where the pose takes p.
+  [[nodiscard]] Vec3 point(const Pose& pose) const { return pose.apply(anchor_); }
+
+  [[nodiscard]] Deflection deflection(const Vec3& q) const {
+    const Vec3& n = field_.normal();
+    const Vec3 gap = q - c_;
+    return {probe_ - dot(gap, n) - subtracted_, tangential(gap - offset_ - anchored_, n)};
+  }
+  /// The skin overlaps the body by this depth (m), too.
+  [[nodiscard]] bool overlaps(double depth) const { return depth + subtracted_ > 0; }
+
+  /// Subtracts so much depth (m) from now on.
+  void subtract(double depth) { subtracted_ += depth; }
+
+  /// Moves the anchor so that this much of a sideways deflection is left.
+  void leave(Deflection& d, const Vec3& kept) {
+    anchored_ = anchored_ + d.sideways - kept;
+    d.sideways = kept;
+  }
+
+  /// Moves c over the surface until the tool at q is deflected by `sideways` (m) from it.
+  void follow(const Pose& pose, const Vec3& q, const Vec3& sideways, double force) {
+    anchored_ = rolled_ = {};
+    const Projection found = foot(q, sideways);
+    if (!(found.residual > 0.1 * size() && hand_over(pose, q, force))) place(found, pose);
+  }
+
+  /// The tool turned since this was asked last, and its skin is round.
+  [[nodiscard]] bool turned(const Pose& pose) const {
+    const Vec3 turned = pose.rotate(normal_in_tool_) - field_.normal();
+    return dot(turned, turned) >= 1e-18;
+  }
+
+  /// A round skin that turns does not slip: its turn drags the body along. True where that is so far that c is to go
+  /// on instead (roll_on).
+  [[nodiscard, gnu::noinline]] bool roll(const Pose& pose) {
+    const Vec3& n = field_.normal();
+    const Vec3 way = probe_ * tangential(pose.rotate(normal_in_tool_) - n, n);
+    normal_in_tool_ = inverse(pose).rotate(n);
+    rolled_ = rolled_ + way;
+    anchored_ = anchored_ + way;
+    constexpr double kShare = 1e-3;  // of a contact's size
+    return dot(rolled_, rolled_) >= kShare * kShare * size() * size();
+  }
+
+  /// Moves c by what was rolled, and the anchor back to it.
+  void roll_on(const Pose& pose, const Vec3& q, const Deflection& d) {
+    anchored_ = anchored_ - rolled_;
+    rolled_ = {};
+    place(foot(q, d.sideways), pose);
+  }
+
+  /// A profile lies otherwise than when its responses were blended.
+  [[nodiscard]] bool lies_otherwise(const Pose& pose) const {
+    const double cosine = pose.along_axis(field_.normal());
+    return std::fabs(along(cosine) - anchor_.z) > 1e-9 * probe_ ||
+           std::fabs(profile_meridian(view_->tools[tool_], anchor_.z, cosine) - meridian_) > 1e-6 * probe_;
+  }
+
+  /// A capsule lays itself down: p runs along the axis to where it is deepest, c with it, at a bounded rate and
+  /// without changing the deflection d of the tool at q: what is gained in depth that way is no work of the hand and is
+  /// subtracted.
+  void lie_down(const Pose& pose, const Deflection& d) {
+    const Vec3 there{0, 0, along(pose.along_axis(field_.normal()))};
+    if (std::fabs(there.z - anchor_.z) > 1e-9 * probe_) {
+      const Vec3 q = pose.apply(there);
+      const Projection to = foot(q, d.sideways);
+      const double gained = probe_ - dot(q - to.point, to.normal) - subtracted_ - d.depth;
+      if (to.converged && gained >= 0) {
+        anchor_ = there;
+        subtract(gained);
+        return place(to, pose);
+      }
+    }
+    turn(field_.normal(), pose);
+  }
+
+private:
+  /// Where c rests when the tool at q is to be deflected by `sideways` from the anchor.
+  [[nodiscard]] Projection foot(const Vec3& q, const Vec3& sideways) const {
+    return project(*view_, at_, q - offset_ - anchored_ - sideways);
+  }
+
+  /// Rests the contact at a point of the surface and blends its responses.
+  void place(const Projection& to, const Pose& pose) {
+    at_ = to.at;
+    c_ = to.point;
+    turn(to.normal, pose);
+  }
+
+  /// Blends the responses for the present point of the body and the tool's present orientation.
+  void turn(const Vec3& n, const Pose& pose) {
+    if (profile_) {
+      meridian_ = profile_meridian(view_->tools[tool_], anchor_.z, pose.along_axis(n));
+      tool_point_ = profile_point(*view_, view_->tools[tool_], meridian_);
+    }
+    field_.build(*view_, tool_, at_, tool_point_, n);
+    normal_in_tool_ = inverse(pose).rotate(n);
+  }
+
+  /// Where on the axis p is to be in this tick (m), for a cosine between n(c) and the axis.
+  [[nodiscard]] double along(double cosine) const {
+    const double step = std::fmax(-0.1, std::fmin(0.1, -cosine)) * probe_;
+    return std::fmax(0, std::fmin(view_->tools[tool_].axis_length, anchor_.z + step));
+  }
+
+  /// c cannot follow along the surface (the tool straddles a fissure or left over an edge): takes the point
+  /// nearest to the tool instead, at a depth that answers with no more than the present force (N).
+  [[gnu::noinline]] bool hand_over(const Pose& pose, const Vec3& q, double force) {
+    const Location nearest = locate<kFeatures>(*view_, q);
+    const Projection found = project(*view_, nearest.at, q);
+    // Decided before anything changes: a contact that stays must not lose depth tick by tick.
+    if (!found.converged || found.at.triangle == at_.triangle) return false;
+    place(found, pose);
+    offset_ = {};
+    const double depth = std::fmax(0, deflection(q).depth);
+    if (field_.at_depth(depth).normal_force > force) {
+      double low = 0, high = depth;
+      for (int i = 0; i < 40; ++i) {
+        const double middle = 0.5 * (low + high);
+        (field_.at_depth(middle).normal_force > force ? high : low) = middle;
+      }
+      subtract(depth - low);
+    }
+    return true;
+  }
+
+  const View* view_;
+  std::uint32_t tool_;
+  double probe_;  ///< m
+  bool profile_ = false;
+
+  BodyPoint at_;
+  Vec3 c_;
+  Vec3 anchor_;  ///< m, p in the tool's frame
+  ToolPoint tool_point_;
+  double meridian_ = 0;
+  double subtracted_ = 0;  ///< m, from the depth
+  Vec3 offset_;            ///< m, across n(c), from c to p at first sight
+  Vec3 anchored_;          ///< m, how far the anchor has gone from c (c takes it over when it slides)
+  Vec3 rolled_;            ///< m, the part of it that c goes on by once it is large enough to matter
+  Vec3 normal_in_tool_;    ///< n(c) when the tool last turned, in its frame
+  BasicField<kFeatures> field_;
+};
+
+}  // namespace palpate::runtime

@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: MIT
+// Several contacts at once: of one tool that touches at two places, and of several tools on one body.
+#pragma once
+
+#include "palpate/contact.hpp"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace palpate::runtime {
+
+/// By what share the sum of two equal tips' forces is too large, for each sinks into the other's dent: `spacing` and
+/// their contact radius in m. Measured by solving both at once on a block 30 contact radii wide and deep, 1, 2, 4 and 8
+/// radii apart (`palpate verify --two-tips`): 0.33, 0.22, 0.11, 0.04. Straight in between; beyond, falling as the dent
+/// does.
+inline double superposition_error(double spacing, double contact_radius) {
+  constexpr double kError[] = {0.33, 0.22, 0.11, 0.04};
+  if (!(contact_radius > 0)) return 0;
+  double apart = spacing / contact_radius;
+  if (apart >= 8) return kError[3] * 8 / apart;
+  if (!(apart > 1)) return apart > 0 ? 0.5 - (0.5 - kError[0]) * apart : 0.5;  // at one place the second counts twice
+  int below = 0;
+  for (; apart >= 2; apart *= 0.5) ++below;
+  return kError[below] + (apart - 1) * (kError[below + 1] - kError[below]);
+}
+
+/// Where two contacts add, and whether their sum can be trusted.
+struct Overlap {
+  double spacing = HUGE_VAL;  ///< m, least between two points c that push
+  double error = 0;           ///< superposition_error of these two
+  /// People notice 7 to 10 %: what is less than this is not worth a warning.
+  static constexpr double kNotable = 0.07;
+  [[nodiscard]] bool near() const { return error > kNotable; }
+
+  /// Takes in a pair of contacts that push, of tools with these radii (m).
+  void add(const Tick& a, double radius_a, const Tick& b, double radius_b) {
+    const double gap = length(a.body_point - b.body_point);
+    const double radius = std::sqrt(std::fmax(radius_a * a.depth, radius_b * b.depth));
+    spacing = std::fmin(spacing, gap);
+    error = std::fmax(error, superposition_error(gap, radius));
+  }
+};
+
+/// What one tool gets from all its contacts.
+template <int Most>
+struct SeveralTick {
+  Vec3 force, torque;  ///< N, N m about the origin of the tool's frame, body frame: the sums
+  int touching = 0;
+  std::array<Tick, Most> each;  ///< each contact's own, with the share that it has in the sums
+  Overlap overlap;
+};
+
+/// One tool that may touch at up to `Most` places: tip and stem, or between two lobes. The first contact is Contact's.
+/// Another begins, at zero force, where the tool overlaps the body beyond a hollow: the straight line from a contact
+/// point to it leaves the body. As two points c come closer than `gap` the later one's share falls, to nothing at half
+/// the gap, so that contacts merge without a step; what is stored falls and rises with it (Contact::rescaled).
+/// Every tick takes bounded time and allocates nothing; a look for another place is a few searches more and is made
+/// once the tool or c has moved by what is known to be free. kFeatures as those of BasicContact.
+template <int Most = 2, std::uint32_t kFeatures = layout::feature_all>
+class SeveralContacts {
+  static_assert(Most >= 2);
+
+public:
+  SeveralContacts(const View& view, std::uint32_t tool, const ContactSettings& settings = {})
+      : SeveralContacts(view, tool, settings, std::make_index_sequence<Most>()) {}
+
+  void reset() {
+    for (BasicContact<kFeatures>& contact : contacts_) contact.reset();
+    share_.fill(1);
+    free_ = -1;
+  }
+
+  SeveralTick<Most> tick(const Pose& pose) {
+    SeveralTick<Most> sum;
+    sum.each[0] = contacts_[0].tick(pose);
+    for (int k = 1; k < Most; ++k) {
+      if (touches(last_[k])) sum.each[k] = contacts_[k].tick(pose, none(pose));
+    }
+    if (sum.each[0].state == State::fault) {
+      reset();
+      last_ = sum.each;
+      return sum;
+    }
+    // The first contact is the one that searches: where it was let go, another takes its place.
+    for (int k = 1; k < Most && !touches(sum.each[0]); ++k) {
+      if (!touches(sum.each[k])) continue;
+      std::swap(contacts_[0], contacts_[k]);
+      std::swap(sum.each[0], sum.each[k]);
+      std::swap(share_[0], share_[k]);
+    }
+    if (touches(sum.each[0])) look(pose, sum);
+    for (int k = 0; k < Most; ++k) {
+      if (touches(sum.each[k])) weigh(k, sum);
+    }
+    last_ = sum.each;
+    return sum;
+  }
+
+  [[nodiscard]] const BasicContact<kFeatures>& contact(int k) const { return contacts_[static_cast<std::size_t>(k)]; }
+
+private:
+  template <std::size_t... K>
+  SeveralContacts(const View& view, std::uint32_t tool, const ContactSettings& settings, std::index_sequence<K...>)
+      : view_(&view),
+        tool_(tool),
+        probe_(view.tools[tool].probe_radius),
+        reach_(skeleton_radius<kFeatures>(view, tool)),
+        radius_(std::fmax(view.tools[tool].radius, view.tools[tool].probe_radius)),
+        gap_(radius_ > 0 ? std::sqrt(radius_ * view.meta->depth_scale) : view.meta->depth_scale),
+        contacts_{((void)K, BasicContact<kFeatures>(view, tool, settings))...} {
+    share_.fill(1);
+  }
+
+  static bool touches(const Tick& tick) { return tick.state == State::stick || tick.state == State::slide; }
+
+  /// A search that sees nothing: contacts beyond the first begin only where look() found them.
+  static Search none(const Pose& pose) {
+    Search search;
+    search.pose = pose;
+    search.touch.clearance = search.touch.safe = HUGE_VAL;
+    return search;
+  }
+
+  /// Adds contact k with the share that its distance from those before it leaves.
+  void weigh(int k, SeveralTick<Most>& sum) {
+    const auto at = static_cast<std::size_t>(k);
+    Tick& tick = sum.each[at];
+    double share = 1;
+    for (std::size_t j = 0; j < at; ++j) {
+      if (!touches(sum.each[j])) continue;
+      const double apart = length(tick.body_point - sum.each[j].body_point) / gap_;
+      share = std::fmin(share, std::fmax(0, 2 * apart - 1));
+    }
+    // The first keeps what it has when it was another before: its share comes back as the tool moves.
+    share = std::fmin(share, share_[at] + grow_);
+    if (k > 0 && !(share > 0)) {
+      contacts_[at].reset();
+      tick = {};
+      return;
+    }
+    if (share != share_[at] && share_[at] > 0) contacts_[at].rescaled(share / share_[at]);
+    share_[at] = share;
+    tick.force = share * tick.force;
+    tick.torque = share * tick.torque;
+    sum.force = sum.force + tick.force;
+    sum.torque = sum.torque + tick.torque;
+    ++sum.touching;
+    for (std::size_t j = 0; j < at; ++j) {
+      if (touches(sum.each[j])) sum.overlap.add(sum.each[j], radius_, tick, radius_);
+    }
+  }
+
+  /// Begins a contact more where there is one and a place for it.
+  void look(const Pose& pose, SeveralTick<Most>& sum) {
+    const double moved = motion(pose, sum.each[0]);
+    grow_ = std::fmin(1, (moved - before_) > 0 ? (moved - before_) / gap_ : 0);
+    before_ = moved;
+    if (moved < free_) return;
+    int k = 1;
+    while (k < Most && touches(sum.each[static_cast<std::size_t>(k)])) ++k;
+    if (k == Most) return;
+    looked_ = pose;
+    looked_c_ = sum.each[0].body_point;
+    before_ = 0;
+    Search search;
+    search.pose = pose;
+    search.touch.clearance = HUGE_VAL;
+    const layout::ToolRecord& record = view_->tools[tool_];
+    const bool mesh =
+        record.kind == static_cast<std::uint32_t>(layout::ToolKind::mesh) && view_->tool_patches != nullptr;
+    if ((kFeatures & layout::feature_tool_patches) != 0 && mesh) {
+      for (std::uint32_t p = record.first_patch; p < record.first_patch + record.patch_count; ++p) {
+        const auto& corner = view_->tool_patches[p].vertex;
+        for (int i = 0; i < 3; ++i) {
+          ToolPoint on_tool{p, {0, 0, 0}};
+          on_tool.weights[i] = 1;
+          try_anchor(pose, to_vec(view_->tool_vertices[corner[i]].point), on_tool, sum, search.touch);
+        }
+      }
+    } else {
+      constexpr int kSamples = 9;
+      const int samples = record.axis_length > 0 ? kSamples : 1;
+      const double axis = record.axis_length, spacing = samples > 1 ? axis / (samples - 1) : 0;
+      for (int i = 0; i < samples; ++i) try_anchor(pose, {0, 0, i * spacing}, {}, sum, search.touch);
+    }
+    // A look is at samples: between them as much may be missed as a contact begins late, at zero force.
+    free_ = std::fmax(0.02 * view_->meta->depth_scale, std::fmin(search.touch.clearance, 0.25 * gap_));
+    if (!(search.touch.clearance < 0)) return;
+    const auto at = static_cast<std::size_t>(k);
+    contacts_[at].reset();
+    share_[at] = 1;
+    sum.each[at] = contacts_[at].tick(pose, search);
+  }
+
+  /// Keeps an anchor's touch if it is nearer to the body than the one kept so far, and apart from all contacts.
+  void try_anchor(const Pose& pose, const Vec3& anchor, const ToolPoint& on_tool, const SeveralTick<Most>& sum,
+                  ToolTouch& best) const {
+    const Vec3 q = pose.apply(anchor);
+    const auto apart = [&](const Vec3& point) {
+      for (const Tick& tick : sum.each) {
+        if (touches(tick) && length(point - tick.body_point) < gap_) return false;
+      }
+      return true;
+    };
+    Location found;
+    if (!locate_where<kFeatures>(*view_, q, apart, found)) return;
+    const double clearance = found.signed_distance - probe_;
+    if (clearance >= best.clearance) return;
+    if (clearance < 0) {
+      // Its own foot, not the rim of a contact that is there; and a hollow between.
+      const Projection foot = project(*view_, found.at, q);
+      if (!foot.converged || !apart(foot.point) || foot.height > probe_) return;
+      for (const Tick& tick : sum.each) {
+        if (!touches(tick)) continue;
+        if (locate<kFeatures>(*view_, 0.5 * (tick.body_point + foot.point)).signed_distance < 0.05 * gap_) return;
+      }
+      found.at = foot.at;
+      found.point = foot.point;
+      found.signed_distance = foot.height;
+    }
+    best.anchor = anchor;
+    best.tool_point = on_tool;
+    best.body = found;
+    best.clearance = clearance;
+    best.safe = 0;
+  }
+
+  /// How far skin and c may have come since the last look (m).
+  [[nodiscard]] double motion(const Pose& pose, const Tick& first) const {
+    double turned = 0;
+    for (int k = 0; k < 9; ++k) {
+      const double d = pose.rotation[k] - looked_.rotation[k];
+      turned += d * d;
+    }
+    return length(pose.translation - looked_.translation) + std::sqrt(turned) * reach_ +
+           length(first.body_point - looked_c_);
+  }
+
+  const View* view_;
+  std::uint32_t tool_;
+  double probe_, reach_, radius_, gap_;  ///< m
+  std::array<BasicContact<kFeatures>, Most> contacts_;
+  std::array<double, Most> share_;
+  std::array<Tick, Most> last_;
+  Pose looked_;
+  Vec3 looked_c_;
+  double free_ = -1, before_ = 0;  ///< m since the last look: needs none yet; was in the last tick
+  double grow_ = 0;                ///< most that a share rises in this tick
+};
+
+/// Several tools on one body (two instruments, five fingertips): each keeps its own contact and its own handle, and the
+/// overlap says how far their forces can be trusted, which are those of each alone.
+template <int Count, std::uint32_t kFeatures = layout::feature_all>
+class SeveralTools {
+public:
+  /// `tools`: indices into the file's tools, which may repeat.
+  SeveralTools(const View& view, const std::array<std::uint32_t, Count>& tools, const ContactSettings& settings = {})
+      : SeveralTools(view, tools, settings, std::make_index_sequence<Count>()) {}
+
+  void reset() {
+    for (BasicContact<kFeatures>& contact : contacts_) contact.reset();
+  }
+
+  /// One tick of each, in order.
+  std::array<Tick, Count> tick(const std::array<Pose, Count>& poses) {
+    std::array<Tick, Count> ticks;
+    overlap_ = {};
+    for (std::size_t k = 0; k < Count; ++k) {
+      ticks[k] = contacts_[k].tick(poses[k]);
+      for (std::size_t j = 0; j < k; ++j) {
+        if (ticks[k].depth > 0 && ticks[j].depth > 0) overlap_.add(ticks[j], radius_[j], ticks[k], radius_[k]);
+      }
+    }
+    return ticks;
+  }
+
+  /// Of the last tick.
+  [[nodiscard]] const Overlap& overlap() const { return overlap_; }
+  [[nodiscard]] const BasicContact<kFeatures>& contact(int k) const { return contacts_[static_cast<std::size_t>(k)]; }
+
+private:
+  template <std::size_t... K>
+  SeveralTools(const View& view, const std::array<std::uint32_t, Count>& tools, const ContactSettings& settings,
+               std::index_sequence<K...>)
+      : contacts_{BasicContact<kFeatures>(view, tools[K], settings)...},
+        radius_{std::fmax(view.tools[tools[K]].radius, view.tools[tools[K]].probe_radius)...} {}
+
+  std::array<BasicContact<kFeatures>, Count> contacts_;
+  std::array<double, Count> radius_;  ///< m
+  Overlap overlap_;
+};
+
+}  // namespace palpate::runtime

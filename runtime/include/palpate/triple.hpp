@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+// Up to three separable responses side by side: what grows with the depth, what follows a sideways deflection.
+#pragma once
+
+#include "palpate/pieces.hpp"
+#include "palpate/view.hpp"
+
+namespace palpate::runtime {
+
+/// Sideways forces g(z) phi(r) of up to three responses, each in its body vertex' frame. All that a tick asks for is
+/// computed for the six curves at once (first x and y of the first response, then of the second, ...), so that
+/// compilers use vectors. Not for several threads at once.
+class Triple {
+public:
+  static constexpr int kResponses = 3, kLanes = 2 * kResponses;
+  using Lanes = double[kLanes];
+
+  /// Holds no response. `coefs`: those of any response of the file.
+  void clear(const layout::Meta& meta, const float* coefs) {
+    growth_count_ = static_cast<int>(meta.growth_coefs);
+    sideways_count_ = static_cast<int>(meta.sideways_coefs);
+    for (int k = 0; k < kResponses; ++k) set(k, coefs, 0, 0, 0);
+    growth_.forget();
+    phi_.forget();
+  }
+
+  /// Response k: its coefficients (gx, gy, phix, phiy), its weight, the angle of its x axis.
+  void set(int k, const float* coefs, double weight, double cosine, double sine) {
+    coefs_[k] = coefs;
+    for (int axis = 0; axis < 2; ++axis) {
+      const int lane = 2 * k + axis;
+      weight_[lane] = weight;
+      cosine_[lane] = cosine;
+      sine_[lane] = axis == 0 ? sine : -sine;
+    }
+  }
+
+  /// Weighted growths where all are on the intervals taken; t: in intervals.
+  void growths(double t, Lanes& growth) const {
+    Lanes at, g;
+    for (double& each : at) each = t;
+    growth_.known_values(at, g);
+    weigh(g, growth);
+  }
+
+  /// Takes the intervals at t. All have the one that is returned.
+  int take_growths(double t) const {
+    int interval = 0;
+    for (int lane = 0; lane < kLanes; ++lane) interval = growth_.take(lane, growth_coefs(lane), growth_count_, t);
+    return interval;
+  }
+
+  /// Weighted growths beyond the depth scale, where the curves go on linearly by `extra`.
+  void growths_beyond(double extra, Lanes& growth) const {
+    Lanes g;
+    for (int lane = 0; lane < kLanes; ++lane) g[lane] = spline::beyond(growth_coefs(lane), growth_count_, extra);
+    weigh(g, growth);
+  }
+
+  /// Adds the force (N) at a deflection x, y (of the sideways scale). False, and nothing added, where phi is to be
+  /// taken elsewhere (kTake does).
+  template <bool kTake>
+  bool add_force(const Lanes& growth, double x, double y, double (&force)[2]) const {
+    const double along[2] = {x, y}, half = 0.5 * (sideways_count_ - 3);
+    Lanes r, t, phi, f;
+    for (int k = 0; k < kLanes; ++k) r[k] = cosine_[k] * along[k % 2] + sine_[k] * along[1 - k % 2];
+    for (int k = 0; k < kLanes; ++k) t[k] = (r[k] + 1) * half;
+    if constexpr (kTake) {
+      take_phi(r, phi);
+    } else {
+      if (!phi_.values(t, phi)) return false;
+    }
+    for (int k = 0; k < kLanes; ++k) f[k] = growth[k] * phi[k];
+    for (int k = 0; k < kLanes; ++k) force[k % 2] += cosine_[k] * f[k] - sine_[k] * f[k ^ 1];
+    return true;
+  }
+
+private:
+  [[nodiscard]] const float* growth_coefs(int lane) const { return coefs_[lane / 2] + (lane % 2) * growth_count_; }
+  [[nodiscard]] const float* phi_coefs(int lane) const {
+    return coefs_[lane / 2] + 2 * growth_count_ + (lane % 2) * sideways_count_;
+  }
+
+  void weigh(const Lanes& g, Lanes& growth) const {
+    for (int k = 0; k < kLanes; ++k) growth[k] = weight_[k] * (g[k] > 0 ? g[k] : 0.0);
+  }
+
+  /// phi inside [-1, 1] is the spline, outside its tangent at the end.
+  void take_phi(const Lanes& r, Lanes& phi) const {
+    Lanes t;
+    for (int k = 0; k < kLanes; ++k) {
+      t[k] = spline::in_intervals(sideways_count_, 0.5 * (r[k] + 1));
+      phi_.take(k, phi_coefs(k), sideways_count_, t[k]);
+    }
+    phi_.known_values(t, phi);
+    for (int k = 0; k < kLanes; ++k) {
+      if (r[k] > 1) phi[k] += 0.5 * (r[k] - 1) * spline::slope_at_1(phi_coefs(k), sideways_count_);
+      if (r[k] < -1) phi[k] += 0.5 * (r[k] + 1) * spline::slope_at_0(phi_coefs(k), sideways_count_);
+    }
+  }
+
+  int growth_count_ = 0, sideways_count_ = 0;
+  const float* coefs_[kResponses] = {};
+  Lanes weight_ = {}, cosine_ = {}, sine_ = {};  ///< the sine of each y is the negative
+  Pieces<kLanes> growth_, phi_;
+};
+
+}  // namespace palpate::runtime

@@ -1,0 +1,384 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/runtime/battery.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <random>
+
+#include "palpate/checksum.hpp"
+
+namespace palpate::test {
+namespace {
+
+using runtime::BodyPoint;
+using runtime::Pose;
+using runtime::State;
+using runtime::Tick;
+using runtime::Vec3;
+using runtime::View;
+
+// Of one engine and by its bits alone: the same numbers with every library.
+class Random {
+public:
+  explicit Random(unsigned seed) : engine_(seed) {}
+  double between(double low, double high) {
+    return low + (high - low) * (static_cast<double>(engine_()) / 4294967296.0);
+  }
+  std::uint32_t below(std::uint32_t count) { return static_cast<std::uint32_t>(engine_()) % count; }
+  bool one_in(std::uint32_t count) { return below(count) == 0; }
+  Vec3 direction() {
+    for (;;) {
+      const Vec3 v{between(-1, 1), between(-1, 1), between(-1, 1)};
+      const double size = length(v);
+      if (size > 0.1 && size < 1) return (1 / size) * v;
+    }
+  }
+
+private:
+  std::mt19937 engine_;
+};
+
+Pose rotation_of(const Vec3& turn) {
+  const double angle = length(turn), share = angle > 1e-12 ? std::sin(angle / 2) / angle : 0.5;
+  return Pose::from_quaternion(std::cos(angle / 2), share * turn.x, share * turn.y, share * turn.z, {});
+}
+
+/// Rotation vector of a small turn from one pose to another (exact to its third power), body frame.
+Vec3 turn_between(const Pose& from, const Pose& to) {
+  const Pose r = Pose{{to.rotation[0], to.rotation[1], to.rotation[2], to.rotation[3], to.rotation[4], to.rotation[5],
+                       to.rotation[6], to.rotation[7], to.rotation[8]},
+                      {}} *
+                 inverse(from);
+  const double* m = r.rotation;
+  return 0.5 * Vec3{m[7] - m[5], m[2] - m[6], m[3] - m[1]};
+}
+
+BodyPoint sharpest_of(const View& view, Random& random) {
+  BodyPoint best;
+  double least = 2;
+  for (int i = 0; i < 40; ++i) {
+    BodyPoint at{random.below(view.meta->triangle_count), {0, 0, 0}};
+    const int corner = static_cast<int>(random.below(3));
+    const Vec3 a = face_normal(view, at.triangle), b = face_normal(view, view.triangles[at.triangle].neighbour[corner]);
+    const double cosine = dot(a, b) / std::max(1e-300, length(a) * length(b));
+    if (cosine >= least) continue;
+    least = cosine;
+    const double share = random.one_in(2) ? random.between(0, 1) : 0.01;
+    at.bary[(corner + 1) % 3] = share;
+    at.bary[(corner + 2) % 3] = 1 - share;
+    best = at;
+  }
+  return best;
+}
+
+BodyPoint anywhere(const View& view, Random& random) {
+  double a = random.between(0, 1), b = random.between(0, 1);
+  if (a + b > 1) {
+    a = 1 - a;
+    b = 1 - b;
+  }
+  return {random.below(view.meta->triangle_count), {a, b, 1 - a - b}};
+}
+
+/// Where the hand goes: visits to places of the body, each from outside and back out, made of straight legs.
+class Hand {
+public:
+  Hand(const View& view, const BatteryCase& c) : view_(view), case_(c), random_(c.seed) {
+    const layout::ToolRecord& tool = view.tools[c.tool];
+    reach_ = runtime::skeleton_radius(view, c.tool) + tool.probe_radius;
+    probe_ = tool.probe_radius;
+    profile_ = tool.kind == static_cast<std::uint32_t>(layout::ToolKind::profile);
+    mesh_ = tool.kind == static_cast<std::uint32_t>(layout::ToolKind::mesh) && view.tool_vertices != nullptr;
+    visit();
+  }
+
+  Pose next() {
+    if (case_.motion == Motion::fast && random_.one_in(400)) {
+      pose_.translation = pose_.translation + (random_.between(0, 10) * scale()) * random_.direction();
+    }
+    if (left_ == 0) leg();
+    --left_;
+    pose_.translation = pose_.translation + step_;
+    if (length(turn_) > 0) {
+      Pose turned = rotation_of(turn_);
+      turned =
+          turned * Pose{{pose_.rotation[0], pose_.rotation[1], pose_.rotation[2], pose_.rotation[3], pose_.rotation[4],
+                         pose_.rotation[5], pose_.rotation[6], pose_.rotation[7], pose_.rotation[8]},
+                        {}};
+      for (int k = 0; k < 9; ++k) pose_.rotation[k] = turned.rotation[k];
+    }
+    return pose_;
+  }
+
+  /// p may run over the tool: c goes with it without slipping.
+  [[nodiscard]] bool lies() const { return profile_; }
+
+private:
+  [[nodiscard]] double scale() const { return view_.meta->depth_scale; }
+
+  // A new place: the tool turned anyhow, a feeler of it above the place.
+  void visit() {
+    const BodyPoint at = case_.motion == Motion::corner ? sharpest_of(view_, random_) : anywhere(view_, random_);
+    normal_ = normal(view_, at);
+    pose_ = rotation_of(random_.between(0, 3.1) * random_.direction());
+    const layout::ToolRecord& tool = view_.tools[case_.tool];
+    Vec3 feeler;
+    if (profile_ && !random_.one_in(2)) {
+      // The stem along the surface, nearly.
+      feeler = {0, 0, random_.between(0, 1) * tool.axis_length};
+      const Vec3 along = unit(tangential(random_.direction(), normal_) + random_.between(-0.3, 0.3) * normal_, normal_);
+      const Vec3 half = unit(along + Vec3{0, 0, 1}, {1, 0, 0});
+      pose_ = Pose::from_quaternion(0, half.x, half.y, half.z, {});
+    } else if (mesh_) {
+      const auto& v = view_.tool_vertices[tool.first_vertex + random_.below(tool.vertex_count)];
+      feeler = runtime::to_vec(v.point);
+      const Vec3 half = unit(unit(runtime::to_vec(v.normal), {0, 0, -1}) - normal_, {1, 0, 0});
+      pose_ = Pose::from_quaternion(0, half.x, half.y, half.z, {});
+    } else if (profile_) {
+      const Vec3 half = unit(Vec3{0, 0, 1} + unit(normal_ + 0.7 * random_.direction(), normal_), {1, 0, 0});
+      pose_ = Pose::from_quaternion(0, half.x, half.y, half.z, {});
+    }
+    pose_.translation = position(view_, at) + (probe_ + 0.05 * scale()) * normal_ - pose_.rotate(feeler);
+    depth_ = -0.05 * scale();
+    legs_ = 2 + static_cast<int>(random_.below(6));
+    left_ = 1;  // one tick where it begins
+    step_ = turn_ = {};
+  }
+
+  void leg() {
+    if (legs_-- == 0) {  // out, along the normal
+      move((std::max(depth_, 0.0) + 0.1 * scale()) * normal_);
+      depth_ = -0.1 * scale();
+      return;
+    }
+    if (legs_ < -1) return visit();
+    if (random_.one_in(8)) {  // the way of the last leg back, exactly
+      step_ = -step_;
+      turn_ = -turn_;
+      left_ = taken_;
+      depth_ += dot(step_, normal_) * -static_cast<double>(left_);
+      return;
+    }
+    const double deepest = case_.motion == Motion::graze ? 0.02 : random_.one_in(4) ? 1.1 : 0.6;
+    const double to = random_.one_in(6) ? -0.02 * scale() : random_.between(0, deepest) * scale();
+    const double aside = random_.one_in(3) ? 0 : random_.one_in(4) ? 4 : 0.5;
+    const bool keeps = random_.one_in(3) && depth_ > 0;
+    const double in = keeps ? 0 : to - depth_;
+    move(random_.between(0, aside) * scale() * tangential(random_.direction(), normal_) - in * normal_);
+    depth_ += in;
+  }
+
+  void move(const Vec3& way) {
+    const double fine = case_.motion == Motion::fast    ? random_.between(0.02, 1) * scale()
+                        : case_.motion == Motion::graze ? 2e-4 * scale()
+                                                        : 1e-3 * scale();
+    const bool turns = case_.motion == Motion::turn || (case_.motion == Motion::fast && random_.one_in(3));
+    const Vec3 turn = turns ? random_.between(0, 0.3) * random_.direction() : Vec3{};
+    const double size = length(way) + reach_ * length(turn);
+    left_ = taken_ = 1 + static_cast<std::uint32_t>(size / (case_.fine * fine));
+    step_ = (1.0 / left_) * way;
+    turn_ = (1.0 / left_) * turn;
+  }
+
+  const View& view_;
+  BatteryCase case_;
+  Random random_;
+  double reach_ = 0, probe_ = 0;
+  bool profile_ = false, mesh_ = false;
+  Pose pose_;
+  Vec3 normal_, step_, turn_;
+  double depth_ = 0;
+  int legs_ = 0;
+  std::uint32_t left_ = 0, taken_ = 1;
+};
+
+/// One contact loop behind one call.
+class Loop {
+public:
+  Loop(const View& view, const BatteryCase& c)
+      : view_(view), case_(c), random_(c.seed + 77), contact_(view, c.tool), memory_(view.meta->site_count) {
+    if (c.driver != Driver::online) return;
+    scales_ = std::make_unique<runtime::SiteScales>(view, memory_.data());
+    adjusted_ = std::make_unique<runtime::AdjustedContact>(view, c.tool, *scales_, 5);
+  }
+
+  Tick tick(const Pose& pose) {
+    if (case_.driver == Driver::alone) return contact_.tick(pose);
+    if (case_.driver == Driver::online) {
+      if (ticks_++ % 50 == 0) {
+        const double about = random_.between(0.2, 2);
+        for (std::uint32_t i = 0; i < view_.meta->site_count; ++i) {
+          scales_->set(i, static_cast<float>(about * random_.between(0.5, 1.5)));
+        }
+      }
+      return adjusted_->tick(pose, 1e-3);
+    }
+    if (count_ == 0) latest_ = coming_ = runtime::search(view_, case_.tool, pose);
+    if (count_++ % every_ == 0) {  // what was searched for one period ago arrives
+      latest_ = coming_;
+      coming_ = runtime::search(view_, case_.tool, pose);
+      every_ = 5 + random_.below(36);
+    }
+    return contact_.tick(pose, latest_);
+  }
+
+  void reset() {
+    contact_.reset();
+    if (adjusted_) adjusted_->reset();
+    count_ = 0;
+  }
+  [[nodiscard]] const runtime::Contact& contact() const { return adjusted_ ? adjusted_->contact() : contact_; }
+
+private:
+  const View& view_;
+  BatteryCase case_;
+  Random random_;
+  runtime::Contact contact_;
+  std::vector<runtime::SiteScales::Scale> memory_;
+  std::unique_ptr<runtime::SiteScales> scales_;
+  std::unique_ptr<runtime::AdjustedContact> adjusted_;
+  std::uint64_t ticks_ = 0, count_ = 0, every_ = 5;
+  runtime::Search latest_, coming_;
+};
+
+bool touches(const Tick& tick) { return tick.state == State::stick || tick.state == State::slide; }
+
+}  // namespace
+
+void BatteryResult::add(const BatteryResult& o) {
+  ticks += o.ticks;
+  touching += o.touching;
+  sliding += o.sliding;
+  contacts += o.contacts;
+  broken += o.broken;
+  force = std::max(force, o.force);
+  step = std::max(step, o.step);
+  begin = std::max(begin, o.begin);
+  gain = std::max(gain, o.gain);
+  gained += o.gained;
+  gross += o.gross;
+  drag = std::max(drag, o.drag);
+  hash = 31 * hash + o.hash;
+}
+
+double stiffest(const View& view, std::uint32_t tool) {
+  Random random(1);
+  const double z = view.meta->depth_scale;
+  const layout::ToolRecord& record = view.tools[tool];
+  double most = 0;
+  for (std::uint32_t t = 0; t < view.meta->triangle_count; ++t) {
+    for (int k = 0; k < 3; ++k) {
+      BodyPoint at{t, {0, 0, 0}};
+      at.bary[k] = 1;
+      runtime::ToolPoint on_tool{record.first_patch, {1, 0, 0}};
+      if (record.patch_count > 0) on_tool.patch += random.below(record.patch_count);
+      const runtime::Field field(view, tool, at, on_tool);
+      const double slope = (field.at_depth(1.2 * z).normal_force - field.at_depth(1.1 * z).normal_force) / (0.1 * z);
+      const runtime::DepthTerms terms = field.at_depth(z);
+      most = std::max({most, slope, terms.normal_force / z});
+      const double aside = 0.02 * view.meta->sideways_scale;
+      if (aside > 0) {
+        const Vec3 way = aside * runtime::any_orthogonal(field.normal());
+        most = std::max({most, length(field.sideways(terms, way)) / aside,
+                         length(field.sideways(terms, cross(field.normal(), way))) / aside});
+      }
+    }
+  }
+  return 1.1 * most;
+}
+
+BatteryResult run_battery(const View& view, const BatteryCase& c) {
+  const double k = stiffest(view, c.tool) * (c.driver == Driver::online ? 3 : 1), scale = view.meta->depth_scale;
+  const double reach = runtime::skeleton_radius(view, c.tool) + view.tools[c.tool].probe_radius;
+  Hand hand(view, c);
+  Loop loop(view, c);
+  BatteryResult r;
+  checksum::Xxh64 hash;
+  const double drift = c.driver == Driver::online ? 5e-3 * scale : 0;  // factors change by as much in a tick
+  Pose before = hand.next();
+  Tick last = loop.tick(before);
+  double work = 0, gross = 0, worst = 0, taken = 0, given = 0;
+  const auto close = [&] {
+    r.contacts += gross > 0;
+    r.gross += gross;
+    r.gained += worst;
+    if (gross > 0 && worst > 0) r.gain = std::max(r.gain, worst / std::max(gross, 1e-3 * k * scale * scale));
+    work = gross = worst = 0;
+  };
+  for (r.ticks = 1; r.ticks < c.ticks; ++r.ticks) {
+    const Pose pose = hand.next();
+    if (c.motion != Motion::fast && length(pose.translation - before.translation) > 0.01 * scale) {
+      // The hand is put to its next place, perhaps inside the body: what it finds there is a start.
+      loop.reset();
+      close();
+      last = {};
+      before = pose;
+    }
+    const Tick tick = loop.tick(pose);
+    const double values[] = {tick.force.x, tick.force.y, tick.force.z, tick.torque.x, tick.torque.y, tick.torque.z};
+    hash.update(values, sizeof values);
+    const double size = length(tick.force);
+    if (!std::isfinite(size + length(tick.torque)) || (size > 0 && !(tick.depth > 0)) || tick.state == State::fault) {
+      ++r.broken;
+      last = {};
+      before = pose;
+      continue;
+    }
+    const Vec3 way = pose.translation - before.translation, turn = turn_between(before, pose);
+    const double moved = length(way) + reach * length(turn);
+    r.touching += touches(tick);
+    r.sliding += tick.state == State::slide;
+    r.force = std::max(r.force, size / (k * std::max(scale, tick.depth)));
+    const bool goes_on = touches(tick) && touches(last);
+    const double crept = goes_on ? length(tick.body_point - last.body_point) : 0;
+    const double step = length(tick.force - last.force) / (k * (moved + crept + drift + 1e-9 * scale));
+    const bool begins = touches(tick) != touches(last) && (c.driver == Driver::late || c.motion == Motion::fast);
+    if (begins) {
+      r.begin = std::max(r.begin, (length(tick.force - last.force) - 2 * k * moved) / (k * scale));
+    } else if (c.motion != Motion::fast || moved < 0.5 * scale) {
+      r.step = std::max(r.step, step);
+    }
+    if (c.motion != Motion::fast) {
+      const double w = -0.5 * (dot(last.force + tick.force, way) + dot(last.torque + tick.torque, turn));
+      work += w;
+      gross += std::fabs(w);
+      worst = std::max(worst, -work);
+      if (tick.state == State::slide && last.state == State::slide && length(turn) < 1e-12 && !hand.lies() &&
+          std::isfinite(tick.friction_limit)) {
+        const Vec3 n = loop.contact().field().normal();
+        const double loss = -dot(tangential(0.5 * (last.force + tick.force), n), tick.body_point - last.body_point);
+        (loss > 0 ? taken : given) += std::fabs(loss);
+      }
+      if (!touches(tick) && touches(last)) close();
+    }
+    last = tick;
+    before = pose;
+  }
+  r.drag = taken > 0 ? given / taken : 0;
+  r.hash = hash.digest();
+  return r;
+}
+
+std::string broken_promise(const BatteryCase& c, const BatteryResult& r) {
+  const bool fast = c.motion == Motion::fast;
+  if (r.broken > 0) return "a force that is not finite, or without depth, or a fault at a good pose";
+  if (r.force > 1.2) return "a force beyond what the stiffest place answers with";
+  if (r.step > (fast ? 6 : 2)) return "a force that changed by more than its bound a metre";
+  if (r.begin > (fast ? 0.25 : 5e-3)) return "a contact that began or ended with a force";
+  if (r.gain > 0.03) return "a contact that gave back more than it took";
+  if (r.drag > 1e-3) return "a friction that drove";
+  return {};
+}
+
+const char* name(Motion motion) {
+  static const char* const kNames[] = {"press", "graze", "corner", "turn", "fast"};
+  return kNames[static_cast<int>(motion)];
+}
+
+const char* name(Driver driver) {
+  static const char* const kNames[] = {"alone", "late", "online"};
+  return kNames[static_cast<int>(driver)];
+}
+
+}  // namespace palpate::test

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Random motions against a response file, and what they hold the contact to: the property battery.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "palpate/runtime.hpp"
+
+namespace palpate::test {
+
+/// How the hand moves. All but `fast` in steps far below the depth scale, so that a sum over trapezoids is the work.
+enum class Motion : std::uint8_t {
+  press,   ///< in, aside, deeper, back, out, anywhere on the body; the tool keeps its direction
+  graze,   ///< along the surface, a hundredth of the depth scale deep
+  corner,  ///< as press, about the sharpest edges and corners
+  turn,    ///< as press, and the tool turns
+  fast,    ///< up to the depth scale in one tick, with leaps and spins now and then
+};
+
+/// Who finds the contact, and what is done to the file meanwhile.
+enum class Driver : std::uint8_t {
+  alone,  ///< Contact::tick(pose)
+  late,   ///< searches that are 5 to 40 ticks old
+  online  ///< AdjustedContact, all sites' factors redrawn every 50 ticks
+};
+
+struct BatteryCase {
+  Motion motion = Motion::press;
+  Driver driver = Driver::alone;
+  std::uint32_t tool = 0;
+  std::uint64_t ticks = 10000;
+  unsigned seed = 1;
+  double fine = 1;  ///< steps so many times as long: the error of the sums over trapezoids falls with its square
+};
+
+/// What was found; shares are of the file's own scales, so that they compare from file to file.
+struct BatteryResult {
+  std::uint64_t ticks = 0, touching = 0, sliding = 0, contacts = 0;
+  std::uint64_t broken = 0;  ///< ticks that are not finite, push without depth, or call a good pose a fault
+  double force = 0;          ///< largest force, as a share of stiffness * max(depth, depth scale)
+  double step = 0;           ///< largest change of the force over stiffness * the way of the tool's skin and of c
+  double begin = 0;          ///< largest force with which a contact began or ended on a fast motion or an old search
+  double gain = 0;           ///< most that any contact had given back beyond what it took, over what went through it
+  double gained = 0;         ///< J, sum of that over the contacts
+  double gross = 0;          ///< J that went through the hand, whichever way
+  double drag = 0;           ///< J that sideways forces gave to a sliding contact, over what they took from it
+  std::uint64_t hash = 0;    ///< of every force and torque
+
+  void add(const BatteryResult& other);
+};
+
+/// The bounds that every result is held to; empty, or which of them does not hold. Per metre that the tool's skin and c
+/// move, the force changes by at most twice the stiffness, six times in fast motions. A contact begins and ends with
+/// less than 0.5 % of stiffness * depth scale; in fast motions c may leave over an edge with a quarter of it. A contact
+/// gives back at most 3 % of what went through it more than it took: the error of the sum at sharp corners, a tenth of
+/// a per cent elsewhere.
+std::string broken_promise(const BatteryCase& c, const BatteryResult& result);
+
+/// Newtons a metre that no push of the tool, straight or sideways, exceeds within the depth scale; a tenth of margin.
+double stiffest(const runtime::View& view, std::uint32_t tool);
+
+BatteryResult run_battery(const runtime::View& view, const BatteryCase& c);
+
+const char* name(Motion motion);
+const char* name(Driver driver);
+
+}  // namespace palpate::test

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The property battery, short, on every golden file; runtime_battery is the same at any length.
+#include "tests/runtime/battery.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "palpate/mapped_file.hpp"
+#include "tests/runtime/support.hpp"
+
+namespace palpate {
+namespace {
+
+using namespace test;
+
+TEST(Battery, EveryGoldenFileKeepsThePromises) {
+  std::uint64_t ticks = 0;
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(PALPATE_GOLDENS)) {
+    if (entry.path().extension() == ".palp") files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  ASSERT_GT(files.size(), 8U);
+  for (const std::filesystem::path& file : files) {
+    const runtime::MappedFile bytes(file.c_str());
+    const runtime::OpenResult opened = runtime::View::open(bytes.data(), bytes.size());
+    ASSERT_TRUE(opened) << opened.error;
+    for (std::uint32_t tool = 0; tool < opened.view.meta->tool_count; ++tool) {
+      BatteryResult all;
+      for (const Driver driver : {Driver::alone, Driver::late, Driver::online}) {
+        for (const Motion motion : {Motion::press, Motion::graze, Motion::corner, Motion::turn, Motion::fast}) {
+          const BatteryCase c{motion, driver, tool, 1000, 3};
+          const BatteryResult r = run_battery(opened.view, c);
+          EXPECT_EQ(broken_promise(c, r), "") << file << " tool " << tool << ' ' << name(driver) << ' ' << name(motion)
+                                              << ": step " << r.step << ", gain " << r.gain;
+          all.add(r);
+        }
+      }
+      EXPECT_GT(all.touching, 1000U) << file;
+      EXPECT_GT(all.sliding, 500U) << file;
+      ticks += all.ticks;
+    }
+  }
+  EXPECT_GT(ticks, 150000U);
+}
+
+TEST(Battery, SameBitsEveryRun) {
+  Options options;
+  options.coupled = 4;
+  options.tools = Options::Tools::all;
+  const Opened ball(ball_content(options));
+  for (std::uint32_t tool = 0; tool < 3; ++tool) {
+    for (const Driver driver : {Driver::alone, Driver::late, Driver::online}) {
+      const BatteryCase c{Motion::turn, driver, tool, 3000, 5};
+      EXPECT_EQ(run_battery(ball.view, c).hash, run_battery(ball.view, c).hash);
+    }
+  }
+}
+
+// A frictionless tool drawn over a body that grows harder stores more than it was given: without the account a lift at
+// the hard end gives all of that back.
+TEST(Battery, ALiftAtAHarderPlaceGivesBackWhatTheHandGave) {
+  Options options = uniform();
+  options.friction = options.lateral = false;
+  ResponseFileContent content = box_content(options);
+  for (std::size_t i = 0; i < content.sites.size(); ++i) {
+    const double factor = 1 + (content.sites[i].position[0] + kBoxSize / 2) / kBoxSize;
+    for (float& c : content.responses[i].normal) c = static_cast<float>(c * factor);
+  }
+  const Opened box(std::move(content));
+  runtime::Contact contact(box.view, 0);
+  runtime::EnergyMeter meter;
+  const auto tick = [&](double x, double depth) {
+    const Pose pose = upright({x, 0, kTop + kTipRadius - depth});
+    const Tick t = contact.tick(pose);
+    meter.add(pose, t);
+    return t;
+  };
+  for (double z = -1e-4; z < 0.003; z += 2e-6) tick(-0.012, z);
+  const double soft = meter.given();
+  EXPECT_NEAR(contact.stored(), soft, 1e-3 * soft);
+  Tick t;
+  for (double x = -0.012; x < 0.012; x += 5e-6) t = tick(x, 0.003);
+  EXPECT_NEAR(t.force.z, hertz(0.003) * 1.7, 1e-3) << "it feels as hard as it is";
+  EXPECT_NEAR(contact.stored() - contact.owed(), meter.given() - meter.returned(), 1e-3 * soft);
+  EXPECT_GT(contact.owed(), 0.3 * soft);
+  double last = t.force.z;
+  for (double z = 0.003; z > -1e-4; z -= 2e-6) {
+    t = tick(0.012, z);
+    EXPECT_LE(t.force.z, last);
+    EXPECT_LT(last - t.force.z, 4e-6 * 2 * 3 * hertz(kDepthScale) / kDepthScale);
+    last = t.force.z;
+  }
+  EXPECT_EQ(last, 0);
+  EXPECT_GE(meter.dissipated(0), -1e-3 * soft);
+  EXPECT_LT(meter.dissipated(0), 0.02 * soft) << "and no less than it gave";
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One tool between two lobes, a stem over both, several tools at once; what adding their forces is wrong by.
+#include "palpate/several.hpp"
+
+#include <cmath>
+
+#include "tests/runtime/allocation_counter.hpp"
+#include "tests/runtime/support.hpp"
+
+namespace palpate {
+namespace {
+
+using namespace test;
+using runtime::Contact;
+using runtime::SeveralContacts;
+using runtime::SeveralTick;
+using runtime::SeveralTools;
+
+constexpr double kApart = 0.032;  // m, of the middle from each lobe's
+
+/// Two balls side by side along x.
+ResponseFileContent two_lobes(Options options) {
+  options.search = false;
+  ResponseFileContent content = ball_content(options);
+  const ResponseFileContent one = content;
+  const auto sites = static_cast<std::uint32_t>(one.sites.size());
+  const auto vertices = static_cast<std::uint32_t>(one.surface_vertices.size());
+  const auto patches = static_cast<std::uint32_t>(one.patches.size());
+  for (ResponseSite& s : content.sites) s.position[0] -= kApart;
+  for (Triple& v : content.surface_vertices) v[0] -= kApart;
+  for (ResponseSite s : one.sites) {
+    s.position[0] += kApart;
+    content.sites.push_back(s);
+  }
+  for (Triple v : one.surface_vertices) content.surface_vertices.push_back({v[0] + kApart, v[1], v[2]});
+  for (auto p : one.patches) content.patches.push_back({p[0] + sites, p[1] + sites, p[2] + sites});
+  for (ResponseTriangle t : one.surface_triangles) {
+    t.patch += patches;
+    for (std::uint32_t& v : t.vertices) v += vertices;
+    content.surface_triangles.push_back(t);
+  }
+  content.responses.insert(content.responses.end(), one.responses.begin(), one.responses.end());
+  add_search(content);
+  return content;
+}
+
+Options smooth(bool friction, Options::Tools tools = Options::Tools::sphere) {
+  Options options = uniform();
+  options.friction = friction;
+  options.lateral = false;
+  options.subdivision = 3;
+  options.search = true;
+  options.tools = tools;
+  return options;
+}
+
+/// Height of a tip over the lobes' middles (m) at which it touches both.
+double between() { return std::sqrt(std::pow(kBallRadius + kTipRadius, 2) - kApart * kApart); }
+
+TEST(Several, ATipBetweenTwoLobesTouchesBoth) {
+  for (const bool friction : {false, true}) {
+    const Opened body(two_lobes(smooth(friction)));
+    SeveralContacts<> both(body.view, 0);
+    Contact one(body.view, 0);
+    SeveralTick<2> t;
+    Tick alone;
+    Vec3 last;
+    double largest = 0;
+    const auto go = [&](double z) {
+      t = both.tick(upright({0, 0, z}));
+      alone = one.tick(upright({0, 0, z}));
+      largest = std::fmax(largest, distance(t.force, last));
+      last = t.force;
+    };
+    constexpr double kStride = 2e-6;
+    for (double z = between() + 1e-3; z > between() - 4e-3; z -= kStride) go(z);
+    EXPECT_EQ(t.touching, 2);
+    EXPECT_GT(length(t.force), 0.05);
+    // What pulls to one side is balanced but for what the second, found late, is short of.
+    EXPECT_LT(std::fabs(t.force.x), 0.1 * t.force.z) << friction;
+    EXPECT_GT(std::fabs(alone.force.x), 0.5 * alone.force.z);
+    EXPECT_LT(distance(t.each[0].force + t.each[1].force, t.force), 1e-15);
+    EXPECT_LT(distance(t.each[0].torque + t.each[1].torque, t.torque), 1e-15);
+    for (double z = between() - 4e-3; z < between() + 1e-3; z += kStride) go(z);
+    EXPECT_EQ(t.touching, 0);
+    EXPECT_EQ(length(t.force), 0);
+    EXPECT_LT(largest, 2 * 3000 * kStride) << friction;  // N/m, above any slope of two sample curves
+  }
+}
+
+// In and out sideways: the second contact comes, and either may be the one that is left.
+TEST(Several, ContactsComeAndGoWithoutAStepAndGiveNoEnergy) {
+  for (const bool friction : {false, true}) {
+    const Opened body(two_lobes(smooth(friction)));
+    std::mt19937 random(9);
+    SeveralContacts<3> several(body.view, 0);
+    int twice = 0, swaps = 0;
+    Vec3 at{0, 0, between() + 1e-3};
+    Vec3 last_force;
+    double work = 0, gross = 0;
+    bool second = false;
+    for (int leg = 0; leg < 60; ++leg) {
+      const auto share = [&] { return static_cast<double>(random()) / 4294967296.0; };
+      Vec3 to{0.008 * (share() - 0.5), 0.008 * (share() - 0.5), between() - 0.004 * share()};
+      if (leg % 6 == 5) to = {at.x, at.y, between() + 0.012};
+      const int steps = 1 + static_cast<int>(length(to - at) / 5e-6);
+      const Vec3 step = (1.0 / steps) * (to - at);
+      for (int i = 0; i < steps; ++i) {
+        at = at + step;
+        const SeveralTick<3> t = several.tick(upright(at));
+        ASSERT_LT(distance(t.force, last_force), 3 * 3000 * 5e-6) << leg << ' ' << i;
+        const double w = -0.5 * dot(t.force + last_force, step);
+        work += w;
+        gross += std::fabs(w);
+        last_force = t.force;
+        swaps += second != (t.touching > 1);
+        second = t.touching > 1;
+        twice += second;
+      }
+      if (leg % 6 != 5) continue;
+      EXPECT_EQ(length(last_force), 0);
+      EXPECT_GE(work, -5e-3 * gross) << leg;
+      work = gross = 0;
+    }
+    EXPECT_GT(twice, 1000);
+    EXPECT_GT(swaps, 10);
+  }
+}
+
+// On one lobe, and on a flat top, there is one contact, and its force is the plain one to the last bit.
+TEST(Several, WhereThereIsNoHollowThereIsOneContact) {
+  for (const auto tools : {Options::Tools::sphere, Options::Tools::capsule}) {
+    const Opened ball(ball_content(smooth(true, tools))), box(box_content(smooth(true, tools)));
+    for (const Opened* body : {&ball, &box}) {
+      SeveralContacts<> several(body->view, 0);
+      Contact one(body->view, 0);
+      const double top = body == &ball ? kBallRadius : kTop;
+      for (int i = 0; i < 6000; ++i) {
+        const double z = top + kTipRadius + 1e-3 - 4e-3 * std::sin(1e-3 * i), x = 3e-3 * std::sin(2e-3 * i);
+        const Pose pose = Pose::from_quaternion(1, 0, tools == Options::Tools::capsule ? 0.9 : 0, 0, {x, 0, z});
+        const SeveralTick<2> t = several.tick(pose);
+        const Tick plain = one.tick(pose);
+        ASSERT_LE(t.touching, 1) << i;
+        ASSERT_EQ(distance(t.force, plain.force), 0) << i;
+        ASSERT_EQ(distance(t.torque, plain.torque), 0) << i;
+      }
+    }
+  }
+}
+
+TEST(Several, AStemOverTwoLobesRestsOnBoth) {
+  const Opened body(two_lobes(smooth(false, Options::Tools::capsule)));
+  SeveralContacts<> several(body.view, 0);
+  // The stem along x, its middle over the hollow, over the tops' height less what it dips between them.
+  const double reach = kStemLength / 2;
+  SeveralTick<2> t;
+  const double height = std::sqrt(std::pow(kBallRadius + kTipRadius, 2) - std::pow(kApart - reach, 2));
+  for (double z = height + 1e-3; z > height - 3e-3; z -= 2e-6) {
+    t = several.tick(Pose::from_quaternion(std::sqrt(0.5), 0, std::sqrt(0.5), 0, {-reach, 0, z}));
+  }
+  ASSERT_EQ(t.touching, 2);
+  EXPECT_LT(t.each[0].body_point.x * t.each[1].body_point.x, 0);
+  EXPECT_GT(t.force.z, 0.05);
+}
+
+TEST(Several, TheErrorOfAddingIsTheMeasuredOne) {
+  using runtime::superposition_error;
+  const double measured[] = {0.33, 0.22, 0.11, 0.04};
+  for (int k = 0; k < 4; ++k) EXPECT_NEAR(superposition_error(0.002 * (1 << k), 0.002), measured[k], 1e-12);
+  double last = 0.5;
+  for (double apart = 0; apart < 30; apart += 0.01) {
+    EXPECT_LE(superposition_error(apart, 1), last);
+    EXPECT_LT(last - superposition_error(apart, 1), 0.01);
+    last = superposition_error(apart, 1);
+  }
+  EXPECT_EQ(superposition_error(1, 0), 0);
+}
+
+// Five fingertips: each has the force of its own contact and its own handle; near ones are told apart from far ones.
+TEST(Several, ToolsKeepTheirOwnContactsAndSayWhenTheyAreNear) {
+  const Opened box(box_content(smooth(true)));
+  SeveralTools<5> hand(box.view, {0, 0, 0, 0, 0});
+  const Contact fresh(box.view, 0);
+  std::vector<Contact> alone(5, fresh);
+  const long before = allocations();
+  for (const double spacing : {0.02, 0.004}) {
+    hand.reset();
+    alone.assign(5, fresh);
+    std::array<Tick, 5> ticks;
+    for (int i = 0; i < 800; ++i) {
+      std::array<Pose, 5> poses;
+      for (int k = 0; k < 5; ++k) {
+        const double angle = 1.2566 * k, out = spacing / 1.1756;
+        poses[static_cast<std::size_t>(k)] =
+            upright({out * std::cos(angle), out * std::sin(angle), kTop + kTipRadius + 2e-4 - 1e-6 * i - 1e-4 * k});
+      }
+      ticks = hand.tick(poses);
+      for (std::size_t k = 0; k < 5; ++k) {
+        const Tick plain = alone[k].tick(poses[k]);
+        ASSERT_EQ(distance(ticks[k].force, plain.force), 0);
+        ASSERT_EQ(distance(ticks[k].torque, plain.torque), 0);
+      }
+    }
+    EXPECT_EQ(hand.overlap().near(), spacing < 0.01) << hand.overlap().error;
+    EXPECT_NEAR(hand.overlap().spacing, spacing, 0.05 * spacing);
+  }
+  EXPECT_EQ(allocations(), before);
+}
+
+TEST(Several, AFaultForgetsEverything) {
+  const Opened body(two_lobes(smooth(true)));
+  SeveralContacts<> both(body.view, 0);
+  for (double z = between() + 1e-3; z > between() - 2e-3; z -= 1e-5) both.tick(upright({0, 0, z}));
+  const SeveralTick<2> wrong = both.tick(upright({std::nan(""), 0, 0}));
+  EXPECT_EQ(wrong.each[0].state, State::fault);
+  EXPECT_EQ(wrong.touching, 0);
+  EXPECT_EQ(length(wrong.force), 0);
+  EXPECT_EQ(length(both.tick(upright({0, 0, between() - 2e-3})).force), 0);
+}
+
+}  // namespace
+}  // namespace palpate
