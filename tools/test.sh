@@ -8,4 +8,5 @@ set -euo pipefail
 
 palpate_install
 palpate_build release
-exec ctest --test-dir "$palpate_root/build/release" --output-on-failure -j "$(palpate_jobs)" --timeout 600 -LE long "$@"
+# One more than there are processors, for some tests wait for a device or a deadline.
+exec ctest --test-dir "$palpate_root/build/release" --output-on-failure -j "$(($(palpate_jobs) + 1))" --timeout 600 -LE long "$@"

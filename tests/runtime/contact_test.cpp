@@ -262,6 +262,26 @@ TEST(Contact, StartingInsideBeginsAtZero) {
   EXPECT_NEAR(length(deeper.force), hertz(0.001), 1e-4);
 }
 
+// Rotations are taken that are orthonormal to 1e-3; what is missing is not a turn, and nothing rolls.
+TEST(Contact, AtRestUnderARotationThatIsNotQuiteOneNothingMoves) {
+  const Opened box(box_content(uniform()));
+  for (const double skew : {3e-8, 5e-4}) {
+    Contact contact(box.view, 0);
+    const auto pose = [&](double depth) {
+      Pose result = upright(centre(depth, 0.001));
+      result.rotation[6] = skew;
+      return result;
+    };
+    for (int k = -10; k <= 300; ++k) contact.tick(pose(1e-5 * k));
+    const Tick first = contact.tick(pose(0.003));
+    ASSERT_GT(length(first.force), 0.1);
+    Tick last;
+    for (int k = 0; k < 20000; ++k) last = contact.tick(pose(0.003));
+    EXPECT_LT(distance(last.force, first.force), 1e-9 * length(first.force)) << skew;
+    EXPECT_LT(distance(last.body_point, first.body_point), 1e-12) << skew;
+  }
+}
+
 TEST(Contact, AJumpIntoTheBodyKeepsOnlyTheAllowedDepth) {
   const Opened box(box_content(flat()));
   Contact contact(box.view, 0);

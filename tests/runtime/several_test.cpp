@@ -94,7 +94,7 @@ TEST(Several, ContactsComeAndGoWithoutAStepAndGiveNoEnergy) {
     const Opened body(two_lobes(smooth(friction)));
     std::mt19937 random(9);
     SeveralContacts<3> several(body.view, 0);
-    int twice = 0, swaps = 0;
+    int twice = 0, changes = 0;
     Vec3 at{0, 0, between() + 1e-3};
     Vec3 last_force;
     double work = 0, gross = 0;
@@ -113,7 +113,7 @@ TEST(Several, ContactsComeAndGoWithoutAStepAndGiveNoEnergy) {
         work += w;
         gross += std::fabs(w);
         last_force = t.force;
-        swaps += second != (t.touching > 1);
+        changes += second != (t.touching > 1);
         second = t.touching > 1;
         twice += second;
       }
@@ -123,7 +123,7 @@ TEST(Several, ContactsComeAndGoWithoutAStepAndGiveNoEnergy) {
       work = gross = 0;
     }
     EXPECT_GT(twice, 1000);
-    EXPECT_GT(swaps, 10);
+    EXPECT_GT(changes, 10);
   }
 }
 

@@ -68,7 +68,7 @@ public:
     const double before = touching_ ? scale_ : wanted;
     scale_ = touching_ ? std::fmin(std::fmax(wanted, before - most), before + most) : wanted;
     touching_ = true;
-    if (scale_ != before && before > 0) contact_.rescaled(scale_ / before);
+    if (scale_ != before) contact_.rescaled(before > 0 ? scale_ / before : HUGE_VAL);
     tick.force = scale_ * tick.force;
     tick.torque = scale_ * tick.torque;
     if (std::isfinite(tick.friction_limit)) tick.friction_limit *= scale_;

@@ -60,8 +60,9 @@ public:
   [[nodiscard]] double stored() const { return hold_.lasts() ? hold_.stored() : 0; }
   [[nodiscard]] double owed() const { return hold_.lasts() ? hold_.owed() : 0; }
 
-  /// For a host that multiplies forces: from now on by `ratio` (>= 0) times what it was in the last tick. What is
-  /// stored more by that is no work of the hand; with a ratio of 0 nothing is stored.
+  /// For a host that multiplies forces: from now on by `ratio` (>= 0, infinite where the factor was 0) times what it
+  /// was in the last tick. What is stored more by that is no work of the hand. With a factor of 0 stored() and owed()
+  /// mean nothing.
   void rescaled(double ratio) {
     if (hold_.lasts() && ratio > 0) hold_.rescaled(ratio);
   }

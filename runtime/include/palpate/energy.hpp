@@ -30,8 +30,11 @@ public:
     return more > 0 && owed_ > 0.5 * after ? std::fmin(2 * owed_ - after, 2 * more) : 0;
   }
 
-  /// Joules are `ratio` (above 0) times as large from now on.
-  void rescale(double ratio) { owed_ /= ratio; }
+  /// Joules are `ratio` (above 0, infinite where there were none) times as large from now on.
+  void rescale(double ratio) {
+    owed_ /= ratio;
+    stored_ /= ratio;
+  }
 
   /// J, negative where the hand has given more than is stored.
   [[nodiscard]] double owed() const { return owed_; }
@@ -78,8 +81,8 @@ public:
   /// J, of the hand on the body, and of the body on the hand.
   [[nodiscard]] double given() const { return given_; }
   [[nodiscard]] double returned() const { return returned_; }
-  /// J, with what the contact holds now (Contact::stored).
-  [[nodiscard]] double dissipated(double stored) const { return given_ - returned_ - stored; }
+  /// J, with what the hand gave of what the contact holds now (Contact::stored less Contact::owed).
+  [[nodiscard]] double dissipated(double held) const { return given_ - returned_ - held; }
 
 private:
   void reset_last() { started_ = false; }

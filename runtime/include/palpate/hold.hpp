@@ -74,7 +74,7 @@ public:
   [[nodiscard]] double stored() const { return stored(rest_.deflection(last_)); }
   [[nodiscard]] double owed() const { return account_.owed(); }
 
-  /// Forces are `ratio` (above 0) times what they were in the last tick from now on.
+  /// Forces are `ratio` (above 0, infinite where there were none) times what they were in the last tick from now on.
   void rescaled(double ratio) {
     account_.rescale(ratio);
     replaced(stored() / ratio, last_);

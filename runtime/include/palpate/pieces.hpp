@@ -58,7 +58,7 @@ public:
   [[nodiscard]] spline::Cubic cubic(int k) const { return {{power_[0][k], power_[1][k], power_[2][k], power_[3][k]}}; }
 
 private:
-  static constexpr double kNone = -8;
+  static constexpr double kNone = -1e9;  // further than any argument goes
 
   void at(const double (&share)[N], double (&value)[N]) const {
     for (int k = 0; k < N; ++k) {

@@ -79,7 +79,7 @@ public:
 
   /// The tool turned since this was asked last, and its skin is round.
   [[nodiscard]] bool turned(const Pose& pose) const {
-    const Vec3 turned = pose.rotate(normal_in_tool_) - field_.normal();
+    const Vec3 turned = pose.rotate(normal_in_tool_) - turned_from_;
     return dot(turned, turned) >= 1e-18;
   }
 
@@ -87,8 +87,8 @@ public:
   /// on instead (roll_on).
   [[nodiscard, gnu::noinline]] bool roll(const Pose& pose) {
     const Vec3& n = field_.normal();
-    const Vec3 way = probe_ * tangential(pose.rotate(normal_in_tool_) - n, n);
-    normal_in_tool_ = inverse(pose).rotate(n);
+    const Vec3 way = probe_ * tangential(pose.rotate(normal_in_tool_) - turned_from_, n);
+    note_turn(n, pose);
     rolled_ = rolled_ + way;
     anchored_ = anchored_ + way;
     constexpr double kShare = 1e-3;  // of a contact's size
@@ -147,7 +147,14 @@ private:
       tool_point_ = profile_point(*view_, view_->tools[tool_], meridian_);
     }
     field_.build(*view_, tool_, at_, tool_point_, n);
+    note_turn(n, pose);
+  }
+
+  /// What the pose makes of n(c) is kept with it: a rotation is taken that is orthonormal to 1e-3 only, and what is
+  /// missing must not count as a turn in every tick.
+  void note_turn(const Vec3& n, const Pose& pose) {
     normal_in_tool_ = inverse(pose).rotate(n);
+    turned_from_ = pose.rotate(normal_in_tool_);
   }
 
   /// Where on the axis p is to be in this tick (m), for a cosine between n(c) and the axis.
@@ -192,6 +199,7 @@ private:
   Vec3 anchored_;          ///< m, how far the anchor has gone from c (c takes it over when it slides)
   Vec3 rolled_;            ///< m, the part of it that c goes on by once it is large enough to matter
   Vec3 normal_in_tool_;    ///< n(c) when the tool last turned, in its frame
+  Vec3 turned_from_;       ///< and by the pose of that tick in the body's
   BasicField<kFeatures> field_;
 };
 

@@ -25,20 +25,41 @@ inline double superposition_error(double spacing, double contact_radius) {
   return kError[below] + (apart - 1) * (kError[below + 1] - kError[below]);
 }
 
+/// How large the contact of a tool is. A round tip's grows with the depth, a punch has its own from the first touch; a
+/// mesh tool counts as round with the reach of its skeleton, so rather as too large.
+class Tip {
+public:
+  Tip() = default;
+  Tip(const View& view, std::uint32_t tool) {
+    const layout::ToolRecord& record = view.tools[tool];
+    if (record.kind == static_cast<std::uint32_t>(layout::ToolKind::mesh)) {
+      round_ = std::fmax(skeleton_radius(view, tool), record.probe_radius);
+    } else {
+      (record.probe_radius > 0 ? round_ : flat_) = std::fmax(record.radius, record.probe_radius);
+    }
+  }
+
+  /// Radius (m) at a depth (m).
+  [[nodiscard]] double contact(double depth) const { return flat_ > 0 ? flat_ : std::sqrt(round_ * depth); }
+
+private:
+  double round_ = 0, flat_ = 0;  ///< m, radius of curvature, or of the flat end
+};
+
 /// Where two contacts add, and whether their sum can be trusted.
 struct Overlap {
   double spacing = HUGE_VAL;  ///< m, least between two points c that push
-  double error = 0;           ///< superposition_error of these two
+  double error = 0;           ///< largest superposition_error of such two
   /// People notice 7 to 10 %: what is less than this is not worth a warning.
   static constexpr double kNotable = 0.07;
   [[nodiscard]] bool near() const { return error > kNotable; }
 
-  /// Takes in a pair of contacts that push, of tools with these radii (m).
-  void add(const Tick& a, double radius_a, const Tick& b, double radius_b) {
+  /// Takes in two contacts, of which it counts those that push.
+  void add(const Tick& a, const Tip& tip_a, const Tick& b, const Tip& tip_b) {
+    if (!(a.depth > 0) || !(b.depth > 0)) return;
     const double gap = length(a.body_point - b.body_point);
-    const double radius = std::sqrt(std::fmax(radius_a * a.depth, radius_b * b.depth));
     spacing = std::fmin(spacing, gap);
-    error = std::fmax(error, superposition_error(gap, radius));
+    error = std::fmax(error, superposition_error(gap, std::fmax(tip_a.contact(a.depth), tip_b.contact(b.depth))));
   }
 };
 
@@ -53,10 +74,11 @@ struct SeveralTick {
 
 /// One tool that may touch at up to `Most` places: tip and stem, or between two lobes. The first contact is Contact's.
 /// Another begins, at zero force, where the tool overlaps the body beyond a hollow: the straight line from a contact
-/// point to it leaves the body. As two points c come closer than `gap` the later one's share falls, to nothing at half
-/// the gap, so that contacts merge without a step; what is stored falls and rises with it (Contact::rescaled).
-/// Every tick takes bounded time and allocates nothing; a look for another place is a few searches more and is made
-/// once the tool or c has moved by what is known to be free. kFeatures as those of BasicContact.
+/// point to it is outside the body half way. As two points c come closer than `gap` the later one's share falls, to
+/// nothing at half the gap, so that contacts merge without a step; what is stored falls and rises with it
+/// (Contact::rescaled). Every tick takes bounded time and allocates nothing; a look for another place is nine searches
+/// more (for a mesh tool three for every patch) and is made once the tool or c has moved by what is known to be free.
+/// kFeatures as those of BasicContact.
 template <int Most = 2, std::uint32_t kFeatures = layout::feature_all>
 class SeveralContacts {
   static_assert(Most >= 2);
@@ -88,8 +110,15 @@ public:
       std::swap(contacts_[0], contacts_[k]);
       std::swap(sum.each[0], sum.each[k]);
       std::swap(share_[0], share_[k]);
+      // It did not move there.
+      looked_c_ = sum.each[0].body_point;
+      before_ = motion(pose, sum.each[0]);
     }
-    if (touches(sum.each[0])) look(pose, sum);
+    if (touches(sum.each[0])) {
+      look(pose, sum);
+    } else {
+      share_.fill(1);
+    }
     for (int k = 0; k < Most; ++k) {
       if (touches(sum.each[k])) weigh(k, sum);
     }
@@ -106,8 +135,8 @@ private:
         tool_(tool),
         probe_(view.tools[tool].probe_radius),
         reach_(skeleton_radius<kFeatures>(view, tool)),
-        radius_(std::fmax(view.tools[tool].radius, view.tools[tool].probe_radius)),
-        gap_(radius_ > 0 ? std::sqrt(radius_ * view.meta->depth_scale) : view.meta->depth_scale),
+        tip_(view, tool),
+        gap_(tip_.contact(view.meta->depth_scale) > 0 ? tip_.contact(view.meta->depth_scale) : view.meta->depth_scale),
         contacts_{((void)K, BasicContact<kFeatures>(view, tool, settings))...} {
     share_.fill(1);
   }
@@ -139,7 +168,7 @@ private:
       tick = {};
       return;
     }
-    if (share != share_[at] && share_[at] > 0) contacts_[at].rescaled(share / share_[at]);
+    if (share != share_[at]) contacts_[at].rescaled(share_[at] > 0 ? share / share_[at] : HUGE_VAL);
     share_[at] = share;
     tick.force = share * tick.force;
     tick.torque = share * tick.torque;
@@ -147,7 +176,7 @@ private:
     sum.torque = sum.torque + tick.torque;
     ++sum.touching;
     for (std::size_t j = 0; j < at; ++j) {
-      if (touches(sum.each[j])) sum.overlap.add(sum.each[j], radius_, tick, radius_);
+      if (touches(sum.each[j])) sum.overlap.add(sum.each[j], tip_, tick, tip_);
     }
   }
 
@@ -239,7 +268,9 @@ private:
 
   const View* view_;
   std::uint32_t tool_;
-  double probe_, reach_, radius_, gap_;  ///< m
+  double probe_, reach_;  ///< m
+  Tip tip_;
+  double gap_;  ///< m
   std::array<BasicContact<kFeatures>, Most> contacts_;
   std::array<double, Most> share_;
   std::array<Tick, Most> last_;
@@ -260,6 +291,7 @@ public:
 
   void reset() {
     for (BasicContact<kFeatures>& contact : contacts_) contact.reset();
+    overlap_ = {};
   }
 
   /// One tick of each, in order.
@@ -269,7 +301,7 @@ public:
     for (std::size_t k = 0; k < Count; ++k) {
       ticks[k] = contacts_[k].tick(poses[k]);
       for (std::size_t j = 0; j < k; ++j) {
-        if (ticks[k].depth > 0 && ticks[j].depth > 0) overlap_.add(ticks[j], radius_[j], ticks[k], radius_[k]);
+        overlap_.add(ticks[j], tips_[j], ticks[k], tips_[k]);
       }
     }
     return ticks;
@@ -283,11 +315,10 @@ private:
   template <std::size_t... K>
   SeveralTools(const View& view, const std::array<std::uint32_t, Count>& tools, const ContactSettings& settings,
                std::index_sequence<K...>)
-      : contacts_{BasicContact<kFeatures>(view, tools[K], settings)...},
-        radius_{std::fmax(view.tools[tools[K]].radius, view.tools[tools[K]].probe_radius)...} {}
+      : contacts_{BasicContact<kFeatures>(view, tools[K], settings)...}, tips_{Tip(view, tools[K])...} {}
 
   std::array<BasicContact<kFeatures>, Count> contacts_;
-  std::array<double, Count> radius_;  ///< m
+  std::array<Tip, Count> tips_;
   Overlap overlap_;
 };
 
