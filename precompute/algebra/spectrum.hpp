@@ -13,7 +13,7 @@ struct Spectrum {
 };
 
 /// Eigenvalues and eigenvectors of a symmetric matrix, of which the lower half is read (Eigen::SelfAdjointEigenSolver).
-/// N is 2, 3, 9 or Eigen::Dynamic. What is not finite comes out as it went in: not finite.
+/// N is 2, 3, 9 or Eigen::Dynamic.
 template <int N>
 Spectrum<N> spectrum(const Eigen::Matrix<double, N, N>& symmetric);
 
