@@ -1,42 +1,64 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The gradient of a quadratic tetrahedron is linear in barycentric coordinates, so that of position needs sums of
-// nodes alone (`Sums`), shared by the four points.
+// nodes alone, shared by the four points.
 #include "precompute/fem/element_batch.hpp"
 
 #include "precompute/fem/registers.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
+#include <utility>
 
 namespace palpate {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::VectorXd;
-using Lanes = ElementBatch::Lanes;
 constexpr int kLanes = ElementBatch::kLanes, kPoints = kElementPoints;
 constexpr double kOwn = 4 * kFarCorner - 1, kCross = 4 * kFarCorner, kExtra = 4 * (kNearCorner - kFarCorner);
 
-using Matrix = Lanes[9];  // by columns
-using Nodes = Lanes[10][3];
-
-// Node between two corners.
-constexpr int edge_node(int a, int b) {
+// Node between two corners; the corner itself where they are one.
+constexpr auto kEdgeNode = [] {
+  std::array<std::array<int, 4>, 4> node{{{0, 0, 0, 0}, {1, 1, 1, 1}, {2, 2, 2, 2}, {3, 3, 3, 3}}};
   for (int e = 0; e < 6; ++e) {
-    if ((kElementEdges[e][0] == a && kElementEdges[e][1] == b) ||
-        (kElementEdges[e][0] == b && kElementEdges[e][1] == a)) {
-      return 4 + e;
-    }
+    const auto [a, b] = kElementEdges[e];
+    node[a][b] = node[b][a] = 4 + e;
   }
-  return a;
+  return node;
+}();
+
+// f(0) to f(Count - 1), each a constant: the tables above cost nothing where their indices are.
+template <int Count, class Function>
+[[gnu::always_inline]] inline void unrolled(const Function& f) {
+  [&]<int... k>(std::integer_sequence<int, k...>) __attribute__((always_inline)) {
+    (f(std::integral_constant<int, k>{}), ...);
+  }
+  (std::make_integer_sequence<int, Count>{});
 }
 
-struct Deformation {
-  Matrix f[kPoints], cofactor[kPoints];
-  Lanes det[kPoints];
+// As many lanes of a batch as one register holds, from lane `first` on: wider ones would go through memory.
+template <int Width>
+struct Part {
+  typedef double Lanes __attribute__((vector_size(Width * sizeof(double))));
+  using Matrix = Lanes[9];  // by columns
+
+  const ElementBatch& batch;
+  int first;
+
+  [[gnu::always_inline]] void read(const ElementBatch::Lanes& from, Lanes& lanes) const {
+    std::memcpy(&lanes, reinterpret_cast<const double*>(&from) + first, sizeof lanes);
+  }
 };
 
-[[gnu::always_inline]] inline void cofactor(const Matrix& f, Matrix& c) {
+template <int Width>
+struct Deformation {
+  typename Part<Width>::Matrix f[kPoints], cofactor[kPoints];
+  typename Part<Width>::Lanes det[kPoints];
+};
+
+template <class Matrix>
+[[gnu::always_inline]] inline void set_cofactor(const Matrix& f, Matrix& c) {
   for (int j = 0; j < 3; ++j) {
     const int u = 3 * ((j + 1) % 3), v = 3 * ((j + 2) % 3);
     c[3 * j] = f[u + 1] * f[v + 2] - f[u + 2] * f[v + 1];
@@ -45,119 +67,165 @@ struct Deformation {
   }
 }
 
-[[gnu::always_inline]] inline void deform(const ElementBatch& batch, const double* x, Deformation& d) {
-  Nodes p;
+template <int Width>
+[[gnu::always_inline]] inline void deform(const Part<Width>& part, const double* x, Deformation<Width>& d) {
+  using Lanes = typename Part<Width>::Lanes;
+  alignas(Lanes) double gathered[10][3][Width];
   for (int n = 0; n < 10; ++n) {
-    for (int lane = 0; lane < kLanes; ++lane) {
-      const double* at = x + 3 * std::ptrdiff_t(batch.nodes[n][lane]);
-      for (int i = 0; i < 3; ++i) p[n][i][lane] = at[i];
+    for (int lane = 0; lane < Width; ++lane) {
+      const double* at = x + 3 * std::ptrdiff_t(part.batch.nodes[n][part.first + lane]);
+      for (int i = 0; i < 3; ++i) gathered[n][i][lane] = at[i];
     }
   }
-  for (Matrix& f : d.f) std::fill_n(f, 9, Lanes{});
-  for (int k = 0; k < 4; ++k) {
+  Lanes p[10][3];
+  std::memcpy(p, gathered, sizeof p);
+  unrolled<4>([&](auto k) __attribute__((always_inline)) {
+    Lanes slopes[3];
+    for (int j = 0; j < 3; ++j) part.read(part.batch.slopes[k][j], slopes[j]);
     for (int i = 0; i < 3; ++i) {
       Lanes sum{};
-      for (int j = 0; j < 4; ++j) {
-        if (j != k) sum += p[edge_node(k, j)][i];
-      }
+      unrolled<4>([&](auto j) __attribute__((always_inline)) {
+        if constexpr (j != k) sum += p[kEdgeNode[k][j]][i];
+      });
       sum = kCross * sum + kOwn * p[k][i];
-      for (int q = 0; q < kPoints; ++q) {
-        const Lanes along = sum + kExtra * p[edge_node(k, q)][i];  // dx_i by the barycentric coordinate k at point q
-        for (int j = 0; j < 3; ++j) d.f[q][3 * j + i] += along * batch.slopes[k][j];
-      }
+      unrolled<kPoints>([&](auto q) __attribute__((always_inline)) {
+        const Lanes along = sum + kExtra * p[kEdgeNode[k][q]][i];  // dx_i by the barycentric coordinate k at point q
+        for (int j = 0; j < 3; ++j) {
+          Lanes& f = d.f[q][3 * j + i];
+          f = k == 0 ? along * slopes[j] : f + along * slopes[j];
+        }
+      });
     }
-  }
+  });
   for (int q = 0; q < kPoints; ++q) {
-    cofactor(d.f[q], d.cofactor[q]);
+    set_cofactor(d.f[q], d.cofactor[q]);
     d.det[q] = d.f[q][0] * d.cofactor[q][0] + d.f[q][1] * d.cofactor[q][1] + d.f[q][2] * d.cofactor[q][2];
   }
 }
 
 // Adds the energy of everything but the volume term, lane by lane, for batches with laws; sets the stress.
-void add_laws(const ElementBatch& batch, const Matrix& f, Lanes& energy, Matrix* stress) {
-  for (int lane = 0; lane < batch.count; ++lane) {
+template <int Width>
+[[gnu::always_inline]] inline void add_laws(const Part<Width>& part, const typename Part<Width>::Matrix& f,
+                                            typename Part<Width>::Lanes& energy, typename Part<Width>::Matrix* stress) {
+  for (int lane = 0; lane < Width && part.first + lane < part.batch.count; ++lane) {
+    const Material& law = *part.batch.laws[part.first + lane];
     Matrix3d deformation, p;
     for (int k = 0; k < 9; ++k) deformation.data()[k] = f[k][lane];
     if (stress == nullptr) {
-      energy[lane] += batch.laws[lane]->deviatoric(deformation);
+      energy[lane] += law.deviatoric(deformation);
       continue;
     }
-    energy[lane] += batch.laws[lane]->stress(deformation, p);
+    energy[lane] += law.stress(deformation, p);
     for (int k = 0; k < 9; ++k) (*stress)[k][lane] = p.data()[k];
   }
 }
 
 // Energy a volume of everything but the volume term, and the mean dilatation that this one needs.
-[[gnu::always_inline]] inline void distortion(const ElementBatch& batch, const Deformation& d, Lanes& energy,
-                                              Lanes& dilatation, Matrix* stress) {
+template <int Width>
+[[gnu::always_inline]] inline void distortion(const Part<Width>& part, const Deformation<Width>& d,
+                                              typename Part<Width>::Lanes& energy,
+                                              typename Part<Width>::Lanes& dilatation,
+                                              typename Part<Width>::Matrix* stress) {
+  using Lanes = typename Part<Width>::Lanes;
   energy = dilatation = Lanes{};
+  Lanes mu;
+  part.read(part.batch.mu, mu);
   for (int q = 0; q < kPoints; ++q) {
     dilatation += d.det[q];
-    if (batch.laws[0] != nullptr) {
-      add_laws(batch, d.f[q], energy, stress != nullptr ? stress + q : nullptr);
+    if (part.batch.laws[0] != nullptr) {
+      if (stress != nullptr) std::fill_n(stress[q], 9, Lanes{});
+      add_laws(part, d.f[q], energy, stress != nullptr ? stress + q : nullptr);
       continue;
     }
     Lanes square{};
     for (int k = 0; k < 9; ++k) square += d.f[q][k] * d.f[q][k];
-    energy += 0.5 * batch.mu * (square - 3.0);
+    energy += 0.5 * mu * (square - 3.0);
     if (stress == nullptr) continue;
-    for (int k = 0; k < 9; ++k) stress[q][k] = batch.mu * d.f[q][k];
+    for (int k = 0; k < 9; ++k) stress[q][k] = mu * d.f[q][k];
   }
   energy /= double(kPoints);
   dilatation /= double(kPoints);
 }
 
-// Energy (J) of the lanes in use.
-[[gnu::always_inline]] inline double total(const ElementBatch& batch, const Deformation& d, const Lanes& energy,
-                                           const Lanes& dilatation) {
+// Energy (J) of the lanes in use, added to `sum`.
+template <int Width>
+[[gnu::always_inline]] inline void add_total(const Part<Width>& part, const Deformation<Width>& d,
+                                             const typename Part<Width>::Lanes& energy,
+                                             const typename Part<Width>::Lanes& dilatation, double& sum) {
+  using Lanes = typename Part<Width>::Lanes;
+  Lanes volume, slope, bulk, local, variance{};
+  part.read(part.batch.volume, volume);
+  part.read(part.batch.slope, slope);
+  part.read(part.batch.bulk, bulk);
+  part.read(part.batch.local, local);
   const Lanes change = dilatation - 1.0;
-  Lanes variance{};
   for (const Lanes& det : d.det) variance += (det - dilatation) * (det - dilatation);
-  const Lanes all = batch.volume * (energy + (batch.slope + 0.5 * batch.bulk * change) * change +
-                                    batch.local * variance * (0.5 / kPoints));
-  double sum = 0;
-  for (int lane = 0; lane < batch.count; ++lane) sum += all[lane];
-  return sum;
+  const Lanes all = volume * (energy + (slope + 0.5 * bulk * change) * change + local * variance * (0.5 / kPoints));
+  for (int lane = 0; lane < Width && part.first + lane < part.batch.count; ++lane) sum += all[lane];
 }
 
-// `gradient` may be null.
+// Forces (N) of the elements on their nodes; `stress` is that of `distortion` and becomes the whole one.
+template <int Width>
+[[gnu::always_inline]] inline void set_forces(const Part<Width>& part, const Deformation<Width>& d,
+                                              const typename Part<Width>::Lanes& dilatation,
+                                              typename Part<Width>::Matrix* stress, double (&forces)[10][3][kLanes]) {
+  using Lanes = typename Part<Width>::Lanes;
+  Lanes scale, slope, bulk, local;
+  part.read(part.batch.volume, scale);
+  part.read(part.batch.slope, slope);
+  part.read(part.batch.bulk, bulk);
+  part.read(part.batch.local, local);
+  scale /= double(kPoints);
+  const Lanes push = slope + bulk * (dilatation - 1.0);
+  for (int q = 0; q < kPoints; ++q) {
+    const Lanes pressure = push + local * (d.det[q] - dilatation);
+    for (int k = 0; k < 9; ++k) stress[q][k] = scale * (stress[q][k] + pressure * d.cofactor[q][k]);
+  }
+  for (int i = 0; i < 3; ++i) {
+    Lanes force[10];
+    unrolled<4>([&](auto k) __attribute__((always_inline)) {
+      Lanes slopes[3];
+      for (int j = 0; j < 3; ++j) part.read(part.batch.slopes[k][j], slopes[j]);
+      Lanes traction[kPoints], all{};
+      for (int q = 0; q < kPoints; ++q) {
+        traction[q] = stress[q][i] * slopes[0] + stress[q][3 + i] * slopes[1] + stress[q][6 + i] * slopes[2];
+        all += traction[q];
+      }
+      force[k] = kOwn * all + kExtra * traction[k];
+      unrolled<4>([&](auto j) __attribute__((always_inline)) {
+        const Lanes on_edge = kCross * all + kExtra * traction[j];
+        if constexpr (j > k) force[kEdgeNode[k][j]] = on_edge;
+        if constexpr (j < k) force[kEdgeNode[k][j]] += on_edge;
+      });
+    });
+    for (int n = 0; n < 10; ++n) std::memcpy(&forces[n][i][part.first], &force[n], sizeof(Lanes));
+  }
+}
+
+// `gradient` may be null. Sums run in the same order for registers of any width.
+template <int Width>
 [[gnu::always_inline]] inline double evaluate(const std::vector<ElementBatch>& batches, const double* x,
                                               double* gradient) {
   double sum = 0;
   for (const ElementBatch& batch : batches) {
-    Deformation d;
-    deform(batch, x, d);
-    Lanes energy, dilatation;
-    Matrix stress[kPoints] = {};
-    distortion(batch, d, energy, dilatation, gradient != nullptr ? stress : nullptr);
-    sum += total(batch, d, energy, dilatation);
+    double of_batch = 0;
+    alignas(64) double forces[10][3][kLanes];
+    for (int first = 0; first < kLanes; first += Width) {
+      const Part<Width> part{batch, first};
+      Deformation<Width> d;
+      deform(part, x, d);
+      typename Part<Width>::Lanes energy, dilatation;
+      typename Part<Width>::Matrix stress[kPoints];
+      distortion(part, d, energy, dilatation, gradient != nullptr ? stress : nullptr);
+      add_total(part, d, energy, dilatation, of_batch);
+      if (gradient != nullptr) set_forces(part, d, dilatation, stress, forces);
+    }
+    sum += of_batch;
     if (gradient == nullptr) continue;
-
-    const Lanes scale = batch.volume / double(kPoints), push = batch.slope + batch.bulk * (dilatation - 1.0);
-    for (int q = 0; q < kPoints; ++q) {
-      const Lanes pressure = push + batch.local * (d.det[q] - dilatation);
-      for (int k = 0; k < 9; ++k) stress[q][k] = scale * (stress[q][k] + pressure * d.cofactor[q][k]);
-    }
-    Nodes force = {};
-    for (int k = 0; k < 4; ++k) {
-      for (int i = 0; i < 3; ++i) {
-        Lanes traction[kPoints];
-        Lanes all{};
-        for (int q = 0; q < kPoints; ++q) {
-          traction[q] = stress[q][i] * batch.slopes[k][0] + stress[q][3 + i] * batch.slopes[k][1] +
-                        stress[q][6 + i] * batch.slopes[k][2];
-          all += traction[q];
-        }
-        force[k][i] += kOwn * all + kExtra * traction[k];
-        for (int j = 0; j < 4; ++j) {
-          if (j != k) force[edge_node(k, j)][i] += kCross * all + kExtra * traction[j];
-        }
-      }
-    }
     for (int n = 0; n < 10; ++n) {
       for (int lane = 0; lane < batch.count; ++lane) {
         double* at = gradient + 3 * std::ptrdiff_t(batch.nodes[n][lane]);
-        for (int i = 0; i < 3; ++i) at[i] += force[n][i][lane];
+        for (int i = 0; i < 3; ++i) at[i] += forces[n][i][lane];
       }
     }
   }
@@ -166,12 +234,12 @@ void add_laws(const ElementBatch& batch, const Matrix& f, Lanes& energy, Matrix*
 
 using Kernel = double (*)(const std::vector<ElementBatch>&, const double*, double*);
 
-double evaluate_plain(const std::vector<ElementBatch>& b, const double* x, double* g) { return evaluate(b, x, g); }
+double evaluate_plain(const std::vector<ElementBatch>& b, const double* x, double* g) { return evaluate<2>(b, x, g); }
 PALPATE_AVX2 double evaluate_avx2(const std::vector<ElementBatch>& b, const double* x, double* g) {
-  return evaluate(b, x, g);
+  return evaluate<4>(b, x, g);
 }
 PALPATE_AVX512 double evaluate_avx512(const std::vector<ElementBatch>& b, const double* x, double* g) {
-  return evaluate(b, x, g);
+  return evaluate<8>(b, x, g);
 }
 
 const Kernel kernel = widest<Kernel>(evaluate_plain, evaluate_avx2, evaluate_avx512);
@@ -189,9 +257,9 @@ double batch_gradient(const std::vector<ElementBatch>& batches, const VectorXd& 
 double batch_min_jacobian(const std::vector<ElementBatch>& batches, const VectorXd& x) {
   double smallest = std::numeric_limits<double>::max();
   for (const ElementBatch& batch : batches) {
-    Deformation d;
-    deform(batch, x.data(), d);
-    for (const Lanes& det : d.det) {
+    Deformation<kLanes> d;
+    deform(Part<kLanes>{batch, 0}, x.data(), d);
+    for (const auto& det : d.det) {
       for (int lane = 0; lane < batch.count; ++lane) smallest = std::min(smallest, det[lane]);
     }
   }

@@ -24,10 +24,18 @@ DistanceSample round_point(const Vector3d& from_centre, double radius) {
   return s;
 }
 
+// Without a root; what is lost in rounding goes to "false".
+bool beyond(double squared_distance, double radius) {
+  return radius > 0 && squared_distance > radius * radius * (1 + 1e-12);
+}
+
 class Sphere final : public ToolShape {
 public:
   explicit Sphere(double radius) : radius_(radius) {}
   [[nodiscard]] DistanceSample distance(const Vector3d& p) const override { return round_point(p, radius_); }
+  [[nodiscard]] bool surely_beyond(const Vector3d& p, double gap) const override {
+    return beyond(p.squaredNorm(), radius_ + gap);
+  }
   [[nodiscard]] AlignedBox3d bounds() const override {
     return {Vector3d::Constant(-radius_), Vector3d::Constant(radius_)};
   }
@@ -47,6 +55,10 @@ public:
     s.hessian.row(2).setZero();
     s.hessian.col(2).setZero();
     return s;
+  }
+  [[nodiscard]] bool surely_beyond(const Vector3d& p, double gap) const override {
+    const double along = p.z() - std::clamp(p.z(), 0.0, length_);
+    return beyond(p.head<2>().squaredNorm() + along * along, radius_ + gap);
   }
   [[nodiscard]] AlignedBox3d bounds() const override {
     return {Vector3d::Constant(-radius_), Vector3d(radius_, radius_, length_ + radius_)};

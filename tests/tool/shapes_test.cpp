@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 namespace palpate {
@@ -57,6 +58,32 @@ TEST(Shapes, KnownDistances) {
   EXPECT_NEAR(needle->distance(Vector3d(0.1, 0, 0.1 / std::tan(0.5)) + 0.3 * side).value, 0.2, 1e-15);
   EXPECT_LT((needle->distance(Vector3d(0.1, 0, 0.1 / std::tan(0.5)) + 0.3 * side).gradient - side).norm(), 1e-14);
   EXPECT_NEAR(needle->distance({0, 0, 4}).value, 0.9, 1e-15);
+}
+
+// What a contact leaves out must be beyond, and what is clearly beyond should be left out.
+TEST(Shapes, WhatIsSurelyBeyondIs) {
+  const std::shared_ptr<const ToolShape> shapes[] = {make_sphere(0.005), make_capsule(0.004, 0.02)};
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> coordinate(-0.01, 0.03), gap(-0.004, 0.004);
+  int beyond = 0;
+  for (const auto& shape : shapes) {
+    for (int n = 0; n < 20000; ++n) {
+      const Vector3d p(coordinate(random), coordinate(random), coordinate(random));
+      const double value = shape->distance(p).value;
+      // Near the boundary too, where rounding decides.
+      for (const double limit : {gap(random), value, std::nextafter(value, 0.0), value + 1e-12, value - 1e-12}) {
+        const bool told = shape->surely_beyond(p, limit);
+        if (told) {
+          ASSERT_GE(value, limit) << p.transpose();
+        }
+        if (value > limit + 1e-11 && limit > -0.0039) {
+          ASSERT_TRUE(told) << p.transpose() << " " << limit;
+          ++beyond;
+        }
+      }
+    }
+  }
+  EXPECT_GT(beyond, 10000);
 }
 
 // Every contact vertex lies on the tool's surface, its normal is the distance's gradient, and the touching
