@@ -39,23 +39,38 @@ BlockMatrix::BlockMatrix(const TetMesh& mesh, const std::vector<char>& fixed) : 
                                                           starts.data(), inner.data(), zeros.data());
 }
 
+namespace {
+
+// Where `row` is in ascending `rows`, which hold it. Without branches: they would be foretold wrongly half of the time.
+std::ptrdiff_t rank_of(const std::vector<std::int32_t>& rows, std::int32_t row) {
+  const std::int32_t* at = rows.data();
+  for (std::size_t count = rows.size(); count > 1;) {
+    const std::size_t half = count / 2;
+    at = at[half] <= row ? at + half : at;
+    count -= half;
+  }
+  return at - rows.data();
+}
+
+}  // namespace
+
 void BlockMatrix::add(std::int32_t a, std::int32_t b, const Eigen::Matrix3d& block) {
   std::int32_t row = index_[a], col = index_[b];
   if (row < 0 || col < 0) return;
   const bool transposed = row < col;
   if (transposed) std::swap(row, col);
-  const auto& rows = rows_[col];
-  const auto rank = std::lower_bound(rows.begin(), rows.end(), row) - rows.begin();
-  double* values = matrix_.valuePtr();
-  const auto* starts = matrix_.outerIndexPtr();
-  for (int j = 0; j < 3; ++j) {
-    double* column = values + starts[3 * col + j];
-    if (rank == 0) {
-      for (int i = j; i < 3; ++i) column[i - j] += block(i, j);
-    } else {
-      double* place = column + (3 - j) + 3 * (rank - 1);
-      for (int i = 0; i < 3; ++i) place[i] += transposed ? block(j, i) : block(i, j);
+  const std::ptrdiff_t rank = rank_of(rows_[col], row);
+  double* const values = matrix_.valuePtr();
+  const int* const starts = matrix_.outerIndexPtr() + 3 * std::ptrdiff_t(col);
+  if (rank == 0) {
+    for (int j = 0; j < 3; ++j) {
+      for (int i = j; i < 3; ++i) values[starts[j] + i - j] += block(i, j);
     }
+    return;
+  }
+  for (int j = 0; j < 3; ++j) {
+    double* const place = values + starts[j] + (3 - j) + 3 * (rank - 1);
+    for (int i = 0; i < 3; ++i) place[i] += transposed ? block(j, i) : block(i, j);
   }
 }
 

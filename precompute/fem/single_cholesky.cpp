@@ -4,8 +4,11 @@
 #include "precompute/fem/single_cholesky.hpp"
 
 #include <cblas.h>
-#include <Eigen/Cholesky>
 #include <algorithm>
+
+// Of LAPACK (Fortran: the last argument is the length of the first), which OpenBLAS brings in its own registers.
+extern "C" void spotrf_(const char* triangle, const int* size, float* matrix, const int* stride, int* info,
+                        std::size_t length);
 
 namespace palpate {
 
@@ -39,6 +42,7 @@ SingleCholesky::SingleCholesky(const Matrix& lower, SupernodalPattern pattern) :
   next_.resize(supernodes_.size());
   reached_.resize(supernodes_.size());
   place_of_row_.resize(p.order.size());
+  places_of_update_.resize(static_cast<std::size_t>(tallest_));
 }
 
 // Subtracts what the columns of a finished supernode give to this one, and hands it on to the next that it updates.
@@ -52,10 +56,17 @@ void SingleCholesky::update(int descendant, int supernode) {
   cblas_sgemm(CblasColMajor, CblasNoTrans, CblasTrans, tall, wide, from.columns, 1.0F, from.values + first, from.height,
               from.values + first, from.height, 0.0F, product_.data(), tall);
   float* const values = values_.data() + pattern_.values[supernode];
+  for (int i = 0; i < tall; ++i) places_of_update_[i] = place_of_row_[rows[first + i]];
+  const int* const places = places_of_update_.data();
+  const bool together = places[tall - 1] - places[0] == tall - 1;
   for (int j = 0; j < wide; ++j) {
     float* const column = values + std::ptrdiff_t(rows[first + j] - to.first) * to.height;
     const float* const given = product_.data() + std::ptrdiff_t(j) * tall;
-    for (int i = j; i < tall; ++i) column[place_of_row_[rows[first + i]]] -= given[i];
+    if (together) {
+      for (int i = j; i < tall; ++i) column[places[0] + i] -= given[i];
+    } else {
+      for (int i = j; i < tall; ++i) column[places[i]] -= given[i];
+    }
   }
   reached_[descendant] = last;
   if (last == from.height) return;
@@ -74,10 +85,9 @@ bool SingleCholesky::eliminate(int supernode) {
     d = next;
   }
   float* const values = values_.data() + pattern_.values[supernode];
-  using Triangle = Eigen::Ref<Eigen::MatrixXf, 0, Eigen::OuterStride<>>;
-  Triangle triangle = Eigen::Map<Eigen::MatrixXf, 0, Eigen::OuterStride<>>(values, n.columns, n.columns,
-                                                                           Eigen::OuterStride<>(n.height));
-  if (Eigen::LLT<Triangle>(triangle).info() != Eigen::Success) return false;
+  int info = 0;
+  spotrf_("L", &n.columns, values, &n.height, &info, 1);
+  if (info != 0) return false;
   const int below = n.height - n.columns;
   reached_[supernode] = n.columns;
   if (below == 0) return true;

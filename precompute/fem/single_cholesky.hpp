@@ -42,8 +42,8 @@ private:
   std::vector<Supernode> supernodes_;
   int tallest_ = 0;
   // While factorising: which supernodes next update each one (a list), the first of their rows that it owns, the place
-  // of each row in the supernode at work, and the product that is subtracted from it.
-  std::vector<int> head_, next_, reached_, place_of_row_;
+  // of each row in the supernode at work, those of an update's rows, and the product that is subtracted from it.
+  std::vector<int> head_, next_, reached_, place_of_row_, places_of_update_;
   std::vector<float> product_;
 };
 

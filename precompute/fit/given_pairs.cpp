@@ -112,7 +112,9 @@ void check_given(const Plan& plan, const PairSources& sources, bool friction) {
   for (const auto& [pair, given] : sources.given) {
     if (!given.measured) continue;
     const std::string what = name_of(plan, pair, given);
-    telling_passed(given, [&] { fit::check_recorded(given.samples, plan.pairs[pair].depth, friction, what); });
+    telling_passed(given, [&, pair = pair, &given = given] {
+      fit::check_recorded(given.samples, plan.pairs[pair].depth, friction, what);
+    });
   }
 }
 

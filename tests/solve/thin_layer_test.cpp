@@ -55,7 +55,7 @@ LayerContact exact_contact(double a) {
     system(i, kPoints) = -1;  // of the depth
     right[i] = -t * t;
   }
-  const VectorXd phi = system.lu().solve(right);
+  const VectorXd phi = Eigen::FullPivLU<MatrixXd>(system).solve(right);
   const double depth = phi[kPoints];
   return {std::sqrt(depth), 2 * width * phi.head(kPoints).sum() / (4.0 / 3 * std::pow(depth, 1.5))};
 }
