@@ -9,5 +9,5 @@ add_library(palpate_scene STATIC scene.cpp scene_keys.cpp scene_material.cpp sce
 target_include_directories(palpate_scene PRIVATE ${CMAKE_CURRENT_LIST_DIR}/include)
 target_include_directories(palpate_scene SYSTEM PRIVATE ${TOMLPLUSPLUS_INCLUDE_DIR})
 target_compile_definitions(palpate_scene PRIVATE TOML_HEADER_ONLY=0 TOML_SHARED_LIB=1)
-target_precompile_headers(palpate_scene PRIVATE <toml++/toml.h> <Eigen/Core> <filesystem> <string> <vector>)
+palpate_seldom_run(palpate_scene <toml++/toml.h> <Eigen/Core> <filesystem> <string> <vector>)
 target_link_libraries(palpate_scene PUBLIC palpate_formats PRIVATE palpate_file palpate_settings ${TOMLPLUSPLUS_LIBRARY})

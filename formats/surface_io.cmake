@@ -11,6 +11,6 @@ add_library(palpate_surface_io STATIC
 target_link_libraries(palpate_surface_io
   PUBLIC palpate_formats
   PRIVATE palpate_settings palpate_file OpenMeshCore TinyGLTF::TinyGLTF nlohmann_json::nlohmann_json)
-target_precompile_headers(palpate_surface_io REUSE_FROM palpate_headers)
+palpate_seldom_run(palpate_surface_io <Eigen/Geometry> <nlohmann/json.hpp> <string> <vector>)
 # OpenMesh's property vectors copy default vectors that its constructors leave open; the sanitizers' flow sees it.
 set_source_files_properties(surface_openmesh.cpp PROPERTIES COMPILE_OPTIONS -Wno-maybe-uninitialized)
