@@ -2,33 +2,19 @@
 // A WoodenHaptics model on an emulated bus, opened by the driver through libusb.
 #pragma once
 
-#include "device/usb_device.hpp"
 #include "device/wooden_protocol.hpp"
+#include "tests/device/driven.hpp"
+#include "tests/device/emulated.hpp"
 #include "tests/device/front/usbfs.hpp"
 #include "tests/device/models/usb_port.hpp"
 #include "tests/device/models/wooden_model.hpp"
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <memory>
-#include <thread>
+#include <vector>
 
 namespace palpate::test {
-
-inline void pause(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
-
-/// Homes in 50 ms: tests have no hands to wait for. Patient with a machine that has other things to do, where
-/// `patient`.
-inline device::WoodenOptions quick_homing(bool patient = true) {
-  device::WoodenOptions options;
-  options.hold = 0.05;
-  if (patient) {
-    options.doubtful = 0.5;
-    options.silence = 1;
-  }
-  return options;
-}
 
 /// mA in a command's bytes.
 inline std::array<int, 3> milliamps(const Bytes& bytes) {
@@ -42,36 +28,6 @@ inline bool is_zero(const Bytes& bytes) {
   return std::all_of(bytes.begin(), bytes.end(), [](std::uint8_t byte) { return byte == 0; });
 }
 
-/// A device of any kind and the force loop above it.
-struct Driven {
-  /// Until the device is in this phase, or stopped; false: not within `seconds`.
-  bool reach(device::Phase phase, double seconds = 5) {
-    const double end = device::now() + seconds;
-    while (device::now() < end) {
-      const device::Phase now = device->read().phase;
-      if (now == phase) return true;
-      if (now == device::Phase::stopped) return false;
-      pause(0.001);
-    }
-    return false;
-  }
-
-  /// The force loop, at about 1 kHz for so long (s), or until the device stops.
-  device::Sample drive(double seconds, const device::Vec3& force) {
-    device::Sample sample = device->read();
-    const double end = device::now() + seconds;
-    while (device::now() < end && sample.phase != device::Phase::stopped) {
-      device->write({device::now(), force, {}});
-      pause(0.001);
-      sample = device->read();
-    }
-    return sample;
-  }
-
-  device::UsbDevice::Opened opened;
-  std::unique_ptr<device::UsbDevice> device;
-};
-
 struct Rig : Driven {
   explicit Rig(const device::UsbOptions& options = {}, const device::WoodenOptions& wooden = quick_homing()) {
     plug();
@@ -79,7 +35,10 @@ struct Rig : Driven {
   }
   ~Rig() { device.reset(); }
 
-  void plug() { usbfs = std::make_unique<Usbfs>(port); }
+  void plug() {
+    usbfs = nullptr;  // one after the other: they share the port
+    usbfs = std::make_unique<Usbfs>(port);
+  }
   void open(const device::UsbOptions& options = {}, const device::WoodenOptions& wooden = quick_homing()) {
     opened = device::UsbDevice::adopt(usbfs->descriptor(), device::kDevices[0],
                                       std::make_unique<device::WoodenProtocol>(wooden), options);

@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The whole life of a device through libusb: adopted, claimed, homed, driven, closed, and again.
-#include "tests/device/rig.hpp"
+// The whole life of every driver, through libusb, at either front end: plugged in, opened, claimed, booted or met,
+// homed, driven, pulled out, plugged in again, closed.
+#include "tests/device/station.hpp"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
-namespace palpate {
+namespace palpate::usb_life_test {
 namespace {
 
 using namespace test;
@@ -17,188 +12,136 @@ using device::Phase;
 using device::Sample;
 using device::Vec3;
 
-// A slow circle of the tip's joints, once the arm is homed.
-device::Joints circling(double time) {
-  const double angle = 4 * std::max(time - 0.5, 0.0);
-  return {0.3 * std::sin(angle), 0.2 * (1 - std::cos(angle)), 1.5707963267948966 + 0.2 * std::sin(angle)};
-}
+constexpr Vec3 kPush{1, 2, 0.5};
 
-TEST(UsbLife, HomesFollowsTheArmAndPushesTheWayItIsTold) {
-  Rig rig;
-  ASSERT_TRUE(rig.device) << rig.opened.error;
-  ASSERT_TRUE(rig.reach(Phase::ready));
-  const Vec3 force{1.0, -0.5, 0.25};
-  const Sample sample = rig.drive(0.05, force);
-  EXPECT_EQ(sample.phase, Phase::ready);
-  EXPECT_EQ(sample.fault, Fault::none);
-  const Vec3 home = device::position(rig.model.geometry, {0, 0, 1.5707963267948966});
-  EXPECT_LT(length(sample.pose.translation - home), 1e-9);
-  const device::Joints amps = device::currents(rig.model.geometry, rig.model.angles(0), force);
-  const auto got = rig.last_push();
-  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(got[k], 1000 * amps[k], 0.51);
-  rig.device->close();
-  EXPECT_EQ(rig.device->read().phase, Phase::closed);
-  EXPECT_TRUE(is_zero(rig.port.log().back().bytes));
-  EXPECT_TRUE(rig.device->counts().zero_left);
-  rig.device->close();
-}
+class UsbLife : public UsbDrivers {
+protected:
+  // From power to a force.
+  static void begin(Station& at) {
+    at.plug(false);
+    ASSERT_TRUE(at.open()) << at.opened.error;
+    EXPECT_TRUE(at.front->claimed());
+    ASSERT_TRUE(at.reach(Phase::homing, 20)) << device::name(at.device->read().fault);
 
-TEST(UsbLife, EncodersThatWrapAreFollowed) {
-  Rig rig;
-  rig.port.with_model([&] { rig.model.motion = circling; });
-  ASSERT_TRUE(rig.reach(Phase::ready));
-  int samples = 0;
-  double worst = 0, fastest = 0;
-  std::uint32_t number = 0;
-  Vec3 before{};
-  for (const double end = device::now() + 2.5; device::now() < end; pause(0.001)) {
-    const Sample sample = rig.device->read();
+    Sample sample = at.drive(0.1, kPush);
+    if (at.held_up(sample)) return;
+    EXPECT_EQ(sample.phase, Phase::homing) << "nobody has homed it";
+    EXPECT_EQ(at.pushes_since(0), 0);
+    EXPECT_FALSE(at.port.log().empty()) << "it is told zeros meanwhile";
+
+    at.port.with_model([&] { at.subject->home(); });
+    at.reach(Phase::ready);
+    sample = at.push(kPush);
+    if (at.held_up(sample)) return;
     ASSERT_EQ(sample.phase, Phase::ready) << device::name(sample.fault);
-    if (sample.number == number) continue;
-    // The arm moves on while a report is on its way: its pose is looked for in the last few milliseconds.
-    double nearest = 1;
-    for (double age = 0; age < 0.01; age += 1e-4) {
-      const auto at = rig.port.with_model([&] { return rig.model.angles(sample.time - age); });
-      nearest = std::fmin(nearest, length(sample.pose.translation - position(rig.model.geometry, at)));
-    }
-    worst = std::fmax(worst, nearest);
-    if (number != 0) fastest = std::fmax(fastest, length(sample.pose.translation - before));
-    before = sample.pose.translation;
-    number = sample.number;
-    ++samples;
-  }
-  EXPECT_GT(samples, 100);
-  EXPECT_GT(fastest, 1e-4);
-  EXPECT_LT(worst, 5e-4);  // three encoders of 0.1 mm at the tip
-}
-
-TEST(UsbLife, NoForceBeforeItIsHomed) {
-  device::WoodenOptions wooden = quick_homing();
-  wooden.hold = 0.2;
-  const double begun = device::now();  // no report is older, and the hold counts from the first one
-  Rig rig({}, wooden);
-  ASSERT_TRUE(rig.reach(Phase::homing));
-  while (rig.device->read().phase == Phase::homing) {
-    rig.device->write({device::now(), {5, 5, 5}, {}});
-    pause(0.001);
-  }
-  EXPECT_EQ(rig.device->read().phase, Phase::ready);
-  // All that was written before the first force is zero, and that was for the whole of the hold.
-  const std::vector<Written> log = rig.port.log();
-  const auto first = std::find_if(log.begin(), log.end(), [](const Written& each) { return !is_zero(each.bytes); });
-  const double until = first == log.end() ? log.back().time : first->time;
-  EXPECT_GT(until - begun, 0.2);
-  EXPECT_GT(first - log.begin(), 50);
-}
-
-TEST(UsbLife, ForcesAreLimitedAndNothingElseThanNumbersGoesOut) {
-  Rig rig;
-  ASSERT_TRUE(rig.reach(Phase::ready));
-  rig.drive(0.05, {30, 0, -30});  // far beyond 5 N
-  const device::Joints home{0, 0, 1.5707963267948966};
-  const double part = 5 / std::sqrt(2.0);
-  const device::Joints amps = device::currents(rig.model.geometry, home, {part, 0, -part});
-  const auto got = rig.last_push();
-  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(got[k], 1000 * amps[k], 0.51);
-  const double begun = device::now();
-  rig.drive(0.05, {std::nan(""), 1, 1});
-  rig.drive(0.05, {std::numeric_limits<double>::infinity(), 0, 0});
-  for (const Written& each : rig.port.log()) {
-    // The last finite command may have been on its way.
-    if (each.time > begun + 0.02) {
-      EXPECT_TRUE(is_zero(each.bytes));
+    EXPECT_LT(length(sample.pose.translation - at.subject->tip()), 1e-4);
+    EXPECT_TRUE(at.holds_a_force(device::now()));
+    for (const Written& each : at.port.log()) {
+      if (at.subject->pushes(each.bytes)) {
+        EXPECT_TRUE(at.subject->says(each.bytes, kPush));
+      }
     }
   }
-}
 
-// The force loop hangs: 10 ms later the device is told zero, and goes on being told so.
-TEST(UsbLife, AForceThatIsNotRenewedEnds) {
-  Rig rig;
-  ASSERT_TRUE(rig.reach(Phase::ready));
-  rig.drive(0.1, {1, 1, 1});
-  const double last = device::now();
-  rig.device->write({last, {1, 1, 1}, {}});
-  pause(0.2);
-  EXPECT_EQ(rig.device->read().phase, Phase::ready);
-  const std::vector<Written> log = rig.port.log();
-  int pushes = 0, zeros = 0;
-  for (const Written& each : log) {
-    // A period, and what a busy machine adds to it.
-    if (each.time > last + device::kStale + 0.05) ++(is_zero(each.bytes) ? zeros : pushes);
+  static void pull_out(Station& at) {
+    at.front->unplug();
+    const Sample sample = at.drive(5, kPush);
+    EXPECT_EQ(sample.phase, Phase::stopped);
+    EXPECT_STREQ(device::name(sample.fault), device::name(Fault::unplugged));
+    at.device->close();
+    EXPECT_EQ(at.device->read().phase, Phase::closed);
+    EXPECT_EQ(at.device->read().fault, Fault::unplugged);
+    EXPECT_FALSE(at.device->counts().zero_left);
   }
-  EXPECT_EQ(pushes, 0);
-  EXPECT_GT(zeros, 10);
-  EXPECT_GT(rig.device->counts().stale, 10u);
-  const double again = device::now();
-  rig.drive(0.05, {1, 1, 1});
-  const std::vector<Written> later = rig.port.log();
-  EXPECT_TRUE(std::any_of(later.begin(), later.end(),
-                          [&](const Written& each) { return each.time > again && !is_zero(each.bytes); }));
+};
+
+TEST_P(UsbLife, FromPlugToPlug) {
+  once_undisturbed([](Station& at) {
+    for (int life = 0; life < 3 && !at.was_held_up && !HasFailure(); ++life) {
+      begin(at);
+      if (at.was_held_up || HasFatalFailure()) return;
+      pull_out(at);
+    }
+  });
 }
 
-TEST(UsbLife, IsOpenedAgainAfterItWasUnplugged) {
-  Rig rig;
-  for (int life = 0; life < 3; ++life) {
-    ASSERT_TRUE(rig.device) << rig.opened.error;
-    ASSERT_TRUE(rig.reach(Phase::ready));
-    rig.drive(0.03, {0, 0, 1});
-    rig.port.unplug();
-    EXPECT_EQ(rig.drive(1, {0, 0, 1}).fault, Fault::unplugged);
-    rig.device->close();
-    EXPECT_EQ(rig.device->read().fault, Fault::unplugged);
-    rig.device.reset();
-    rig.plug();
-    rig.open();
+TEST_P(UsbLife, ClosesWithAZero) {
+  once_undisturbed([](Station& at) {
+    begin(at);
+    if (at.was_held_up || HasFatalFailure()) return;
+    at.device->close();
+    const device::UsbCounts counts = at.device->counts();
+    // The zero has 10 ms to leave, in which a slow front end does not always get there.
+    at.was_held_up = !at.front->is_prompt() && !counts.zero_left;
+    if (at.was_held_up) return;
+    EXPECT_TRUE(counts.zero_left);
+    EXPECT_FALSE(at.subject->pushes(at.port.log().back().bytes));
+    EXPECT_FALSE(at.holds_a_force(device::now() + 0.001));
+    EXPECT_EQ(at.device->read().phase, Phase::closed);
+    EXPECT_EQ(at.device->read().fault, Fault::none);
+    at.device->close();  // again: nothing
+    at.device.reset();
+    EXPECT_FALSE(at.front->claimed());
+    begin(at);  // and a new life on the same socket
+  });
+}
+
+TEST_P(UsbLife, IsPulledOutBeforeItIsReady) {
+  for (const Phase phase : {Phase::starting, Phase::homing}) {
+    once_undisturbed([=](Station& at) {
+      at.plug(false);
+      if (phase == Phase::starting) at.port.silence();
+      ASSERT_TRUE(at.open()) << at.opened.error;
+      ASSERT_TRUE(at.reach(phase, 20));
+      if (at.held_up(at.drive(0.02, kPush))) return;
+      pull_out(at);
+      EXPECT_EQ(at.pushes_since(0), 0);
+      at.plug(true);
+      ASSERT_TRUE(at.open()) << at.opened.error;
+      if (at.reach(Phase::ready) || at.held_up(at.device->read())) return;
+      ADD_FAILURE() << "not ready: " << device::name(at.device->read().fault);
+    });
   }
 }
 
-TEST(UsbOpen, TakesTheInterfaceFromTheKernelAndGivesItBack) {
-  Rig rig;
-  ASSERT_TRUE(rig.device) << rig.opened.error;
-  EXPECT_FALSE(rig.usbfs->kernel_driver());
-  rig.device.reset();
-  EXPECT_TRUE(rig.usbfs->kernel_driver());
+TEST_P(UsbLife, WhatAnotherProgramHasIsRefused) {
+  Station at(GetParam());
+  at.plug(true);
+  at.front->take();
+  EXPECT_FALSE(at.open());
+  EXPECT_EQ(at.opened.fault, Fault::refused);
+  EXPECT_NE(at.opened.error.find("claimed"), std::string::npos) << at.opened.error;
+  at.plug(true);
+  EXPECT_TRUE(at.open()) << at.opened.error;
 }
 
-TEST(UsbOpen, ADeviceThatAnotherProgramHasIsRefused) {
-  WoodenModel model;
-  UsbPort port(model);
-  Usbfs usbfs(port);
-  usbfs.take(true);
-  const auto opened =
-      device::UsbDevice::adopt(usbfs.descriptor(), device::kDevices[0], std::make_unique<device::WoodenProtocol>());
-  EXPECT_FALSE(opened.device);
-  EXPECT_EQ(opened.fault, Fault::refused);
-  EXPECT_NE(opened.error.find("claimed"), std::string::npos) << opened.error;
+// The force loop hangs: 10 ms later the device is told zero, goes on being told so, and lets go.
+TEST_P(UsbLife, AForceThatIsNotRenewedEnds) {
+  once_undisturbed([](Station& at) {
+    at.plug(true);
+    ASSERT_TRUE(at.open()) << at.opened.error;
+    at.reach(Phase::ready);
+    if (at.held_up(at.push(kPush))) return;
+    const double last = device::now();
+    at.device->write({last, kPush, {}});
+    pause(0.1);
+    Sample sample = at.device->read();
+    if (at.held_up(sample)) return;
+    EXPECT_EQ(sample.phase, Phase::ready);
+    // One may have been on its way when its time was over.
+    EXPECT_LE(at.pushes_since(last + device::kStale), 1);
+    EXPECT_GT(at.device->counts().stale, 10U);
+    EXPECT_FALSE(at.holds_a_force(device::now()));
+    const double again = device::now();
+    sample = at.push(kPush);
+    if (at.held_up(sample)) return;
+    EXPECT_EQ(sample.phase, Phase::ready);
+    EXPECT_GT(at.pushes_since(again), 0);
+  });
 }
 
-TEST(UsbOpen, SaysWhatIsWrong) {
-  WoodenModel model;
-  UsbPort port(model);
-  const auto protocol = [] { return std::make_unique<device::WoodenProtocol>(); };
-  Usbfs usbfs(port);
-  // Of another kind.
-  auto opened = device::UsbDevice::adopt(usbfs.descriptor(), device::kDevices[1], protocol());
-  EXPECT_FALSE(opened.device);
-  EXPECT_EQ(opened.fault, Fault::refused);
-  EXPECT_NE(opened.error.find("another kind"), std::string::npos) << opened.error;
-  // No USB device at all.
-  opened = device::UsbDevice::adopt(0, device::kDevices[0], protocol());
-  EXPECT_FALSE(opened.device);
-  EXPECT_FALSE(opened.error.empty());
-  // Gone meanwhile: libusb only says that it cannot talk with it.
-  Usbfs other(port);
-  port.unplug();
-  opened = device::UsbDevice::adopt(other.descriptor(), device::kDevices[0], protocol());
-  EXPECT_FALSE(opened.device);
-  EXPECT_FALSE(opened.error.empty());
-  // Options.
-  device::UsbOptions options;
-  options.rate = std::nan("");
-  opened = device::UsbDevice::adopt(0, device::kDevices[0], protocol(), options);
-  EXPECT_FALSE(opened.device);
-  EXPECT_NE(opened.error.find("rate"), std::string::npos) << opened.error;
-}
+INSTANTIATE_TEST_SUITE_P(Drivers, UsbLife, testing::ValuesIn(kDrivers),
+                         [](const testing::TestParamInfo<const char*>& each) { return test_name(each.param); });
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::usb_life_test

@@ -115,4 +115,16 @@ void MockBus::unplug(int address) {
   state_->plugged.erase(address);
 }
 
+void MockBus::take(int address) {
+  Plugged& plugged = *state_->plugged.at(address);
+  const std::lock_guard<std::mutex> lock(plugged.mutex);
+  plugged.calls.take();
+}
+
+bool MockBus::claimed(int address) const {
+  Plugged& plugged = *state_->plugged.at(address);
+  const std::lock_guard<std::mutex> lock(plugged.mutex);
+  return plugged.calls.claimed();
+}
+
 }  // namespace palpate::test

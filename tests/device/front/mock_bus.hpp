@@ -26,6 +26,10 @@ public:
   /// Pulls it out: what is pending ends, the file answers ENODEV, the event, no file.
   void unplug(int address);
 
+  /// UsbfsCalls::take() and claimed(), of what is plugged in there.
+  void take(int address);
+  [[nodiscard]] bool claimed(int address) const;
+
 private:
   struct State;
   std::unique_ptr<State> state_;

@@ -108,14 +108,19 @@ int Usbfs::answer(unsigned long request, void* argument) {
   return calls_.answer(request, argument);
 }
 
-void Usbfs::take(bool on) {
+void Usbfs::take() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  calls_.take(on);
+  calls_.take();
 }
 
 bool Usbfs::kernel_driver() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return calls_.kernel_driver();
+}
+
+bool Usbfs::claimed() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return calls_.claimed();
 }
 
 }  // namespace palpate::test

@@ -26,8 +26,9 @@ public:
   int answer(unsigned long request, void* argument);
 
   /// UsbfsCalls::take().
-  void take(bool on);
+  void take();
   [[nodiscard]] bool kernel_driver() const;
+  [[nodiscard]] bool claimed() const;
 
 private:
   void run();

@@ -21,8 +21,8 @@ public:
   /// Lets transfers end that can, and says so to on_ready.
   void advance();
 
-  /// Takes the interface as another program would, until released: claims are refused.
-  void take(bool on) { taken_ = on; }
+  /// Takes the interface as another program would: claims are refused.
+  void take() { taken_ = true; }
   /// Whether a kernel driver has the interface, as usbhid has that of every new HID device.
   [[nodiscard]] bool kernel_driver() const { return driver_; }
   [[nodiscard]] bool claimed() const { return claimed_; }

@@ -2,6 +2,7 @@
 #include "tests/device/models/open_link_model.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace palpate::test {
 
@@ -31,10 +32,12 @@ Capabilities OpenLinkModel::usual() {
 
 void OpenLinkModel::plugged(double time) {
   time_ = next_step_ = time;
+  force = torque = {};
+  force_until = 0;
   clock_ = -500000;  // just below where it wraps
   received_.clear();
   queue_.clear();
-  firmware_.emplace(board_, capabilities_);
+  firmware_.emplace(board_, capabilities);
 }
 
 void OpenLinkModel::advance(double time) {
@@ -67,6 +70,12 @@ std::uint32_t OpenLinkModel::Board::microseconds() const {
 void OpenLinkModel::Board::actuate(const float* force, const float* torque) {
   std::copy_n(force, 3, model.force.begin());
   std::copy_n(torque, 3, model.torque.begin());
+  constexpr double kOn = std::numeric_limits<double>::infinity();
+  if (model.force != std::array<float, 3>{}) {
+    model.force_until = kOn;
+  } else if (model.force_until == kOn) {
+    model.force_until = model.time_;
+  }
 }
 
 std::size_t OpenLinkModel::Board::receive(std::uint8_t* bytes, std::size_t most) {

@@ -26,12 +26,14 @@ public:
 
   static device::openlink::Capabilities usual();
 
-  explicit OpenLinkModel(const device::openlink::Capabilities& capabilities = usual()) : capabilities_(capabilities) {}
+  explicit OpenLinkModel(const device::openlink::Capabilities& announced = usual()) : capabilities(announced) {}
 
+  device::openlink::Capabilities capabilities;  ///< announced from when it is next plugged in
   Faults faults;
   device::openlink::Measured measured{{}, {1, 0, 0, 0}, 0, true, 0};  ///< what its hardware measures
   double clock_rate = 1;                                              ///< of its clock, times true
   std::array<float, 3> force{}, torque{};                             ///< N, N m, that its motors are told
+  double force_until = 0;  ///< s: when the last force ended; infinity: there is one
 
   /// The firmware's loop, up to `time` (s).
   void advance(double time);
@@ -55,7 +57,6 @@ private:
     void send(const std::uint8_t* bytes, std::size_t size);
   };
 
-  device::openlink::Capabilities capabilities_;
   Board board_{*this};
   std::optional<device::openlink::Firmware<Board>> firmware_;
   double clock_ = 0;                                   // us

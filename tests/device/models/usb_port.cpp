@@ -13,7 +13,7 @@ void UsbPort::packets(const PacketFault& fault) {
 
 void UsbPort::plug(double time) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  halted_in_ = halted_out_ = silent_ = deaf_ = gone_ = false;
+  halted_in_ = halted_out_ = silent_ = deaf_ = leaving_ = gone_ = false;
   fault_ = {};
   waiting_.clear();
   log_.clear();
@@ -41,7 +41,8 @@ Answer UsbPort::written(double time, const Bytes& bytes) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (gone_) return Answer::gone;
   if (halted_out_) return Answer::stalled;
-  if (deaf_) return Answer::pending;
+  if (leaving_) gone_ = true;
+  if (deaf_ || leaving_) return Answer::pending;
   log_.push_back({time, bytes});
   model_.written(time, bytes);
   return Answer::done;

@@ -47,6 +47,7 @@ public:
   void silence() { set(silent_, true); }           ///< nothing for the host any more
   void deafen(bool on = true) { set(deaf_, on); }  ///< takes nothing: every transfer to it waits
   void unplug() { set(gone_, true); }
+  void unplug_in_transfer() { leaving_ = true; }  ///< while the next transfer to it is under way
 
   /// Plugs the model in, without faults.
   void plug(double time);
@@ -89,7 +90,7 @@ private:
   std::deque<Waiting> waiting_;  // packets held back
   std::vector<Written> log_;
   std::uint32_t noise_ = 1;
-  std::atomic<bool> halted_in_{false}, halted_out_{false}, silent_{false}, deaf_{false}, gone_{false};
+  std::atomic<bool> halted_in_{false}, halted_out_{false}, silent_{false}, deaf_{false}, leaving_{false}, gone_{false};
 };
 
 }  // namespace palpate::test

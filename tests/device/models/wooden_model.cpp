@@ -20,7 +20,7 @@ bool WoodenModel::control(double, const ControlRequest& request, Bytes&) {
 }
 
 void WoodenModel::written(double time, const Bytes& bytes) {
-  if (bytes.size() != 8) return;  // the board looks at whole reports only
+  if (bytes.size() != (six ? 14 : 8)) return;  // the board looks at whole reports only
   constexpr int kSaturated = 3000;
   for (std::size_t k = 0; k < 3; ++k) {
     const auto value = static_cast<std::int16_t>(static_cast<std::uint16_t>(bytes[2 * k] | bytes[2 * k + 1] << 8));
@@ -33,6 +33,10 @@ bool WoodenModel::read(double time, Bytes& packet) {
   if (time < next_) return false;
   // One report waits in the endpoint at most: those of a host that was away are never made.
   next_ = std::max(next_ + period, time);
+  if (frozen) {
+    packet = last_;
+    return true;
+  }
   ++number_;
   const device::Joints at = device::counts(geometry, angles(time));
   packet.clear();
@@ -43,7 +47,14 @@ bool WoodenModel::read(double time, Bytes& packet) {
   for (std::size_t k = 0; k < 3; ++k) {
     put(static_cast<std::uint16_t>(std::lround(at[k]) + offset[k] + leap_));
   }
-  put(number_);
+  if (six) {
+    constexpr std::uint16_t kWrist[] = {10, 20, 30};
+    for (const std::uint16_t encoder : kWrist) put(encoder);
+    put(0);
+  } else {
+    put(number_);
+  }
+  last_ = packet;
   return true;
 }
 

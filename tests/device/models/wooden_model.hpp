@@ -19,6 +19,8 @@ public:
   double period = 0.001;  ///< s between two reports
   /// rad, where the arm is at a time (s) since the board was plugged in.
   std::function<device::Joints(double)> motion = [](double) { return device::Joints{0, 0, 1.5707963267948966}; };
+  bool six = false;     ///< has the firmware for six degrees of freedom: reports of 14 bytes
+  bool frozen = false;  ///< says its last report again and again
   /// What the encoders happen to show at the angles of zero: the counts wrap soon from here.
   std::int16_t offset[3] = {32700, -32760, 100};
 
@@ -40,6 +42,7 @@ private:
   double plugged_ = 0, next_ = 0, heard_ = -1e9;
   int leap_ = 0;
   std::uint16_t number_ = 0;
+  Bytes last_;  // report
 };
 
 }  // namespace palpate::test
