@@ -11,6 +11,9 @@ namespace {
 
 // Reports are late when the host is: so much (s) of movement beyond the time between two of them is believed.
 constexpr double kJitter = 0.005;
+// Between two reports of a board that is held still so much (s) counts for it at most: what the host was away for it
+// has not seen, and what waited for it meanwhile is of one moment.
+constexpr double kWatched = 0.005;
 
 Request report(const std::array<std::int16_t, 3>& milliamps) {
   Request request;
@@ -45,7 +48,8 @@ const char* WoodenOptions::validate() const {
 void WoodenProtocol::start(double time) {
   sample_ = {};
   sample_.phase = Phase::starting;
-  heard_ = still_ = write_ = time;
+  heard_ = write_ = time;
+  still_ = 0;
   asking_ = noise_ = false;
 }
 
@@ -98,15 +102,14 @@ void WoodenProtocol::received(double time, const std::uint8_t* bytes, std::size_
   if (first) {
     for (int k = 0; k < 3; ++k) encoders_[k].start(report.encoder[k]);
     sample_.phase = Phase::homing;
-    still_ = time;
   } else {
     if (!possible(time, report)) return stop(Fault::impossible);
     for (int k = 0; k < 3; ++k) encoders_[k].follow(report.encoder[k]);
   }
+  if (sample_.phase == Phase::homing) home(first ? 0 : time - heard_);
   last_ = report.number;
   heard_ = time;
   noise_ = false;
-  if (sample_.phase == Phase::homing) home(time);
   if (sample_.phase == Phase::ready) {
     locate();
     const double fold = angles_[1] + angles_[2];
@@ -126,15 +129,15 @@ bool WoodenProtocol::possible(double time, const WoodenReport& report) const {
   return true;
 }
 
-void WoodenProtocol::home(double time) {
+void WoodenProtocol::home(double passed) {
   const bool moved = std::any_of(std::begin(encoders_), std::end(encoders_), [&](const Unwrapped& encoder) {
     return std::llabs(encoder.total()) > options_.still;
   });
+  still_ = moved ? 0 : still_ + std::min(passed, kWatched);
   if (moved) {
     for (Unwrapped& encoder : encoders_) encoder.restart();
-    still_ = time;
   }
-  if (time - still_ < options_.hold) return;
+  if (still_ < options_.hold) return;
   for (Unwrapped& encoder : encoders_) encoder.restart();
   sample_.phase = Phase::ready;
 }

@@ -16,7 +16,7 @@ namespace palpate::device {
 struct WoodenOptions {
   WoodenGeometry geometry;
   Joints home{0, 0, 1.5707963267948966};  ///< rad, where the arm is held still while homing
-  double hold = 1.0;                      ///< s that it is held still, above 0
+  double hold = 1.0;                      ///< s that it is seen held still, above 0
   int still = 30;                         ///< counts that it may move meanwhile (2.6 mm at the tip)
   double most_current = 3.0;              ///< A, where the motors' amplifiers saturate; up to 32.767
   double fastest = 20.0;                  ///< rad/s of a joint: what is faster cannot be
@@ -47,7 +47,8 @@ private:
   Request ask(double time, const std::array<std::int16_t, 3>& milliamps);
   /// Whether an encoder can have come this far.
   [[nodiscard]] bool possible(double time, const WoodenReport& report) const;
-  void home(double time);
+  /// A report that came `passed` s after the last one.
+  void home(double passed);
   /// Sets the angles and the pose from the encoders.
   void locate();
 
@@ -57,7 +58,7 @@ private:
   Joints angles_{};
   double heard_ = 0;  // s, last good report
   double asked_ = 0;  // s, first report that the device has not taken
-  double still_ = 0;  // s, since when it has been still while homing
+  double still_ = 0;  // s that it has been seen still while homing
   double write_ = 0;  // s, next zero before it is ready
   std::uint16_t last_ = 0;
   bool asking_ = false;  // there is such a report

@@ -182,6 +182,20 @@ TEST(WoodenProtocol, AHostThatSleptIsNoFaultOfTheBoard) {
   EXPECT_NE(bench.model.milliamps(bench.time), (std::array<int, 3>{}));
 }
 
+// Reports that waited while the host slept are of one moment, however long it slept between reading two of them.
+TEST(WoodenProtocol, AHostThatSleptHasNotSeenItHeldStill) {
+  Bench bench;
+  bench.model.motion = [](double time) {
+    return Joints{0, 0.03 * std::cos(20 * time), kPi / 2 + 0.03 * std::sin(20 * time)};
+  };
+  bench.run(0.5);
+  ASSERT_EQ(bench.protocol.sample().phase, Phase::homing);
+  Bytes waited[2];
+  for (Bytes& each : waited) ASSERT_TRUE(bench.model.read(bench.time += kTick, each));
+  for (const Bytes& each : waited) bench.protocol.received(bench.time += 5, each.data(), each.size());
+  EXPECT_EQ(bench.protocol.sample().phase, Phase::homing);
+}
+
 TEST(WoodenProtocol, ABoardThatNeverReportsIsSilent) {
   Bench bench;
   bench.hears = false;
