@@ -74,7 +74,7 @@ device::LoopOptions loop_options(const DriveArguments& options, const device::De
 FrameOptions frame_options(const DriveArguments& options, const device::DeviceKind& kind) {
   FrameOptions frame;
   frame.up = axis("--up", options.up);
-  frame.device_up = options.device_up.empty() ? upward(kind) : axis("--device-up", options.device_up);
+  frame.device_up = options.device_up.empty() ? kind.up : axis("--device-up", options.device_up);
   frame.scale = options.scale;
   frame.force_scale = options.force_scale;
   // What a hand reaches in both directions from the middle of the workspace.

@@ -2,7 +2,6 @@
 #include "tools/drive_frame.hpp"
 
 #include <cmath>
-#include <string_view>
 
 #include "formats/error.hpp"
 
@@ -70,11 +69,6 @@ runtime::DeviceFrame place_device(const runtime::View& view, std::uint32_t tool,
     frame.turn.translation = frame.turn.translation + missing * options.up;
   }
   throw Error(ExitCode::bad_input, "the tool finds no place over the body's top; say where the device is with --at");
-}
-
-runtime::Vec3 upward(const device::DeviceKind& kind) {
-  const bool falcon = std::string_view(kind.driver) == "falcon";  // its z axis comes towards the user
-  return falcon ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
 }
 
 std::optional<Vec3> axis_named(const std::string& name) {

@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 
-#include "device/device_table.hpp"
 #include "palpate/runtime.hpp"
 
 namespace palpate::cli {
@@ -23,9 +22,6 @@ struct FrameOptions {
 /// points upward and that is highest of those with a response of their own (of all, where there is none). Throws
 /// Error(bad_input) where the tool finds no free place there.
 runtime::DeviceFrame place_device(const runtime::View& view, std::uint32_t tool, const FrameOptions& options);
-
-/// The upward axis that a kind of device has as it stands on a table.
-runtime::Vec3 upward(const device::DeviceKind& kind);
 
 /// "x", "-z" and so on; nothing for anything else.
 std::optional<runtime::Vec3> axis_named(const std::string& name);

@@ -2,6 +2,8 @@
 // The haptic devices that Palpate knows, with their limits as data.
 #pragma once
 
+#include "palpate/math3.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
@@ -21,12 +23,15 @@ struct DeviceKind {
   double rate = 0;              ///< Hz, most commands that the link takes
   const char* key = "";         ///< what a command line calls it; one of its own
   const char* driver = "";      ///< whose language it speaks: see registry.hpp
+  runtime::Vec3 up{0, 0, 1};    ///< unit; its upward axis as it stands on a table, in its own frame
 };
+
+inline constexpr runtime::Vec3 kYUp{0, 1, 0};  ///< of devices whose z axis comes towards the user
 
 inline constexpr DeviceKind kDevices[] = {
     {"WoodenHaptics (mbed board)", 0x1234, 0x0006, 5.0, 1000.0, 0.1, 0.5, 0.0, 1000.0, "wooden-mbed", "wooden"},
     {"WoodenHaptics (Teensy board)", 0x16c0, 0x0486, 5.0, 1000.0, 0.1, 0.5, 0.0, 1000.0, "wooden-teensy", "wooden"},
-    {"Novint Falcon", 0x0403, 0xcb48, 8.0, 3000.0, 0.04, 0.0, 0.0, 1000.0, "falcon", "falcon"},
+    {"Novint Falcon", 0x0403, 0xcb48, 8.0, 3000.0, 0.04, 0.0, 0.0, 1000.0, "falcon", "falcon", kYUp},
     // Devices on the open link announce their limits, and the driver keeps to them; these are the link's own.
     {"Open link (test id)", 0x1209, 0x0001, 1000.0, 0.0, 0.0, 0.1, 0.0, 20000.0, "open-link", "open-link"},
 };
