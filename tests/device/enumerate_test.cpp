@@ -5,6 +5,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdio>
+#include <fstream>
+#include <string>
+#include <vector>
+
 namespace palpate::device {
 namespace {
 
@@ -13,8 +18,27 @@ TEST(DeviceTable, IdsAreUniqueAndFound) {
     EXPECT_EQ(find_kind(kind.vendor, kind.product), &kind) << kind.name;
     EXPECT_GT(kind.peak_force, 0.0);
     EXPECT_GE(kind.stiffness, 0.0);
+    EXPECT_EQ(length(kind.up), 1.0);
   }
   EXPECT_EQ(find_kind(0xffff, 0xffff), nullptr);
+}
+
+// The rules that are installed open these devices to users, each once, and no other.
+TEST(DeviceTable, UdevRulesNameItsIds) {
+  std::ifstream file(PALPATE_UDEV_RULES);
+  std::vector<std::string> rules, expected;
+  for (std::string line; std::getline(file, line);) {
+    if (!line.empty() && line.front() != '#') rules.push_back(line);
+  }
+  for (const DeviceKind& kind : kDevices) {
+    char rule[200];
+    std::snprintf(rule, sizeof rule,
+                  R"(ACTION!="remove", SUBSYSTEM=="usb", ENV{DEVTYPE}=="usb_device", ATTR{idVendor}=="%04x", )"
+                  R"(ATTR{idProduct}=="%04x", TAG+="uaccess")",
+                  kind.vendor, kind.product);
+    expected.emplace_back(rule);
+  }
+  EXPECT_EQ(rules, expected);
 }
 
 // Someone may name a device, a kind of board, or a family.
