@@ -212,7 +212,7 @@ void run_drive(DriveArguments options, const Globals& globals) {
   device::Realtime granted;
   {
     device::StopFlags stop;
-    const device::StopSignals signals(stop);
+    const device::StopSignals signals(stop, Keys::restore_terminal);
     device::ForceLoop loop(*device, source, loop_settings, stop, record.get());
     granted = loop.start();
     if (!granted.refused.empty()) warn("not granted: " + granted.refused + "; the loop may be late");

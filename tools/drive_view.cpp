@@ -2,11 +2,14 @@
 #include "tools/drive_view.hpp"
 
 #include <poll.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstdarg>
 #include <cstdio>
 #include <thread>
@@ -33,6 +36,11 @@ std::string milliseconds(const char* name, const Histogram& h) {
               1e3 * h.quantile(0.5), 1e3 * h.quantile(0.99), 1e3 * h.quantile(0.999), 1e3 * h.most());
 }
 
+// For signal handlers, which know no object.
+termios terminal_before = {};
+std::atomic<bool> is_changed{false};
+static_assert(std::atomic<bool>::is_always_lock_free);
+
 std::string bar(double share) {
   constexpr int kWidth = 30;
   const int full = static_cast<int>(std::lround(kWidth * std::clamp(share, 0.0, 1.0)));
@@ -42,15 +50,28 @@ std::string bar(double share) {
 }  // namespace
 
 Keys::Keys() {
-  terminal_ = ::isatty(STDIN_FILENO) == 1 && ::tcgetattr(STDIN_FILENO, &before_) == 0;
+  // In the background it is somebody else's: who touches it there is suspended, and sends no zero.
+  const pid_t front = ::tcgetpgrp(STDIN_FILENO);
+  const bool ours = front < 0 || front == ::getpgrp();
+  terminal_ = ours && ::tcgetattr(STDIN_FILENO, &terminal_before) == 0;
   if (!terminal_) return;
-  termios raw = before_;
+  is_changed = true;
+  termios raw = terminal_before;
   raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);  // Ctrl-C stays a signal
   ::tcsetattr(STDIN_FILENO, TCSANOW, &raw);
 }
 
-Keys::~Keys() {
-  if (terminal_) ::tcsetattr(STDIN_FILENO, TCSANOW, &before_);
+Keys::~Keys() { restore_terminal(); }
+
+void Keys::restore_terminal() {
+  if (!is_changed.exchange(false)) return;
+  // Also from the background, where the terminal would suspend the program instead.
+  sigset_t output, before;
+  sigemptyset(&output);
+  sigaddset(&output, SIGTTOU);
+  ::pthread_sigmask(SIG_BLOCK, &output, &before);
+  ::tcsetattr(STDIN_FILENO, TCSANOW, &terminal_before);
+  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
 int Keys::wait(int milliseconds) const {

@@ -2,15 +2,13 @@
 // A run of a device in the terminal: where it stands, live, and the keys that stop it.
 #pragma once
 
-#include <termios.h>
-
 #include <string>
 
 #include "device/loop.hpp"
 
 namespace palpate::cli {
 
-/// Keys as they are pressed, while it lives and standard input is a terminal.
+/// Keys as they are pressed, while it lives and standard input is a terminal that this program may read. One at a time.
 class Keys {
 public:
   Keys();
@@ -21,9 +19,11 @@ public:
   /// The next key, or 0 after `milliseconds` without one.
   int wait(int milliseconds) const;
 
+  /// The terminal as it was, where one lives; async-signal-safe, for a program that ends without its destructor.
+  static void restore_terminal();
+
 private:
   bool terminal_ = false;
-  termios before_ = {};
 };
 
 /// What stays the same during a run.

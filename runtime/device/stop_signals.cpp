@@ -13,6 +13,7 @@ namespace {
 constexpr std::size_t kStack = 64 * 1024;
 
 std::atomic<StopFlags*> flags_of_the_loop{nullptr};
+std::atomic<void (*)()> last_of_all{nullptr};
 
 extern "C" void on_stop(int signal) {
   StopFlags* flags = flags_of_the_loop.load();
@@ -32,6 +33,7 @@ extern "C" void on_crash(int signal) {
   timespec left{0, StopSignals::kHold * 1000000L};
   while (::nanosleep(&left, &left) != 0 && errno == EINTR) {
   }
+  if (void (*last)() = last_of_all.load()) last();
   ::raise(signal);
 }
 
@@ -41,8 +43,9 @@ bool is_crash(int signal) {
 
 }  // namespace
 
-StopSignals::StopSignals(StopFlags& flags) : stack_(new char[kStack]) {
+StopSignals::StopSignals(StopFlags& flags, void (*last)()) : stack_(new char[kStack]) {
   flags_of_the_loop.store(&flags);
+  last_of_all.store(last);
   stack_t stack = {};
   stack.ss_sp = stack_.get();
   stack.ss_size = kStack;
@@ -53,6 +56,8 @@ StopSignals::StopSignals(StopFlags& flags) : stack_(new char[kStack]) {
     sigemptyset(&action.sa_mask);
     action.sa_flags = is_crash(kSignals[k]) ? static_cast<int>(SA_RESETHAND | SA_ONSTACK) : SA_RESTART;
     ::sigaction(kSignals[k], &action, &before_[k]);
+    // A program that writes to pipes and sockets looks at what write() says.
+    if (kSignals[k] == SIGPIPE && before_[k].sa_handler == SIG_IGN) ::sigaction(SIGPIPE, &before_[k], nullptr);
   }
 }
 
@@ -60,6 +65,7 @@ StopSignals::~StopSignals() {
   for (std::size_t k = 0; k < sizeof kSignals / sizeof kSignals[0]; ++k) ::sigaction(kSignals[k], &before_[k], nullptr);
   ::sigaltstack(&stack_before_, nullptr);
   flags_of_the_loop.store(nullptr);
+  last_of_all.store(nullptr);
 }
 
 }  // namespace palpate::device

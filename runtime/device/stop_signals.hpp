@@ -9,22 +9,24 @@
 
 namespace palpate::device {
 
-/// While it lives: SIGINT and SIGTERM ask for a stop, and for an emergency stop when they come again; SIGHUP, SIGQUIT
-/// and SIGTSTP (a suspended program sends no zero) ask for an emergency stop. SIGSEGV, SIGBUS, SIGFPE, SIGILL and
-/// SIGABRT ask for an emergency stop, hold the thread that crashed for kHold, in which the loop, or the staleness rule
-/// of the thread that speaks with the device, sends zero, and then end the program as they would have. Where that
-/// thread itself crashed only the device's own watchdog is left. One at a time; `flags` must outlive it.
+/// While it lives: SIGINT and SIGTERM ask for a stop, and for an emergency stop when they come again; SIGHUP, SIGQUIT,
+/// SIGTSTP (a suspended program sends no zero) and SIGPIPE (unless it is ignored) ask for an emergency stop. SIGSEGV,
+/// SIGBUS, SIGFPE, SIGILL and SIGABRT ask for an emergency stop, hold the thread that crashed for kHold, in which the
+/// loop, or the staleness rule of the thread that speaks with the device, sends zero, call `last`, and then end the
+/// program as they would have. Where that thread itself crashed only the device's own watchdog is left. One at a time;
+/// `flags` must outlive it.
 class StopSignals {
 public:
   static constexpr long kHold = 200;  ///< ms; a thread that is not real-time may have to wait for its turn
 
-  explicit StopSignals(StopFlags& flags);
+  /// `last` is called in a signal handler: it does what is async-signal-safe (POSIX, signal-safety(7)) alone.
+  explicit StopSignals(StopFlags& flags, void (*last)() = nullptr);
   ~StopSignals();  ///< all as before
   StopSignals(const StopSignals&) = delete;
   StopSignals& operator=(const StopSignals&) = delete;
 
 private:
-  static constexpr int kSignals[] = {SIGINT,  SIGTERM, SIGHUP, SIGQUIT, SIGTSTP,
+  static constexpr int kSignals[] = {SIGINT,  SIGTERM, SIGHUP, SIGQUIT, SIGTSTP, SIGPIPE,
                                      SIGSEGV, SIGBUS,  SIGFPE, SIGILL,  SIGABRT};
 
   struct sigaction before_[sizeof kSignals / sizeof kSignals[0]] = {};

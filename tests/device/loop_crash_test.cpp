@@ -23,12 +23,23 @@ TEST(StopSignals, TheFirstAsksAndTheSecondIsAnEmergency) {
     std::raise(signal);
     EXPECT_EQ(flags.requests(), TickInput::stop | TickInput::emergency_stop);
   }
-  for (const int signal : {SIGHUP, SIGQUIT, SIGTSTP}) {
+  for (const int signal : {SIGHUP, SIGQUIT, SIGTSTP, SIGPIPE}) {
     StopFlags flags;
     const StopSignals signals(flags);
     std::raise(signal);
     EXPECT_EQ(flags.requests(), TickInput::emergency_stop) << signal;
   }
+}
+
+TEST(StopSignals, APipeThatIsIgnoredStaysSo) {
+  std::signal(SIGPIPE, SIG_IGN);
+  {
+    StopFlags flags;
+    const StopSignals signals(flags);
+    std::raise(SIGPIPE);
+    EXPECT_EQ(flags.requests(), 0);
+  }
+  EXPECT_EQ(std::signal(SIGPIPE, SIG_DFL), SIG_IGN);
 }
 
 TEST(StopSignals, AreAsBeforeAfterwards) {
@@ -73,6 +84,24 @@ TEST(Crash, OfAnyOtherThreadSendsZeroAndEndsAsItWould) {
     EXPECT_EQ(WTERMSIG(status), ends[k]);
     EXPECT_EQ(shared->force, 0) << "the hand was left with a force";
   }
+}
+
+TEST(Crash, HasALastWord) {
+  static int ends[2];
+  ASSERT_EQ(::pipe(ends), 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    StopFlags flags;
+    const StopSignals signals(flags, [] { (void)!::write(ends[1], "!", 1); });
+    std::abort();
+  }
+  ::close(ends[1]);
+  char word[2] = {};
+  EXPECT_EQ(::read(ends[0], word, sizeof word), 1);
+  ::close(ends[0]);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_EQ(WTERMSIG(status), SIGABRT);
 }
 
 // The thread that speaks with a device goes on meanwhile and takes commands for stale.

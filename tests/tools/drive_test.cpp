@@ -2,7 +2,15 @@
 // palpate drive on the simulated device, its recording replayed by palpate play, and where a device is placed.
 #include "tools/drive_frame.hpp"
 
+#include <fcntl.h>
+#include <sys/ioctl.h>
+#include <sys/wait.h>
+#include <termios.h>
+#include <unistd.h>
+
 #include <cmath>
+#include <csignal>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "device/run_record.hpp"
@@ -162,6 +170,126 @@ TEST_F(Drive, AFullDiskIsSaidAndTheRunGoesOn) {
   const Json json = Json::parse(result.out);
   EXPECT_GT(json["ticks_not_recorded"], 0);
   EXPECT_GT(json["ticks"], 300);
+}
+
+/// A terminal that nobody looks at; what is written to it is read and forgotten.
+class Terminal {
+public:
+  Terminal() : ours_(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK)) {
+    EXPECT_EQ(::grantpt(ours_) + ::unlockpt(ours_), 0);
+    theirs_ = ::open(::ptsname(ours_), O_RDWR | O_NOCTTY);
+    EXPECT_GE(theirs_, 0);
+  }
+  ~Terminal() {
+    ::close(theirs_);
+    ::close(ours_);
+  }
+  Terminal(const Terminal&) = delete;
+  Terminal& operator=(const Terminal&) = delete;
+
+  /// In the child: standard input, output and error, and, where told, the terminal that its session's jobs share.
+  void take(bool session) const {
+    if (session && (::setsid() < 0 || ::ioctl(theirs_, TIOCSCTTY, 0) != 0)) ::_exit(125);
+    for (const int descriptor : {0, 1, 2}) ::dup2(theirs_, descriptor);
+  }
+  /// Whether it edits lines and shows what is typed.
+  [[nodiscard]] bool is_cooked() const {
+    termios now = {};
+    return ::tcgetattr(theirs_, &now) == 0 && (now.c_lflag & ICANON) != 0 && (now.c_lflag & ECHO) != 0;
+  }
+  /// Reads what is there until `enough`, or for a minute.
+  template <class Enough>
+  bool forget_until(const Enough& enough) const {
+    char bytes[4096];
+    for (int k = 0; k < 12000; ++k) {
+      while (::read(ours_, bytes, sizeof bytes) > 0) {
+      }
+      if (enough()) return true;
+      ::usleep(5000);
+    }
+    return false;
+  }
+
+private:
+  int ours_, theirs_ = -1;
+};
+
+class DriveTerminal : public Drive {
+protected:
+  void drive(const char* seconds) const {
+    if (::chdir(folder().c_str()) != 0) ::_exit(125);
+    ::execl(PALPATE_PROGRAM, "palpate", "drive", "ball.palp", "--device", "sim", "--no-record", "--seconds", seconds,
+            nullptr);
+    ::_exit(125);
+  }
+  /// How `child` ended.
+  int end_of(pid_t child) const {
+    int status = -1;
+    if (!terminal.forget_until([&] { return ::waitpid(child, &status, WNOHANG) == child; })) {
+      ::kill(child, SIGKILL);
+      ::waitpid(child, &status, 0);
+    }
+    return status;
+  }
+
+  Terminal terminal;
+};
+
+TEST_F(DriveTerminal, IsAsItWasWhateverEndsTheRun) {
+  write_response_file(folder() / "ball.palp", encode(ball_content()));
+  for (const int signal : {SIGTERM, SIGSEGV, SIGABRT}) {
+    ASSERT_TRUE(terminal.is_cooked());
+    const pid_t child = ::fork();
+    if (child == 0) {
+      terminal.take(false);
+      drive("1000");
+    }
+    EXPECT_TRUE(terminal.forget_until([&] { return !terminal.is_cooked(); })) << "keys are read as they are pressed";
+    ::kill(child, signal);
+    const int status = end_of(child);
+    EXPECT_TRUE(signal == SIGTERM ? WIFEXITED(status) : WIFSIGNALED(status) && WTERMSIG(status) == signal) << status;
+    EXPECT_TRUE(terminal.is_cooked()) << "after signal " << signal;
+  }
+}
+
+// A broken pipe would end the program at once, with whatever force it gave last.
+TEST_F(DriveTerminal, TheRunEndsInOrderWhereNobodyReadsItsOutput) {
+  write_response_file(folder() / "ball.palp", encode(ball_content()));
+  int ends[2];
+  ASSERT_EQ(::pipe(ends), 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    terminal.take(false);
+    ::dup2(ends[1], STDERR_FILENO);
+    ::close(ends[0]);
+    ::close(ends[1]);
+    drive("1000");
+  }
+  ::close(ends[0]);
+  ::close(ends[1]);
+  EXPECT_TRUE(WIFEXITED(end_of(child)));
+}
+
+// A job in the background that touches the terminal is suspended, with whatever force it gave last.
+TEST_F(DriveTerminal, IsLeftAloneInTheBackground) {
+  write_response_file(folder() / "ball.palp", encode(ball_content()));
+  const pid_t shell = ::fork();
+  if (shell == 0) {
+    terminal.take(true);
+    const pid_t job = ::fork();
+    if (job == 0) {
+      ::setpgid(0, 0);
+      drive("0.5");
+    }
+    int status = 0;
+    ::waitpid(job, &status, WUNTRACED);
+    ::kill(job, SIGKILL);
+    ::_exit(WIFSTOPPED(status) ? 100 : WEXITSTATUS(status));
+  }
+  const int status = end_of(shell);
+  EXPECT_TRUE(WIFEXITED(status));
+  EXPECT_NE(WEXITSTATUS(status), 100) << "it was suspended";
+  EXPECT_TRUE(WEXITSTATUS(status) == 0 || WEXITSTATUS(status) == 5) << WEXITSTATUS(status);  // 5: a busy machine
 }
 
 TEST(DriveFrame, StandsOverTheTopWithAGap) {
