@@ -51,7 +51,7 @@ public:
 /// By the names of the registry: wooden, falcon, open-link.
 std::unique_ptr<Emulated> emulated(const std::string& driver);
 
-/// One of each driver, by name, in the order of the registry.
+/// All of them.
 inline constexpr const char* kDrivers[] = {"wooden", "falcon", "open-link"};
 
 }  // namespace palpate::test
