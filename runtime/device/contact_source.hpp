@@ -5,19 +5,21 @@
 #include "device/force_source.hpp"
 #include "palpate/contact.hpp"
 #include "palpate/output.hpp"
+#include "palpate/virtual_coupling.hpp"
 
 namespace palpate::device {
 
 /// Scene force through the frame and the output's steps. The view must outlive it.
-template <class... Steps>
+/// Tie: what the device holds the tool by, runtime::Rigid or runtime::VirtualCoupling.
+template <class Tie = runtime::Rigid, class... Steps>
 class ContactSource : public ForceSource {
 public:
-  ContactSource(const runtime::View& view, std::uint32_t tool, const runtime::DeviceFrame& frame,
+  ContactSource(const runtime::View& view, std::uint32_t tool, const runtime::DeviceFrame& frame, const Tie& tie = {},
                 const runtime::Output<Steps...>& output = {})
-      : contact_(view, tool), frame_(frame), output_(output) {}
+      : contact_(view, tool), frame_(frame), tie_(tie), output_(output) {}
 
   Answer answer(const Pose& pose, double seconds) noexcept override {
-    tick_ = contact_.tick(frame_.to_scene(pose));
+    tick_ = tie_.tick(contact_, frame_.to_scene(pose), seconds);
     Answer answer;
     if (tick_.state == runtime::State::fault) return answer;
     answer.force = output_(frame_.to_device(tick_.force), seconds);
@@ -29,6 +31,7 @@ public:
 
   void reset() noexcept override {
     contact_.reset();
+    tie_.reset();
     output_.reset();
     tick_ = {};
   }
@@ -39,8 +42,19 @@ public:
 private:
   runtime::Contact contact_;
   runtime::DeviceFrame frame_;
+  Tie tie_;
   runtime::Output<Steps...> output_;
   runtime::Tick tick_;
 };
+
+using CoupledSource = ContactSource<runtime::VirtualCoupling>;
+
+/// The coupling that is `hand` (N/m, N s/m) in the hand, for a frame whose force_scale is above 0.
+inline runtime::VirtualCoupling coupling_in(const runtime::DeviceFrame& frame, runtime::CouplingOptions hand) {
+  const double share = 1 / (frame.scale * frame.force_scale);
+  hand.stiffness *= share;
+  hand.damping *= share;
+  return runtime::VirtualCoupling(hand);
+}
 
 }  // namespace palpate::device

@@ -23,6 +23,10 @@ const char* wrong_in(const RunHeader& h) {
   if (!frame.turn.valid()) return "the frame is no pose";
   if (!(frame.scale > 0 && std::isfinite(frame.scale))) return "the scale is not above 0";
   if (!(frame.force_scale >= 0 && std::isfinite(frame.force_scale))) return "the scale of the force is below 0";
+  if (const auto coupling = coupling_options(h)) {
+    if (const char* wrong = coupling->validate()) return wrong;
+    if (!(frame.force_scale > 0)) return "a coupling, and no force";
+  }
   if (!terminated(h.device, sizeof h.device) || !terminated(h.tool_name, sizeof h.tool_name) ||
       !terminated(h.response, sizeof h.response)) {
     return "a name does not end";
@@ -55,13 +59,13 @@ RunLog read_run_log(const void* data, std::size_t size) {
   if (!is_run_log(data, size)) return failed("not a recording of a run: it does not begin with PALPRUN");
   if (size < sizeof(RunHeader)) return failed("cut short within its header");
   std::memcpy(&log.header, bytes, sizeof(RunHeader));
-  if (log.header.version != RunHeader::kVersion) {
-    return failed("version " + std::to_string(log.header.version) + " of the recording, this reads " +
+  if (log.header.version < 1 || log.header.version > RunHeader::kVersion) {
+    return failed("version " + std::to_string(log.header.version) + " of the recording, this reads 1 to " +
                   std::to_string(RunHeader::kVersion));
   }
   if (!sealed(log.header)) return failed("the checksum of its header is wrong");
   if (log.header.header_size != sizeof(RunHeader) || log.header.record_size != sizeof(RunRecord)) {
-    return failed("sizes of header and records that version 1 does not have");
+    return failed("sizes of header and records that its version does not have");
   }
   if (const char* wrong = wrong_in(log.header)) return failed(std::string("header: ") + wrong);
 

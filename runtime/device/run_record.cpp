@@ -25,7 +25,8 @@ std::uint64_t checksum_of(const T& part) {
 
 }  // namespace
 
-void set_options(RunHeader& header, const GovernorOptions& options, const runtime::DeviceFrame& frame) {
+void set_options(RunHeader& header, const GovernorOptions& options, const runtime::DeviceFrame& frame,
+                 const std::optional<runtime::CouplingOptions>& coupling) {
   header.rate = options.rate;
   header.limit = options.limit;
   header.torque_limit = options.torque_limit;
@@ -40,6 +41,10 @@ void set_options(RunHeader& header, const GovernorOptions& options, const runtim
   store(header.origin, frame.turn.translation);
   header.scale = frame.scale;
   header.force_scale = frame.force_scale;
+  if (!coupling) return;
+  header.coupling_stiffness = coupling->stiffness;
+  header.coupling_damping = coupling->damping;
+  header.coupling_trials = static_cast<std::uint32_t>(coupling->trials);
 }
 
 GovernorOptions governor_options(const RunHeader& header) {
@@ -64,6 +69,15 @@ runtime::DeviceFrame device_frame(const RunHeader& header) {
   frame.scale = header.scale;
   frame.force_scale = header.force_scale;
   return frame;
+}
+
+std::optional<runtime::CouplingOptions> coupling_options(const RunHeader& header) {
+  if (header.coupling_stiffness == 0) return std::nullopt;
+  runtime::CouplingOptions options;
+  options.stiffness = header.coupling_stiffness;
+  options.damping = header.coupling_damping;
+  options.trials = static_cast<int>(header.coupling_trials);
+  return options;
 }
 
 RunRecord to_record(const TickInput& seen, const TickOutput& out) noexcept {

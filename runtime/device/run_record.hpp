@@ -4,9 +4,11 @@
 
 #include "device/governor.hpp"
 #include "palpate/output.hpp"
+#include "palpate/virtual_coupling.hpp"
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <type_traits>
 
 namespace palpate::device {
@@ -14,7 +16,7 @@ namespace palpate::device {
 /// First in the file: what the forces were made with. Little-endian, IEEE 754, SI units.
 struct RunHeader {
   static constexpr char kMagic[8] = {'P', 'A', 'L', 'P', 'R', 'U', 'N', 0};
-  static constexpr std::uint32_t kVersion = 1;
+  static constexpr std::uint32_t kVersion = 2;  ///< version 1 knows no coupling
 
   char magic[8] = {'P', 'A', 'L', 'P', 'R', 'U', 'N', 0};
   std::uint32_t version = kVersion;
@@ -28,8 +30,10 @@ struct RunHeader {
   std::uint32_t stop_buttons = 0;
   std::uint32_t spare_too = 0;
   char device[96] = {}, tool_name[64] = {}, response[256] = {};  ///< names, zero-terminated; the path as it was given
-  unsigned char spare[48] = {};                                  ///< zero
-  std::uint64_t checksum = 0;                                    ///< XXH64 of all before
+  double coupling_stiffness = 0, coupling_damping = 0;  ///< CouplingOptions, in the hand; 0: the tool is the device
+  std::uint32_t coupling_trials = 0;
+  unsigned char spare[28] = {};  ///< zero
+  std::uint64_t checksum = 0;    ///< XXH64 of all before
 };
 
 /// A tick: what it saw and what came of it.
@@ -60,16 +64,19 @@ struct RunEnd {
 };
 
 static_assert(sizeof(RunHeader) == 704 && offsetof(RunHeader, rate) == 40 && offsetof(RunHeader, rotation) == 112 &&
-              offsetof(RunHeader, device) == 232 && offsetof(RunHeader, checksum) == 696);
+              offsetof(RunHeader, device) == 232 && offsetof(RunHeader, coupling_stiffness) == 648 &&
+              offsetof(RunHeader, checksum) == 696);
 static_assert(sizeof(RunRecord) == 248 && offsetof(RunRecord, rotation) == 40 && offsetof(RunRecord, phase) == 144 &&
               offsetof(RunRecord, answer_force) == 168 && offsetof(RunRecord, checksum) == 240);
 static_assert(sizeof(RunEnd) == 64 && offsetof(RunEnd, checksum) == 56);
 static_assert(std::is_trivially_copyable_v<RunHeader> && std::is_trivially_copyable_v<RunRecord>);
 
-/// Fills in the governor's options and the frame.
-void set_options(RunHeader& header, const GovernorOptions& options, const runtime::DeviceFrame& frame);
+/// Fills in the governor's options, the frame, and the coupling in the hand where there is one.
+void set_options(RunHeader& header, const GovernorOptions& options, const runtime::DeviceFrame& frame,
+                 const std::optional<runtime::CouplingOptions>& coupling = {});
 GovernorOptions governor_options(const RunHeader& header);
 runtime::DeviceFrame device_frame(const RunHeader& header);
+std::optional<runtime::CouplingOptions> coupling_options(const RunHeader& header);
 
 /// A tick as a record (its checksum is for whoever writes it), and back.
 RunRecord to_record(const TickInput& seen, const TickOutput& out) noexcept;

@@ -9,6 +9,7 @@ std::optional<std::string> SafetyOptions::validate() const {
   if (const auto wrong = timing.validate()) return wrong;
   if (!(scale > 0 && scale < 1e9)) return "scale is above 0 and below 1e9";
   if (!(amplitude > 0 && amplitude < 1)) return "amplitude is above 0 and below 1 m";
+  if (!(damping >= 0 && damping < 1e6)) return "damping is at least 0 and below 1e6 N s/m";
   return std::nullopt;
 }
 
@@ -20,7 +21,8 @@ Safety safety(const runtime::View& view, const PlantOptions& plant, const Safety
   s.onset = onset_of_oscillation(plant, options.timing, options.amplitude);
   const double bound = s.passive.least();
   s.largest_scale = s.file.slope.norm > 0 ? bound / s.file.slope.norm : HUGE_VAL;
-  s.largest_coupling = s.stiffness > bound ? s.stiffness * bound / (s.stiffness - bound) : HUGE_VAL;
+  const double coupled = passive_stiffness(plant, options.timing, 3, options.damping).least();
+  s.largest_coupling = s.stiffness > bound ? s.stiffness * coupled / (s.stiffness - coupled) : HUGE_VAL;
   return s;
 }
 

@@ -12,6 +12,7 @@ struct SafetyOptions {
   LoopTiming timing;
   double scale = 1;         ///< DeviceFrame::scale times DeviceFrame::force_scale: N/m in the hand per N/m of the scene
   double amplitude = 1e-3;  ///< m, of the motion whose oscillation is asked about in a given hand
+  double damping = 0;       ///< N s/m in the hand, at least 0: of a virtual coupling
   std::optional<std::string> validate() const;
 };
 
@@ -26,8 +27,9 @@ struct Safety {
   [[nodiscard]] bool passive_for_any_hand() const { return stiffness <= passive.least(); }
   /// Largest scale (SafetyOptions::scale) that is safe for any hand.
   double largest_scale = 0;
-  /// Stiffest spring between device and tool (virtual coupling) that is: with the contact in line it is as stiff as the
-  /// bound. Infinite where none is needed.
+  /// Stiffest spring between device and tool (runtime::VirtualCoupling) that is: with the contact in line it is as
+  /// stiff as the bound, less what the coupling's damping takes of it. Infinite where none is needed, 0 where none is
+  /// soft enough.
   double largest_coupling = 0;
 };
 

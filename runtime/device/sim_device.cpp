@@ -47,6 +47,11 @@ const SimKind* find_sim_kind(std::string_view name) {
   return nullptr;
 }
 
+const SimKind* find_stand_in(const DeviceKind& kind) {
+  const std::string_view driver = kind.driver;
+  return find_sim_kind(driver == "falcon" ? "sim-falcon" : driver == "wooden" ? "sim-woody" : kind.name);
+}
+
 std::optional<std::string> SimOptions::validate() const {
   if (!(starting >= 0 && starting < 3600 && homing >= 0 && homing < 3600)) {
     return "starting and homing take 0 to 3600 s";

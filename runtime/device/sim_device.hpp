@@ -23,6 +23,9 @@ const std::vector<SimKind>& sim_kinds();
 /// The kind of this name, or null.
 const SimKind* find_sim_kind(std::string_view name);
 
+/// The kind that stands for a real one, or for itself: by its driver. Null where nobody knows its mechanics.
+const SimKind* find_stand_in(const DeviceKind& kind);
+
 struct SimOptions {
   double starting = 0.05;              ///< s until the first sample; at least 0
   double homing = 0.25;                ///< s from there until its encoders have an origin; at least 0

@@ -146,11 +146,15 @@ std::optional<std::string> LoopTiming::validate() const {
   return std::nullopt;
 }
 
-PassiveStiffness passive_stiffness(const PlantOptions& device, const LoopTiming& timing, int axes) {
+PassiveStiffness passive_stiffness(const PlantOptions& device, const LoopTiming& timing, int axes, double damper) {
   const double late = delay(device, timing), periods = std::ceil(late / timing.period * (1 - 1e-12));
   PassiveStiffness k;
-  k.by_damping = 2 * device.damping / (late + timing.period * (1 + periods));
-  k.by_friction = device.resolution > 0 ? 2 * device.friction / (std::sqrt(axes) * device.resolution) : HUGE_VAL;
+  k.by_damping = 2 * std::fmax(0, device.damping - damper) / (late + timing.period * (1 + periods));
+  k.by_friction = HUGE_VAL;
+  if (device.resolution > 0) {
+    k.by_friction = 2 * device.friction / (std::sqrt(axes) * device.resolution) - 2 * damper / timing.period;
+    k.by_friction = std::fmax(0, k.by_friction);
+  }
   return k;
 }
 

@@ -31,7 +31,12 @@ struct PassiveStiffness {
 /// |v|. Without delay it is the necessary and sufficient bound of Colgate and Schenkel (1997), b > K T / 2, and with
 /// steps that of Abbott and Okamura (2005, eq. 11), K <= min(2 b / T, 2 f / q); where D is a whole number of periods it
 /// is b > K (T / 2 + D) (Colgate and Schenkel; Diolaiti et al. 2006, eq. 18 for small steps).
-PassiveStiffness passive_stiffness(const PlantOptions& device, const LoopTiming& timing, int axes = 3);
+///
+/// A `damper` B (N s/m, at least 0) beside the spring, by differences of samples, takes as much of the device's damping
+/// (b > K T / 2 + B, Colgate and Schenkel; late or not, it gives out no more than B times the integral of v^2), and its
+/// steps 2 B / T of what friction pays for; what is left is at least 0.
+PassiveStiffness passive_stiffness(const PlantOptions& device, const LoopTiming& timing, int axes = 3,
+                                   double damper = 0);
 
 /// Where a given hand begins to oscillate.
 struct Onset {

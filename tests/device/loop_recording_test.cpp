@@ -245,7 +245,7 @@ TEST_F(Recorded, WhatAWriterCannotHaveWrittenIsRefused) {
   refused(
       "rate", [](RunHeader& h) { h.rate = NAN; }, 0, RunHeader());
   refused(
-      "version 2", [](RunHeader& h) { h.version = 2; }, 0, RunHeader());
+      "version 3", [](RunHeader& h) { h.version = 3; }, 0, RunHeader());
   refused(
       "no pose", [](RunHeader& h) { h.rotation[0] = 7; }, 0, RunHeader());
   refused(

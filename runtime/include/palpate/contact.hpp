@@ -55,6 +55,8 @@ public:
   }
 
   [[nodiscard]] const BasicField<kFeatures>& field() const { return hold_.rest().field(); }
+  /// m, of a contact: a tool that leaps farther in a tick was put elsewhere, and begins anew without force.
+  [[nodiscard]] double size() const { return hold_.rest().size(); }
 
   /// J that the contact holds, and how much of it the hand did not give (energy.hpp): negative where it gave more.
   [[nodiscard]] double stored() const { return hold_.lasts() ? hold_.stored() : 0; }

@@ -15,3 +15,4 @@
 #include "palpate/passivity.hpp"
 #include "palpate/several.hpp"
 #include "palpate/turn.hpp"
+#include "palpate/virtual_coupling.hpp"
