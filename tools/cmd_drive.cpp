@@ -8,13 +8,13 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "device/contact_source.hpp"
 #include "device/loop.hpp"
 #include "device/stop_signals.hpp"
 #include "formats/error.hpp"
 #include "formats/file.hpp"
 #include "tools/command.hpp"
 #include "tools/commands.hpp"
+#include "tools/drive_coupling.hpp"
 #include "tools/drive_device.hpp"
 #include "tools/drive_frame.hpp"
 #include "tools/drive_view.hpp"
@@ -31,6 +31,7 @@ using device::LoopReport;
 struct DriveArguments {
   std::string file, device, tool, record, plot, at, up = "z", device_up, firmware;
   double rate = 1000, seconds = 0, scale = 1, force_scale = 1, limit = 3, ramp = 1;
+  CouplingArguments coupling;
   int core = -1, priority = 80;
   std::optional<double> stop_button;
   bool list = false, no_record = false;
@@ -98,10 +99,19 @@ void name_in(char (&field)[N], const std::string& text) {
   std::strncpy(field, text.c_str(), N - 1);
 }
 
+using Coupling = std::optional<runtime::CouplingOptions>;
+
+std::unique_ptr<device::ForceSource> source_of(const runtime::View& view, std::uint32_t tool,
+                                               const runtime::DeviceFrame& frame, const Coupling& coupling) {
+  if (!coupling) return std::make_unique<device::ContactSource<>>(view, tool, frame);
+  return std::make_unique<device::CoupledSource>(view, tool, frame, device::coupling_in(frame, *coupling));
+}
+
 device::RunHeader run_header(const device::LoopOptions& loop, const runtime::DeviceFrame& frame,
-                             const ResponseInput& input, std::uint32_t tool, const DriveTitle& title) {
+                             const Coupling& coupling, const ResponseInput& input, std::uint32_t tool,
+                             const DriveTitle& title) {
   device::RunHeader header;
-  device::set_options(header, loop.governor, frame);
+  device::set_options(header, loop.governor, frame, coupling);
   header.tool = tool;
   header.response_size = input.view().size;
   header.response_hash = response_hash(input);
@@ -155,7 +165,8 @@ void throw_cause(const LoopReport& report) {
 }
 
 void report_run(const DriveArguments& options, const Globals& globals, const DriveTitle& title,
-                const LoopReport& report, const device::Realtime& granted, const device::RunWritten& written) {
+                const Coupling& coupling, const LoopReport& report, const device::Realtime& granted,
+                const device::RunWritten& written) {
   if (!globals.json) return print(drive_statistics(report, written.dropped));
   print_json({{"file", options.file},
               {"tool", title.tool},
@@ -175,6 +186,8 @@ void report_run(const DriveArguments& options, const Globals& globals, const Dri
               {"ticks_not_recorded", written.dropped},
               {"peak_force", report.peak_force},
               {"limit", title.limit},
+              {"coupling", coupling ? nlohmann::ordered_json(coupling->stiffness) : nlohmann::ordered_json()},
+              {"coupling_damping", coupling ? coupling->damping : 0},
               {"period", histogram_json(report.period)},
               {"late", histogram_json(report.late)},
               {"sample_age", histogram_json(report.age)},
@@ -193,7 +206,9 @@ void run_drive(DriveArguments options, const Globals& globals) {
   const FrameOptions placing = frame_options(options, kind);
   const runtime::DeviceFrame frame = place_device(input.view(), tool, placing);
   const DriveTitle title{options.file, input.view().tools[tool].name, kind.name, loop_settings.governor.limit};
-  device::ContactSource<> source(input.view(), tool, frame);
+  options.coupling.rate = options.rate;
+  const Coupling coupling = choose_coupling(options.coupling, input.view(), frame, kind, globals);
+  const std::unique_ptr<device::ForceSource> source = source_of(input.view(), tool, frame, coupling);
 
   // Before the last run's recording is replaced.
   const std::unique_ptr<device::Device> device = open_drive_device(
@@ -204,7 +219,8 @@ void run_drive(DriveArguments options, const Globals& globals) {
   if (options.plot.empty() && !options.no_record) options.plot = stem + "-run.svg";
   std::unique_ptr<device::RunWriter> record;
   if (!options.no_record) {
-    record = std::make_unique<device::RunWriter>(options.record, run_header(loop_settings, frame, input, tool, title));
+    record = std::make_unique<device::RunWriter>(options.record,
+                                                 run_header(loop_settings, frame, coupling, input, tool, title));
     if (!record->error().empty()) throw Error(ExitCode::io, options.record + ": " + record->error());
   }
 
@@ -213,7 +229,7 @@ void run_drive(DriveArguments options, const Globals& globals) {
   {
     device::StopFlags stop;
     const device::StopSignals signals(stop, Keys::restore_terminal);
-    device::ForceLoop loop(*device, source, loop_settings, stop, record.get());
+    device::ForceLoop loop(*device, *source, loop_settings, stop, record.get());
     granted = loop.start();
     if (!granted.refused.empty()) warn("not granted: " + granted.refused + "; the loop may be late");
     watch(loop, stop, record.get(), title, globals);
@@ -222,7 +238,7 @@ void run_drive(DriveArguments options, const Globals& globals) {
   }
   device::release_memory();
   const device::RunWritten written = record ? record->finish() : device::RunWritten{};
-  report_run(options, globals, title, report, granted, written);
+  report_run(options, globals, title, coupling, report, granted, written);
   if (record && report.ticks > written.dropped) {
     write_file(options.plot, run_svg(read_run(options.record), "Tool '" + title.tool + "' on " + title.device));
   }
@@ -257,6 +273,13 @@ void add_drive(CLI::App& app, Globals& globals) {
   command.option("--force-scale", options->force_scale, "Newtons on the hand for one of the scene")
       .check(number_in(0, 1e4))
       .shows_default();
+  command
+      .option("--coupling", options->coupling.stiffness,
+              "Virtual coupling between device and tool: N/m in the hand, or auto: as stiff as is safe in any hand")
+      .named("auto|STIFFNESS");
+  command.option("--coupling-damping", options->coupling.damping, "Damping of the coupling (N s/m in the hand)")
+      .check(number_in(0, 1e6))
+      .needs("--coupling");
   command.option("--at", options->at, "Where the device's origin is in the scene (m); default: over the body's top")
       .named("X,Y,Z");
   command.option("--up", options->up, "Upward axis of the scene: x, y, z, -x, -y or -z").shows_default().named("AXIS");

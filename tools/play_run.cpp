@@ -14,6 +14,24 @@ namespace palpate::cli {
 
 using device::RunRecord;
 
+namespace {
+
+/// Source: as new, of the file.
+template <class Source>
+void replay_into(PlayedRun& played, const device::RunLog& log, Source&& source) {
+  played.rows.reserve(log.records.size());
+  played.replay = device::replay(log, source, [&](const RunRecord& record, const device::TickOutput& out) {
+    const runtime::Tick tick = out.answer.usable ? source.tick() : runtime::Tick{};
+    account(played.summary, tick, record.seconds);
+    played.summary.rows_beyond += tick.beyond ? 1 : 0;
+    played.summary.rows_covered += tick.covered > 0.5 ? 1 : 0;
+    played.summary.starts_inside = played.summary.starts_inside || (played.rows.empty() && played.summary.touching);
+    played.rows.push_back({record.time - log.records.front().time, tick});
+  });
+}
+
+}  // namespace
+
 bool is_run(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   char begin[sizeof device::RunHeader::kMagic] = {};
@@ -34,16 +52,12 @@ PlayedRun play_run(const device::RunLog& log, const ResponseInput& input, std::u
   PlayedRun played;
   played.same_response =
       input.view().size == log.header.response_size && response_hash(input) == log.header.response_hash;
-  device::ContactSource<> source(input.view(), tool, device::device_frame(log.header));
-  played.rows.reserve(log.records.size());
-  played.replay = device::replay(log, source, [&](const RunRecord& record, const device::TickOutput& out) {
-    const runtime::Tick tick = out.answer.usable ? source.tick() : runtime::Tick{};
-    account(played.summary, tick, record.seconds);
-    played.summary.rows_beyond += tick.beyond ? 1 : 0;
-    played.summary.rows_covered += tick.covered > 0.5 ? 1 : 0;
-    played.summary.starts_inside = played.summary.starts_inside || (played.rows.empty() && played.summary.touching);
-    played.rows.push_back({record.time - log.records.front().time, tick});
-  });
+  const runtime::DeviceFrame frame = device::device_frame(log.header);
+  if (const auto coupling = device::coupling_options(log.header)) {
+    replay_into(played, log, device::CoupledSource(input.view(), tool, frame, device::coupling_in(frame, *coupling)));
+  } else {
+    replay_into(played, log, device::ContactSource<>(input.view(), tool, frame));
+  }
   return played;
 }
 

@@ -65,8 +65,8 @@ std::string to_text(const device::Safety& s, const DeviceCommand& command, const
   std::string out = text;
   if (!s.passive_for_any_hand()) {
     std::snprintf(text, sizeof text,
-                  "safe in any hand with forces scaled by %.3g at most, or a virtual coupling of at most %.0f N/m, or "
-                  "the passivity controller\n",
+                  "safe in any hand with forces scaled by %.3g at most, or a virtual coupling of at most %.0f N/m "
+                  "('palpate drive --coupling auto'), or the passivity controller\n",
                   s.largest_scale, s.largest_coupling);
     out += text;
   }

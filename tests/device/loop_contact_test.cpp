@@ -51,6 +51,31 @@ TEST(LoopContact, IsTheContactsForceInTheDevicesFrame) {
   EXPECT_FALSE(source.answer(upright({NAN, 0, 0}), 1e-3).usable);
 }
 
+// Whatever the frame's scales, the hand feels the coupling's newtons a metre: on a body that hardly gives way.
+TEST(LoopContact, ACouplingIsOfTheHand) {
+  ResponseSampleOptions options;
+  options.friction = options.lateral = false;
+  const Opened ball(ball_content(options));
+  for (const auto& [scale, force_scale] : {std::pair{0.5, 40.0}, {1.0, 20.0}, {4.0, 4.0}}) {
+    DeviceFrame frame;
+    frame.turn.translation = {0, 0, kBallRadius + kTipRadius};
+    frame.scale = scale;
+    frame.force_scale = force_scale;
+    device::CoupledSource coupled(ball.view, 0, frame, device::coupling_in(frame, {150, 0, 8}));
+    ContactSource<> rigid(ball.view, 0, frame);
+    double soft = 0, stiff = 0, way = 0;
+    for (int k = 0; k <= 400; ++k) {
+      way = 5e-6 * k / scale;
+      soft = coupled.answer(upright({0, 0, -way}), 1e-3).force.z;
+      stiff = rigid.answer(upright({0, 0, -way}), 1e-3).force.z;
+    }
+    EXPECT_LT(soft, 150 * way);
+    EXPECT_GT(soft, 0.5 * 150 * way);
+    EXPECT_GT(stiff, 1.5 * soft);
+    EXPECT_GT(coupled.tick().depth, 0);
+  }
+}
+
 // After a force was taken away: what was pressed in meanwhile gives nothing back.
 TEST(LoopContact, AResetContactBeginsWithoutForce) {
   const Opened ball(ball_content({}));

@@ -15,12 +15,14 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
+#include <optional>
 #include <thread>
 
 namespace palpate::test {
 namespace {
 
 using device::ContactSource;
+using device::CoupledSource;
 using device::LoopOptions;
 using device::Replay;
 using device::RunHeader;
@@ -59,11 +61,14 @@ protected:
   std::string record(const std::string& name, std::size_t capacity = 1 << 14) {
     const std::string path = folder_.path() / name;
     RunHeader header;
-    device::set_options(header, options_.governor, over_the_ball());
+    device::set_options(header, options_.governor, over_the_ball(), coupling_);
     RunWriter writer(path, header, capacity);
     EXPECT_EQ(writer.error(), "");
-    ContactSource<> source(ball_.view, 0, over_the_ball());
+    ContactSource<> rigid(ball_.view, 0, over_the_ball());
+    const runtime::CouplingOptions hand = coupling_.value_or(runtime::CouplingOptions());
+    CoupledSource coupled(ball_.view, 0, over_the_ball(), device::coupling_in(over_the_ball(), hand));
     device::StopFlags stop;
+    device::ForceSource& source = coupling_ ? static_cast<device::ForceSource&>(coupled) : rigid;
     device::ForceLoop loop(device_, source, options_, stop, &writer, clock_);
     loop.run();
     ticks_ = loop.report().ticks;
@@ -76,6 +81,7 @@ protected:
   FakeClock clock_;
   ScriptedDevice device_{clock_};
   LoopOptions options_;
+  std::optional<runtime::CouplingOptions> coupling_;
   TemporaryFolder folder_;
   std::uint64_t ticks_ = 0, suspensions_ = 0;
   device::RunWritten written_;
@@ -102,6 +108,44 @@ TEST_F(Recorded, ReplaysToTheSameBits) {
   EXPECT_EQ(replay.different, 0U);
   EXPECT_GT(pressed, 500U);
   EXPECT_GT(limited, 50U);
+}
+
+// The header has the coupling; without it, or with another, other forces come out.
+TEST_F(Recorded, ReplaysACouplingToTheSameBits) {
+  const std::string plain = record("plain");
+  coupling_ = runtime::CouplingOptions{180, 0.2, 6};
+  const RunLog log = read(record("run"));
+  ASSERT_TRUE(log.ok) << log.error;
+  EXPECT_FALSE(device::coupling_options(read(plain).header));
+  std::optional<runtime::CouplingOptions> hand = device::coupling_options(log.header);
+  ASSERT_TRUE(hand);
+  EXPECT_EQ(hand->stiffness, 180);
+  EXPECT_EQ(hand->damping, 0.2);
+  EXPECT_EQ(hand->trials, 6);
+  const DeviceFrame frame = device::device_frame(log.header);
+  CoupledSource source(ball_.view, 0, frame, device::coupling_in(frame, *hand));
+  const Replay replay = device::replay(log, source);
+  EXPECT_EQ(replay.compared, ticks_);
+  EXPECT_EQ(replay.different, 0U);
+  hand->stiffness *= 1.01;
+  CoupledSource other(ball_.view, 0, frame, device::coupling_in(frame, *hand));
+  EXPECT_GT(device::replay(log, other).different, 100U);
+  ContactSource<> rigid(ball_.view, 0, frame);
+  EXPECT_GT(device::replay(log, rigid).different, 100U);
+}
+
+// A recording of before couplings is one without.
+TEST_F(Recorded, ReadsTheFirstVersion) {
+  options_.seconds = 0.1;
+  std::string bytes = record("run");
+  RunHeader header;
+  std::memcpy(&header, bytes.data(), sizeof header);
+  header.version = 1;
+  device::seal(header);
+  std::memcpy(bytes.data(), &header, sizeof header);
+  const RunLog log = read(bytes);
+  ASSERT_TRUE(log.ok) << log.error;
+  EXPECT_FALSE(device::coupling_options(log.header));
 }
 
 TEST_F(Recorded, AnotherBodyGivesOtherForces) {
@@ -252,6 +296,10 @@ TEST_F(Recorded, WhatAWriterCannotHaveWrittenIsRefused) {
       "scale", [](RunHeader& h) { h.scale = 0; }, 0, RunHeader());
   refused(
       "name", [](RunHeader& h) { std::memset(h.device, 'x', sizeof h.device); }, 0, RunHeader());
+  refused(
+      "coupling's stiffness", [](RunHeader& h) { h.coupling_stiffness = -1; }, 0, RunHeader());
+  refused(
+      "coupling's trials", [](RunHeader& h) { h.coupling_stiffness = 1, h.coupling_trials = ~0U; }, 0, RunHeader());
   refused(
       "record 0 (byte 704): its number", [](RunRecord& r) { r.number = 0; }, sizeof(RunHeader), RunRecord());
   refused(

@@ -12,11 +12,61 @@
 namespace palpate::test {
 namespace {
 
+using runtime::CouplingOptions;
 using runtime::Pose;
+using runtime::Tick;
 using runtime::View;
 
 constexpr double kTrace = 1e-4;  // J
 constexpr double kEdge = 1.3;
+
+/// A contact as the device holds it: rigidly, or by a coupling.
+template <class Contact, class Tie>
+Response held(const Contact& contact, const Tie& tie) {
+  const auto state = std::make_shared<std::pair<Contact, Tie>>(contact, tie);
+  return [state](const Vec3& p, double seconds) {
+    Pose pose;
+    pose.translation = p;
+    return state->second.tick(state->first, pose, seconds).force;
+  };
+}
+
+/// `contact(scale)`: a new one.
+template <class Make>
+void set_contacts(ContactLaw& law, const Make& contact) {
+  law.make = [contact](double scale) { return held(contact(scale), runtime::Rigid()); };
+  law.couple = [contact](double scale, const CouplingOptions& options) {
+    return held(contact(scale), runtime::VirtualCoupling(options));
+  };
+}
+
+/// Forces that are a function of position.
+struct PlainContact {
+  std::function<Vec3(const Vec3&)> force;
+  [[nodiscard]] double size() const { return 0.05; }
+  void reset() {}
+  Tick tick(const Pose& pose) const {
+    Tick tick;
+    tick.force = force(pose.translation);
+    return tick;
+  }
+};
+
+/// A file's contact in a frame of its own, its forces scaled.
+struct FileContact {
+  runtime::Contact contact;
+  Pose frame;
+  double scale;
+  [[nodiscard]] double size() const { return contact.size(); }
+  void reset() { contact.reset(); }
+  Tick tick(const Pose& at) {
+    Pose pose = frame;
+    pose.translation = frame.apply(at.translation);
+    Tick tick = contact.tick(pose);
+    tick.force = scale * inverse(frame).rotate(tick.force);
+    return tick;
+  }
+};
 
 /// A law of the depth alone.
 ContactLaw plain(const char* name, double most_depth, double (*force)(double), double (*slope)(double)) {
@@ -27,18 +77,10 @@ ContactLaw plain(const char* name, double most_depth, double (*force)(double), d
   law.slope = slope;
   law.amplitude = [](double depth) { return 0.5 * depth; };
   law.direction = [](double) { return Vec3{0, 0, -1}; };
-  law.make = [force](double scale) -> Response {
-    return [force, scale](const Vec3& p, double) { return Vec3{0, 0, p.z < 0 ? scale * force(-p.z) : 0}; };
-  };
+  set_contacts(law, [force](double scale) {
+    return PlainContact{[force, scale](const Vec3& p) { return Vec3{0, 0, p.z < 0 ? scale * force(-p.z) : 0}; }};
+  });
   return law;
-}
-
-device::PlantOptions plant_of(const StabilityCase& c) {
-  device::PlantOptions plant = c.kind->plant;
-  plant.hand = c.hand->hand;
-  plant.delay_in = plant.delay_out = 0.5 * c.delay;
-  plant.substep = 25e-6;
-  return plant;
 }
 
 double held_force(const StabilityCase& c) { return 0.45 * c.kind->plant.peak_force; }
@@ -66,6 +108,28 @@ double largest_scale(const StabilityCase& c) {
   return low;
 }
 
+/// A trial of a contact behind a spring (N/m).
+device::Swing swing_behind(const StabilityCase& c, double scale, double spring, const Response& response) {
+  device::Trial trial;
+  trial.plant = plant_of(c);
+  trial.timing.period = 1 / c.rate;
+  trial.plant.start = {0, 0, c.law->height};
+  const double depth = resting_depth(c, scale), force = scale * c.law->force(depth), slope = stiffness_at(c, scale);
+  const double way = depth + force / spring;
+  trial.pressed = {0, 0, -way - force / c.hand->hand.stiffness};
+  trial.rest = {0, 0, -way};
+  constexpr double kTwoPi = 6.283185307179586;
+  // A soft spring asks for a long way, but nobody swings a handle by decimetres.
+  const double swung = c.law->amplitude(depth);
+  trial.amplitude = std::max(swung, std::min((1 + slope / spring) * swung, 0.005)) * c.law->direction(depth);
+  // That of the contact's and the hand's springs, as good as the loop's own.
+  const device::Hand& hand = trial.plant.hand;
+  const double stiffness = slope / (1 + slope / spring);
+  trial.frequency = std::sqrt((stiffness + hand.stiffness) / (trial.plant.mass + hand.mass)) / kTwoPi;
+  trial.response = response;
+  return device::run_trial(trial);
+}
+
 device::Onset onset_at(const StabilityCase& c, double scale) {
   const double amplitude = c.law->amplitude(resting_depth(c, scale));
   return device::onset_of_oscillation(plant_of(c), {1 / c.rate, 0}, amplitude);
@@ -86,7 +150,7 @@ std::vector<ContactLaw> plain_laws() {
   ContactLaw spring = laws[0];
   spring.name = "spring";
   spring.height = 0;
-  spring.make = [](double scale) -> Response { return [scale](const Vec3& p, double) { return -1000 * scale * p; }; };
+  set_contacts(spring, [](double scale) { return PlainContact{[scale](const Vec3& p) { return -1000 * scale * p; }}; });
   laws.push_back(spring);
   return laws;
 }
@@ -112,14 +176,7 @@ ContactLaw file_law(const std::string& name, const View& view) {
   law.direction = [field, n, step, frame](double depth) {
     return inverse(frame).rotate(device::slope(*field, -depth * n, step).direction);
   };
-  law.make = [&view, frame](double scale) -> Response {
-    const auto contact = std::make_shared<runtime::Contact>(view, 0);
-    return [contact, frame, scale](const Vec3& p, double) {
-      Pose pose = frame;
-      pose.translation = frame.apply(p);
-      return scale * inverse(frame).rotate(contact->tick(pose).force);
-    };
-  };
+  set_contacts(law, [&view, frame](double scale) { return FileContact{runtime::Contact(view, 0), frame, scale}; });
   return law;
 }
 
@@ -143,21 +200,20 @@ double scale_of(const StabilityCase& c, double stiffness) {
   return low;
 }
 
+device::PlantOptions plant_of(const StabilityCase& c) {
+  device::PlantOptions plant = c.kind->plant;
+  plant.hand = c.hand->hand;
+  plant.delay_in = plant.delay_out = 0.5 * c.delay;
+  plant.substep = 25e-6;
+  return plant;
+}
+
 device::Swing swing(const StabilityCase& c, double scale, const Response& response) {
-  device::Trial trial;
-  trial.plant = plant_of(c);
-  trial.timing.period = 1 / c.rate;
-  trial.plant.start = {0, 0, c.law->height};
-  const double depth = resting_depth(c, scale), force = scale * c.law->force(depth);
-  trial.pressed = {0, 0, -depth - force / c.hand->hand.stiffness};
-  trial.rest = {0, 0, -depth};
-  constexpr double kTwoPi = 6.283185307179586;
-  trial.amplitude = c.law->amplitude(depth) * c.law->direction(depth);
-  // That of the contact's and the hand's springs, as good as the loop's own.
-  const device::Hand& hand = trial.plant.hand;
-  trial.frequency = std::sqrt((stiffness_at(c, scale) + hand.stiffness) / (trial.plant.mass + hand.mass)) / kTwoPi;
-  trial.response = response;
-  return device::run_trial(trial);
+  return swing_behind(c, scale, HUGE_VAL, response);
+}
+
+device::Swing coupled_swing(const StabilityCase& c, double scale, const CouplingOptions& coupling) {
+  return swing_behind(c, scale, coupling.stiffness, c.law->couple(scale, coupling));
 }
 
 Response controlled(const StabilityCase& c, const Response& response) {
@@ -174,6 +230,7 @@ Response controlled(const StabilityCase& c, const Response& response) {
 
 StabilityResult examine(const StabilityCase& c) {
   StabilityResult result;
+  const device::LoopTiming timing{1 / c.rate, 0};
   // Both are looked for a little farther than the device can show, so that none is lost at the edge by being there a
   // little later than the other.
   const double showing = largest_scale(c), most = kEdge * showing;
@@ -227,7 +284,20 @@ StabilityResult examine(const StabilityCase& c) {
     result.past_trace = std::max(result.past_trace, past);
     result.share = std::max(result.share, past / s.on_its_way);
   }
-  result.passive = device::passive_stiffness(plant_of(c), {1 / c.rate, 0}, 1).least();
+  for (const double over : {1.5, 5.0, 50.0}) {
+    if (!found) break;
+    const double stiffness = over * result.simulated, safe = device::passive_stiffness(plant_of(c), timing).least();
+    CouplingOptions coupling;
+    coupling.stiffness = stiffness * safe / (stiffness - safe);
+    result.softest = std::min(result.softest, coupling.stiffness);
+    result.stiffest = std::max(result.stiffest, coupling.stiffness);
+    ++result.trials;
+    ++result.coupled;
+    const device::Swing s = coupled_swing(c, scale_of(c, stiffness), coupling);
+    if (s.oscillates(c.kind->plant.resolution)) ++result.coupled_oscillate;
+    result.coupled_given = std::max(result.coupled_given, s.to_hand);
+  }
+  result.passive = device::passive_stiffness(plant_of(c), timing, 1).least();
   const double at = scale_of(c, 0.99 * result.passive);
   result.passive_oscillates = at < most && oscillates(at);
   return result;

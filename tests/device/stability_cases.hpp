@@ -5,6 +5,7 @@
 #include "device/closed_loop.hpp"
 #include "device/sim_device.hpp"
 #include "palpate/view.hpp"
+#include "palpate/virtual_coupling.hpp"
 
 #include <memory>
 #include <string>
@@ -25,6 +26,8 @@ struct ContactLaw {
   std::function<double(double depth)> amplitude;  ///< m, to swing: within the contact, and without slip
   std::function<Vec3(double depth)> direction;    ///< unit, the motion that it belongs to
   std::function<Response(double scale)> make;     ///< a new contact whose forces are scaled
+  /// The same behind a virtual coupling.
+  std::function<Response(double scale, const runtime::CouplingOptions& options)> couple;
 };
 
 /// Linear spring on both sides, linear wall, Hertz' sphere, a curve that stiffens by e every 0.8 mm.
@@ -58,6 +61,11 @@ struct StabilityResult {
   int controlled = 0, controlled_oscillate = 0;  ///< trials
   double past_trace = 0;                         ///< J given to the hand, beyond the trace, most
   double share = 0;  ///< of it in what forces on their way could do (Swing::on_its_way), most
+  // Behind a virtual coupling that makes them as stiff as the bound for any hand, contacts 1.5, 5 and 50 times as
+  // stiff:
+  int coupled = 0, coupled_oscillate = 0;   ///< trials
+  double coupled_given = 0;                 ///< J given to the hand, most
+  double softest = HUGE_VAL, stiffest = 0;  ///< N/m, of these couplings
   int trials = 0;
 };
 
@@ -68,8 +76,12 @@ StabilityResult examine(const StabilityCase& c);
 /// The response as the controller lets it through: limited to the device's peak force, half its friction credited.
 Response controlled(const StabilityCase& c, const Response& response);
 
-/// One trial of a case whose law is scaled so.
+/// One trial of a case whose law is scaled so; the same behind a coupling.
 device::Swing swing(const StabilityCase& c, double scale, const Response& response);
+device::Swing coupled_swing(const StabilityCase& c, double scale, const runtime::CouplingOptions& coupling);
+
+/// The case's device with its hand and delays.
+device::PlantOptions plant_of(const StabilityCase& c);
 
 /// Scale at which the slope at the resting depth is this (N/m).
 double scale_of(const StabilityCase& c, double stiffness);

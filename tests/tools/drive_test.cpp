@@ -127,6 +127,43 @@ TEST_F(DriveRun, PlayRefusesARecordingThatDoesNotGiveItsForces) {
   EXPECT_NE(cut.error.find("cut short after 699 ticks"), std::string::npos) << cut.error;
 }
 
+// A body fifty times as stiff in the hand: the coupling is what verify --device says, the run's recording holds it.
+TEST_F(Drive, ACouplingIsChosenRecordedAndReplayed) {
+  write_response_file(folder() / "box.palp", encode(box_content({})));
+  const auto drive = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments{"drive", "box.palp", "--device", "sim", "--force-scale", "50", "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  };
+  const RunResult result = drive({"--seconds", "1.5", "--ramp", "0.05", "--coupling", "auto"});
+  if (result.exit_code == 5) GTEST_SKIP() << "the machine is too busy: " << result.error;
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_NE(result.error.find("virtual coupling: 4"), std::string::npos) << result.error;
+  const Json json = Json::parse(result.out);
+  EXPECT_GT(json["peak_force"].get<double>(), 0.05);
+  // Hold and delay leave 417 N/m on this device at 1 kHz.
+  EXPECT_NEAR(json["coupling"].get<double>(), 425, 15);
+  const RunResult played = run({"play", "box.palprun", "--json"});
+  ASSERT_EQ(played.exit_code, 0) << played.error;
+  EXPECT_EQ(Json::parse(played.out)["run"]["ticks_different"], 0);
+  EXPECT_EQ(Json::parse(played.out)["run"]["ticks_compared"], json["ticks"]);
+  const RunResult stiff = drive({"--seconds", "0.1", "--no-record", "--coupling", "9000"});
+  if (stiff.exit_code == 5) GTEST_SKIP() << "the machine is too busy: " << stiff.error;
+  EXPECT_NE(stiff.error.find("warning: --coupling 9000: safe in any hand on sim are 4"), std::string::npos)
+      << stiff.error;
+  EXPECT_EQ(Json::parse(stiff.out)["coupling"], 9000);
+  expect_failure(drive({"--coupling", "auto", "--coupling-damping", "2"}), 5, {"--coupling-damping"});
+}
+
+TEST_F(Drive, NoCouplingWhereNoneIsNeeded) {
+  write_response_file(folder() / "ball.palp", encode(ball_content()));
+  const RunResult result = run({"drive", "ball.palp", "--device", "sim", "--seconds", "0.1", "--force-scale", "0.1",
+                                "--no-record", "--json", "--coupling", "auto"});
+  if (result.exit_code == 5) GTEST_SKIP() << "the machine is too busy: " << result.error;
+  EXPECT_NE(result.error.find("no virtual coupling"), std::string::npos) << result.error;
+  EXPECT_TRUE(Json::parse(result.out)["coupling"].is_null());
+}
+
 TEST_F(Drive, CtrlCStopsItCleanly) {
   write_response_file(folder() / "ball.palp", encode(ball_content()));
   const RunResult result = run({"drive", "ball.palp", "--device", "sim", "--json", "--no-record", "--tool", "ball"},
@@ -150,6 +187,10 @@ TEST_F(Drive, WhatCannotBeIsNamed) {
   fails(1, {"ball.palp", "--device", "sim", "--rate", "5"}, {"--rate", "got 5"});
   fails(1, {"ball.palp", "--device", "sim", "--at", "1,2"}, {"--at", "X,Y,Z"});
   fails(1, {"ball.palp", "--device", "sim", "--up", "w"}, {"--up", "-z"});
+  fails(1, {"ball.palp", "--device", "sim", "--coupling", "stiff"}, {"--coupling", "got 'stiff'", "auto"});
+  fails(1, {"ball.palp", "--device", "sim", "--coupling", "-3"}, {"--coupling"});
+  fails(1, {"ball.palp", "--device", "sim", "--coupling", "9", "--force-scale", "0"}, {"--force-scale above 0"});
+  fails(1, {"ball.palp", "--device", "sim", "--coupling-damping", "1"}, {"--coupling-damping", "--coupling"});
   fails(2, {"ball.palp", "--device", "sim", "--tool", "spoon"}, {"there is no tool 'spoon'", "ball"});
   fails(4, {"none.palp", "--device", "sim"}, {"none.palp"});
   fails(4, {"ball.palp", "--device", "sim", "--record", "no/such/run"}, {"no/such/run"});

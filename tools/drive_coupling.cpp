@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/drive_coupling.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+#include "device/safety.hpp"
+#include "formats/error.hpp"
+#include "tools/output.hpp"
+
+namespace palpate::cli {
+namespace {
+
+/// Infinite where none is needed.
+double largest_coupling(const CouplingArguments& asked, const runtime::View& view, const runtime::DeviceFrame& frame,
+                        const device::SimKind& stand_in) {
+  device::SafetyOptions options;
+  options.timing.period = 1 / asked.rate;
+  options.scale = frame.scale * frame.force_scale;
+  options.damping = asked.damping;
+  return safety(view, stand_in.plant, options).largest_coupling;
+}
+
+std::string newtons_per_metre(double stiffness) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.4g N/m", stiffness);
+  return text;
+}
+
+}  // namespace
+
+std::optional<runtime::CouplingOptions> choose_coupling(const CouplingArguments& asked, const runtime::View& view,
+                                                        const runtime::DeviceFrame& frame,
+                                                        const device::DeviceKind& kind, const Globals& globals) {
+  if (asked.stiffness.empty()) return std::nullopt;
+  if (!(frame.force_scale > 0)) throw Error(ExitCode::usage, "--coupling needs a --force-scale above 0");
+  const bool automatic = asked.stiffness == "auto";
+  runtime::CouplingOptions options;
+  options.damping = asked.damping;
+  if (!automatic) {
+    const char* end = asked.stiffness.data() + asked.stiffness.size();
+    const auto [rest, error] = std::from_chars(asked.stiffness.data(), end, options.stiffness);
+    if (error != std::errc() || rest != end || options.validate() != nullptr) {
+      throw Error(ExitCode::usage,
+                  "--coupling: got '" + asked.stiffness + "'; expected auto, or N/m above 0 and up to 1e12");
+    }
+  }
+  const device::SimKind* stand_in = device::find_stand_in(kind);
+  if (stand_in == nullptr) {
+    if (!automatic) return options;
+    throw Error(ExitCode::usage, std::string("--coupling auto: the mechanics of '") + kind.name +
+                                     "' are not known; give a stiffness in N/m");
+  }
+  const double largest = largest_coupling(asked, view, frame, *stand_in);
+  if (!automatic) {
+    if (options.stiffness > largest) {
+      warn("--coupling " + asked.stiffness + ": safe in any hand on " + kind.name + " are " +
+           newtons_per_metre(largest) + " at most");
+    }
+    return options;
+  }
+  if (std::isinf(largest)) {
+    note(globals, "no virtual coupling: the file is safe in any hand without one");
+    return std::nullopt;
+  }
+  if (!(largest > 0)) {
+    throw Error(ExitCode::tolerance, std::string("--coupling auto: the damping and friction of ") + kind.name +
+                                         " leave nothing for a coupling; ask for less --coupling-damping, or give a "
+                                         "stiffness");
+  }
+  note(globals, "virtual coupling: " + newtons_per_metre(largest));
+  options.stiffness = largest;
+  return options;
+}
+
+}  // namespace palpate::cli

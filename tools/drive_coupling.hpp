@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The virtual coupling that `palpate drive` puts between a device and its tool.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "device/contact_source.hpp"
+#include "tools/commands.hpp"
+
+namespace palpate::cli {
+
+struct CouplingArguments {
+  std::string stiffness;  ///< N/m in the hand, or "auto": the stiffest that is safe in any hand; empty: no coupling
+  double damping = 0;     ///< N s/m in the hand, at least 0
+  double rate = 1000;     ///< Hz of the force loop
+};
+
+/// In the hand; nothing where none is asked for, or "auto" finds that none is needed (it says so). Warns of one that is
+/// stiffer than is safe, as far as the device's mechanics are known. Throws Error(usage) for what is neither number nor
+/// "auto", a frame that gives no force, and "auto" on a device of unknown mechanics; Error(tolerance) where no coupling
+/// is soft enough.
+std::optional<runtime::CouplingOptions> choose_coupling(const CouplingArguments& asked, const runtime::View& view,
+                                                        const runtime::DeviceFrame& frame,
+                                                        const device::DeviceKind& kind, const Globals& globals);
+
+}  // namespace palpate::cli
