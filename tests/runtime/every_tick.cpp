@@ -45,6 +45,8 @@ EveryTick every_tick(const void* bytes, std::size_t size, int ticks, void (*half
     SeveralContacts<> several(view, tool);
     SeveralTools<2> tools(view, {tool, tool});
     MovingContact moving(view, tool);
+    Contact tied(view, tool);
+    VirtualCoupling tie(CouplingOptions{300, 0.1});
     AdjustedContact adjusted(view, tool, scales);
     Latest<Search> searches;
     Search latest;
@@ -59,7 +61,8 @@ EveryTick every_tick(const void* bytes, std::size_t size, int ticks, void (*half
       const Pose breathing = Pose::from_quaternion(1, 0, 0, 1e-6 * i, {0, 0, 1e-7 * i});
       const Tick answers[] = {
           alone.tick(pose),          served.tick(pose, latest),  moving.tick(breathing, breathing * pose),
-          adjusted.tick(pose, 1e-3), several.tick(pose).each[0], tools.tick({pose, pose})[1]};
+          adjusted.tick(pose, 1e-3), several.tick(pose).each[0], tools.tick({pose, pose})[1],
+          tie.tick(tied, pose, 1e-3)};
       for (const Tick& tick : answers) {
         sum.touching += touches(tick);
         sum.finite = sum.finite && std::isfinite(length(device.to_device(out(tick.force, 1e-3))));

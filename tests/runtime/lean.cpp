@@ -1,8 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Opens a file and ticks with the features FEATURES alone: compiled with all and with none, and looked into.
+// Opens a file and ticks with the features FEATURES alone, without a virtual coupling: compiled with all and with none,
+// and looked into.
 #include "palpate/runtime.hpp"
 
 using namespace palpate::runtime;
+
+// The same twice: what holds a tool rigidly is not there.
+Tick directly(BasicContact<FEATURES>& contact, const Pose& pose, double) { return contact.tick(pose); }
+Tick rigidly(BasicContact<FEATURES>& contact, const Pose& pose, double seconds) {
+  return Rigid().tick(contact, pose, seconds);
+}
 
 double lean(const void* bytes, std::size_t size, const Pose* poses, int count) {
   const OpenResult opened = View::open<FEATURES>(bytes, size);

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# A feature that is left out leaves no code: functions of each are in the object with all and not in that with none.
+# A feature that is left out leaves no code: functions of each are in the object with all and not in that with none. Nor
+# does a virtual coupling that nobody names: a tool that is held rigidly is ticked by the same bytes of code.
 include(${CMAKE_CURRENT_LIST_DIR}/../support/run.cmake)
 
 # Sets `functions` to the object's own, and `bytes` to the size of code and constants.
@@ -24,6 +25,15 @@ foreach(part IN ITEMS coupled::Law:: coupled::Energy:: coupled::margin runtime::
     message(FATAL_ERROR "${part} is in the object without features:\n${functions}")
   endif()
 endforeach()
+foreach(way IN ITEMS directly rigidly)
+  if(NOT all MATCHES "[0-9a-f]+ ([0-9a-f]+) T ${way}[(]")
+    message(FATAL_ERROR "no function ${way}:\n${all}")
+  endif()
+  set(${way} ${CMAKE_MATCH_1})
+endforeach()
+if(all MATCHES "VirtualCoupling" OR NOT directly STREQUAL rigidly)
+  message(FATAL_ERROR "a coupling that nobody names costs something (${directly} and ${rigidly} bytes):\n${all}")
+endif()
 message(STATUS "${all_bytes} bytes with all features, ${bytes} without")
 if(NOT bytes GREATER 0 OR NOT bytes LESS all_bytes)
   message(FATAL_ERROR "leaving features out saves nothing")
