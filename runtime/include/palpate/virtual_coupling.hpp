@@ -41,8 +41,9 @@ struct CouplingOptions {
 /// K s . ds is at least the change of K s^2 / 2. So the coupling is passive for any motion and any time between ticks,
 /// and hides none of the contact's passivity. Without a damper what the hand feels is the contact's Moreau-Yosida
 /// regularisation (Moreau 1965): of a contact that pushes back the more the deeper it is, whatever its slope k, one
-/// with the slope K k / (K + k) < K. Without contact the force is exactly zero; the tool is at the device, or with a
-/// damper comes back to it. The tool turns with the device, and the torque is the contact's.
+/// with the slope K k / (K + k) < K. (A tool that slips off an edge snaps round it.) Without contact the force is
+/// exactly zero; the tool is at the device, or with a damper comes back to it. The tool turns with the device, and the
+/// torque is the contact's.
 ///
 /// The balance is sought by ticks from one state of the contact, of which only the last remains (a copy of the contact
 /// is on the stack meanwhile). A quasi-Newton step (Broyden 1965) with the slope that earlier ticks taught is mostly
