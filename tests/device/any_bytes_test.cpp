@@ -21,21 +21,28 @@ TEST(AnyBytes, LanguagesKeepTheirPromises) {
 // Chance gets far enough for that to mean something: scripts in which a device gets ready, and is heard for a while.
 TEST(AnyBytes, GetsDevicesReady) {
   Seeded random(12);
-  int falcons = 0, links = 0;
+  int falcons = 0, links = 0, arms = 0;
+  device::WoodenOptions still;
+  still.hold = 0.01;
   const device::DeviceKind kind{"any", 0, 0, 5, 0, 0, 0};
   for (int i = 0; i < 1000; ++i) {
     std::vector<std::uint8_t> bytes(600);
     for (std::uint8_t& byte : bytes) byte = random.byte();
-    Dice falcon_dice(bytes.data(), bytes.size()), link_dice(bytes.data(), bytes.size());
+    Dice falcon_dice(bytes.data(), bytes.size()), link_dice(bytes.data(), bytes.size()),
+        arm_dice(bytes.data(), bytes.size());
     device::FalconProtocol falcon;
     try_script(falcon, kind, falcon_script(falcon_dice));
     falcons += length(falcon.sample().pose.translation) > 0;
     device::OpenLinkProtocol link;
     try_script(link, kind, open_link_script(link_dice));
     links += length(link.sample().pose.translation) > 0;
+    device::WoodenProtocol arm(still);
+    try_script(arm, kind, wooden_script(arm_dice));
+    arms += length(arm.sample().pose.translation) > 0;
   }
   EXPECT_GT(falcons, 100);
   EXPECT_GT(links, 100);
+  EXPECT_GT(arms, 100);
 }
 
 }  // namespace

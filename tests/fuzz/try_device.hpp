@@ -85,6 +85,29 @@ inline std::vector<std::uint8_t> falcon_script(Dice& dice) {
   });
 }
 
+/// Reports of a WoodenHaptics whose arm wanders from where it was held; now and then one of another size or number.
+inline std::vector<std::uint8_t> wooden_script(Dice& dice) {
+  device::WoodenReport report;
+  return script_of(dice, [&](Dice& d) {
+    const std::uint8_t what = d.byte() % 16;
+    for (std::int16_t& encoder : report.encoder) {
+      // Wraps as the device's own does.
+      const int moved = what == 0 ? 256 * d.small() : d.small() / 16;
+      encoder = static_cast<std::int16_t>(static_cast<std::uint16_t>(encoder + moved));
+    }
+    report.number = what == 1 ? d.any<std::uint16_t>() : static_cast<std::uint16_t>(report.number + 1);
+    std::vector<std::uint8_t> bytes;
+    for (const std::int16_t encoder : report.encoder) {
+      bytes.push_back(static_cast<std::uint8_t>(encoder));
+      bytes.push_back(static_cast<std::uint8_t>(static_cast<std::uint16_t>(encoder) >> 8));
+    }
+    bytes.push_back(static_cast<std::uint8_t>(report.number));
+    bytes.push_back(static_cast<std::uint8_t>(report.number >> 8));
+    if (what == 2) bytes.resize(d.byte() % 65);
+    return bytes;
+  });
+}
+
 /// Frames with a right checksum: a device that introduces itself and wanders, or anything else in their payload.
 inline std::vector<std::uint8_t> open_link_script(Dice& dice) {
   using namespace device::openlink;
@@ -193,6 +216,24 @@ inline void try_firmware(Dice& dice) {
 }
 
 /// Kinematics of any numbers: finite, or refused; what is found is where it was looked for.
+inline void try_wooden_kinematics(Dice& dice) {
+  const device::WoodenGeometry arm;
+  while (dice.more()) {
+    const bool far = dice.byte() % 2 == 0;
+    const auto number = [&] { return far ? dice.any<double>() : 1e-4 * dice.any<std::int16_t>(); };
+    const device::Vec3 place{number(), number(), number()}, force{number(), number(), number()};
+    device::Joints found{};
+    if (!device::reach(arm, place, found)) continue;
+    const device::Vec3 there = device::position(arm, found);
+    expect(length(there - place) < 1e-9, "the arm's angles bring its tip to the place that they were found for");
+    const device::Joints counted = device::counts(arm, found), again = device::angles(arm, counted);
+    for (std::size_t k = 0; k < 3; ++k) expect(std::abs(again[k] - found[k]) < 1e-12, "angles have their counts");
+    for (const std::int16_t current : device::milliamps(device::currents(arm, found, force), 3)) {
+      expect(std::abs(current) <= 3000, "currents are limited");
+    }
+  }
+}
+
 inline void try_kinematics(Dice& dice) {
   using namespace device::falcon;
   while (dice.more()) {
@@ -221,7 +262,7 @@ inline void try_kinematics(Dice& dice) {
   }
 }
 
-inline constexpr int kTrials = 8;  ///< that the first byte chooses from
+inline constexpr int kTrials = 9;  ///< that the first byte chooses from
 
 inline void try_device(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return;
@@ -246,6 +287,10 @@ inline void try_device(const std::uint8_t* data, std::size_t size) {
       return try_script(wooden, kind, raw);
     case 5:
       return try_firmware(dice);
+    case 6:
+      return try_script(wooden, kind, wooden_script(dice));
+    case 7:
+      return try_wooden_kinematics(dice);
     default:
       return try_kinematics(dice);
   }
