@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+// Forces of a baked body on a glove whose cables pull the fingers open: five fingertips, each with its own contact.
+#pragma once
+
+#include "device/hand_calibration.hpp"
+#include "palpate/output.hpp"
+#include "palpate/several.hpp"
+
+#include <utility>
+
+namespace palpate::device {
+
+struct GloveOptions {
+  double limit = 5;       ///< N, (0, 100]: most that a cable pulls
+  double rate = 100;      ///< N/s, above 0: most by which a pull changes, as cables that slacken and tighten are felt
+  double frequency = 30;  ///< Hz, above 0: of the low-pass
+  /// Usable at all.
+  [[nodiscard]] bool valid() const {
+    return limit > 0 && limit <= 100 && rate > 0 && std::isfinite(rate) && frequency > 0 && std::isfinite(frequency);
+  }
+};
+
+struct GloveAnswer {
+  using Pulls = std::array<double, kFingers>;
+  Pulls pull{};                     ///< N, at least 0: of each cable, along its tip's z axis
+  std::array<Pose, kFingers> tips;  ///< device's frame
+  bool usable = false;              ///< false: every pull is 0
+};
+
+/// One sphere tool of the file at five fingertips. A force of the scene is projected on the one direction in which its
+/// finger's cable pulls (across the last bone, so that the hand opens), then limited, smoothed and limited in its rate
+/// there: it never pushes, and a finger that turns does not turn what is remembered. Sideways parts and torques are
+/// lost. The calls are those of a ForceSource: they neither wait, lock, allocate nor throw, and the same calls after
+/// the same reset() give the same bits. After an answer that is not usable what overlaps begins without force.
+class GloveSource {
+public:
+  /// The view must outlive it.
+  GloveSource(const runtime::View& view, std::uint32_t tool, HandCalibration calibration,
+              const runtime::DeviceFrame& frame = {}, const GloveOptions& options = {})
+      : calibration_(std::move(calibration)), frame_(frame), tools_(view, {tool, tool, tool, tool, tool}) {
+    if (!calibration_.usable()) {
+      problem_ = calibration_.problem.c_str();
+    } else if (view.tools[tool].kind != static_cast<std::uint32_t>(layout::ToolKind::point_sphere)) {
+      problem_ = "the tool is no sphere";
+    } else if (!options.valid()) {
+      problem_ = "the glove's limit, rate or frequency is out of range";
+    }
+    cables_.fill(Cable({{0, 0, 1}, true}, {options.limit}, {options.frequency}, {options.rate}));
+  }
+  GloveSource(const GloveSource&) = delete;
+  GloveSource& operator=(const GloveSource&) = delete;
+
+  /// Why no answer will ever be usable; null where they may be.
+  [[nodiscard]] const char* problem() const { return problem_; }
+
+  /// `wrist`: the hand's frame in the device's. `raw`: what the sensors read. `seconds` since the last call, above 0.
+  GloveAnswer answer(const Pose& wrist, const HandJoints& raw, double seconds) noexcept {
+    if (problem_ || !(seconds > 0 && std::isfinite(seconds))) return none();
+    GloveAnswer answer;
+    const HandJoints angles = calibration_.angles(raw);
+    std::array<Pose, kFingers> scene;
+    for (std::size_t f = 0; f < kFingers; ++f) {
+      for (const double angle : angles[f]) {
+        if (!(std::fabs(angle) < kBeyond)) return none();
+      }
+      answer.tips[f] = wrist * calibration_.hand[f].tip(angles[f]);
+      scene[f] = frame_.to_scene(answer.tips[f]);
+    }
+    ticks_ = tools_.tick(scene);
+    for (const runtime::Tick& tick : ticks_) {
+      if (tick.state == runtime::State::fault) return none();
+    }
+    for (std::size_t f = 0; f < kFingers; ++f) {
+      const Vec3 at_tip = inverse(answer.tips[f]).rotate(frame_.to_device(ticks_[f].force));
+      answer.pull[f] = cables_[f](at_tip, seconds).z;
+    }
+    answer.usable = true;
+    return answer;
+  }
+
+  void reset() noexcept {
+    tools_.reset();
+    for (Cable& cable : cables_) cable.reset();
+    ticks_ = {};
+  }
+
+  /// Of the last answer, in the scene.
+  [[nodiscard]] const std::array<runtime::Tick, kFingers>& ticks() const { return ticks_; }
+  /// How far the sum of the fingertips' dents can be trusted.
+  [[nodiscard]] const runtime::Overlap& overlap() const { return tools_.overlap(); }
+
+private:
+  using Cable = runtime::Output<runtime::output::OneAxis, runtime::output::Limit, runtime::output::LowPass,
+                                runtime::output::RateLimit>;
+  static constexpr double kBeyond = 3.2;  // rad: no joint bends so far, the sensor is broken
+
+  GloveAnswer none() noexcept {
+    reset();
+    return {};
+  }
+
+  HandCalibration calibration_;
+  runtime::DeviceFrame frame_;
+  runtime::SeveralTools<static_cast<int>(kFingers)> tools_;
+  std::array<Cable, kFingers> cables_;
+  std::array<runtime::Tick, kFingers> ticks_;
+  const char* problem_ = nullptr;
+};
+
+}  // namespace palpate::device
