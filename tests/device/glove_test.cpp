@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "device/device.hpp"
-#include "palpate/mapped_file.hpp"
 #include "palpate/runtime.hpp"
+#include "tests/device/golden.hpp"
 #include "tests/device/simulated_glove.hpp"
 #include "tests/runtime/allocation_counter.hpp"
 
@@ -14,16 +14,6 @@ namespace palpate::test {
 namespace {
 
 using namespace device;
-
-struct Golden {
-  runtime::MappedFile file;
-  runtime::View view;
-  explicit Golden(const std::string& name) : file((std::string(PALPATE_GOLDENS) + "/" + name + ".palp").c_str()) {
-    const runtime::OpenResult opened = runtime::View::open(file.data(), file.size());
-    EXPECT_TRUE(opened) << opened.error;
-    view = opened.view;
-  }
-};
 
 /// Largest and mean distance (m) between a calibrated fingertip and the true one.
 struct Miss {

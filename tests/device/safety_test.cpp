@@ -6,21 +6,12 @@
 
 #include <cmath>
 
-#include "palpate/mapped_file.hpp"
-#include "palpate/runtime.hpp"
+#include "tests/device/golden.hpp"
 
 namespace palpate::device {
 namespace {
 
-struct Golden {
-  runtime::MappedFile file;
-  runtime::View view;
-  explicit Golden(const std::string& name) : file((std::string(PALPATE_GOLDENS) + "/" + name + ".palp").c_str()) {
-    const runtime::OpenResult opened = runtime::View::open(file.data(), file.size());
-    EXPECT_TRUE(opened) << opened.error;
-    view = opened.view;
-  }
-};
+using test::Golden;
 
 // No force of the runtime's fields changes by more than the file's slope allows, anywhere between its sites.
 TEST(FileStiffness, BoundsEveryForceBetweenTheSites) {

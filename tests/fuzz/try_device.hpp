@@ -215,7 +215,7 @@ inline void try_firmware(Dice& dice) {
   }
 }
 
-/// Kinematics of any numbers: finite, or refused; what is found is where it was looked for.
+/// Kinematics of any numbers: what is reached is where it was looked for.
 inline void try_wooden_kinematics(Dice& dice) {
   const device::WoodenGeometry arm;
   while (dice.more()) {
@@ -234,7 +234,8 @@ inline void try_wooden_kinematics(Dice& dice) {
   }
 }
 
-inline void try_kinematics(Dice& dice) {
+/// Kinematics of any numbers: finite, or refused; what is found is where it was looked for.
+inline void try_falcon_kinematics(Dice& dice) {
   using namespace device::falcon;
   while (dice.more()) {
     const bool far = dice.byte() % 2 == 0;
@@ -292,7 +293,7 @@ inline void try_device(const std::uint8_t* data, std::size_t size) {
     case 7:
       return try_wooden_kinematics(dice);
     default:
-      return try_kinematics(dice);
+      return try_falcon_kinematics(dice);
   }
 }
 
