@@ -19,6 +19,7 @@
 #include "tools/verify_device.hpp"
 #endif
 #include "tools/verify_paper.hpp"
+#include "tools/verify_strokes.hpp"
 
 #include <cstdio>
 #include <memory>
@@ -31,10 +32,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct VerifyArguments {
-  std::string input, work, response, report, samples, battery, family, other, cases, paper, device;
+  std::string input, work, response, report, plot, samples, battery, family, other, cases, paper, device;
   std::uint32_t count = 40;
   std::uint64_t seed = 1;
-  bool slide = false, two_tips = false;
+  bool slide = false, strokes = false, two_tips = false;
   int contacts = 3;
   double radii = 3.5, rate = 1000, scale = 1;
   VerifyLimits limits;
@@ -199,7 +200,7 @@ void check_usage(const VerifyArguments& options) {
       {"--battery", !options.battery.empty()}, {"--compare", !options.other.empty()},
       {"--device", !options.device.empty()},   {"--paper", !options.paper.empty()},
       {"--samples", !options.samples.empty()}, {"--slide", options.slide},
-      {"--two-tips", options.two_tips}};
+      {"--strokes", options.strokes},          {"--two-tips", options.two_tips}};
   const char* chosen = nullptr;
   for (const auto& [name, given] : kinds) {
     if (!given) continue;
@@ -216,6 +217,7 @@ void check_usage(const VerifyArguments& options) {
   if (!options.cases.empty() && options.other.empty() && options.battery.empty()) {
     throw Error(ExitCode::usage, "--case belongs to --battery and --compare");
   }
+  if (!options.plot.empty() && !options.strokes) throw Error(ExitCode::usage, "--plot belongs to --strokes");
   if (options.device.empty() && (options.rate != 1000 || options.scale != 1)) {
     throw Error(ExitCode::usage, "--rate and --scale belong to --device");
   }
@@ -229,6 +231,10 @@ void run_verify(const VerifyArguments& options, const Globals& globals) {
   check_usage(options);
   const ContactsCommand contacts{options.input, options.report, options.contacts, options.radii};
   if (options.slide) return run_slide(contacts, globals);
+  if (options.strokes) {
+    return run_strokes({options.input, options.work, options.response, options.report, options.plot, options.contacts},
+                       globals);
+  }
   if (options.two_tips) return run_two_tips(contacts, globals);
   if (!options.battery.empty())
     return run_battery_command({options.report, options.family, options.cases, options.seed}, globals);
@@ -262,8 +268,13 @@ void add_verify(CLI::App& app, Globals& globals) {
       .check(one_of({"ccx"}));
   command.option("--case", options->cases, "Only the cells or cases with this in their name");
   command.flag("--slide", options->slide, "Slides the tool over a few contacts of the scene, or over a block");
+  command.flag("--strokes", options->strokes,
+               "Draws the tool through whole motions at a few contacts of a baked scene, solved and played");
+  command.option("--plot", options->plot, "Of --strokes: draw those of the first contact (SVG)");
   command.flag("--two-tips", options->two_tips, "Two tips at once at a few contacts of the scene, or on a block");
-  command.option("--contacts", options->contacts, "Of --slide and --two-tips, spread evenly over the scene's plan")
+  command
+      .option("--contacts", options->contacts,
+              "Of --slide, --strokes and --two-tips, spread evenly over the scene's plan")
       .check(whole_in(1, 10000))
       .shows_default();
   command.option("--radii", options->radii, "Length of a slide in contact radii")

@@ -2,7 +2,6 @@
 #include "tools/contact_case.hpp"
 
 #include "formats/error.hpp"
-#include "precompute/bake/pipeline.hpp"
 #include "precompute/geometry/solids.hpp"
 
 #include <algorithm>
@@ -29,7 +28,10 @@ ContactCase block_contact(double half, double radius, double depth, double frict
 }
 
 ContactCase scene_contacts(const std::string& scene, int count) {
-  pipeline::Pipeline p = pipeline::prepare(scene);
+  return plan_contacts(pipeline::prepare(scene), scene, count);
+}
+
+ContactCase plan_contacts(const pipeline::Pipeline& p, const std::string& scene, int count) {
   const Plan plan = make_plan(p.scene, p.body, p.mesh, p.tools);
   ContactCase c{scene, p.scene, p.body, p.tools.at(0), {}};
   std::vector<BenchContact> all;

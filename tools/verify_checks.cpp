@@ -89,4 +89,6 @@ void write_report(const fs::path& file, const nlohmann::ordered_json& report) {
   write_file(file, report.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
+nlohmann::ordered_json list(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
+
 }  // namespace palpate::cli

@@ -43,4 +43,7 @@ std::string to_text(const MeshChecks& checks);
 /// Writes the report whole or not at all. Throws Error(io).
 void write_report(const std::filesystem::path& file, const nlohmann::ordered_json& report);
 
+/// The components.
+nlohmann::ordered_json list(const Eigen::Vector3d& vector);
+
 }  // namespace palpate::cli

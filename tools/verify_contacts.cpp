@@ -21,8 +21,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kCoulomb = 0.02;  // largest relative deviation from mu
 
-Json list(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
 template <class... Values>
 std::string line(const char* format, Values... values) {
   char text[256];

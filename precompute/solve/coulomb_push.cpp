@@ -109,6 +109,17 @@ StepResult CoulombPush::move_to(const Vector3d& target, double contact_radius, d
   return move_to(pose, contact_radius, work_scale);
 }
 
+void CoulombPush::let_go(const Vector3d& target) {
+  const double left = energy();
+  const double returned = std::min(0.5 * force().dot(target - push_.state().translation), left);
+  work_ -= returned;
+  dissipated_ += left - returned;
+  push_.let_go(target);
+  friction_.set_anchors({});
+  friction_.begin(push_.state().x);
+  previous_x_.resize(0);
+}
+
 double gross_slip_reach(double friction, double poisson) { return friction * (2 - poisson) / (2 * (1 - poisson)); }
 
 }  // namespace palpate

@@ -62,8 +62,8 @@ std::optional<std::string> failed_answer(const char* name, const GateState& s, d
 }
 
 // Work that is not stored means a jump to another branch, or contact lost and found.
-std::optional<std::string> failed_balance(const GateState& s, double imbalance, const GateLimits& limits) {
-  const double scale = s.work + 0.01 / limits.energy_balance * s.energy_scale;
+std::optional<std::string> failed_balance(const GateState& s, double imbalance, double work, const GateLimits& limits) {
+  const double scale = work + 0.01 / limits.energy_balance * s.energy_scale;
   if (std::abs(imbalance) > limits.energy_balance * scale) {
     return say("energy balance", imbalance / scale, limits.energy_balance, s.depth);
   }
@@ -77,7 +77,7 @@ std::optional<std::string> failed_gate(const GateState& s, const GateLimits& lim
   if (s.force < limits.force_drop * s.previous_force) {
     return say("force growth", s.force / s.previous_force, limits.force_drop, s.depth);
   }
-  return failed_balance(s, s.stored - s.work, limits);
+  return failed_balance(s, s.stored - s.work, s.work, limits);
 }
 
 std::optional<std::string> failed_sideways_gate(const GateState& s, double answer, const GateLimits& limits) {
@@ -91,14 +91,21 @@ std::optional<std::string> failed_grasp_gate(const GateState& s, double answer, 
   if (give > limits.bond_give) return say("give of the bond over contact radius", give, limits.bond_give, s.depth);
   if (gap > limits.bond_gap) return say("gap of the bond over contact radius", gap, limits.bond_gap, s.depth);
   if (auto failed = failed_answer("answer of the grasp (N, N m)", s, answer, limits)) return failed;
-  return failed_balance(s, s.stored - s.work, limits);
+  return failed_balance(s, s.stored - s.work, s.work, limits);
 }
 
 std::optional<std::string> failed_slip_gate(const GateState& s, double answer, double dissipated,
                                             const GateLimits& limits) {
   if (auto failed = failed_sideways_gate(s, answer, limits)) return failed;
   if (!std::isfinite(s.work) || !(dissipated >= 0)) return say("dissipated energy (J)", dissipated, 0.0, s.depth);
-  return failed_balance(s, s.stored + dissipated - s.work, limits);
+  return failed_balance(s, s.stored + dissipated - s.work, s.work, limits);
+}
+
+std::optional<std::string> failed_stroke_gate(const GateState& s, double most_work, double dissipated,
+                                              const GateLimits& limits) {
+  if (auto failed = s.contact.points > 0 ? failed_contact(s, limits) : failed_state(s, limits)) return failed;
+  if (!std::isfinite(s.work) || !(dissipated >= 0)) return say("dissipated energy (J)", dissipated, 0.0, s.depth);
+  return failed_balance(s, s.stored + dissipated - s.work, most_work, limits);
 }
 
 std::optional<std::string> failed_check(const PairCheck& check, const GateLimits& limits) {

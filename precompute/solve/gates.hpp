@@ -54,6 +54,11 @@ std::optional<std::string> failed_grasp_gate(const GateState& state, double answ
 std::optional<std::string> failed_slip_gate(const GateState& state, double answer, double dissipated,
                                             const GateLimits& limits);
 
+/// For a tool that may let go and come back, its energies known from before the first touch: the balance is judged by
+/// the `most_work` (J) that was in body and friction so far.
+std::optional<std::string> failed_stroke_gate(const GateState& state, double most_work, double dissipated,
+                                              const GateLimits& limits);
+
 /// Empty where the check found nothing wrong, or nothing to compare.
 std::optional<std::string> failed_check(const PairCheck& check, const GateLimits& limits);
 

@@ -77,6 +77,14 @@ void Push::restore(const PushState& state) {
   can_extrapolate_ = false;
 }
 
+void Push::let_go(const Vector3d& translation) {
+  PushState free = state_;
+  free.x = untouched_;
+  free.anchors = {};
+  free.translation = translation;
+  restore(free);
+}
+
 void Push::stick() {
   contact_.stick(state_.x);
   state_.anchors = contact_.anchors();

@@ -49,6 +49,8 @@ public:
   [[nodiscard]] const PushState& state() const { return state_; }
   /// Goes back to a state of this mesh; the next step extrapolates from nothing.
   void restore(const PushState& state);
+  /// The tool goes to where it does not reach the surface that nothing touches: the body is as before any contact.
+  void let_go(const Eigen::Vector3d& translation);
   /// Turns the tool about its own origin; it stays turned, restore() or not.
   void set_rotation(const Eigen::Matrix3d& rotation) { contact_.set_rotation(rotation); }
   void set_anchor_stiffness(double stiffness) { contact_.set_anchor_stiffness(stiffness); }

@@ -56,6 +56,30 @@ std::vector<CheckedSlide> check_slides(const Scene& scene, const Body& body, con
   return all;
 }
 
+std::vector<CheckedStroke> check_strokes(const Scene& scene, const Body& body, const Tool& tool,
+                                         const std::vector<BenchContact>& contacts,
+                                         const ContactCheckOptions& options) {
+  PairOptions solver = pair_options(scene);
+  solver.refine *= options.stroke_refine;
+  const std::size_t kinds = standard_strokes({1.0, 1.0, scene.friction}).size();
+  std::vector<CheckedStroke> all(contacts.size() * kinds);
+  each(all.size(), options, [&](std::size_t k) -> CheckedStroke& {
+    CheckedStroke& stroke = all[k];
+    stroke.contact = k / kinds;
+    const BenchContact& contact = contacts[stroke.contact];
+    StrokeScale scale{options.stroke_depth * contact.depth, 0.0, scene.friction, body.material.poisson, 0.0};
+    scale.contact_radius = contact_radius(tool.vertices.at(0), scale.depth);
+    stroke.result = first_free(stroke.angle, "path:", [&](double angle) {
+      scale.angle = angle;
+      NamedStroke named = standard_strokes(scale).at(k % kinds);
+      stroke.name = named.name;
+      return solve_stroke(body, tool, tool.vertices.at(0), contact.frame, named.path, solver, options.stop);
+    });
+    return stroke;
+  });
+  return all;
+}
+
 std::vector<CheckedTips> check_two_tips(const Scene& scene, const Body& body, const Tool& tool,
                                         const std::vector<BenchContact>& contacts, const ContactCheckOptions& options) {
   std::vector<CheckedTips> all(contacts.size() * options.spacings.size());

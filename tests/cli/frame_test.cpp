@@ -52,6 +52,8 @@ TEST_F(Frame, WrongUsageEndsWithOne) {
     expect_failure(run({"verify", "x.toml", option, "nan"}), 1, {option, "got nan; allowed [0, "});
   }
   expect_failure(run({"verify", "--slide", "--two-tips"}), 1, {"--slide", "exclude each other"});
+  expect_failure(run({"verify", "--strokes"}), 1, {"needs a scene"});
+  expect_failure(run({"verify", "x.toml", "--plot", "x.svg"}), 1, {"--plot", "--strokes"});
   expect_failure(run({"verify", "--slide", "--radii", "nan"}), 1, {"--radii", "got nan; allowed [0.1, 100]"});
   expect_failure(run({"bench", "x.palp", "--seconds", "nan"}), 1, {"--seconds", "got nan; allowed [0.001, 10]"});
 }
