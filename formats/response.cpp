@@ -259,6 +259,8 @@ std::vector<std::byte> encode(const ResponseFileContent& c) {
   meta.sideways_coefs = c.sideways_coefs;
   meta.friction_coefs = c.friction_coefs;
   meta.search_nodes = static_cast<std::uint32_t>(c.search.size());
+  meta.rim_share = static_cast<float>(c.rim_share);
+  meta.rim_limit = static_cast<float>(c.rim_limit);
 
   Sections sections;
   add_body(sections, c);
@@ -271,7 +273,7 @@ std::vector<std::byte> encode(const ResponseFileContent& c) {
       (c.growth_coefs > 0 || c.coupled ? layout::feature_friction : 0u) |
       (has_tool_patches(c) ? layout::feature_tool_patches : 0u) | (c.search.empty() ? 0u : layout::feature_search) |
       (c.coupled ? layout::feature_coupled : 0u) | (c.grasp_coefs > 0 ? layout::feature_grasp : 0u) |
-      (c.turns ? layout::feature_turn : 0u);
+      (c.turns ? layout::feature_turn : 0u) | (c.rim_share > 0 ? layout::feature_rim : 0u);
   std::vector<std::byte> bytes = sections.assemble(features);
   detail::check_bytes(bytes);
   return bytes;

@@ -89,9 +89,10 @@ struct ResponseFileContent {
   std::uint32_t sideways_coefs = 0;
   std::uint32_t friction_coefs = 0;
   std::optional<palpate::coupled::Degrees>
-      coupled;                    ///< a file of the coupled model, all counts above 0; none: separable
-  std::uint32_t grasp_coefs = 0;  ///< 0 or [4, 32]
-  bool turns = false;             ///< grasped tools that are turned, by curves of grasp_coefs; only with grasps
+      coupled;                              ///< a file of the coupled model, all counts above 0; none: separable
+  std::uint32_t grasp_coefs = 0;            ///< 0 or [4, 32]
+  double rim_share = 0.0, rim_limit = 0.0;  ///< see palpate/rim.hpp: both 0, or with friction both in (0, 1)
+  bool turns = false;  ///< grasped tools that are turned, by curves of grasp_coefs; only with grasps
 
   std::vector<ResponseSite> sites;
   std::vector<std::array<std::uint32_t, 3>> patches;  ///< of the haptic mesh; corners index sites

@@ -128,10 +128,12 @@ struct SamplingScene {
 struct ResponseScene {
   enum class Search { automatic, none, bvh };
   enum class Model { separable, coupled, linear };
+  enum class Slip { automatic, partial, whole };
   Model model = Model::separable;
   int order = 0;  ///< coupled: of the energy in the sideways deflection, [2, 4]; 0: the least that does
   double path_share =
       0.1;  ///< coupled: of the pairs, that are also pushed along paths which the fit never reads, [0, 1]
+  Slip slip = Slip::automatic;  ///< with friction: whether contacts slip in part before they slide
   Search search = Search::automatic;
   double tolerance = 0.05;  ///< asked relative force error, (0, 1); verify says whether straight pushes meet it
 };

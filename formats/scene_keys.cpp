@@ -177,6 +177,12 @@ const Keys<ResponseScene>& response_keys() {
                           "coupled: share of the pairs that are also pushed along paths (diagonal, side then deeper, "
                           "lift under side load) which only test."),
                    "0.1"),
+      affecting(
+          Affects::file,
+          choice("slip", &R::slip, {"auto", "partial", "whole"},
+                 "With friction. partial: a contact slips from its rim inwards before all of it slides, as solved "
+                 "ones do; whole: it sticks as a whole until it slides, for less time a tick. auto: partial in "
+                 "the coupled model, else whole.")),
       affecting(Affects::file, choice("search", &R::search, {"auto", "none", "bvh"},
                                       "Contact search stored in the file; auto: where the body is large.")),
       affecting(Affects::file, number("tolerance", &R::tolerance, {0, 0.99, true, ""},

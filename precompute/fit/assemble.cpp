@@ -7,6 +7,7 @@
 
 #include "formats/scene.hpp"
 #include "precompute/fit/grasp_fit.hpp"
+#include "precompute/fit/partial_slip.hpp"
 #include "precompute/mesh/haptic_mesh.hpp"
 #include "precompute/tool/tool.hpp"
 
@@ -65,6 +66,11 @@ void add_body(ResponseFileContent& content, const HapticMesh& mesh, const Plan& 
 Json figures(const ErrorFigures& f) {
   return {
       {"samples", f.samples}, {"median", f.median}, {"p95", f.p95}, {"worst", f.worst}, {"worst_pair", f.worst_pair}};
+}
+
+bool slips_in_part(const ResponseScene& response) {
+  if (response.slip != ResponseScene::Slip::automatic) return response.slip == ResponseScene::Slip::partial;
+  return response.model == ResponseScene::Model::coupled;
 }
 
 /// Of a scene in which not everything is solved.
@@ -126,6 +132,7 @@ std::string provenance(const Scene& scene, const Plan& plan, const Hash128& mani
   if (scene.friction > 0) {
     const bool solved = scene.sampling.friction_limit == SamplingScene::FrictionLimit::solved;
     json["sampling"]["friction_limit"] = solved ? "solved" : "estimated";
+    json["slip"] = slips_in_part(scene.response) ? "partial" : "whole";
   }
   json["solver"] = {{"mesh_size", scene.solver.mesh_size}, {"growth", scene.solver.growth}};
   json["pairs"] = {
@@ -167,6 +174,10 @@ ResponseFileContent assemble_response(const Scene& scene, const std::vector<Tool
   content.growth_coefs = count(friction, fitted.scales.growth_coefs);
   content.sideways_coefs = count(friction, fitted.scales.sideways_coefs);
   content.friction_coefs = count(friction, fitted.scales.friction_coefs);
+  if (fitted.scales.friction() && slips_in_part(scene.response)) {
+    content.rim_share = fit::kCattaneoMindlin.share;
+    content.rim_limit = fit::kCattaneoMindlin.limit;
+  }
   content.grasp_coefs = count(fitted.report.grasp, fit::kGraspCoefs);
   content.turns = fitted.report.turn;
   add_body(content, mesh, plan);

@@ -114,6 +114,8 @@ ResponseFileContent content(const View& v) {
   c.sideways_coefs = m.sideways_coefs;
   c.friction_coefs = m.friction_coefs;
   if (layout::is_coupled(m)) c.coupled = layout::coupled_degrees(m);
+  c.rim_share = static_cast<double>(v.meta->rim_share);
+  c.rim_limit = static_cast<double>(v.meta->rim_limit);
   c.grasp_coefs = v.grasp_coefs;
   c.turns = v.turns != nullptr;
   for (std::uint32_t i = 0; i < m.site_count; ++i) {

@@ -15,7 +15,7 @@ import struct
 import sys
 
 M64 = (1 << 64) - 1
-LATERAL, FRICTION, TOOL_PATCHES, SEARCH, COUPLED, GRASP, TURN = (1 << bit for bit in range(7))
+LATERAL, FRICTION, TOOL_PATCHES, SEARCH, COUPLED, GRASP, TURN, RIM = (1 << bit for bit in range(8))
 
 
 class Bad(Exception):
@@ -101,7 +101,7 @@ class File:
         need(version == 1, "version")
         need(size == len(data) and size % 64 == 0, "size")
         need(xxh64(data[:24] + bytes(8) + data[32:]) == checksum, "checksum")
-        need(count <= 32 and not any(data[36:64]) and self.features < 128, "header")
+        need(count <= 32 and not any(data[36:64]) and self.features < 256, "header")
         self.sections = {}
         covered = bytearray(len(data))
         covered[:64 + 32 * count] = b"\1" * (64 + 32 * count)
@@ -137,14 +137,17 @@ class File:
         return list(struct.iter_unpack(layout, self.section(number, struct.calcsize(layout), count)))
 
     def read_meta(self):
-        meta = struct.unpack("<2d23I20s", self.section(1, 128, 1))
+        meta = struct.unpack("<2d23I2f12s", self.section(1, 128, 1))
         self.Z, self.X, self.model = meta[:3]
         (self.site_count, self.patch_count, self.vertex_count, self.triangle_count, self.tool_count,
          self.tool_vertex_count, self.tool_patch_count, self.response_count, self.k) = meta[3:12]
         self.counts = meta[12:17]  # normal, lateral, growth, sideways, friction
         self.search_nodes = meta[17]
         self.degrees = meta[18:25]  # order, push, straight, stiffness, cubic, quartic, limit
-        need(not any(meta[25]), "META: zero bytes")
+        self.rim_share, self.rim_limit = meta[25:27]
+        rim = 0 < self.rim_share < 1 and 0 < self.rim_limit < 1
+        need(self.features & FRICTION if rim else self.rim_share == self.rim_limit == 0, "META: rim")
+        need(not any(meta[27]), "META: zero bytes")
         need(1e-9 <= self.Z < 1000 and 1 <= self.k <= 1024, "META: scale or subdivision")
         need(self.response_count == self.site_count * self.tool_vertex_count, "META: responses")
         normal, lateral, growth, sideways, friction = self.counts
@@ -163,7 +166,7 @@ class File:
         need(self.features == (LATERAL * bool(lateral or self.degrees[2]) | FRICTION * bool(friction or self.model == 2)
                                | TOOL_PATCHES * bool(self.tool_patch_count) | SEARCH * bool(self.search_nodes)
                                | COUPLED * (self.model == 2) | GRASP * (15 in self.sections)
-                               | TURN * (16 in self.sections)), "features")
+                               | TURN * (16 in self.sections) | RIM * (self.rim_share > 0)), "features")
 
     def is_limit(self, depth):
         return 0 < depth <= self.Z * (1 + 1e-5)

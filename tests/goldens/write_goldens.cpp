@@ -158,6 +158,10 @@ void write_all(const std::filesystem::path& folder) {
   lean.spring = true;
   write(folder, "linear", box_content(lean));
 
+  Options rim = options;
+  rim.rim = true;
+  write(folder, "rim", box_content(rim));
+
   // One of the tools holds on; its turns have a torque in the other file.
   Options holding = options;
   holding.lateral = false;

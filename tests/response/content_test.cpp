@@ -28,7 +28,7 @@ TEST(ResponseFile, ReadsBackWhatWasWritten) {
   options.tools = Options::Tools::all;
   options.subdivision = 3;
   options.search = true;
-  options.grasp = options.turn = true;
+  options.rim = options.grasp = options.turn = true;
   const ResponseFileContent content = test::ball_content(options);
   const std::vector<std::byte> bytes = encode(content);
   const runtime::OpenResult opened = View::open(bytes.data(), bytes.size());
@@ -37,6 +37,8 @@ TEST(ResponseFile, ReadsBackWhatWasWritten) {
 
   EXPECT_EQ(v.features, layout::feature_all & ~layout::feature_coupled);
   EXPECT_EQ(v.meta->depth_scale, content.depth_scale);
+  EXPECT_EQ(v.meta->rim_share, static_cast<float>(content.rim_share));
+  EXPECT_EQ(v.meta->rim_limit, static_cast<float>(content.rim_limit));
   ASSERT_EQ(v.meta->site_count, content.sites.size());
   for (std::size_t i = 0; i < content.sites.size(); ++i) {
     expect_close(v.sites[i].position, content.sites[i].position);

@@ -24,6 +24,7 @@ struct ResponseSampleOptions {
   bool search = false;
   int coupled = 0;      ///< order of the coupled model; 0: separable
   bool spring = false;  ///< the coupled model's leanest
+  bool rim = false;     ///< contacts slip in part
   bool grasp = false;   ///< the first tool holds on
   bool turn = false;    ///< and turns of it have a torque
   std::uint32_t subdivision = 1;
@@ -38,6 +39,9 @@ inline constexpr double kHertzForce = 2.0;  ///< N at the depth scale
 inline constexpr double kGraspStiffness = 500.0, kGraspSideways = 300.0;
 /// N m, of a twist and of a roll; N, of the force of a roll; rad, how far it was turned.
 inline constexpr double kTwistStiffness = 6e-3, kRollStiffness = 4e-3, kRollForce = 0.4, kTurned = 0.2;
+
+/// Nearest to Cattaneo and Mindlin: within 0.029 of their law.
+inline constexpr double kRimShare = 0.3738, kRimLimit = 0.4140;
 
 namespace sample_detail {
 
@@ -206,6 +210,10 @@ inline void add_turns(ResponseFileContent& content, const ResponseSampleOptions&
 
 /// Fn = hertz (0.9 s^3 + 0.1 s^2), g = s, skewed phi, mu about 0.3; each response a little different.
 inline void add_responses(ResponseFileContent& content, const ResponseSampleOptions& options) {
+  if (options.rim) {
+    content.rim_share = kRimShare;
+    content.rim_limit = kRimLimit;
+  }
   if (options.coupled > 0 || options.spring) return add_coupled(content, options);
   content.depth_scale = kDepthScale;
   content.sideways_scale = options.friction ? kSidewaysScale : 0;

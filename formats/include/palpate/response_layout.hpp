@@ -74,7 +74,8 @@ enum Feature : std::uint32_t {
   feature_coupled = 1u << 4,
   feature_grasp = 1u << 5,
   feature_turn = 1u << 6,
-  feature_all = 127u
+  feature_rim = 1u << 7,
+  feature_all = 255u
 };
 
 /// What a person calls it.
@@ -85,7 +86,8 @@ inline constexpr const char* feature_name(Feature feature) {
          : feature == feature_search       ? "a search tree"
          : feature == feature_coupled      ? "coupled responses"
          : feature == feature_grasp        ? "grasps"
-                                           : "turns of grasps";
+         : feature == feature_turn         ? "turns of grasps"
+                                           : "contacts that slip in part";
 }
 
 enum SiteFlag : std::uint32_t {
@@ -145,7 +147,10 @@ struct Meta {
   std::uint32_t search_nodes;
   /// Degrees of the coupled model; all 0 in a file of another.
   std::uint32_t order, push_degree, straight_degree, stiffness_degree, cubic_degree, quartic_degree, limit_degree;
-  std::uint32_t reserved[5];
+  /// Share of every contact, (0, 1), that slips before all of it does, and its own share of the friction limit, (0, 1)
+  /// (palpate/rim.hpp); both 0 where contacts stick as a whole.
+  float rim_share, rim_limit;
+  std::uint32_t reserved[3];
 };
 
 struct Site {

@@ -147,6 +147,14 @@ struct AtDepth {
   Energy energy;  ///< V (N)
   Sym2 coupling;  ///< A / (2 s) (N)
   Energy rate;    ///< V' = dV/dt; only where it is needed: g, C or Q are there, or an anchor moves
+
+  /// With g times `share`.
+  [[nodiscard]] AtDepth leaning(double share) const {
+    AtDepth d = *this;
+    d.straight = share * straight;
+    d.slope = share * slope;
+    return d;
+  }
 };
 
 /// A response whose coefficients are blended, ready to be evaluated. Fixed size.
@@ -313,22 +321,23 @@ public:
     return 2 * depth_scale_ * s2 * s2 * sum + further * (value + 0.5 * (t - s) * (2 * value + slope));
   }
 
-  /// u after the tool went deeper from t0 to t1 > t0 without moving sideways.
-  [[nodiscard]] Vec2 deepen(double t0, double t1, Vec2 u) const {
+  /// u after the tool went deeper from t0 to t1 > t0 without moving sideways. Of a part of the contact that bears
+  /// `lean` times the straight push's sideways force (AtDepth::leaning).
+  [[nodiscard]] Vec2 deepen(double t0, double t1, Vec2 u, double lean = 1) const {
     if (u.x == 0 && u.y == 0) return u;
     if (!careful()) return solve(at(t1, false).energy.square, times(at(t0, false).energy.square, u));
     constexpr double kStep = 0.02;  // of the depth's abscissa
     constexpr int kMostSteps = 64;
     const double wanted = (t1 - t0) / (kStep * t0);
     const int steps = wanted < kMostSteps ? 1 + static_cast<int>(wanted) : kMostSteps;
-    AtDepth d = at(t0, true);
+    AtDepth d = at(t0, true).leaning(lean);
     const double step = (t1 - t0) / steps;
     for (int k = 1; k <= steps; ++k) {
       const Vec2 held = d.energy.gradient(u, order());
       // What the hand does on the way (times X, without F), to the second order, and the energy that is there with it.
       const double way = step * (d.s + (t0 + k * step < 1 ? t0 + k * step : 1)) / (2 * ratio_);
       double given = energy(d, u) + way * coupling(d, u);
-      d = at(t0 + k * step, true);
+      d = at(t0 + k * step, true).leaning(lean);
       for (int round = 0; round < 2; ++round) {
         u = u - solve(d.energy.hessian(u, order()), d.energy.gradient(u, order()) - held);
       }

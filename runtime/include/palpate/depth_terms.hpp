@@ -7,6 +7,9 @@
 
 namespace palpate::runtime {
 
+/// Of a contact (rim.hpp).
+enum class Part : int { core = 0, rim = 1 };
+
 /// What depends on the depth alone; valid for the field that made it.
 struct DepthTerms {
   double depth = 0;         ///< m

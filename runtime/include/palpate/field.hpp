@@ -89,18 +89,20 @@ public:
     return terms;
   }
 
-  /// Sideways force at a sideways deflection (m, body frame; its part along n(c) does not count).
-  [[nodiscard]] Vec3 sideways(const DepthTerms& terms, const Vec3& deflection) const {
+  /// Sideways force at a sideways deflection (m, body frame; its part along n(c) does not count). Which part of the
+  /// contact asks makes it no other, but faster.
+  [[nodiscard]] Vec3 sideways(const DepthTerms& terms, const Vec3& deflection, Part part = Part::core) const {
     if constexpr (kCoupled) {
       if (is_coupled()) return coupled_sideways(terms, deflection);
     }
-    return terms.depth > 0 ? separable_.sideways(terms, deflection) : Vec3{};
+    return terms.depth > 0 ? separable_.sideways(terms, deflection, part) : Vec3{};
   }
 
-  /// Adds what a sideways deflection does to the normal force; the limit stays that of the straight push.
-  void couple(DepthTerms& terms, const Vec3& deflection) const {
+  /// Adds what a sideways deflection does to the normal force; the limit stays that of the straight push. Of a part of
+  /// the contact: its share, and how many times as much it bears of the straight push's sideways force.
+  void couple(DepthTerms& terms, const Vec3& deflection, double share = 1, double lean = 1) const {
     if constexpr (kCoupled) {
-      if (is_coupled()) terms.normal_force += coupling(terms, deflection);
+      if (is_coupled()) terms.normal_force += share * coupling(terms, deflection, lean);
     }
   }
 
@@ -110,12 +112,13 @@ public:
     return deepened(z0, at_depth(z1), deflection);
   }
 
-  /// The same for a caller that has the terms at z1.
-  [[nodiscard, gnu::noinline]] Vec3 deepened(double z0, const DepthTerms& at_z1, const Vec3& deflection) const {
+  /// The same for a caller that has the terms at z1; `lean` as in couple().
+  [[nodiscard, gnu::noinline]] Vec3 deepened(double z0, const DepthTerms& at_z1, const Vec3& deflection,
+                                             double lean = 1) const {
     if (!(z0 > 0)) return {};
     if constexpr (kCoupled) {
       if (is_coupled()) {
-        const coupled::Vec2 u = law_.deepen(law_.abscissa(z0), law_.abscissa(at_z1.depth), in_basis(deflection));
+        const coupled::Vec2 u = law_.deepen(law_.abscissa(z0), law_.abscissa(at_z1.depth), in_basis(deflection), lean);
         return view_->meta->sideways_scale * (u.x * basis_x_ + u.y * basis_y_);
       }
     }
@@ -128,16 +131,18 @@ public:
   }
 
   /// What the deflection stores (J). The sideways forces of a separable response are no gradient: what they take is
-  /// not counted.
-  [[nodiscard, gnu::noinline]] double stored(const DepthTerms& terms, const Vec3& deflection) const {
+  /// not counted. `lean` as in couple().
+  [[nodiscard, gnu::noinline]] double stored(const DepthTerms& terms, const Vec3& deflection, double lean = 1) const {
     if (!(terms.depth > 0)) return 0;
     if constexpr (kCoupled) {
       if (is_coupled()) {
+        const coupled::Vec2 u = in_basis(deflection);
         return law_.pushed(law_.abscissa(terms.depth)) +
-               view_->meta->sideways_scale * law_.energy(terms.coupled, in_basis(deflection));
+               view_->meta->sideways_scale *
+                   (law_.energy(terms.coupled, u) + (lean - 1) * dot(terms.coupled.straight, u));
       }
     }
-    return separable_.pushed(terms.depth) - dot(terms.straight, deflection);
+    return separable_.pushed(terms.depth) - lean * dot(terms.straight, deflection);
   }
 
   /// Force of a whole deflection p - c (m, body frame), sticking. Zero where its depth is not positive.
@@ -171,8 +176,10 @@ private:
     return -push.x * basis_x_ - push.y * basis_y_;
   }
 
-  [[nodiscard, gnu::noinline]] double coupling(const DepthTerms& terms, const Vec3& deflection) const {
-    return terms.depth > 0 ? law_.coupling(terms.coupled, in_basis(deflection)) : 0;
+  [[nodiscard, gnu::noinline]] double coupling(const DepthTerms& terms, const Vec3& deflection, double lean) const {
+    if (!(terms.depth > 0)) return 0;
+    const coupled::Vec2 u = in_basis(deflection);
+    return lean == 1 ? law_.coupling(terms.coupled, u) : law_.coupling(terms.coupled.leaning(lean), u);
   }
 
   [[gnu::noinline]] void coupled_at(double z, DepthTerms& terms) const {

@@ -4,6 +4,7 @@
 
 #include "palpate/energy.hpp"
 #include "palpate/rest.hpp"
+#include "palpate/rim.hpp"
 #include "palpate/slip.hpp"
 #include "palpate/tick.hpp"
 
@@ -18,7 +19,7 @@ class BasicHold {
   static constexpr bool kFriction = (kFeatures & layout::feature_friction) != 0;
 
 public:
-  BasicHold(const View& view, std::uint32_t tool) : view_(&view), rest_(view, tool) {}
+  BasicHold(const View& view, std::uint32_t tool) : view_(&view), rest_(view, tool), rim_(view) {}
 
   [[nodiscard]] bool lasts() const { return lasts_; }
   void end() { lasts_ = false; }
@@ -29,6 +30,7 @@ public:
   /// Begins as BasicRest does.
   Tick begin(const ToolTouch& touch, const Projection& found, double most, const Pose& pose) {
     rest_.begin(touch, found, most, pose);
+    rim_.leave({}, {});
     account_.reset();
     lasts_ = true;
     last_ = rest_.point(pose);
@@ -51,12 +53,13 @@ public:
       if (friction) deepen(d, terms);
       if (account_.owed() > 0 && !pay(d, terms)) return release(d);
       if (!kFriction || !friction) return slide(pose, d, {}, terms, 0);
-      const Vec3 pull = terms.straight + field().sideways(terms, d.sideways);
-      if (length(pull) > terms.limit * (1 + 1e-9)) {
-        return slide(pose, d, slipped(d, terms, pull), terms, -dot(pull, way));
+      const Vec3 core = straight_of_core(terms) + field().sideways(terms, d.sideways);
+      const Vec3 pull = rim_.present() ? with_rim_alone(core, d, terms) : core;
+      if (length(core) > rim_.core_limit() * terms.limit * (1 + 1e-9)) {
+        return slide(pose, d, slipped(d, terms, core), terms, -dot(pull, way));
       }
       if (!rolled) {
-        field().couple(terms, d.sideways);
+        couple(terms, d);
         return output(State::stick, pose, q, terms, pull);
       }
       roll_on(pose, d, terms);
@@ -83,57 +86,116 @@ public:
 private:
   [[nodiscard]] const BasicField<kFeatures>& field() const { return rest_.field(); }
 
-  /// N across n(c), that of the straight push included. Out of line, for only ticks that slide ask for it: one that
-  /// sticks has its own.
-  [[nodiscard, gnu::noinline]] Vec3 sideways_force(const Deflection& d, const DepthTerms& terms) const {
-    return terms.straight + field().sideways(terms, d.sideways);
+  [[nodiscard]] Vec3 straight_of_core(const DepthTerms& terms) const {
+    return rim_.present() ? rim_.core_limit() * terms.straight : terms.straight;
+  }
+  /// N of the core across n(c), its part of the straight push included. Out of line, for only ticks that slide ask for
+  /// it: one that sticks has its own.
+  [[nodiscard, gnu::noinline]] Vec3 core_force(const Deflection& d, const DepthTerms& terms) const {
+    return straight_of_core(terms) + field().sideways(terms, d.sideways);
+  }
+  /// N of core and rim, of which `core` is known. The rim gives way first.
+  [[nodiscard, gnu::noinline]] Vec3 with_rim(const Vec3& core, const Deflection& d, const DepthTerms& terms) {
+    const Slips rim = slips(Part::rim, terms);
+    Vec3 e = d.sideways, pull = core - (rim_.core_limit() - rim_.limit()) * terms.straight;
+    if (rim_.apart()) {
+      e = rim_deflection(d);
+      pull = rim.straight + field().sideways(terms, e, Part::rim);
+    }
+    if (length(pull) > rim.limit) {
+      // Once, but after a leap: where the force across its line is more than friction holds, it goes on that way.
+      for (int turn = 0; turn < 8 && length(pull) > rim.limit; ++turn) {
+        const Slipped to = slip(field(), terms, rim, e, pull);
+        e = to.holds ? to.deflection : d.sideways;
+        pull = rim.straight + field().sideways(terms, e, Part::rim);
+      }
+      rim_.leave(d.sideways, e);
+    }
+    return rim_.mean(core, pull);
   }
 
-  /// The sideways deflection (m) at which friction holds, where `pull` (N) is more than it does.
+  /// The same, where what the rim loses is told to nobody else: it is no lift.
+  [[nodiscard]] Vec3 with_rim_alone(const Vec3& core, const Deflection& d, const DepthTerms& terms) {
+    const bool owes = account_.owed() > 0;
+    const double held = owes ? stored(terms, d) : 0;
+    const Vec3 pull = with_rim(core, d, terms);
+    if (owes) account_.replaced(held, stored(terms, d), true, 0);
+    return pull;
+  }
+
+  /// The core's of a contact that slides: it comes to rest at its limit, or so near above that it is taken for that.
+  [[nodiscard]] Vec3 at_limit(const Vec3& core, const DepthTerms& terms) const {
+    const double most = rim_.core_limit() * terms.limit, size = length(core);
+    return size > most ? (most / size) * core : core;
+  }
+
+  /// What holds as much of the contact's friction limit bears as much of a straight push.
+  [[nodiscard]] Slips slips(Part part, const DepthTerms& terms) const {
+    const double limit = part == Part::rim ? rim_.limit() : rim_.core_limit();
+    return {part, limit * terms.straight, limit * terms.limit, view_->meta->sideways_scale};
+  }
+  [[nodiscard]] Vec3 rim_deflection(const Deflection& d) const { return rim_.deflection(d.sideways, field().normal()); }
+
+  /// The core's sideways deflection (m) at which friction holds, where its `pull` (N) is more than it does.
   [[nodiscard]] Vec3 slipped(const Deflection& d, const DepthTerms& terms, const Vec3& pull) const {
-    return slip(field(), terms, view_->meta->sideways_scale, d.sideways, pull);
+    return slip(field(), terms, slips(Part::core, terms), d.sideways, pull).deflection;
+  }
+
+  /// Adds what the sideways deflections do to the normal force.
+  void couple(DepthTerms& terms, const Deflection& d) const {
+    if (!rim_.present()) return field().couple(terms, d.sideways);
+    field().couple(terms, d.sideways, 1 - rim_.share(), rim_.core_limit());
+    field().couple(terms, rim_deflection(d), rim_.share(), rim_.limit());
   }
 
   /// J in the present field.
-  [[nodiscard]] double stored(const Deflection& d) const {
-    return field().stored(field().at_depth(d.depth), d.sideways);
+  [[nodiscard]] double stored(const Deflection& d) const { return stored(field().at_depth(d.depth), d); }
+  [[nodiscard]] double stored(const DepthTerms& terms, const Deflection& d) const {
+    const double core = field().stored(terms, d.sideways, rim_.core_limit());
+    return rim_.present() ? rim_.mean(core, field().stored(terms, rim_deflection(d), rim_.limit())) : core;
   }
 
   /// The anchor rule: sideways motion has been added to the effective deflection; going deeper moves its anchor.
   void deepen(Deflection& d, const DepthTerms& terms) {
-    if (d.depth > depth_ || !(depth_ > 0)) rest_.leave(d, field().deepened(depth_, terms, d.sideways));
+    if (d.depth > depth_ || !(depth_ > 0)) {
+      const Vec3 core = field().deepened(depth_, terms, d.sideways, rim_.core_limit());
+      if (rim_.present()) {
+        rim_.leave(core, field().deepened(depth_, terms, rim_deflection(d), rim_.limit()));
+      }
+      rest_.leave(d, core);
+    }
     depth_ = d.depth;
     field().remember(terms);
   }
 
   /// What a lift loses of what is owed. False where no depth is left.
   [[gnu::noinline]] bool pay(Deflection& d, DepthTerms& terms) {
-    const double left = field().stored(terms, d.sideways);
+    const double left = stored(terms, d);
     lose(account_.due(left), left, d, terms);
     return d.depth > 0;
   }
 
-  /// Gives up `due` of the `stored` energy (J) by as much depth.
-  void lose(double due, double stored, Deflection& d, DepthTerms& terms) {
-    double left = stored;
+  /// Gives up `due` of the energy `held` (J) by as much depth.
+  void lose(double due, double held, Deflection& d, DepthTerms& terms) {
+    double left = held;
     if (due > 0) {
       const double way = std::fmin(d.depth, due / terms.normal_force);
       rest_.subtract(way);
       depth_ = d.depth -= way;
       terms = field().at_depth(d.depth);
-      left = field().stored(terms, d.sideways);
+      left = stored(terms, d);
     }
-    account_.paid(stored - left, left);
+    account_.paid(held - left, left);
   }
 
   /// After c or p went elsewhere while the tool stood still: `held` (J) was stored before, and `rubbed` (J) is what the
   /// hand did against the sideways force. True where depth was lost.
   bool replaced(double held, double rubbed, Deflection& d, DepthTerms& terms) {
-    const double stored = field().stored(terms, d.sideways);
+    const double now = stored(terms, d);
     const bool friction = view_->has(layout::feature_friction), coupled = view_->coupled_laws != nullptr;
     // A coupled response stores what was rubbed until c gives way.
-    const double due = account_.replaced(held, stored, friction, coupled ? 0 : rubbed);
-    if (due > 0) lose(due, stored, d, terms);
+    const double due = account_.replaced(held, now, friction, coupled ? 0 : rubbed);
+    if (due > 0) lose(due, now, d, terms);
     return due > 0;
   }
   /// The same for the tool at q, with nothing rubbed.
@@ -143,50 +205,60 @@ private:
     replaced(held, 0, d, terms);
   }
 
-  /// Moves c over the surface until the sideways deflection is `wanted`; in this tick the hand did the work `rubbed`
-  /// (J) against the sideways force.
+  /// Moves c over the surface until the core's sideways deflection is `wanted`; the rim's anchor stays where it is. In
+  /// this tick the hand did the work `rubbed` (J) against the sideways force.
   Tick slide(const Pose& pose, Deflection d, const Vec3& wanted, DepthTerms& terms, double rubbed) {
     Vec3 pull;
     // c rests while the tool moves along n(c): 0.1 nm on a contact of 10 mm.
     if (length(d.sideways - wanted) > 1e-8 * rest_.size()) {
-      const double held = field().stored(terms, d.sideways);
+      const double held = stored(terms, d);
+      const Vec3 rim = rim_deflection(d);
       rest_.follow(pose, last_, wanted, terms.normal_force);
       d = rest_.deflection(last_);
       if (!(d.depth > 0)) return release(d);
+      rim_.leave(d.sideways, rim);
       terms = field().at_depth(d.depth);
       pull = give_way(d, terms);
       if (replaced(held, rubbed, d, terms)) {
         if (!(d.depth > 0)) return release(d);
-        pull = sideways_force(d, terms);
+        pull = force_at_rest(d, terms);
       }
     } else {
-      pull = sideways_force(d, terms);
+      pull = force_at_rest(d, terms);
     }
     const double size = length(pull);
     if (size > terms.limit) pull = (terms.limit / size) * pull;
     depth_ = d.depth;
     field().remember(terms);
-    field().couple(terms, d.sideways);
+    couple(terms, d);
     return output(State::slide, pose, last_, terms, pull);
   }
 
   /// Where a new place holds clearly less than friction held at the old one, the rest gives way without c. Returns the
   /// sideways force.
   Vec3 give_way(Deflection& d, const DepthTerms& terms) {
-    const Vec3 pull = sideways_force(d, terms);
+    Vec3 core = core_force(d, terms);
     if constexpr (kFriction) {
-      if (length(pull) > terms.limit * 1.001) {
-        rest_.leave(d, slipped(d, terms, pull));
-        return sideways_force(d, terms);
+      if (length(core) > rim_.core_limit() * terms.limit * 1.001) {
+        const Vec3 rim = rim_deflection(d);
+        rest_.leave(d, slipped(d, terms, core));
+        rim_.leave(d.sideways, rim);
+        core = core_force(d, terms);
       }
     }
-    return pull;
+    return rim_.present() ? with_rim(at_limit(core, terms), d, terms) : core;
+  }
+
+  /// N across n(c) of a contact that slides, while c rests.
+  Vec3 force_at_rest(const Deflection& d, const DepthTerms& terms) {
+    const Vec3 core = core_force(d, terms);
+    return rim_.present() ? with_rim_alone(at_limit(core, terms), d, terms) : core;
   }
 
   /// Without this the torque on a round skin that turns would do work that is nobody's. A contact that slides needs it
   /// not: its c goes on anyway.
   [[gnu::noinline]] void roll_on(const Pose& pose, const Deflection& d, const DepthTerms& terms) {
-    const double held = field().stored(terms, d.sideways);
+    const double held = stored(terms, d);
     rest_.roll_on(pose, last_, d);
     replaced(held, last_);
   }
@@ -227,6 +299,7 @@ private:
   double depth_ = 0;  ///< m, of the last tick
   EnergyAccount account_;
   BasicRest<kFeatures> rest_;
+  BasicRim<kFeatures> rim_;
 };
 
 }  // namespace palpate::runtime

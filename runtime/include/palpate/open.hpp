@@ -100,6 +100,10 @@ inline bool check_meta(const layout::Meta& m, Fault& fault) {
   if (m.response_count != std::uint64_t{m.site_count} * m.tool_vertex_count) {
     return fault.say("META: response count is not sites times tool vertices");
   }
+  const bool rim = m.rim_share > 0 && m.rim_share < 1 && m.rim_limit > 0 && m.rim_limit < 1;
+  if (rim ? !friction && !coupled : !(m.rim_share == 0 && m.rim_limit == 0)) {
+    return fault.say("META: share and limit of the rim are not both 0 or, in a file with friction, in (0, 1)");
+  }
   for (const std::uint32_t r : m.reserved) {
     if (r != 0) return fault.say("META: reserved bytes are not zero");
   }
@@ -171,7 +175,8 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
                {m.search_nodes > 0, layout::feature_search},
                {coupled, layout::feature_coupled},
                {v.grasps != nullptr, layout::feature_grasp},
-               {v.turns != nullptr, layout::feature_turn}};
+               {v.turns != nullptr, layout::feature_turn},
+               {m.rim_share > 0, layout::feature_rim}};
   std::uint32_t features = 0;
   for (const auto& part : parts)
     if (part.present) features |= part.feature;

@@ -18,6 +18,8 @@ template <std::uint32_t kFeatures>
 class SeparableLaw {
   static constexpr bool kLateral = (kFeatures & layout::feature_lateral) != 0;
   static constexpr bool kFriction = (kFeatures & layout::feature_friction) != 0;
+  using Triple = runtime::Triple<(kFeatures & layout::feature_rim) != 0 ? 2 : 1>;
+  using Lanes = double[Triple::kLanes];
 
 public:
   /// Forgets all responses. The basis spans what lies across n(c).
@@ -110,7 +112,7 @@ public:
   /// The share of a sideways deflection that going deeper from z0 > 0 leaves: the least of growth(z0) / growth(z1), so
   /// that no more is stored than before; 1 where none grows.
   [[nodiscard]] double share_kept(double z0, const DepthTerms& at_z1) const {
-    Triple::Lanes least = {1, 1, 1, 1, 1, 1};
+    Lanes least = {1, 1, 1, 1, 1, 1};
     if constexpr (kFriction) {
       if (known_.depth != z0) {
         DepthTerms terms;
@@ -141,10 +143,10 @@ public:
   }
 
   /// Sideways force (N, body frame) at terms of a positive depth and a deflection (m), without that of the straight
-  /// push.
-  [[nodiscard]] Vec3 sideways(const DepthTerms& terms, const Vec3& deflection) const {
+  /// push. Of the contact's core, or its rim where there is one: what was asked for last is remembered for each.
+  [[nodiscard]] Vec3 sideways(const DepthTerms& terms, const Vec3& deflection, Part part) const {
     if constexpr (kFriction) {
-      if (meta_->sideways_coefs > 0) return sum_sideways<false>(terms, deflection);
+      if (meta_->sideways_coefs > 0) return sum_sideways<false>(terms, deflection, part);
     }
     return {};
   }
@@ -170,18 +172,20 @@ private:
 
   /// kTake: the curves need not have been taken where the deflection is.
   template <bool kTake>
-  [[nodiscard]] Vec3 sum_sideways(const DepthTerms& terms, const Vec3& deflection) const {
+  [[nodiscard]] Vec3 sum_sideways(const DepthTerms& terms, const Vec3& deflection, Part part) const {
     const double x = per_sideways_ * dot(deflection, basis_x_), y = per_sideways_ * dot(deflection, basis_y_);
     double force[2] = {0, 0};
     for (int j = 0; j < triples_; ++j) {
-      if (!triple_[j].template add_force<kTake>(terms.growth[j], x, y, force)) return take_sideways(terms, deflection);
+      if (!triple_[j].template add_force<kTake>(terms.growth[j], static_cast<int>(part), x, y, force)) {
+        return take_sideways(terms, deflection, part);
+      }
     }
     return force[0] * basis_x_ + force[1] * basis_y_;
   }
 
   struct Known {
     double depth = 0;  ///< m; none where it is 0
-    Triple::Lanes growth[3];
+    Lanes growth[3];
   };
 
   // What follows is rarely called, and long: inlined it would slow every tick.
@@ -213,8 +217,8 @@ private:
     high_ = std::fmin(high_, (interval + 1 + kSlack) / (count - 3));
   }
 
-  [[nodiscard, gnu::noinline]] Vec3 take_sideways(const DepthTerms& terms, const Vec3& deflection) const {
-    return sum_sideways<true>(terms, deflection);
+  [[nodiscard, gnu::noinline]] Vec3 take_sideways(const DepthTerms& terms, const Vec3& deflection, Part part) const {
+    return sum_sideways<true>(terms, deflection, part);
   }
 
   /// What at_depth says at Z and deeper: linear in z, ds/dz = 1 / (2 Z); `extra` is s - 1 so.

@@ -9,7 +9,9 @@ namespace palpate::runtime {
 
 /// Sideways forces g(z) phi(r) of up to three responses, each in its body vertex' frame. All that a tick asks for is
 /// computed for the six curves at once (first x and y of the first response, then of the second, ...), so that
-/// compilers use vectors. Not for several threads at once.
+/// compilers use vectors. What was asked for last is remembered for kParts deflections, each for itself: those of a
+/// contact's core and rim (rim.hpp). Not for several threads at once.
+template <int kParts>
 class Triple {
 public:
   static constexpr int kResponses = 3, kLanes = 2 * kResponses;
@@ -21,7 +23,7 @@ public:
     sideways_count_ = static_cast<int>(meta.sideways_coefs);
     for (int k = 0; k < kResponses; ++k) set(k, coefs, 0, 0, 0);
     growth_.forget();
-    phi_.forget();
+    for (auto& phi : phi_) phi.forget();
   }
 
   /// Response k: its coefficients (gx, gy, phix, phiy), its weight, the angle of its x axis.
@@ -57,18 +59,18 @@ public:
     weigh(g, growth);
   }
 
-  /// Adds the force (N) at a deflection x, y (of the sideways scale). False, and nothing added, where phi is to be
-  /// taken elsewhere (kTake does).
+  /// Adds the force (N) at a deflection x, y (of the sideways scale) of a part. False, and nothing added, where phi is
+  /// to be taken elsewhere (kTake does).
   template <bool kTake>
-  bool add_force(const Lanes& growth, double x, double y, double (&force)[2]) const {
+  bool add_force(const Lanes& growth, int part, double x, double y, double (&force)[2]) const {
     const double along[2] = {x, y}, half = 0.5 * (sideways_count_ - 3);
     Lanes r, t, phi, f;
     for (int k = 0; k < kLanes; ++k) r[k] = cosine_[k] * along[k % 2] + sine_[k] * along[1 - k % 2];
     for (int k = 0; k < kLanes; ++k) t[k] = (r[k] + 1) * half;
     if constexpr (kTake) {
-      take_phi(r, phi);
+      take_phi(part, r, phi);
     } else {
-      if (!phi_.values(t, phi)) return false;
+      if (!phi_[part].values(t, phi)) return false;
     }
     for (int k = 0; k < kLanes; ++k) f[k] = growth[k] * phi[k];
     for (int k = 0; k < kLanes; ++k) force[k % 2] += cosine_[k] * f[k] - sine_[k] * f[k ^ 1];
@@ -86,13 +88,13 @@ private:
   }
 
   /// phi inside [-1, 1] is the spline, outside its tangent at the end.
-  void take_phi(const Lanes& r, Lanes& phi) const {
+  void take_phi(int part, const Lanes& r, Lanes& phi) const {
     Lanes t;
     for (int k = 0; k < kLanes; ++k) {
       t[k] = spline::in_intervals(sideways_count_, 0.5 * (r[k] + 1));
-      phi_.take(k, phi_coefs(k), sideways_count_, t[k]);
+      phi_[part].take(k, phi_coefs(k), sideways_count_, t[k]);
     }
-    phi_.known_values(t, phi);
+    phi_[part].known_values(t, phi);
     for (int k = 0; k < kLanes; ++k) {
       if (r[k] > 1) phi[k] += 0.5 * (r[k] - 1) * spline::slope_at_1(phi_coefs(k), sideways_count_);
       if (r[k] < -1) phi[k] += 0.5 * (r[k] + 1) * spline::slope_at_0(phi_coefs(k), sideways_count_);
@@ -102,7 +104,7 @@ private:
   int growth_count_ = 0, sideways_count_ = 0;
   const float* coefs_[kResponses] = {};
   Lanes weight_ = {}, cosine_ = {}, sine_ = {};  ///< the sine of each y is the negative
-  Pieces<kLanes> growth_, phi_;
+  Pieces<kLanes> growth_, phi_[kParts];
 };
 
 }  // namespace palpate::runtime
