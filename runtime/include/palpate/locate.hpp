@@ -36,20 +36,38 @@ inline void nearest_on_edge(const Vec3& p, const Vec3& a, const Vec3& b, int i, 
   best.bary[j] = s;
 }
 
-/// Nearest point of a triangle; a triangle of no area is its edges.
-inline Nearest nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+/// How far beyond an edge, of this length squared, a point of this barycentric weight is: squared, over the triangle's
+/// doubled area squared; 0 where it is not.
+inline double beyond_edge(double weight, double edge) {
+  const double w = weight < 0 ? weight : 0;
+  return w * w / edge;
+}
+
+/// Nearest point of a triangle; a triangle of no area is its edges. May be none (`squared` infinite) where that is not
+/// nearer than the root of `most` (m^2).
+inline Nearest nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c,
+                                   double most = HUGE_VAL) {
   const Vec3 ab = b - a, ac = c - a, ap = p - a;
   const Vec3 n = cross(ab, ac);
-  const double area = dot(n, n), longest = dot(ab, ab) + dot(ac, ac);
+  const double area = dot(n, n), ab2 = dot(ab, ab), ac2 = dot(ac, ac), longest = ab2 + ac2;
+  Nearest best{HUGE_VAL, {1, 0, 0}};
   if (area > 1e-20 * longest * longest) {
     const double wb = dot(cross(ap, ac), n) / area, wc = dot(cross(ab, ap), n) / area;
+    const double height = dot(ap, n), wa = 1 - wb - wc;
     if (wb >= 0 && wc >= 0 && wb + wc <= 1) {
-      const double height = dot(ap, n);
-      const double wa = 1 - wb - wc;  // may round below zero
-      return {height * height / area, {wa > 0 ? wa : 0, wb, wc}};
+      return {height * height / area, {wa > 0 ? wa : 0, wb, wc}};  // wa may round below zero
+    }
+    // Most triangles of a search are seen off here, before their edges: they are at least as far as the plane and, in
+    // it, as the line of an edge that p lies beyond. Only where rounding is far below the slack.
+    constexpr double kSlack = 1e-9;
+    if (area > 1e-8 * longest * longest) {
+      const Vec3 bc = c - b;
+      const double past[3] = {beyond_edge(wa, dot(bc, bc)), beyond_edge(wb, ac2), beyond_edge(wc, ab2)};
+      double across = past[0] > past[1] ? past[0] : past[1];
+      across = past[2] > across ? past[2] : across;
+      if (height * height / area + across * area - kSlack * dot(ap, ap) >= most) return best;
     }
   }
-  Nearest best{HUGE_VAL, {1, 0, 0}};
   nearest_on_edge(p, a, b, 0, 1, best);
   nearest_on_edge(p, b, c, 1, 2, best);
   nearest_on_edge(p, c, a, 2, 0, best);
@@ -65,7 +83,7 @@ template <class Counts>
 inline void consider(const View& view, const Vec3& p, std::uint32_t triangle, const Counts& counts, Nearest& best,
                      std::uint32_t& at) {
   const auto& v = view.triangles[triangle].vertex;
-  const Nearest found = nearest_on_triangle(p, vertex(view, v[0]), vertex(view, v[1]), vertex(view, v[2]));
+  const Nearest found = nearest_on_triangle(p, vertex(view, v[0]), vertex(view, v[1]), vertex(view, v[2]), best.squared);
   if (found.squared >= best.squared) return;
   if constexpr (!std::is_same_v<Counts, Anywhere>) {
     if (!counts(position(view, {triangle, {found.bary[0], found.bary[1], found.bary[2]}}))) return;
@@ -79,8 +97,9 @@ inline double box_distance(const layout::SearchNode& box, const Vec3& p) {
   double squared = 0;
   for (int k = 0; k < 3; ++k) {
     const double below = box.lower[k] - q[k], above = q[k] - box.upper[k];
-    const double gap = below > above ? below : above;
-    if (gap > 0) squared += gap * gap;
+    double gap = below > above ? below : above;
+    gap = gap > 0 ? gap : 0;  // a branch would be mispredicted every other time
+    squared += gap * gap;
   }
   return squared;
 }
@@ -90,22 +109,24 @@ inline void search_tree(const View& view, const Vec3& p, const Counts& counts, N
   struct Entry {
     std::uint32_t node;
     double distance;
-  } stack[layout::kMaxSearchDepth + 2];
+  } stack[layout::kMaxSearchDepth + 1], next{0, 0};
   int top = 0;
-  stack[top++] = {0, 0};
-  while (top > 0) {
-    const Entry entry = stack[--top];
-    if (entry.distance >= best.squared) continue;
-    const layout::SearchNode& n = view.search[entry.node];
-    if (n.count > 0) {
+  for (;;) {
+    if (next.distance < best.squared) {
+      const layout::SearchNode& n = view.search[next.node];
+      if (n.count == 0) {
+        const Entry left{n.first, box_distance(view.search[n.first], p)};
+        const Entry right{n.first + 1, box_distance(view.search[n.first + 1], p)};
+        const bool left_first = left.distance <= right.distance;
+        const Entry& later = left_first ? right : left;
+        if (later.distance < best.squared) stack[top++] = later;
+        next = left_first ? left : right;
+        continue;
+      }
       for (std::uint32_t t = n.first; t < n.first + n.count; ++t) consider(view, p, t, counts, best, at);
-      continue;
     }
-    const Entry left{n.first, box_distance(view.search[n.first], p)};
-    const Entry right{n.first + 1, box_distance(view.search[n.first + 1], p)};
-    const bool left_first = left.distance <= right.distance;
-    stack[top++] = left_first ? right : left;
-    stack[top++] = left_first ? left : right;
+    if (top == 0) return;
+    next = stack[--top];
   }
 }
 
