@@ -170,10 +170,12 @@ inline Vec3 pseudonormal(const View& view, const BodyPoint& at) {
 }  // namespace detail
 
 /// Nearest point of the contact surface among those of the triangles whose own nearest point `counts` (a bool of a
-/// point, m). False where none does.
+/// point, m). False where none does that is nearer than the root of `most` (m^2): the less that is, the shorter the
+/// search. It measures every box and triangle at most once.
 template <std::uint32_t kFeatures = layout::feature_all, class Counts>
-inline bool locate_where(const View& view, const Vec3& p, const Counts& counts, Location& found) {
-  detail::Nearest best{HUGE_VAL, {1, 0, 0}};
+inline bool locate_where(const View& view, const Vec3& p, const Counts& counts, Location& found,
+                         double most = HUGE_VAL) {
+  detail::Nearest best{most, {1, 0, 0}};
   if ((kFeatures & layout::feature_search) != 0 && view.search != nullptr) {
     detail::search_tree(view, p, counts, best, found.at.triangle);
   } else {
@@ -181,7 +183,7 @@ inline bool locate_where(const View& view, const Vec3& p, const Counts& counts, 
       detail::consider(view, p, t, counts, best, found.at.triangle);
     }
   }
-  if (std::isinf(best.squared)) return false;
+  if (!(best.squared < most)) return false;
   for (int k = 0; k < 3; ++k) found.at.bary[k] = best.bary[k];
   found.point = position(view, found.at);
   const double distance = std::sqrt(best.squared);

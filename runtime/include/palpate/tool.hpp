@@ -33,32 +33,46 @@ inline double skeleton_radius(const View& view, std::uint32_t tool) {
 
 namespace detail {
 
-/// Nearest point of the axis: a few samples, then alternating projections from the best of them.
+/// Nearest point of the axis: a few samples, then alternating projections from the best of them. A point whose distance
+/// to one that is clear of the body is less than that one's is clear, too, and need only be searched for what is nearer
+/// than the best.
 template <std::uint32_t kFeatures>
 inline ToolTouch touch_axis(const View& view, const layout::ToolRecord& tool, const Pose& pose) {
   constexpr int kSamples = 9, kRefinements = 12;
+  constexpr double kStretched = 1.002;  // a rotation is taken that is orthonormal to 1e-3 only
   const double axis = tool.axis_length;
   ToolTouch best;
+  best.body = locate<kFeatures>(view, pose.translation);
   double along = 0;
   const int samples = axis > 0 ? kSamples : 1;
-  for (int i = 0; i < samples; ++i) {
-    const double at = samples > 1 ? axis * i / (samples - 1) : 0;
-    const Location found = locate<kFeatures>(view, pose.apply({0, 0, at}));
-    if (i > 0 && found.signed_distance >= best.body.signed_distance) continue;
+  // True where the point at `at`, this far from one of this signed distance or more, is nearer than the best.
+  const auto nearer = [&](double at, double way, double distance) {
+    constexpr double kSlack = 1 + 1e-9;    // rounding decides as it does without a bound
+    const double clear = distance - kStretched * way, least = best.body.signed_distance;
+    const double most = clear > 0 && least > 0 ? kSlack * least * least : HUGE_VAL;
+    Location found;
+    if (!locate_where<kFeatures>(view, pose.apply({0, 0, at}), Anywhere{}, found, most)) return false;
+    if (found.signed_distance >= least) return false;
     best.body = found;
     along = at;
+    return true;
+  };
+  const double spacing = axis / (kSamples - 1);
+  double distance = best.body.signed_distance;  // of the last sample, or less
+  for (int i = 1; i < samples; ++i) {
+    if (nearer(axis * i / (kSamples - 1), spacing, distance)) {
+      distance = best.body.signed_distance;
+    } else {
+      distance = std::fmax(distance - kStretched * spacing, best.body.signed_distance);
+    }
   }
   // Between samples the distance falls by at most half their spacing.
-  best.safe =
-      std::fmax(0, best.body.signed_distance - tool.probe_radius - (samples > 1 ? 0.5 * axis / (samples - 1) : 0));
+  best.safe = std::fmax(0, best.body.signed_distance - tool.probe_radius - 0.5 * spacing);
   for (int i = 0; samples > 1 && i < kRefinements && best.body.signed_distance > 0; ++i) {
     const double wanted = pose.along_axis(best.body.point - pose.translation);
     const double at = wanted > 0 ? (wanted < axis ? wanted : axis) : 0;
-    if (std::fabs(at - along) < 1e-9 * axis) break;
-    const Location found = locate<kFeatures>(view, pose.apply({0, 0, at}));
-    if (found.signed_distance >= best.body.signed_distance) break;
-    best.body = found;
-    along = at;
+    const double way = std::fabs(at - along);
+    if (way < 1e-9 * axis || !nearer(at, way, best.body.signed_distance)) break;
   }
   best.anchor = {0, 0, along};
   best.clearance = best.body.signed_distance - tool.probe_radius;
