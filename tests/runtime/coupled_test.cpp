@@ -220,6 +220,29 @@ struct Contact {
   }
 };
 
+TEST(Coupled, DeepeningInOneTickIsNearlyDeepeningInMany) {
+  for (const double growth : {1.05, 1.25}) {
+    Random random(5);
+    std::vector<double> apart;
+    for (int trial = 0; trial < 1200; ++trial) {
+      const Degrees d = every_kind()[static_cast<std::size_t>(trial) % 6];
+      const Law law = law_of(random_coefs(d, random), d);
+      const double t0 = 0.05 * std::pow(20.0, uniform(random, 0, 1));
+      const Vec2 u = disc(random, 1);
+      constexpr int kTicks = 100;
+      Vec2 fine = u;
+      for (int k = 0; k < kTicks; ++k) {
+        fine = law.deepen(t0 * (1 + (growth - 1) * k / kTicks), t0 * (1 + (growth - 1) * (k + 1) / kTicks), fine);
+      }
+      const Vec2 off = law.deepen(t0, growth * t0, u) - fine;
+      apart.push_back(std::sqrt(dot(off, off) / dot(u, u)));
+    }
+    std::sort(apart.begin(), apart.end());
+    EXPECT_LE(apart[apart.size() * 2 / 3], 1e-5) << growth << ": one step where the rule's own loss is enough";
+    EXPECT_LE(apart[apart.size() * 19 / 20], 0.01) << growth;
+  }
+}
+
 TEST(Coupled, NoClosedMotionGainsEnergy) {
   // From no contact to no contact: deeper and less deep under side load, reversals, large and tiny; every clamp off.
   Random random(4);

@@ -165,7 +165,8 @@ public:
     degrees_ = degrees;
     depth_scale_ = depth_scale;
     ratio_ = sideways_scale / depth_scale;
-    for (int k = 0; k < count(degrees); ++k) coefs_[k] = 0;
+    const int all = count(degrees);
+    for (int k = 0; k < all; ++k) coefs_[k] = 0;
   }
 
   /// Adds a response's coefficients (count(degrees) of them, in the file's order), `unit` the N of one and `limit_unit`
@@ -211,7 +212,7 @@ public:
         for (int c = 0; c < components; ++c) {
           double sum = 0;
           for (int i = first; i <= k; ++i) {
-            sum += ((k - i) % 2 == 0 ? 1 : -1) * binomial(k, i) * at[(i - first) * components + c];
+            sum += alternating_binomial(k, i) * at[(i - first) * components + c];
           }
           at[(k - first) * components + c] = binomial(degree, k) * sum;
         }
@@ -321,37 +322,37 @@ public:
     return 2 * depth_scale_ * s2 * s2 * sum + further * (value + 0.5 * (t - s) * (2 * value + slope));
   }
 
-  /// u after the tool went deeper from t0 to t1 > t0 without moving sideways. Of a part of the contact that bears
-  /// `lean` times the straight push's sideways force (AtDepth::leaning).
-  [[nodiscard]] Vec2 deepen(double t0, double t1, Vec2 u, double lean = 1) const {
+  /// u after the tool went deeper from t0 to t1 > t0 without moving sideways.
+  [[nodiscard]] Vec2 deepen(double t0, double t1, const Vec2& u) const {
+    return deepen(t0, at(t0, true), t1, at(t1, true), u);
+  }
+
+  /// The same for a caller that has everything at t0 and t1. In one step where the rule's own loss covers what is owed,
+  /// else in steps of kStep t0, kMostSteps of them at most.
+  [[nodiscard]] Vec2 deepen(double t0, const AtDepth& from, double t1, const AtDepth& to, const Vec2& u) const {
     if (u.x == 0 && u.y == 0) return u;
-    if (!careful()) return solve(at(t1, false).energy.square, times(at(t0, false).energy.square, u));
-    constexpr double kStep = 0.02;  // of the depth's abscissa
-    constexpr int kMostSteps = 64;
+    if (!careful()) return solve(to.energy.square, times(from.energy.square, u));
+    constexpr double kStep = 0.05;
+    constexpr int kMostSteps = 3;
     const double wanted = (t1 - t0) / (kStep * t0);
     const int steps = wanted < kMostSteps ? 1 + static_cast<int>(wanted) : kMostSteps;
-    AtDepth d = at(t0, true).leaning(lean);
     const double step = (t1 - t0) / steps;
-    for (int k = 1; k <= steps; ++k) {
-      const Vec2 held = d.energy.gradient(u, order());
-      // What the hand does on the way (times X, without F), to the second order, and the energy that is there with it.
-      const double way = step * (d.s + (t0 + k * step < 1 ? t0 + k * step : 1)) / (2 * ratio_);
-      double given = energy(d, u) + way * coupling(d, u);
-      d = at(t0 + k * step, true).leaning(lean);
-      for (int round = 0; round < 2; ++round) {
-        u = u - solve(d.energy.hessian(u, order()), d.energy.gradient(u, order()) - held);
-      }
-      for (int round = 0; round < 3; ++round) {
-        const double missing = energy(d, u) - given - way * coupling(d, u);
-        const Vec2 force = push(d, u);
-        const double size = dot(force, force);
-        if (!(missing > 0 && size > 0)) break;
-        const double share = missing / size,
-                     most = 1 / (d.energy.square.m + std::hypot(d.energy.square.x, d.energy.square.y));
-        u = u - (share < most ? share : most) * force;  // beyond `most` the energy would rise again
-      }
+    Anchor last{u, load_at(from, u)}, next = held(from, to, last);
+    if (steps == 1) {
+      give_way(to, step, last, next);
+      return next.u;
     }
-    return u;
+    if (!(missing(t1 - t0, last, next) > 0) && settled(from, last) && settled(to, next)) return next.u;
+    AtDepth between[2];
+    const AtDepth* before = &from;
+    for (int k = 1; k <= steps; ++k) {
+      const AtDepth& d = k < steps ? between[k % 2] = at(t0 + k * step, true) : to;
+      next = held(*before, d, last);
+      give_way(d, step, last, next);
+      last = next;
+      before = &d;
+    }
+    return last.u;
   }
 
 private:
@@ -364,9 +365,63 @@ private:
     return d.rate.value(u, order()) - d.s * dot(u, times(d.coupling, u));
   }
   /// |T| h.
-  [[nodiscard]] double least_loss(const AtDepth& d, const Vec2& u) const {
-    const Vec2 force = push(d, u), moved = solve(d.energy.square, times(d.rate.square, u));
+  [[nodiscard]] double least_loss(const AtDepth& d, const Vec2& u) const { return least_loss(d, u, push(d, u)); }
+  [[nodiscard]] double least_loss(const AtDepth& d, const Vec2& u, const Vec2& force) const {
+    const Vec2 moved = solve(d.energy.square, times(d.rate.square, u));
     return std::sqrt(dot(force, force) * dot(moved, moved));
+  }
+
+  /// What the anchor rule asks for at one depth and deflection.
+  struct Load {
+    Vec2 force;     ///< T (N)
+    double energy;  ///< W less the integral of F (N)
+    double power;   ///< what the hand does on the way without F, by t (N)
+    double owed;    ///< min(r, |T| h) (N)
+  };
+  struct Anchor {
+    Vec2 u;
+    Load load;
+  };
+
+  [[nodiscard]] Load load_at(const AtDepth& d, const Vec2& u) const {
+    const Vec2 force = push(d, u);
+    const double all = loss(d, u), least = least_loss(d, u, force), more = all > least ? all - least : 0;
+    return {force, energy(d, u), d.s * (2 * dot(d.slope, u) + dot(u, times(d.coupling, u))) + more, all - more};
+  }
+
+  /// The rule's own loss covers what is owed here.
+  [[nodiscard]] bool settled(const AtDepth& d, const Anchor& a) const {
+    return dot(a.load.force, solve(d.energy.hessian(a.u, order()), d.rate.gradient(a.u, order()))) >= a.load.owed;
+  }
+
+  /// The anchor at another depth such that T - g stays.
+  [[nodiscard]] Anchor held(const AtDepth& from, const AtDepth& to, Anchor a) const {
+    const Vec2 force = a.load.force - from.straight;
+    for (int round = 0; round < 2; ++round) {
+      a.u = a.u - solve(to.energy.hessian(a.u, order()), to.energy.gradient(a.u, order()) - force);
+    }
+    a.load = load_at(to, a.u);
+    return a;
+  }
+
+  /// The energy (N) at the end of a step that the hand did not give, by the trapezoidal rule.
+  [[nodiscard]] static double missing(double step, const Anchor& from, const Anchor& to) {
+    return to.load.energy - from.load.energy - 0.5 * step * (from.load.power + to.load.power);
+  }
+
+  /// Moves the anchor on until none is, along the mean of T, which errs by the step's square only.
+  void give_way(const AtDepth& d, double step, const Anchor& from, Anchor& to) const {
+    for (int round = 0; round < 3; ++round) {
+      const double lacks = missing(step, from, to), size = dot(to.load.force, to.load.force);
+      if (!(lacks > 0 && size > 0)) return;
+      const Vec2 mean = 0.5 * (from.load.force + to.load.force);
+      const Vec2 along = dot(mean, to.load.force) > 0.5 * size ? mean : to.load.force;
+      // Where the energy of K alone has fallen by what is missing, or is least.
+      const double slope = dot(along, to.load.force), bend = dot(along, times(d.energy.square, along));
+      const double rest = slope * slope - 2 * bend * lacks;
+      to.u = to.u - (rest > 0 ? 2 * lacks / (slope + std::sqrt(rest)) : slope / bend) * along;
+      to.load = load_at(d, to.u);
+    }
   }
 
   /// Sum of c[k] s^k and its derivative, of several polynomials side by side.

@@ -48,6 +48,7 @@ public:
     covered_ = limit_ = 0;
     if constexpr (kCoupled) {
       if (is_coupled()) law_.clear(layout::coupled_degrees(m), m.depth_scale, m.sideways_scale);
+      known_.depth = 0;
     }
     if (!is_coupled()) separable_.clear(m, basis_x_, basis_y_);
     per_scale_ = m.sideways_scale > 0 ? 1 / m.sideways_scale : 0;
@@ -118,7 +119,9 @@ public:
     if (!(z0 > 0)) return {};
     if constexpr (kCoupled) {
       if (is_coupled()) {
-        const coupled::Vec2 u = law_.deepen(law_.abscissa(z0), law_.abscissa(at_z1.depth), in_basis(deflection), lean);
+        if (known_.depth != z0) known_ = {z0, law_.at(law_.abscissa(z0), true)};
+        const coupled::Vec2 u = law_.deepen(law_.abscissa(z0), known_.terms, law_.abscissa(at_z1.depth), at_z1.coupled,
+                                            in_basis(deflection));
         return view_->meta->sideways_scale * (u.x * basis_x_ + u.y * basis_y_);
       }
     }
@@ -127,6 +130,9 @@ public:
 
   /// Says that deepened() will be asked for these terms' depth as z0.
   void remember(const DepthTerms& terms) const {
+    if constexpr (kCoupled) {
+      if (is_coupled()) known_ = {terms.depth, terms.coupled};
+    }
     if (!is_coupled()) separable_.remember(terms);
   }
 
@@ -207,6 +213,11 @@ private:
     }
   }
 
+  struct Known {
+    double depth = 0;  ///< m; none where it is 0
+    coupled::AtDepth terms{};
+  };
+
   /// Limits are stored as floats: a push to just the sampled depth must not count as beyond it.
   static constexpr double kLimitSlack = 1 + 1e-5;
 
@@ -216,6 +227,7 @@ private:
   double covered_ = 0, limit_ = 0;
   SeparableLaw<kFeatures> separable_;
   detail::If<kCoupled, coupled::Law> law_;
+  mutable detail::If<kCoupled, Known> known_;  ///< what deepened() will ask for
 };
 
 using Field = BasicField<>;

@@ -45,8 +45,7 @@ inline double beyond_edge(double weight, double edge) {
 
 /// Nearest point of a triangle; a triangle of no area is its edges. May be none (`squared` infinite) where that is not
 /// nearer than the root of `most` (m^2).
-inline Nearest nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c,
-                                   double most = HUGE_VAL) {
+inline Nearest nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, double most = HUGE_VAL) {
   const Vec3 ab = b - a, ac = c - a, ap = p - a;
   const Vec3 n = cross(ab, ac);
   const double area = dot(n, n), ab2 = dot(ab, ab), ac2 = dot(ac, ac), longest = ab2 + ac2;
@@ -83,7 +82,8 @@ template <class Counts>
 inline void consider(const View& view, const Vec3& p, std::uint32_t triangle, const Counts& counts, Nearest& best,
                      std::uint32_t& at) {
   const auto& v = view.triangles[triangle].vertex;
-  const Nearest found = nearest_on_triangle(p, vertex(view, v[0]), vertex(view, v[1]), vertex(view, v[2]), best.squared);
+  const Nearest found =
+      nearest_on_triangle(p, vertex(view, v[0]), vertex(view, v[1]), vertex(view, v[2]), best.squared);
   if (found.squared >= best.squared) return;
   if constexpr (!std::is_same_v<Counts, Anywhere>) {
     if (!counts(position(view, {triangle, {found.bary[0], found.bary[1], found.bary[2]}}))) return;

@@ -47,7 +47,7 @@ inline ToolTouch touch_axis(const View& view, const layout::ToolRecord& tool, co
   const int samples = axis > 0 ? kSamples : 1;
   // True where the point at `at`, this far from one of this signed distance or more, is nearer than the best.
   const auto nearer = [&](double at, double way, double distance) {
-    constexpr double kSlack = 1 + 1e-9;    // rounding decides as it does without a bound
+    constexpr double kSlack = 1 + 1e-9;  // rounding decides as it does without a bound
     const double clear = distance - kStretched * way, least = best.body.signed_distance;
     const double most = clear > 0 && least > 0 ? kSlack * least * least : HUGE_VAL;
     Location found;
