@@ -337,17 +337,16 @@ public:
     const double wanted = (t1 - t0) / (kStep * t0);
     const int steps = wanted < kMostSteps ? 1 + static_cast<int>(wanted) : kMostSteps;
     const double step = (t1 - t0) / steps;
-    Anchor last{u, load_at(from, u)}, next = held(from, to, last);
-    if (steps == 1) {
-      give_way(to, step, last, next);
-      return next.u;
+    Anchor last{u, load_at(from, u)};
+    if (steps > 1 && settled(from, last)) {
+      const Anchor end = held(from, to, last);
+      if (!(missing(t1 - t0, last, end) > 0) && settled(to, end)) return end.u;
     }
-    if (!(missing(t1 - t0, last, next) > 0) && settled(from, last) && settled(to, next)) return next.u;
     AtDepth between[2];
     const AtDepth* before = &from;
     for (int k = 1; k <= steps; ++k) {
       const AtDepth& d = k < steps ? between[k % 2] = at(t0 + k * step, true) : to;
-      next = held(*before, d, last);
+      Anchor next = held(*before, d, last);
       give_way(d, step, last, next);
       last = next;
       before = &d;
