@@ -148,9 +148,10 @@ struct AtDepth {
   Sym2 coupling;  ///< A / (2 s) (N)
   Energy rate;    ///< V' = dV/dt; only where it is needed: g, C or Q are there, or an anchor moves
 
-  /// With g times `share`.
+  /// Of a part of the contact, with g times `share`.
   [[nodiscard]] AtDepth leaning(double share) const {
     AtDepth d = *this;
+    if (share == 1) return d;
     d.straight = share * straight;
     d.slope = share * slope;
     return d;
@@ -328,8 +329,10 @@ public:
   }
 
   /// The same for a caller that has everything at t0 and t1. In one step where the rule's own loss covers what is owed,
-  /// else in steps of kStep t0, kMostSteps of them at most.
-  [[nodiscard]] Vec2 deepen(double t0, const AtDepth& from, double t1, const AtDepth& to, const Vec2& u) const {
+  /// else in steps of kStep t0, kMostSteps of them at most. Of a part of the contact that bears `lean` times the
+  /// straight push's sideways force, as `from` and `to` must then (AtDepth::leaning).
+  [[nodiscard]] Vec2 deepen(double t0, const AtDepth& from, double t1, const AtDepth& to, const Vec2& u,
+                            double lean = 1) const {
     if (u.x == 0 && u.y == 0) return u;
     if (!careful()) return solve(to.energy.square, times(from.energy.square, u));
     constexpr double kStep = 0.05;
@@ -345,7 +348,7 @@ public:
     AtDepth between[2];
     const AtDepth* before = &from;
     for (int k = 1; k <= steps; ++k) {
-      const AtDepth& d = k < steps ? between[k % 2] = at(t0 + k * step, true) : to;
+      const AtDepth& d = k < steps ? between[k % 2] = at(t0 + k * step, true).leaning(lean) : to;
       Anchor next = held(*before, d, last);
       give_way(d, step, last, next);
       last = next;

@@ -120,8 +120,11 @@ public:
     if constexpr (kCoupled) {
       if (is_coupled()) {
         if (known_.depth != z0) known_ = {z0, law_.at(law_.abscissa(z0), true)};
-        const coupled::Vec2 u = law_.deepen(law_.abscissa(z0), known_.terms, law_.abscissa(at_z1.depth), at_z1.coupled,
-                                            in_basis(deflection));
+        const double t0 = law_.abscissa(z0), t1 = law_.abscissa(at_z1.depth);
+        const coupled::Vec2 held = in_basis(deflection);
+        const coupled::AtDepth &from = known_.terms, &to = at_z1.coupled;
+        const coupled::Vec2 u = lean == 1 ? law_.deepen(t0, from, t1, to, held)
+                                          : law_.deepen(t0, from.leaning(lean), t1, to.leaning(lean), held, lean);
         return view_->meta->sideways_scale * (u.x * basis_x_ + u.y * basis_y_);
       }
     }
