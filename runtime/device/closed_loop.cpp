@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 namespace palpate::device {
@@ -23,6 +24,16 @@ private:
   Vec3 low_{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high_{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
 };
 
+/// From 0 to 1 between two times, at rest at both.
+struct Fade {
+  double share = 0, rate = 0;  ///< 1, 1/s
+};
+
+Fade fade_in(double time, double from, double to) {
+  const double s = std::clamp((time - from) / (to - from), 0.0, 1.0);
+  return {s * s * (3 - 2 * s), 6 * s * (1 - s) / (to - from)};
+}
+
 }  // namespace
 
 Swing run_trial(const Trial& trial) {
@@ -32,38 +43,38 @@ Swing run_trial(const Trial& trial) {
   }
   PlantOptions options = trial.plant;
   options.hand.intended = [&trial](double time) -> Intent {
-    const double share = std::min(1.0, time / trial.arrive);
+    const Fade fade = fade_in(time, 0, trial.arrive);
     const Vec3 way = trial.pressed - trial.plant.start;
-    const Vec3 speed = share < 1 ? (6 * share * (1 - share) / trial.arrive) * way : Vec3{};
-    return {trial.plant.start + (share * share * (3 - 2 * share)) * way, speed};
+    return {trial.plant.start + fade.share * way, fade.rate * way};
   };
   SimPlant plant(options);
   constexpr double kTwoPi = 6.283185307179586, kSettle = 0.05, kWindow = 0.25, kLater = 2.0;
   const double period = trial.timing.period, free = trial.swing + 2 / trial.frequency;
+  const double take = 0.5 * (trial.arrive + trial.swing);
   const double end = free + kSettle + kLater + kWindow, omega = kTwoPi * trial.frequency;
   Swing swing;
   Box early, late;
-  double fastest = 0, strongest = 0;
+  std::optional<Vec3> taken;
   const auto ticks = static_cast<int>(std::ceil(end / period));
   for (int k = 0; k < ticks; ++k) {
     const double time = k * period;
     const Vec3 seen = plant.seen(time);
-    if (time >= trial.swing && time < free) {
+    if (time >= take && time < free) {
+      if (!taken) taken = plant.position();
       // Where the handle is in the plant's time, which is that of the sample.
       const double angle = omega * (plant.time() - trial.swing);
-      plant.place(trial.rest + std::sin(angle) * trial.amplitude, omega * std::cos(angle) * trial.amplitude);
+      const Fade fade = fade_in(plant.time(), take, trial.swing);
+      const Vec3 swung = trial.rest + std::sin(angle) * trial.amplitude - *taken;
+      plant.place(*taken + fade.share * swung,
+                  fade.rate * swung + (fade.share * omega * std::cos(angle)) * trial.amplitude);
     }
     plant.command(time + trial.timing.computing, trial.response(seen, period));
     const double after = time - free - kSettle;
     if (after >= 0 && after < kWindow) early.add(plant.position());
     if (after >= kLater) late.add(plant.position());
-    fastest = std::max(fastest, runtime::length(plant.velocity()));
-    strongest = std::max(strongest, runtime::length(plant.force()));
     swing.given = std::max(swing.given, plant.given());
     swing.to_hand = std::max(swing.to_hand, plant.given() - plant.lost());
   }
-  const double late_by = options.delay_in + options.delay_out + trial.timing.computing;
-  swing.on_its_way = strongest * fastest * (late_by + 2 * period);
   swing.early = early.amplitude();
   swing.late = late.amplitude();
   return swing;

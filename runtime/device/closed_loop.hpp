@@ -9,8 +9,10 @@ namespace palpate::device {
 /// Force (N) at a position that the loop sees (m), a tick (s) after the last; both in the device's frame.
 using Response = std::function<Vec3(const Vec3& position, double seconds)>;
 
-/// The hand moves from plant.start to `pressed` and holds. Later somebody swings the handle about `rest`, two
-/// cycles of a stated amplitude and frequency, so that friction and delays are as in a steady oscillation, and lets go.
+/// The hand moves from plant.start to `pressed` and holds. Half the time between `arrive` and `swing` later somebody
+/// takes the handle from where it is to `rest`, already swinging more and more, and swings it there for two cycles of a
+/// stated amplitude and frequency, so that friction and delays are as in a steady oscillation, and lets go. The handle
+/// leaps nowhere: a leap would be work done in no time.
 struct Trial {
   PlantOptions plant;  ///< its hand's intent is replaced
   LoopTiming timing;
@@ -27,7 +29,6 @@ struct Swing {
   double early = 0, late = 0;  ///< m, amplitude over a quarter second, soon after and 2 s later
   double given = 0;            ///< J, most that the motors had given out at any time, beyond what they had taken in
   double to_hand = 0;          ///< J, the same less what the device's own friction and damping took
-  double on_its_way = 0;       ///< J, most that forces of one delay and two periods could do at the fastest motion
   /// Amplitude above two encoder steps, and not decaying over 2 s. Without steps, above 1 um.
   [[nodiscard]] bool oscillates(double resolution) const {
     return late > (resolution > 0 ? 2 * resolution : 1e-6) && late > 0.9 * early;

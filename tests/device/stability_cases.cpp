@@ -17,7 +17,6 @@ using runtime::Pose;
 using runtime::Tick;
 using runtime::View;
 
-constexpr double kTrace = 1e-4;  // J
 constexpr double kEdge = 1.3;
 
 /// A contact as the device holds it: rigidly, or by a coupling.
@@ -83,7 +82,7 @@ ContactLaw plain(const char* name, double most_depth, double (*force)(double), d
   return law;
 }
 
-double held_force(const StabilityCase& c) { return 0.45 * c.kind->plant.peak_force; }
+double held_force(const StabilityCase& c) { return c.held * c.kind->plant.peak_force; }
 
 /// Depth (m) at which the scaled law carries the hand's force.
 double resting_depth(const StabilityCase& c, double scale) {
@@ -130,6 +129,18 @@ device::Swing swing_behind(const StabilityCase& c, double scale, double spring, 
   return device::run_trial(trial);
 }
 
+/// Half of what the surface extends in the direction (of the axes) in which it extends least (m).
+double middle(const View& view) {
+  Vec3 low = vertex(view, 0), high = low;
+  for (std::uint32_t i = 1; i < view.meta->vertex_count; ++i) {
+    const Vec3 p = vertex(view, i);
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  const Vec3 extent = high - low;
+  return 0.5 * std::min({extent.x, extent.y, extent.z});
+}
+
 device::Onset onset_at(const StabilityCase& c, double scale) {
   const double amplitude = c.law->amplitude(resting_depth(c, scale));
   return device::onset_of_oscillation(plant_of(c), {1 / c.rate, 0}, amplitude);
@@ -165,6 +176,7 @@ ContactLaw file_law(const std::string& name, const View& view) {
   ContactLaw law;
   law.name = name;
   law.most_depth = 0.8 * field->depth_limit();
+  law.farthest = middle(view);
   law.force = [field, n](double depth) { return dot(field->force(-depth * n).force, n); };
   law.slope = [field, n, step](double depth) { return device::slope(*field, -depth * n, step).norm; };
   law.amplitude = [field, n, step](double depth) {
@@ -216,7 +228,7 @@ device::Swing coupled_swing(const StabilityCase& c, double scale, const Coupling
   return swing_behind(c, scale, coupling.stiffness, c.law->couple(scale, coupling));
 }
 
-Response controlled(const StabilityCase& c, const Response& response) {
+Response controlled(const StabilityCase& c, const Response& response, Made& made) {
   runtime::output::PassivityOptions options;
   options.delay = c.delay;
   options.damping = c.kind->plant.damping;
@@ -225,7 +237,12 @@ Response controlled(const StabilityCase& c, const Response& response) {
   using Out = runtime::Output<runtime::output::Limit, runtime::output::Passivity>;
   const auto out =
       std::make_shared<Out>(runtime::output::Limit{c.kind->plant.peak_force}, runtime::output::Passivity(options));
-  return [out, response](const Vec3& p, double seconds) { return (*out)(response(p, seconds), seconds, p); };
+  return [out, response, &made](const Vec3& p, double seconds) {
+    const Vec3 force = (*out)(response(p, seconds), seconds, p);
+    const auto& passivity = out->step<runtime::output::Passivity>();
+    made = {std::max(made.most, passivity.made()), passivity.bound()};
+    return force;
+  };
 }
 
 StabilityResult examine(const StabilityCase& c) {
@@ -276,13 +293,14 @@ StabilityResult examine(const StabilityCase& c) {
   for (const double over : {1.5, 5.0}) {
     if (!found) break;
     const double at = scale_of(c, over * result.simulated);
-    const device::Swing s = swing(c, at, controlled(c, c.law->make(at)));
+    Made made;
+    const device::Swing s = swing(c, at, controlled(c, c.law->make(at), made));
     ++result.trials;
     ++result.controlled;
     if (s.oscillates(c.kind->plant.resolution)) ++result.controlled_oscillate;
-    const double past = s.to_hand - kTrace;
-    result.past_trace = std::max(result.past_trace, past);
-    result.share = std::max(result.share, past / s.on_its_way);
+    result.given = std::max(result.given, s.to_hand);
+    result.made = std::max(result.made, made.most);
+    result.made_share = std::max(result.made_share, made.most / made.bound);
   }
   for (const double over : {1.5, 5.0, 50.0}) {
     if (!found) break;
@@ -293,7 +311,10 @@ StabilityResult examine(const StabilityCase& c) {
     result.stiffest = std::max(result.stiffest, coupling.stiffness);
     ++result.trials;
     ++result.coupled;
-    const device::Swing s = coupled_swing(c, scale_of(c, stiffness), coupling);
+    // Not so hard that a soft spring lets the device through the body.
+    StabilityCase held = c;
+    held.held = std::min(c.held, coupling.stiffness * c.law->farthest / c.kind->plant.peak_force);
+    const device::Swing s = coupled_swing(held, scale_of(held, stiffness), coupling);
     if (s.oscillates(c.kind->plant.resolution)) ++result.coupled_oscillate;
     result.coupled_given = std::max(result.coupled_given, s.to_hand);
   }

@@ -21,6 +21,7 @@ struct ContactLaw {
   std::string name;
   double most_depth = 0;                          ///< m, no deeper
   double height = 0.002;                          ///< m, where the hand comes from; 0: it is held from the beginning
+  double farthest = HUGE_VAL;                     ///< m below the touch, no deeper a device is held behind a coupling
   std::function<double(double depth)> force;      ///< N along z, slowly pressed
   std::function<double(double depth)> slope;      ///< N/m, spectral norm of the Jacobian
   std::function<double(double depth)> amplitude;  ///< m, to swing: within the contact, and without slip
@@ -49,9 +50,19 @@ struct StabilityCase {
   const NamedHand* hand = nullptr;
   double rate = 1000;    ///< Hz
   double delay = 0.001;  ///< s, there and back
+  double held = 0.45;    ///< of the peak force, with which the hand presses
 };
 
-/// The stiffnesses (N/m) are slopes of the scaled law at the depth where the hand's 45 % of the peak force rest.
+/// What the passivity observer saw in a trial.
+struct Made {
+  double most = 0;   ///< J, made at any time
+  double bound = 0;  ///< J, below which the controller says it stays
+};
+
+/// J that the hand may be given beyond what it gave.
+inline constexpr double kTrace = 1e-4;
+
+/// The stiffnesses (N/m) are slopes of the scaled law at the depth where the hand's force rests.
 struct StabilityResult {
   double predicted = 0, frequency = 0;  ///< N/m and Hz; infinite: none that the device can show
   double simulated = 0;                 ///< N/m; infinite: none found
@@ -59,8 +70,8 @@ struct StabilityResult {
   bool passive_oscillates = false;      ///< a trial at 0.99 of that bound
   // With the passivity controller, on contacts 1.5 and 5 times as stiff as the simulated onset:
   int controlled = 0, controlled_oscillate = 0;  ///< trials
-  double past_trace = 0;                         ///< J given to the hand, beyond the trace, most
-  double share = 0;  ///< of it in what forces on their way could do (Swing::on_its_way), most
+  double given = 0;                              ///< J given to the hand beyond what it gave, most
+  double made = 0, made_share = 0;               ///< J made, and its share of the controller's bound, most
   // Behind a virtual coupling that makes them as stiff as the bound for any hand, contacts 1.5, 5 and 50 times as
   // stiff:
   int coupled = 0, coupled_oscillate = 0;   ///< trials
@@ -74,7 +85,8 @@ struct StabilityResult {
 StabilityResult examine(const StabilityCase& c);
 
 /// The response as the controller lets it through: limited to the device's peak force, half its friction credited.
-Response controlled(const StabilityCase& c, const Response& response);
+/// `made` must outlive it.
+Response controlled(const StabilityCase& c, const Response& response, Made& made);
 
 /// One trial of a case whose law is scaled so; the same behind a coupling.
 device::Swing swing(const StabilityCase& c, double scale, const Response& response);

@@ -110,6 +110,24 @@ TEST(OnsetOfOscillation, IsAtOnceWithoutAnyDamping) {
   EXPECT_EQ(passive_stiffness(o, {0.001, 0}).least(), 0);
 }
 
+// A softened contact lets the handle rest deeper than the full one would. Whoever swings it has to bring it there: a
+// leap against 3 N would be 1.4 mJ of work done in no time, which no loop could take back.
+TEST(Trial, GivesTheHandNothingWithThePassivityControllerAndMakesNoMoreThanItsBound) {
+  const std::vector<test::NamedHand> grips = test::hands();
+  const std::vector<test::ContactLaw> laws = test::plain_laws();
+  ASSERT_EQ(laws[0].name, "wall");
+  for (const double stiffness : {388.0, 1295.0}) {
+    const test::StabilityCase c{find_sim_kind("sim-premium"), &laws[0], &grips[0], 1000, 0.004};
+    const double scale = test::scale_of(c, stiffness);
+    test::Made made;
+    const Swing swing = test::swing(c, scale, test::controlled(c, laws[0].make(scale), made));
+    EXPECT_LE(swing.to_hand, test::kTrace) << stiffness;
+    EXPECT_FALSE(swing.oscillates(c.kind->plant.resolution)) << stiffness;
+    EXPECT_GT(made.most, test::kTrace) << stiffness;
+    EXPECT_LE(made.most, made.bound) << stiffness;
+  }
+}
+
 TEST(LoopTiming, SaysWhatIsWrong) {
   EXPECT_FALSE((LoopTiming{0.001, 0.0001}.validate()));
   EXPECT_TRUE((LoopTiming{0, 0}.validate()));

@@ -72,6 +72,29 @@ TEST(Passivity, TakesNoMoreStiffnessThanMustBe) {
   EXPECT_LT(out.step<Passivity>().made(), 2 * options.trace);
 }
 
+// Pressed slowly, then pulled away at once: what is on its way cannot be recalled, and is no more than the bound says.
+TEST(Passivity, MakesNoMoreThanItsBoundWhereItIsPulledAwayAtOnce) {
+  for (const double delay : {0.0, 0.0007, 0.004, 0.015}) {
+    for (const double speed : {0.2, 1.0}) {
+      PassivityOptions options;
+      options.delay = delay;
+      Out out{Passivity(options)};
+      double depth = 0, most = 0;
+      for (int k = 0; k < 3000; ++k) {
+        depth += kTick * (k < 2000 ? 1e-6 : -speed);
+        out({0, 0, depth > 0 ? 1e6 * depth : 0}, kTick, {0, 0, -depth});
+        most = std::fmax(most, out.step<Passivity>().made());
+        ASSERT_LE(out.step<Passivity>().made(), out.step<Passivity>().bound()) << delay << ' ' << speed << ' ' << k;
+      }
+      EXPECT_GT(most, options.trace) << delay << ' ' << speed;
+    }
+  }
+  // It is the trace alone where nothing moves.
+  Out out{Passivity(PassivityOptions())};
+  for (int k = 0; k < 100; ++k) out({1, 2, 3}, kTick, {});
+  EXPECT_EQ(out.step<Passivity>().bound(), PassivityOptions().trace);
+}
+
 TEST(Passivity, GivesBackItsShareOnlyWithoutForce) {
   PassivityOptions options;
   options.delay = 0.003;

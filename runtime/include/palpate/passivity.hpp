@@ -35,8 +35,14 @@ struct PassivityOptions {
 /// smaller share of the contact's, 1 - made / trace, but no smaller than what makes the stiffest secant so far passive
 /// for any hand: 2 damping / (delay + T (1 + ceil(delay / T))) over that slope, T the time between samples (Colgate and
 /// Schenkel 1997, with a delay; device/stability.hpp). Within a contact the share only falls, which takes energy out;
-/// it rises again when there is no force. So what is made stays below the trace, but for what is on its way already
-/// when it gets there: forces of the last delay and tick.
+/// it rises again when there is no force.
+///
+/// So what is made stays below trace + 2 F W, as far as the steepest slope is known or was met: what was sent before
+/// the trace was reached still acts for a delay, and is seen up to two ticks later; in that time the handle goes no
+/// farther than W, against two forces (the one that acts, the contact's) no stronger than F each. Forces on their way
+/// cannot be recalled, and foreseeing what they will do from the motion so far does not bound it
+/// (tests/device/stability.md). Beforehand F is the device's peak force, and W the fastest motion to be reckoned with
+/// times delay + 2 T.
 class Passivity {
 public:
   explicit Passivity(const PassivityOptions& options) : options_(options), slope_(options.stiffness) {}
@@ -50,27 +56,41 @@ public:
     share_ = std::fmin(share_, std::fmax(1 - made_ / options_.trace, passive_share(seconds)));
     position_ = position;
     contact_ = force;
-    sent_[newest_ = (newest_ + 1) % kSent] = {time_, share_ * force};
+    send(share_ * force, seconds);
     return share_ * force;
   }
 
   /// As if nothing had been sent or made.
   void reset() { *this = Passivity(options_); }
 
-  [[nodiscard]] double made() const { return made_; }    ///< J, energy made that the device has not turned to heat
+  [[nodiscard]] double made() const { return made_; }  ///< J, energy made that the device has not turned to heat
+  /// J, trace + 2 F W: what was made stays below it.
+  [[nodiscard]] double bound() const { return options_.trace + 2 * strongest_ * farthest_; }
   [[nodiscard]] double share() const { return share_; }  ///< of the contact's force that is sent, [0, 1]
 
 private:
   struct Sent {
     double time = -HUGE_VAL;
     Vec3 force;
+    double way = 0;  ///< m, that the handle had gone by then
   };
+
+  void send(const Vec3& force, double seconds) {
+    newest_ = next(newest_);
+    sent_[newest_] = {time_, force, way_};
+    strongest_ = std::fmax(strongest_, length(force));
+    const double from = time_ - (options_.delay + 2 * seconds) * (1 + 1e-9);
+    if (oldest_ == newest_) oldest_ = next(oldest_);
+    while (sent_[next(oldest_)].time <= from) oldest_ = next(oldest_);
+    farthest_ = std::fmax(farthest_, way_ - sent_[oldest_].way);
+  }
 
   void observe(const Vec3& force, double seconds, const Vec3& motion) {
     const Vec3 without = 0.5 * share_ * (contact_ + force);
     const double heat = options_.friction * length(motion) + options_.damping * dot(motion, motion) / seconds;
     made_ = std::fmax(0, made_ + dot(acted(seconds) - without, motion) - heat);
     const double way = length(motion);
+    way_ += way;
     if (way > 0) slope_ = std::fmax(slope_, length(force - contact_) / way);
   }
 
@@ -97,13 +117,17 @@ private:
   }
 
   static constexpr int kSent = 256;
+  static int next(int k) { return (k + 1) % kSent; }
+
   PassivityOptions options_;
   bool started_ = false;
   double time_ = 0, made_ = 0, share_ = 1;
   double slope_;  ///< N/m, steepest secant of force over motion so far
   Vec3 position_, contact_;
+  double way_ = 0, farthest_ = 0;  ///< m, gone; the longest way within a delay and two ticks
+  double strongest_ = 0;           ///< N, that was sent
   Sent sent_[kSent];
-  int newest_ = 0;
+  int newest_ = 0, oldest_ = 0;  ///< the oldest of that delay and those ticks
 };
 
 }  // namespace palpate::runtime::output
