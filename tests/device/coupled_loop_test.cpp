@@ -103,6 +103,22 @@ TEST(CoupledLoop, RestsOnAFileBehindWhatSafetySays) {
   }
 }
 
+// Held 20 mm deep in a box without friction the tool slides round it, by millimetres in a tick. What the contact gave
+// it there fed an oscillation.
+TEST(CoupledLoop, GetsNothingFromAToolThatSlidesRoundABody) {
+  const runtime::MappedFile file(PALPATE_GOLDENS "/frictionless.palp");
+  const runtime::OpenResult opened = runtime::View::open(file.data(), file.size());
+  ASSERT_TRUE(opened) << opened.error;
+  const ContactLaw law = file_law("frictionless", opened.view);
+  const std::vector<NamedHand> grips = hands();
+  ASSERT_EQ(grips[1].name, "firm");
+  const StabilityCase c{device::find_sim_kind("sim-woody"), &law, &grips[1], 1000, 0.004};
+  const double stiffness = 5 * 1770.34, safe = device::passive_stiffness(plant_of(c), {1 / c.rate, 0}).least();
+  const device::Swing swing = coupled_swing(c, scale_of(c, stiffness), {stiffness * safe / (stiffness - safe)});
+  EXPECT_FALSE(swing.oscillates(c.kind->plant.resolution)) << swing.early << ' ' << swing.late;
+  EXPECT_LE(swing.to_hand, kTrace);
+}
+
 TEST(CoupledLoop, SafetyAsksForASofterSpringBesideADamper) {
   const runtime::MappedFile file(PALPATE_GOLDENS "/separable.palp");
   const runtime::OpenResult opened = runtime::View::open(file.data(), file.size());

@@ -66,9 +66,7 @@ public:
 
   void add(const Pose& pose, const Tick& tick) {
     if (!pose.valid()) return reset_last();
-    const Pose turned = started_ ? Pose{pose} * inverse(last_pose_) : Pose{};
-    const double* m = turned.rotation;
-    const Vec3 turn = 0.5 * Vec3{m[7] - m[5], m[2] - m[6], m[3] - m[1]};
+    const Vec3 turn = started_ ? small_turn(pose * inverse(last_pose_)) : Vec3{};
     const double work = started_ ? -0.5 * (dot(last_.force + tick.force, pose.translation - last_pose_.translation) +
                                            dot(last_.torque + tick.torque, turn))
                                  : 0;

@@ -98,4 +98,10 @@ inline Pose inverse(const Pose& pose) {
   return back;
 }
 
+/// Axis times the sine of the angle by which it turns: for small ones the rotation vector (rad).
+inline Vec3 small_turn(const Pose& pose) {
+  const double* m = pose.rotation;
+  return 0.5 * Vec3{m[7] - m[5], m[2] - m[6], m[3] - m[1]};
+}
+
 }  // namespace palpate::runtime
