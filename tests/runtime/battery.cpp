@@ -193,18 +193,80 @@ private:
   std::uint32_t left_ = 0, taken_ = 1;
 };
 
+/// A body whose shape goes on swelling, shearing, bending and turning, and the contact with it.
+struct Animation {
+  Animation(const View& view, const BatteryCase& c)
+      : memory(runtime::AnimatedSurface::bytes(view) / sizeof(double) + 1),
+        surface(view, memory.data()),
+        contact(surface, c.tool),
+        sites(view.meta->site_count),
+        lively(c.motion == Motion::fast ? 1.0 : 0.2),
+        tick_time(c.motion == Motion::fast ? 1e-3 : 2e-4 * c.fine),
+        random(c.seed + 99) {}
+
+  [[nodiscard]] Pose at(const BodyPoint& point) const {
+    return runtime::LocalMotion(surface, point).at(surface.share());
+  }
+
+  Tick tick(const Pose& pose) {
+    next -= tick_time;
+    if (next < 0) {
+      give();
+      next += (random.one_in(10) ? 1.5 : 1.0) / 60;
+    }
+    const Pose before = contact.frame();
+    surface.advance(tick_time);
+    moved = at(last) * inverse(before);
+    const Tick tick = contact.tick(pose);
+    last = tick.at;
+    return tick;
+  }
+
+  /// The next shape: 60 a second, a beat of a second.
+  void give() {
+    const View& view = surface.baked();
+    const double phase = 6.283185307179586 / 60 * ++given, a = 0.2 * lively;
+    const Pose turned = rotation_of({0.5 * lively * std::sin(phase), 0.3 * lively * std::sin(0.7 * phase), 0});
+    for (std::uint32_t i = 0; i < view.meta->site_count; ++i) {
+      const Vec3 x = runtime::to_vec(view.sites[i].position);
+      const double beat = a * std::sin(phase + 20 * x.x);
+      sites[i] = turned.apply({(1 + beat) * x.x + 0.5 * a * std::sin(phase) * x.y, (1 - beat) * x.y,
+                               (1 + a * std::sin(1.3 * phase)) * x.z + 2 * a * x.x * x.y});
+    }
+    refused += !surface.set(sites.data(), view.meta->site_count, 1.0 / 60);
+  }
+
+  std::vector<double> memory;
+  runtime::AnimatedSurface surface;
+  runtime::AnimatedContact contact;
+  std::vector<Vec3> sites;
+  double lively, tick_time, next = 0;  ///< s, until the next shape
+  Random random;
+  BodyPoint last;
+  Pose moved;
+  std::uint32_t given = 0, refused = 0;
+};
+
 /// One contact loop behind one call.
 class Loop {
 public:
   Loop(const View& view, const BatteryCase& c)
       : view_(view), case_(c), random_(c.seed + 77), contact_(view, c.tool), memory_(view.meta->site_count) {
+    if (c.driver == Driver::animated) animation_ = std::make_unique<Animation>(view, c);
     if (c.driver != Driver::online) return;
     scales_ = std::make_unique<runtime::SiteScales>(view, memory_.data());
     adjusted_ = std::make_unique<runtime::AdjustedContact>(view, c.tool, *scales_, 5);
   }
 
+  /// Where a hand that is put somewhere is put in the world: by the motion of the surface there.
+  void put(const Pose& pose) {
+    if (animation_) place_ = animation_->at(locate(view_, pose.translation).at);
+  }
+  [[nodiscard]] Pose in_world(const Pose& pose) const { return place_ * pose; }
+
   Tick tick(const Pose& pose) {
     if (case_.driver == Driver::alone) return contact_.tick(pose);
+    if (animation_) return animation_->tick(pose);
     if (case_.driver == Driver::online) {
       if (ticks_++ % 50 == 0) {
         const double about = random_.between(0.2, 2);
@@ -226,9 +288,16 @@ public:
   void reset() {
     contact_.reset();
     if (adjusted_) adjusted_->reset();
+    if (animation_) animation_->contact.reset();
     count_ = 0;
   }
-  [[nodiscard]] const runtime::Contact& contact() const { return adjusted_ ? adjusted_->contact() : contact_; }
+  /// n(c) in the world.
+  [[nodiscard]] Vec3 normal() const {
+    if (animation_) return animation_->contact.frame().rotate(animation_->contact.contact().field().normal());
+    return (adjusted_ ? adjusted_->contact() : contact_).field().normal();
+  }
+  /// How the surface at the last tick's c moved in this tick.
+  [[nodiscard]] Pose surface_motion() const { return animation_ ? animation_->moved : Pose{}; }
 
 private:
   const View& view_;
@@ -238,6 +307,8 @@ private:
   std::vector<runtime::SiteScales::Scale> memory_;
   std::unique_ptr<runtime::SiteScales> scales_;
   std::unique_ptr<runtime::AdjustedContact> adjusted_;
+  std::unique_ptr<Animation> animation_;
+  Pose place_;
   std::uint64_t ticks_ = 0, count_ = 0, every_ = 5;
   runtime::Search latest_, coming_;
 };
@@ -296,8 +367,11 @@ BatteryResult run_battery(const View& view, const BatteryCase& c) {
   BatteryResult r;
   checksum::Xxh64 hash;
   const double drift = c.driver == Driver::online ? 5e-3 * scale : 0;  // factors change by as much in a tick
-  Pose before = hand.next();
+  Pose asked = hand.next();
+  loop.put(asked);
+  Pose before = loop.in_world(asked);
   Tick last = loop.tick(before);
+  double before_that = 0;  // m moved in the tick before: where the body is animated, a part is told a tick late
   double work = 0, gross = 0, worst = 0, taken = 0, given = 0;
   const auto close = [&] {
     r.contacts += gross > 0;
@@ -307,14 +381,18 @@ BatteryResult run_battery(const View& view, const BatteryCase& c) {
     work = gross = worst = 0;
   };
   for (r.ticks = 1; r.ticks < c.ticks; ++r.ticks) {
-    const Pose pose = hand.next();
-    if (c.motion != Motion::fast && length(pose.translation - before.translation) > 0.01 * scale) {
+    const Pose next = hand.next();
+    const bool put = length(next.translation - asked.translation) > 0.01 * scale;
+    asked = next;
+    if (c.motion != Motion::fast && put) {
       // The hand is put to its next place, perhaps inside the body: what it finds there is a start.
       loop.reset();
+      loop.put(asked);
       close();
       last = {};
-      before = pose;
+      before = loop.in_world(asked);
     }
+    const Pose pose = loop.in_world(asked);
     const Tick tick = loop.tick(pose);
     const double values[] = {tick.force.x, tick.force.y, tick.force.z, tick.torque.x, tick.torque.y, tick.torque.z};
     hash.update(values, sizeof values);
@@ -325,14 +403,19 @@ BatteryResult run_battery(const View& view, const BatteryCase& c) {
       before = pose;
       continue;
     }
-    const Vec3 way = pose.translation - before.translation, turn = turn_between(before, pose);
-    const double moved = length(way) + reach * length(turn);
+    // Of the tool against the surface: so works the hand, and so the surface.
+    const Pose surface = loop.surface_motion();
+    const Vec3 way = pose.translation - surface.apply(before.translation);
+    const Vec3 turned = turn_between({}, surface), turn = turn_between(before, pose) - turned;
+    const double moved = length(way) + reach * (length(turn) + length(turned));
     r.touching += touches(tick);
     r.sliding += tick.state == State::slide;
     r.force = std::max(r.force, size / (k * std::max(scale, tick.depth)));
     const bool goes_on = touches(tick) && touches(last);
     const double crept = goes_on ? length(tick.body_point - last.body_point) : 0;
-    const double step = length(tick.force - last.force) / (k * (moved + crept + drift + 1e-9 * scale));
+    const double late = c.driver == Driver::animated ? before_that : 0;
+    const double step = length(tick.force - last.force) / (k * (moved + crept + late + drift + 1e-9 * scale));
+    before_that = moved + crept;
     const bool begins = touches(tick) != touches(last) && (c.driver == Driver::late || c.motion == Motion::fast);
     if (begins) {
       r.begin = std::max(r.begin, (length(tick.force - last.force) - 2 * k * moved) / (k * scale));
@@ -346,8 +429,8 @@ BatteryResult run_battery(const View& view, const BatteryCase& c) {
       worst = std::max(worst, -work);
       if (tick.state == State::slide && last.state == State::slide && length(turn) < 1e-12 && !hand.lies() &&
           std::isfinite(tick.friction_limit)) {
-        const Vec3 n = loop.contact().field().normal();
-        const double loss = -dot(tangential(0.5 * (last.force + tick.force), n), tick.body_point - last.body_point);
+        const Vec3 over = tick.body_point - surface.apply(last.body_point);
+        const double loss = -dot(tangential(0.5 * (last.force + tick.force), loop.normal()), over);
         (loss > 0 ? taken : given) += std::fabs(loss);
       }
       if (!touches(tick) && touches(last)) close();
@@ -377,7 +460,7 @@ const char* name(Motion motion) {
 }
 
 const char* name(Driver driver) {
-  static const char* const kNames[] = {"alone", "late", "online"};
+  static const char* const kNames[] = {"alone", "late", "online", "animated"};
   return kNames[static_cast<int>(driver)];
 }
 

@@ -21,9 +21,10 @@ enum class Motion : std::uint8_t {
 
 /// Who finds the contact, and what is done to the file meanwhile.
 enum class Driver : std::uint8_t {
-  alone,  ///< Contact::tick(pose)
-  late,   ///< searches that are 5 to 40 ticks old
-  online  ///< AdjustedContact, all sites' factors redrawn every 50 ticks
+  alone,    ///< Contact::tick(pose)
+  late,     ///< searches that are 5 to 40 ticks old
+  online,   ///< AdjustedContact, all sites' factors redrawn every 50 ticks
+  animated  ///< AnimatedContact: the body swells, shears and turns, shapes come at 60 Hz and now and then late
 };
 
 struct BatteryCase {
@@ -44,18 +45,18 @@ struct BatteryResult {
   double begin = 0;          ///< largest force with which a contact began or ended on a fast motion or an old search
   double gain = 0;           ///< most that any contact had given back beyond what it took, over what went through it
   double gained = 0;         ///< J, sum of that over the contacts
-  double gross = 0;          ///< J that went through the hand, whichever way
+  double gross = 0;          ///< J that hand and surface gave or got
   double drag = 0;           ///< J that sideways forces gave to a sliding contact, over what they took from it
   std::uint64_t hash = 0;    ///< of every force and torque
 
   void add(const BatteryResult& other);
 };
 
-/// The bounds that every result is held to; empty, or which of them does not hold. Per metre that the tool's skin and c
-/// move, the force changes by at most twice the stiffness, six times in fast motions. A contact begins and ends with
-/// less than 0.5 % of stiffness * depth scale; in fast motions c may leave over an edge with a quarter of it. A contact
-/// gives back at most 3 % of what went through it more than it took: the error of the sum at sharp corners, a tenth of
-/// a per cent elsewhere.
+/// The bounds that every result is held to; empty, or which of them does not hold. Per metre that the tool's skin
+/// (against the surface) and c move (where the body is animated, in the tick before, too), the force changes by at most
+/// twice the stiffness, six times in fast motions. A contact begins and ends with less than 0.5 % of stiffness * depth
+/// scale; in fast motions c may leave over an edge with a quarter of it. A contact gives back at most 3 % of what went
+/// through it more than it took: the error of the sum at sharp corners, a tenth of a per cent elsewhere.
 std::string broken_promise(const BatteryCase& c, const BatteryResult& result);
 
 /// Newtons a metre that no push of the tool, straight or sideways, exceeds within the depth scale; a tenth of margin.

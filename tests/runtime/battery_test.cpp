@@ -27,7 +27,7 @@ TEST(Battery, EveryGoldenFileKeepsThePromises) {
     ASSERT_TRUE(opened) << opened.error;
     for (std::uint32_t tool = 0; tool < opened.view.meta->tool_count; ++tool) {
       BatteryResult all;
-      for (const Driver driver : {Driver::alone, Driver::late, Driver::online}) {
+      for (const Driver driver : {Driver::alone, Driver::late, Driver::online, Driver::animated}) {
         for (const Motion motion : {Motion::press, Motion::graze, Motion::corner, Motion::turn, Motion::fast}) {
           const BatteryCase c{motion, driver, tool, 1000, 3};
           const BatteryResult r = run_battery(opened.view, c);
@@ -50,7 +50,7 @@ TEST(Battery, SameBitsEveryRun) {
   options.tools = Options::Tools::all;
   const Opened ball(ball_content(options));
   for (std::uint32_t tool = 0; tool < 3; ++tool) {
-    for (const Driver driver : {Driver::alone, Driver::late, Driver::online}) {
+    for (const Driver driver : {Driver::alone, Driver::late, Driver::online, Driver::animated}) {
       const BatteryCase c{Motion::turn, driver, tool, 3000, 5};
       EXPECT_EQ(run_battery(ball.view, c).hash, run_battery(ball.view, c).hash);
     }

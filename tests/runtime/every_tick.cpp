@@ -30,10 +30,12 @@ EveryTick every_tick(const void* bytes, std::size_t size, int ticks, void (*half
   static char error[200];
   constexpr std::uint32_t kMostSites = 64;
   SiteScales::Scale factors[kMostSites];
+  Vec3 sites[kMostSites];
+  static double memory[1 << 14];
   EveryTick sum;
   const OpenResult opened = View::open(bytes, size);
   const View& view = opened.view;
-  if (!opened || view.meta->site_count > kMostSites) {
+  if (!opened || view.meta->site_count > kMostSites || AnimatedSurface::bytes(view) > sizeof memory) {
     for (std::size_t i = 0; i < sizeof error; ++i) error[i] = opened.error[i];
     sum.error = opened ? "too many sites for this test" : error;
     return sum;
@@ -45,6 +47,8 @@ EveryTick every_tick(const void* bytes, std::size_t size, int ticks, void (*half
     SeveralContacts<> several(view, tool);
     SeveralTools<2> tools(view, {tool, tool});
     MovingContact moving(view, tool);
+    AnimatedSurface surface(view, memory);
+    AnimatedContact animated(surface, tool);
     Contact tied(view, tool);
     VirtualCoupling tie(CouplingOptions{300, 0.1});
     AdjustedContact adjusted(view, tool, scales);
@@ -58,11 +62,16 @@ EveryTick every_tick(const void* bytes, std::size_t size, int ticks, void (*half
       if (i % 20 == 0) searches.write(search(view, tool, pose));
       searches.read(latest);
       if (i % 100 == 0) scales.set(static_cast<std::uint32_t>(i / 100) % view.meta->site_count, 0.5f);
+      for (std::uint32_t k = 0; k < view.meta->site_count && i % 16 == 0; ++k) {
+        sites[k] = (1 + 0.1 * std::sin(0.006 * i)) * to_vec(view.sites[k].position);
+      }
+      if (i % 16 == 0) sum.finite = surface.set(sites, view.meta->site_count, 0.016) && sum.finite;
+      surface.advance(1e-3);
       const Pose breathing = Pose::from_quaternion(1, 0, 0, 1e-6 * i, {0, 0, 1e-7 * i});
       const Tick answers[] = {
-          alone.tick(pose),          served.tick(pose, latest),  moving.tick(breathing, breathing * pose),
-          adjusted.tick(pose, 1e-3), several.tick(pose).each[0], tools.tick({pose, pose})[1],
-          tie.tick(tied, pose, 1e-3)};
+          alone.tick(pose),           served.tick(pose, latest),  moving.tick(breathing, breathing * pose),
+          adjusted.tick(pose, 1e-3),  several.tick(pose).each[0], tools.tick({pose, pose})[1],
+          tie.tick(tied, pose, 1e-3), animated.tick(pose)};
       for (const Tick& tick : answers) {
         sum.touching += touches(tick);
         sum.finite = sum.finite && std::isfinite(length(device.to_device(out(tick.force, 1e-3))));

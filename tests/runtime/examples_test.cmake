@@ -31,6 +31,8 @@ example(two_tools 30 "left  800 ms: 0\\.[1-9][0-9]+ N, right  800 ms: 0\\.0[1-9]
 # Felt while the body is up, and the same on its way down as on its way up.
 example(moving_body 30 "   0 ms: [^\n]*force 0.000 N.*1000 ms: [^\n]* (force 0\\.[0-9]+ N)\n.*3000 ms: [^\n]* \\1.*4000 ms: [^\n]*force 0.000 N"
         ${file})
+# Felt while it is swollen, and let go again.
+example(beating_body 40 "   0 ms: [^\n]* 0.000 N.* 500 ms: [^\n]* 0\\.[1-9][0-9]* N\n.*1000 ms: [^\n]* 0.000 N" ${file})
 example(tracker_thread 45 "  0 ms: 0.000 N.*500 ms: 0\\.[1-9]" ${file})
 # Presses, then strokes: the force follows the curve of the body.
 example(microcontroller 30 "   0 ms: 0.0000 0.0000 0.0000 N.* 500 ms: -0\\.[1-9].*1000 ms: ")

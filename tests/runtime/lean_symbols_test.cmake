@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # A feature that is left out leaves no code: functions of each are in the object with all and not in that with none. Nor
-# does a virtual coupling that nobody names: a tool that is held rigidly is ticked by the same bytes of code.
+# does a virtual coupling that nobody names: a tool that is held rigidly is ticked by the same bytes of code. Nor an animated
+# body.
 include(${CMAKE_CURRENT_LIST_DIR}/../support/run.cmake)
 
 # Sets `functions` to the object's own, and `bytes` to the size of code and constants.
@@ -33,6 +34,9 @@ foreach(way IN ITEMS directly rigidly)
 endforeach()
 if(all MATCHES "VirtualCoupling" OR NOT directly STREQUAL rigidly)
   message(FATAL_ERROR "a coupling that nobody names costs something (${directly} and ${rigidly} bytes):\n${all}")
+endif()
+if(all MATCHES "ShapeMaker|AnimatedSurface|rebase")
+  message(FATAL_ERROR "an animated body that nobody names is in the object:\n${all}")
 endif()
 message(STATUS "${all_bytes} bytes with all features, ${bytes} without")
 if(NOT bytes GREATER 0 OR NOT bytes LESS all_bytes)

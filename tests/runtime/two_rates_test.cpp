@@ -159,5 +159,38 @@ TEST(TwoRates, AThreadSearchesWhileAnotherMakesForces) {
   EXPECT_GT(most, 0.1);
 }
 
+// Shapes come from a thread of their own; every tick lies between two whole ones.
+TEST(TwoRates, AThreadGivesShapesWhileAnotherMakesForces) {
+  const Opened ball(ball_content({}));
+  std::vector<double> memory(runtime::AnimatedSurface::bytes(ball.view) / sizeof(double) + 1);
+  runtime::AnimatedSurface surface(ball.view, memory.data());
+  std::atomic<bool> stop{false};
+  std::atomic<int> refused{0};
+  std::thread host([&] {
+    std::vector<Vec3> sites(ball.view.meta->site_count);
+    for (int shape = 0; !stop.load(std::memory_order_relaxed); ++shape) {
+      const double size = 1 + 0.05 * std::sin(0.2 * shape);
+      for (std::uint32_t i = 0; i < sites.size(); ++i) sites[i] = size * runtime::to_vec(ball.view.sites[i].position);
+      refused += !surface.set(sites.data(), ball.view.meta->site_count, 5 * kTick);
+      std::this_thread::yield();
+    }
+  });
+  runtime::AnimatedContact contact(surface, 0);
+  double most = 0;
+  for (double t = 0; t < 4; t += kTick) {
+    surface.advance(kTick);
+    const Tick tick = contact.tick(dipping(t));
+    ASSERT_TRUE(std::isfinite(length(tick.force)));
+    ASSERT_LT(length(tick.force), 4 * kHertzForce);
+    most = std::fmax(most, length(tick.force));
+    std::this_thread::yield();
+  }
+  stop = true;
+  host.join();
+  EXPECT_EQ(refused, 0);
+  EXPECT_GT(surface.number(), 10U);
+  EXPECT_GT(most, 0.1);
+}
+
 }  // namespace
 }  // namespace palpate

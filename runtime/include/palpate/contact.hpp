@@ -69,6 +69,13 @@ public:
     if (hold_.lasts() && ratio > 0) hold_.rescaled(ratio);
   }
 
+  /// For a host whose body changes its shape: what the tool did up to here was, in the body's frame, done at `by` times
+  /// the poses that were told. The contact stays where it is on the body.
+  void rebase(const Pose& by) {
+    free_at_ = by.apply(free_at_);
+    hold_.rebase(by);
+  }
+
 private:
   /// The file holds nothing that was left out; grasps are no matter of a contact.
   [[nodiscard]] bool fits() const {
@@ -134,12 +141,7 @@ private:
 
   /// Most that any skeleton point can have moved since the last search.
   [[nodiscard]] double motion_since_search(const Pose& pose) const {
-    double turned = 0;
-    for (int k = 0; reach_ > 0 && k < 9; ++k) {
-      const double d = pose.rotation[k] - search_.pose.rotation[k];
-      turned += d * d;
-    }
-    return length(pose.translation - search_.pose.translation) + std::sqrt(turned) * reach_;
+    return skeleton_motion(search_.pose, pose, reach_);
   }
 
   /// Where the smooth normals meet the tool: there the first deflection is purely along n(c). The nearest

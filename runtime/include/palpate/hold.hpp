@@ -83,6 +83,12 @@ public:
     replaced(stored() / ratio, last_);
   }
 
+  /// What the tool did up to here counts as done at `by` times its poses.
+  void rebase(const Pose& by) {
+    last_ = by.apply(last_);
+    rest_.rebase(by);
+  }
+
 private:
   [[nodiscard]] const BasicField<kFeatures>& field() const { return rest_.field(); }
 

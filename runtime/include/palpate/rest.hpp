@@ -127,6 +127,9 @@ public:
     turn(field_.normal(), pose);
   }
 
+  /// Turns the tool's pose of the last tick by that of `by`.
+  void rebase(const Pose& by) { turned_from_ = by.rotate(turned_from_); }
+
 private:
   /// Where c rests when the tool at q is to be deflected by `sideways` from the anchor.
   [[nodiscard]] Projection foot(const Vec3& q, const Vec3& sideways) const {

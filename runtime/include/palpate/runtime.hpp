@@ -6,6 +6,7 @@
 /// with View::open; then, per tool, a Contact and one tick for every pose. Field and locate are the level
 /// below, for a program that finds its contacts itself. Lengths in metres, forces in newtons, body frame.
 #include "palpate/adjust.hpp"
+#include "palpate/animated.hpp"
 #include "palpate/contact.hpp"
 #include "palpate/grasp.hpp"
 #include "palpate/latest.hpp"

@@ -257,13 +257,7 @@ private:
 
   /// How far skin and c may have come since the last look (m).
   [[nodiscard]] double motion(const Pose& pose, const Tick& first) const {
-    double turned = 0;
-    for (int k = 0; k < 9; ++k) {
-      const double d = pose.rotation[k] - looked_.rotation[k];
-      turned += d * d;
-    }
-    return length(pose.translation - looked_.translation) + std::sqrt(turned) * reach_ +
-           length(first.body_point - looked_c_);
+    return skeleton_motion(looked_, pose, reach_) + length(first.body_point - looked_c_);
   }
 
   const View* view_;

@@ -31,6 +31,16 @@ inline double skeleton_radius(const View& view, std::uint32_t tool) {
   return reach;
 }
 
+/// Most that any point of a skeleton of that radius (m) can have moved from one pose to another (m).
+inline double skeleton_motion(const Pose& from, const Pose& to, double radius) {
+  double turned = 0;
+  for (int k = 0; radius > 0 && k < 9; ++k) {
+    const double d = to.rotation[k] - from.rotation[k];
+    turned += d * d;
+  }
+  return length(to.translation - from.translation) + std::sqrt(turned) * radius;
+}
+
 namespace detail {
 
 /// Nearest point of the axis: a few samples, then alternating projections from the best of them. A point whose distance

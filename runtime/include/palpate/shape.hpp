@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: MIT
+// A shape that a host gives the body: how its sites turned, where its contact surface lies, and a search tree for that.
+#pragma once
+
+#include "palpate/surface.hpp"
+#include "palpate/validate_common.hpp"
+
+#include <cmath>
+#include <initializer_list>
+
+namespace palpate::runtime {
+
+/// A rotation; of length 1 unless told.
+struct Quaternion {
+  double w = 1, x = 0, y = 0, z = 0;
+};
+
+inline double dot(const Quaternion& a, const Quaternion& b) { return a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Quaternion operator+(const Quaternion& a, const Quaternion& b) {
+  return {a.w + b.w, a.x + b.x, a.y + b.y, a.z + b.z};
+}
+inline Quaternion operator*(double s, const Quaternion& a) { return {s * a.w, s * a.x, s * a.y, s * a.z}; }
+/// First b, then a.
+inline Quaternion operator*(const Quaternion& a, const Quaternion& b) {
+  return {a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+          a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
+}
+inline Quaternion normalised(const Quaternion& a) { return (1 / std::sqrt(dot(a, a))) * a; }
+/// `share` of b, the rest of a, the short way; neither a nor b need have length 1, nor has the sum.
+inline Quaternion mixed(const Quaternion& a, const Quaternion& b, double share) {
+  return (1 - share) * a + (dot(a, b) < 0 ? -share : share) * b;
+}
+inline Pose to_pose(const Quaternion& q, const Vec3& translation) {
+  return Pose::from_quaternion(q.w, q.x, q.y, q.z, translation);
+}
+
+/// What a shape was answered with.
+struct ShapeResult {
+  bool ok = false;
+  char error[160] = {};  ///< names the fault and where it is; empty when ok
+  explicit operator bool() const { return ok; }
+};
+
+/// One shape of a body: its file's view with vertices and search tree of their own, and what turned every site.
+struct Shape {
+  View view;
+  const Quaternion* turns = nullptr;
+  double seconds = 0;  ///< how long the body takes from the shape before
+  double travel = 0;   ///< m, that no point can have gone beyond since it was baked
+};
+
+/// The shape's rotation at a point: that of the patch's sites, blended by their weights.
+inline Quaternion turn(const Shape& shape, const BodyPoint& at) {
+  double weights[3];
+  patch_weights(shape.view, at, weights);
+  const auto& site = shape.view.patches[shape.view.triangles[at.triangle].patch].vertex;
+  const Quaternion& first = shape.turns[site[0]];
+  Quaternion sum{0, 0, 0, 0};
+  for (int k = 0; k < 3; ++k) {
+    const Quaternion& q = shape.turns[site[k]];
+    sum = sum + (dot(q, first) < 0 ? -weights[k] : weights[k]) * q;
+  }
+  return normalised(sum);
+}
+
+namespace detail {
+
+/// A = sum of (moved edge) x (baked edge) of the patches about a site, by columns.
+struct EdgeSum {
+  Vec3 column[3];
+
+  void add(const Vec3& moved, const Vec3& baked) {
+    column[0] = column[0] + baked.x * moved;
+    column[1] = column[1] + baked.y * moved;
+    column[2] = column[2] + baked.z * moved;
+  }
+  /// Of R and A: large where they agree.
+  [[nodiscard]] double agreement(const Pose& r) const {
+    const double* m = r.rotation;
+    return dot({m[0], m[3], m[6]}, column[0]) + dot({m[1], m[4], m[7]}, column[1]) + dot({m[2], m[5], m[8]}, column[2]);
+  }
+};
+
+/// The rotation nearest to A, from a start. After Mueller, Bender, Chentanez and Macklin, A robust method to extract
+/// the rotational part of deformations (Motion in Games 2016), which needs no inverse: edges in a plane will do.
+inline Quaternion nearest_rotation(const EdgeSum& a, Quaternion start) {
+  // Half a turn away nothing would say which way to go.
+  Quaternion q = start;
+  double best = -HUGE_VAL;
+  for (const Quaternion& half : {Quaternion{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}) {
+    const Quaternion candidate = start * half;
+    const double agrees = a.agreement(to_pose(candidate, {}));
+    if (!(agrees > best)) continue;
+    best = agrees;
+    q = candidate;
+  }
+  constexpr int kSteps = 60;  // the error is at least halved each time
+  for (int i = 0; i < kSteps; ++i) {
+    const Pose r = to_pose(q, {});
+    const double* m = r.rotation;
+    const Vec3 off = cross({m[0], m[3], m[6]}, a.column[0]) + cross({m[1], m[4], m[7]}, a.column[1]) +
+                     cross({m[2], m[5], m[8]}, a.column[2]);
+    const double agrees = std::fabs(a.agreement(r));
+    if (!(dot(off, off) > 1e-24 * agrees * agrees)) break;
+    const Vec3 step = 0.5 / (agrees + 1e-12 * length(off)) * off;
+    q = normalised(Quaternion{1, step.x, step.y, step.z} * q);
+  }
+  return q;
+}
+
+/// A patch as it was baked or as it is now: edges from its first site.
+struct Edges {
+  Vec3 a, b;
+};
+
+/// Largest and least principal stretch of a patch, squared; 1 of one that was baked without area.
+inline void squared_stretches(const Edges& baked, const Edges& now, double& most, double& least) {
+  most = least = 1;
+  const double size = length(baked.a);
+  const Vec3 x = unit(baked.a, {});
+  const double along = dot(baked.b, x), height = length(baked.b - along * x);
+  if (!(height > 1e-6 * size) || !(size > 1e-6 * height)) return;
+  const Vec3 f1 = (1 / size) * now.a, f2 = (1 / height) * (now.b - (along / size) * now.a);
+  const double mean = 0.5 * (dot(f1, f1) + dot(f2, f2)), half = 0.5 * (dot(f1, f1) - dot(f2, f2));
+  const double off = std::sqrt(half * half + dot(f1, f2) * dot(f1, f2));
+  most = mean + off;
+  least = mean - off;
+}
+
+}  // namespace detail
+
+/// How far a shape may stretch and press a patch together. A contact follows its foot on the surface by steps that fall
+/// by |stretch - 1| each (animated.hpp): at 2 they would not fall; and responses as baked mean nothing long before.
+inline constexpr double kLeastStretch = 0.5, kMostStretch = 1.75;
+
+/// Makes shapes of positions of the sites. Between sites the contact surface goes along with both their motion and
+/// their turn, by the weights that responses are blended with (linear blend skinning: Magnenat-Thalmann, Laperriere and
+/// Thalmann 1988), so that a body moved rigidly stays as it was. No allocation; memory is the caller's.
+class ShapeMaker {
+public:
+  /// What it needs of a site while it works.
+  struct Work {
+    detail::EdgeSum edges;
+    Pose motion;  ///< from where it was baked to where it is
+  };
+
+  /// Memory for as many owners as there are vertices of the contact surface (each is a triangle that has the vertex),
+  /// and for as much work as there are sites.
+  ShapeMaker(const View& view, std::uint32_t* owners, Work* work) : view_(&view), owners_(owners), work_(work) {
+    for (std::uint32_t t = 0; t < view.meta->triangle_count; ++t) {
+      for (const std::uint32_t v : view.triangles[t].vertex) owners_[v] = t;
+    }
+    volume_ = volume([&](std::uint32_t i) { return baked(i); });
+  }
+
+  /// Writes turns, vertices and nodes of the shape in which the sites are at `positions` (m), as many as the view has.
+  /// `before`: turns of a shape like it, to start from. Says why where that is no shape of this body.
+  ShapeResult make(const Vec3* positions, const Quaternion* before, Quaternion* turns, layout::Point* vertices,
+                   layout::SearchNode* nodes) {
+    ShapeResult result;
+    detail::Fault fault(result.error, sizeof result.error);
+    result.ok = check_positions(positions, fault) && check_volume(positions, fault);
+    if (!result.ok) return result;
+    find_turns(positions, before, turns);
+    result.ok = check_patches(positions, turns, fault);
+    if (!result.ok) return result;
+    for (std::uint32_t v = 0; v < view_->meta->vertex_count; ++v) skin(v, vertices[v].xyz);
+    refit(vertices, nodes);
+    return result;
+  }
+
+private:
+  [[nodiscard]] Vec3 baked(std::uint32_t site) const { return to_vec(view_->sites[site].position); }
+
+  bool check_positions(const Vec3* positions, detail::Fault& fault) const {
+    for (std::uint32_t i = 0; i < view_->meta->site_count; ++i) {
+      const float p[3] = {static_cast<float>(positions[i].x), static_cast<float>(positions[i].y),
+                          static_cast<float>(positions[i].z)};
+      if (!detail::in_range(p)) return fault.say("site %: position is not finite, or beyond 1e5 m", i);
+    }
+    return true;
+  }
+
+  bool check_volume(const Vec3* positions, detail::Fault& fault) const {
+    const bool inside = volume_ > 0 && !(volume([&](std::uint32_t i) { return positions[i]; }) > 0);
+    return !inside || fault.say("the body is inside out, or without volume");
+  }
+
+  void find_turns(const Vec3* positions, const Quaternion* before, Quaternion* turns) {
+    for (std::uint32_t i = 0; i < view_->meta->site_count; ++i) work_[i].edges = {};
+    for (std::uint32_t p = 0; p < view_->meta->patch_count; ++p) {
+      const auto& site = view_->patches[p].vertex;
+      for (int k = 0; k < 3; ++k) {
+        const std::uint32_t i = site[k], j = site[(k + 1) % 3];
+        const Vec3 now = positions[j] - positions[i], then = baked(j) - baked(i);
+        work_[i].edges.add(now, then);
+        work_[j].edges.add(now, then);  // both ways from here: the signs cancel
+      }
+    }
+    for (std::uint32_t i = 0; i < view_->meta->site_count; ++i) {
+      turns[i] = detail::nearest_rotation(work_[i].edges, before[i]);
+      Pose& motion = work_[i].motion;
+      motion = to_pose(turns[i], {});
+      motion.translation = positions[i] - motion.rotate(baked(i));
+    }
+  }
+
+  bool check_patches(const Vec3* positions, const Quaternion* turns, detail::Fault& fault) const {
+    constexpr double kMostApart = 0.70710678;  // cosine of half the largest turn of a site against another
+    for (std::uint32_t p = 0; p < view_->meta->patch_count; ++p) {
+      const auto& s = view_->patches[p].vertex;
+      const detail::Edges then{baked(s[1]) - baked(s[0]), baked(s[2]) - baked(s[0])};
+      const detail::Edges now{positions[s[1]] - positions[s[0]], positions[s[2]] - positions[s[0]]};
+      double most = 1, least = 1;
+      detail::squared_stretches(then, now, most, least);
+      if (!(least >= kLeastStretch * kLeastStretch)) return fault.say("patch %: pressed to less than half", p);
+      if (!(most <= kMostStretch * kMostStretch)) return fault.say("patch %: stretched to more than 1.75 times", p);
+      for (int k = 0; k < 3; ++k) {
+        const Vec3 normal = work_[s[k]].motion.rotate(cross(then.a, then.b));
+        if (dot(normal, cross(now.a, now.b)) < 0) return fault.say("patch %: turned over at site %", p, s[k]);
+        if (!(std::fabs(dot(turns[s[k]], turns[s[(k + 1) % 3]])) >= kMostApart)) {
+          return fault.say("patch %: sites % and % turned by more than a right angle against each other", p, s[k],
+                           s[(k + 1) % 3]);
+        }
+      }
+    }
+    return true;
+  }
+
+  template <class Position>
+  [[nodiscard]] double volume(const Position& position) const {
+    double six = 0;
+    const Vec3 origin = position(0);
+    for (std::uint32_t p = 0; p < view_->meta->patch_count; ++p) {
+      const auto& s = view_->patches[p].vertex;
+      six += dot(position(s[0]) - origin, cross(position(s[1]) - origin, position(s[2]) - origin));
+    }
+    return six / 6;
+  }
+
+  void skin(std::uint32_t index, float (&out)[3]) const {
+    BodyPoint at;
+    at.triangle = owners_[index];
+    const layout::SurfaceTriangle& t = view_->triangles[at.triangle];
+    for (int k = 0; k < 3; ++k) at.bary[k] = t.vertex[k] == index ? 1 : 0;
+    double weights[3];
+    patch_weights(*view_, at, weights);
+    const Vec3 then = vertex(*view_, index);
+    Vec3 now;
+    for (int k = 0; k < 3; ++k) {
+      if (!(weights[k] > 0)) continue;
+      now = now + weights[k] * work_[view_->patches[t.patch].vertex[k]].motion.apply(then);
+    }
+    out[0] = static_cast<float>(now.x);
+    out[1] = static_cast<float>(now.y);
+    out[2] = static_cast<float>(now.z);
+  }
+
+  /// The file's tree with boxes for these vertices: children come after their parents.
+  void refit(const layout::Point* vertices, layout::SearchNode* nodes) const {
+    for (std::uint32_t i = view_->search != nullptr ? view_->meta->search_nodes : 0; i-- > 0;) {
+      layout::SearchNode& node = nodes[i];
+      node = view_->search[i];
+      for (int k = 0; k < 3; ++k) {
+        node.lower[k] = HUGE_VALF;
+        node.upper[k] = -HUGE_VALF;
+      }
+      const auto hold = [&](const float(&lower)[3], const float(&upper)[3]) {
+        for (int k = 0; k < 3; ++k) {
+          node.lower[k] = lower[k] < node.lower[k] ? lower[k] : node.lower[k];
+          node.upper[k] = upper[k] > node.upper[k] ? upper[k] : node.upper[k];
+        }
+      };
+      for (std::uint32_t t = node.first; t < node.first + node.count; ++t) {
+        for (const std::uint32_t v : view_->triangles[t].vertex) hold(vertices[v].xyz, vertices[v].xyz);
+      }
+      for (std::uint32_t child = node.first; node.count == 0 && child < node.first + 2; ++child) {
+        hold(nodes[child].lower, nodes[child].upper);
+      }
+    }
+  }
+
+  const View* view_;
+  std::uint32_t* owners_;
+  Work* work_;
+  double volume_ = 0;  ///< m^3, as baked
+};
+
+}  // namespace palpate::runtime
