@@ -15,7 +15,7 @@ using runtime::AnimatedSurface;
 using runtime::MovingContact;
 using runtime::ShapeResult;
 
-constexpr double kFrame = 1.0 / 64, kTick = kFrame / 16;  // s
+constexpr double kFrame = 1.0 / 64, kFrameTick = kFrame / 16;  // s
 
 struct Animated {
   explicit Animated(ResponseFileContent content)
@@ -37,22 +37,11 @@ struct Animated {
   std::vector<Vec3> sites;
 };
 
-Pose turned(double angle, const Vec3& axis, const Vec3& translation) {
-  return Pose::from_quaternion(std::cos(angle / 2), std::sin(angle / 2) * axis.x, std::sin(angle / 2) * axis.y,
-                               std::sin(angle / 2) * axis.z, translation);
-}
-
 Options searched() {
   Options options;
   options.search = true;
   options.subdivision = 3;
   return options;
-}
-
-// A tip on the box: down, aside until it slides, back, up.
-Pose probing(double t) {
-  const double depth = 0.003 * std::sin(2 * t), aside = 0.004 * std::sin(5 * t);
-  return upright({aside, 0.3 * aside, kTop + kTipRadius - depth});
 }
 
 TEST(AnimatedSurface, ABodyMovedRigidlyStaysAsItWas) {
@@ -85,7 +74,7 @@ TEST(AnimatedSurface, WhatIsNoShapeOfTheBodyIsRefusedByNameAndTheLastStays) {
   ASSERT_TRUE(box.set(raised));
   Tick good;
   for (double depth = -0.001; depth < 0.002; depth += 1e-5) {
-    box.surface.advance(kTick);
+    box.surface.advance(kFrameTick);
     good = contact.tick(upright({0, 0, kTop + 0.001 + kTipRadius - depth}));
   }
   ASSERT_GT(good.force.z, 0.1);
@@ -93,14 +82,14 @@ TEST(AnimatedSurface, WhatIsNoShapeOfTheBodyIsRefusedByNameAndTheLastStays) {
     EXPECT_FALSE(set);
     EXPECT_TRUE(std::regex_match(set.error, std::regex(error))) << set.error;
     const std::uint64_t number = box.surface.number();
-    for (int i = 0; i < 40; ++i) box.surface.advance(kTick);
+    for (int i = 0; i < 40; ++i) box.surface.advance(kFrameTick);
     EXPECT_EQ(box.surface.number(), number);
     const Pose pose = upright({0, 0, kTop + 0.001 + kTipRadius - 0.002 + 1e-5});
     EXPECT_NEAR(contact.tick(pose).force.z, good.force.z, 0.02);
   };
   const std::uint32_t count = box.body.view.meta->site_count;
   ASSERT_TRUE(box.set(raised));
-  for (int i = 0; i < 40; ++i) box.surface.advance(kTick);
+  for (int i = 0; i < 40; ++i) box.surface.advance(kFrameTick);
   expect_refused(box.surface.set(box.sites.data(), count - 1, kFrame), "[0-9]+ positions for [0-9]+ sites");
   for (const double seconds : {0.0, -1.0, 11.0, std::numeric_limits<double>::quiet_NaN()}) {
     expect_refused(box.set(raised, seconds), "seconds are not in \\(0, 10\\]");
@@ -134,7 +123,7 @@ TEST(AnimatedContact, ABodyThatNobodyMovesAnswersBitForBit) {
     AnimatedContact animated(box.surface, 0);
     runtime::Contact contact(box.body.view, 0);
     for (int i = 0; i < 3000; ++i) {
-      box.surface.advance(kTick);
+      box.surface.advance(kFrameTick);
       const Tick a = contact.tick(probing(1e-3 * i)), b = animated.tick(probing(1e-3 * i));
       ASSERT_EQ(a.state, b.state) << i;
       ASSERT_EQ(distance(a.force, b.force), 0) << i;
@@ -157,12 +146,12 @@ TEST(AnimatedContact, AnswersARigidMotionAsMovingContactDoes) {
   ASSERT_TRUE(box.set([&](const Vec3& x) { return body(0).apply(x); }));
   box.surface.advance(2 * kFrame);
   box.surface.advance(2 * kFrame);
-  for (int i = 0; i < 3 / kTick; ++i) {
-    const double t = i * kTick;
+  for (int i = 0; i < 3 / kFrameTick; ++i) {
+    const double t = i * kFrameTick;
     if (i % 16 == 0) {
       ASSERT_TRUE(box.set([&](const Vec3& x) { return body(t + kFrame).apply(x); }));
     }
-    if (i > 0) box.surface.advance(kTick);
+    if (i > 0) box.surface.advance(kFrameTick);
     const Pose tool = body(t) * probing(t);
     const Tick a = moving.tick(body(t), tool), b = animated.tick(tool);
     ASSERT_TRUE(std::isfinite(length(b.force) + length(b.torque)));
@@ -193,7 +182,7 @@ TEST(AnimatedContact, ABodyThatSwellsAgainstAToolIsFeltWithoutATear) {
       const ShapeResult set = ball.set([&](const Vec3& x) { return beat * x; });
       ASSERT_TRUE(set) << set.error;
     }
-    ball.surface.advance(kTick);
+    ball.surface.advance(kFrameTick);
     const Tick tick = contact.tick(tool);
     // The pole is a vertex of the surface.
     const double before = height;

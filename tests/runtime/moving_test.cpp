@@ -12,17 +12,6 @@ using namespace test;
 using runtime::Contact;
 using runtime::MovingContact;
 
-Pose turned(double angle, const Vec3& axis, const Vec3& translation) {
-  return Pose::from_quaternion(std::cos(angle / 2), std::sin(angle / 2) * axis.x, std::sin(angle / 2) * axis.y,
-                               std::sin(angle / 2) * axis.z, translation);
-}
-
-// A tip on the box: down, aside until it slides, back, up.
-Pose probing(double t) {
-  const double depth = 0.003 * std::sin(2 * t), aside = 0.004 * std::sin(5 * t);
-  return upright({aside, 0.3 * aside, kTop + kTipRadius - depth});
-}
-
 // Breathing, and swinging about an axis beside the box.
 Pose swinging(double t) {
   return turned(0.4 * std::sin(3 * t), unit(Vec3{1, 2, -1}, {}), {0.02 * std::sin(7 * t), 0.5, 0.01 * t});

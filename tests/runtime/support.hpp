@@ -50,6 +50,18 @@ inline double hertz(double z) {
 /// Height of the box's top over the origin (m).
 inline constexpr double kTop = kBoxSize / 4;
 
+/// Turned by an angle (rad) about a unit axis through the origin.
+inline Pose turned(double angle, const Vec3& axis, const Vec3& translation) {
+  return Pose::from_quaternion(std::cos(angle / 2), std::sin(angle / 2) * axis.x, std::sin(angle / 2) * axis.y,
+                               std::sin(angle / 2) * axis.z, translation);
+}
+
+/// A tip on the box at a time (s): down, aside until it slides, back, up.
+inline Pose probing(double t) {
+  const double depth = 0.003 * std::sin(2 * t), aside = 0.004 * std::sin(5 * t);
+  return upright({aside, 0.3 * aside, kTop + kTipRadius - depth});
+}
+
 inline Vec3 random_direction(std::mt19937& random) {
   std::normal_distribution<double> normal;
   return unit(Vec3{normal(random), normal(random), normal(random)}, {0, 0, 1});
