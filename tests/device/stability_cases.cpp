@@ -233,7 +233,7 @@ Response controlled(const StabilityCase& c, const Response& response, Made& made
   options.delay = c.delay;
   options.damping = c.kind->plant.damping;
   options.friction = 0.5 * c.kind->plant.friction;
-  options.trace = kTrace;
+  options.trace = 0.5 * kTrace;
   using Out = runtime::Output<runtime::output::Limit, runtime::output::Passivity>;
   const auto out =
       std::make_shared<Out>(runtime::output::Limit{c.kind->plant.peak_force}, runtime::output::Passivity(options));

@@ -59,7 +59,8 @@ struct Made {
   double bound = 0;  ///< J, below which the controller says it stays
 };
 
-/// J that the hand may be given beyond what it gave.
+/// J that the hand may be given beyond what it gave. The controller takes half of it for what it sees made, and leaves
+/// the rest to what is on its way.
 inline constexpr double kTrace = 1e-4;
 
 /// The stiffnesses (N/m) are slopes of the scaled law at the depth where the hand's force rests.

@@ -108,7 +108,7 @@ TEST(Passivity, GivesBackItsShareOnlyWithoutForce) {
     last = out.step<Passivity>().share();
   }
   EXPECT_LT(last, 0.1);
-  // Friction on a free way pays for what was made: 0.1 mJ over 0.05 N are 2 mm.
+  // Friction on a free way pays for what was made: 0.05 mJ over 0.05 N are 1 mm.
   for (int k = 0; k < 400; ++k) out({}, kTick, {0, 1e-5 * k, 0});
   EXPECT_EQ(out.step<Passivity>().share(), 1);
   EXPECT_EQ(distance(out({1, 2, 3}, kTick, {0, 4e-3, 0}), {1, 2, 3}), 0);

@@ -106,8 +106,9 @@ struct Cubic {
 template <class Scalar>
 inline Cubic cubic(const Scalar* coefs, int count, int interval) {
   const detail::Cubics& of = detail::on_interval(detail::kValues, count, interval);
-  Cubic c = {};
-  for (int k = 0; k < 4; ++k) {
+  Cubic c;
+  for (int p = 0; p < 4; ++p) c.power[p] = of.coef[p][0] * coefs[interval];
+  for (int k = 1; k < 4; ++k) {
     for (int p = 0; p < 4; ++p) c.power[p] += of.coef[p][k] * coefs[interval + k];
   }
   return c;

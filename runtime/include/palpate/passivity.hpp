@@ -15,7 +15,7 @@ struct PassivityOptions {
   double damping = 0;    ///< N s/m, viscous, that the device has at least; at least 0
   double friction = 0;   ///< N, Coulomb, that the device has at least; at least 0
   double stiffness = 0;  ///< N/m, of the stiffest contact, where it is known beforehand; at least 0
-  double trace = 1e-4;   ///< J, that may have been given out beyond what went in; above 0
+  double trace = 5e-5;   ///< J, that may have been given out beyond what went in; above 0
 
   [[nodiscard]] bool valid() const {
     return delay >= 0 && delay <= 0.02 && damping >= 0 && damping < 1e6 && friction >= 0 && friction < 1e6 &&

@@ -20,25 +20,28 @@ class BasicRim {
 
 public:
   explicit BasicRim(const View& view) {
-    if constexpr (kRim) state_.meta = view.meta;
+    if constexpr (kRim) {
+      const double share = static_cast<double>(view.meta->rim_share), limit = static_cast<double>(view.meta->rim_limit);
+      if (share > 0) state_ = {share, limit, (1 - share * limit) / (1 - share), {}};
+    }
   }
 
-  /// The contacts of the file have one. All that follows is for these alone.
-  [[nodiscard]] bool present() const {
-    if constexpr (kRim) return state_.meta->rim_share > 0;
-    return false;
-  }
+  /// The contacts of the file have one.
+  [[nodiscard]] bool present() const { return share() > 0; }
 
   [[nodiscard]] double share() const {
-    if constexpr (kRim) return static_cast<double>(state_.meta->rim_share);
+    if constexpr (kRim) return state_.share;
     return 0;
   }
   /// What rim and core hold for their share, in friction limits of the contact.
   [[nodiscard]] double limit() const {
-    if constexpr (kRim) return static_cast<double>(state_.meta->rim_limit);
+    if constexpr (kRim) return state_.limit;
     return 1;
   }
-  [[nodiscard]] double core_limit() const { return present() ? (1 - share() * limit()) / (1 - share()) : 1; }
+  [[nodiscard]] double core_limit() const {
+    if constexpr (kRim) return state_.core_limit;
+    return 1;
+  }
 
   /// Sideways deflection (m) of the rim, across the unit n, for that of the core.
   [[nodiscard]] Vec3 deflection(const Vec3& core, const Vec3& n) const {
@@ -62,7 +65,7 @@ public:
 
 private:
   struct State {
-    const layout::Meta* meta;
+    double share = 0, limit = 1, core_limit = 1;
     Vec3 lead;  ///< m, by which the rim is deflected more than the core
   };
   detail::If<kRim, State> state_;
