@@ -25,7 +25,7 @@ protected:
   Stroking() {
     sphere.radius = 0.01;
     radius = std::sqrt(sphere.radius * depth);
-    options.mesh_size = 0.4;
+    options.mesh_size = 0.5;
   }
 
   StrokeResult stroke(const std::function<bool()>& stop = {}) const {

@@ -9,11 +9,11 @@ namespace palpate::runtime {
 /// A contact that is drawn sideways slips from its rim inwards, long before it slides as a whole (Cattaneo 1938;
 /// Mindlin 1949). Here it is two that lie on the same point and share its field, a rim and a core: the force is their
 /// mean, weighted with their shares; each has its own sideways deflection and friction limit, the core the higher one,
-/// so that both limits together are that of the contact. Each for itself is a contact that sticks until it slips, and
-/// two that are passive are passive together. What follows from it: less resistance before full slip, which comes
-/// later; at reversals twice the way (Masing's rule); no drift at rest (Iwan 1966). The deflection of the core is that
-/// of BasicRest, with which c goes; of the rim's this keeps by how much it leads. Without layout::feature_rim all is
-/// core: no code, no memory.
+/// so that both limits together are that of the contact, and bears as much of the sideways force of a straight push.
+/// Each for itself is a contact that sticks until it slips, and two that are passive are passive together. What follows
+/// from it: less resistance before full slip, which comes later; at reversals twice the way (Masing's rule); no drift
+/// at rest (Iwan 1966). The deflection of the core is that of BasicRest, with which c goes; of the rim's this keeps by
+/// how much it leads. Without layout::feature_rim all is core: no code, no memory.
 template <std::uint32_t kFeatures>
 class BasicRim {
   static constexpr bool kRim = (kFeatures & layout::feature_rim) != 0;
