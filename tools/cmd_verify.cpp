@@ -14,6 +14,7 @@
 #include "tools/verify_battery.hpp"
 #include "tools/verify_ccx.hpp"
 #include "tools/verify_checks.hpp"
+#include "tools/verify_closed_forms.hpp"
 #include "tools/verify_contacts.hpp"
 #ifdef PALPATE_DEVICES
 #include "tools/verify_device.hpp"
@@ -35,7 +36,7 @@ struct VerifyArguments {
   std::string input, work, response, report, plot, samples, battery, family, other, cases, paper, device;
   std::uint32_t count = 40;
   std::uint64_t seed = 1;
-  bool slide = false, strokes = false, two_tips = false;
+  bool closed_forms = false, slide = false, strokes = false, two_tips = false;
   int contacts = 3;
   double radii = 3.5, rate = 1000, scale = 1;
   VerifyLimits limits;
@@ -196,18 +197,22 @@ void solve(const VerifyArguments& options, const Globals& globals) {
 
 // What is verified, one thing at a time; keys that belong to another are errors.
 void check_usage(const VerifyArguments& options) {
-  const std::pair<const char*, bool> kinds[] = {
-      {"--battery", !options.battery.empty()}, {"--compare", !options.other.empty()},
-      {"--device", !options.device.empty()},   {"--paper", !options.paper.empty()},
-      {"--samples", !options.samples.empty()}, {"--slide", options.slide},
-      {"--strokes", options.strokes},          {"--two-tips", options.two_tips}};
+  const std::pair<const char*, bool> kinds[] = {{"--battery", !options.battery.empty()},
+                                                {"--closed-forms", options.closed_forms},
+                                                {"--compare", !options.other.empty()},
+                                                {"--device", !options.device.empty()},
+                                                {"--paper", !options.paper.empty()},
+                                                {"--samples", !options.samples.empty()},
+                                                {"--slide", options.slide},
+                                                {"--strokes", options.strokes},
+                                                {"--two-tips", options.two_tips}};
   const char* chosen = nullptr;
   for (const auto& [name, given] : kinds) {
     if (!given) continue;
     if (chosen != nullptr) throw Error(ExitCode::usage, std::string(chosen) + " and " + name + " exclude each other");
     chosen = name;
   }
-  const bool own = !options.battery.empty() || !options.other.empty() || !options.paper.empty();
+  const bool own = !options.battery.empty() || options.closed_forms || !options.other.empty() || !options.paper.empty();
   if (own && !options.input.empty()) {
     throw Error(ExitCode::usage, std::string(chosen) + " makes its own bodies; leave the scene out");
   }
@@ -223,7 +228,8 @@ void check_usage(const VerifyArguments& options) {
   }
   if (options.input.empty() && !own && !options.slide && !options.two_tips) {
     throw Error(ExitCode::usage,
-                "verify needs a scene, a response file, or --battery, --compare, --paper, --slide, --two-tips");
+                "verify needs a scene, a response file, or --battery, --closed-forms, --compare, --paper, "
+                "--slide, --two-tips");
   }
 }
 
@@ -238,6 +244,7 @@ void run_verify(const VerifyArguments& options, const Globals& globals) {
   if (options.two_tips) return run_two_tips(contacts, globals);
   if (!options.battery.empty())
     return run_battery_command({options.report, options.family, options.cases, options.seed}, globals);
+  if (options.closed_forms) return run_closed_forms({options.report}, globals);
   if (!options.other.empty()) return run_ccx_command({options.report, options.cases}, globals);
   if (!options.paper.empty()) return run_paper_command({options.paper, options.report}, globals);
   if (!options.samples.empty()) return compare(options, globals);
@@ -264,6 +271,8 @@ void add_verify(CLI::App& app, Globals& globals) {
   command.option("--battery", options->battery, "Instead of a scene: the cells of the stability table")
       .check(one_of({"stiff"}));
   command.option("--family", options->family, "Only this family of the battery");
+  command.flag("--closed-forms", options->closed_forms,
+               "Instead of a scene: Hertz, Sneddon, Dimitriadis, Mindlin and Cattaneo, on bodies of two sizes");
   command.option("--compare", options->other, "Instead of a scene: forces and times beside another program's")
       .check(one_of({"ccx"}));
   command.option("--case", options->cases, "Only the cells or cases with this in their name");

@@ -1,71 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Closed forms of partial and full slip, through the entry point that the bake uses.
+// Sideways pushes from stick to slip, through the entry point that the bake uses.
 #include "precompute/solve/coulomb_push.hpp"
-#include "tests/solve/two_domains.hpp"
 #include "tests/support/press.hpp"
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <vector>
-
-namespace palpate::slip_laws_test {
+namespace palpate::slipping_pushes_test {
 namespace {
 
 constexpr double kYoung = 5e3, kPoisson = 0.49;
-
-// The contact is formed without friction and then pushed sideways at its depth: at nu = 0.49 pressures hardly change.
-// The tractions that slip relieves at the rim are not singular, and need no ring of small elements.
-// Two pushes of four points, the last of each in full slip, over the law; the normal load stays what it was.
-std::vector<double> over_cattaneo_mindlin(double size, double mesh_size) {
-  const double radius = 0.01, depth = 0.001 * radius, a = std::sqrt(radius * depth), mu = 0.3;
-  PairPath path;
-  path.normal_depths = {0.25 * depth, 0.5 * depth, 0.75 * depth, depth};
-  path.tangential_depths = {depth};
-  path.tangential_directions = 2;
-  path.tangential_points = 0;
-  path.friction = mu;
-  path.form_frictionless = true;
-  path.slip_points = 4;
-  path.slip_reach = 1.2 * gross_slip_reach(mu, kPoisson);
-  PairOptions options;
-  options.mesh_size = mesh_size;
-  ToolScene sphere;
-  sphere.radius = radius;
-  const PairResult r = test::press(test::block_body(size * a, kYoung, kPoisson), sphere, path, options);
-  EXPECT_TRUE(r.outcome.accepted) << r.outcome.cause;
-  EXPECT_EQ(r.outcome.cause, "");
-  const double shear = kYoung / (2 * (1 + kPoisson));
-  double load = 0;
-  std::vector<double> over_law;
-  for (const Sample& s : r.samples) {
-    if (s.kind == SampleKind::normal) load = s.force.z();
-    if (s.kind != SampleKind::slipping) continue;
-    const double limit = mu * s.force.z(), q = s.force.head<2>().norm();
-    const double furthest = 3 * limit * (2 - kPoisson) / (16 * shear * a);
-    const double share = s.deflection.head<2>().norm() / furthest;
-    const double expected = share < 1 ? 1 - std::pow(1 - share, 1.5) : 1.0;
-    over_law.push_back(q / limit / expected);
-    EXPECT_NEAR(s.force.z() / load, 1.0, 0.01) << share;
-    EXPECT_EQ(s.friction_limit > 0, share > 1) << share;
-    EXPECT_EQ(s.index % 4 == 3, share > 1) << share;
-  }
-  EXPECT_EQ(over_law.size(), 8U);
-  return over_law;
-}
-
-double slip_tolerance(std::size_t k) { return k % 4 == 3 ? 0.02 : 0.05; }
-
-TEST(CattaneoMindlin, PartialSlipThenFullSlip) {
-  const std::vector<double> over_law = over_cattaneo_mindlin(60, 0.2);
-  for (std::size_t k = 0; k < over_law.size(); ++k) EXPECT_NEAR(over_law[k], 1.0, slip_tolerance(k)) << k;
-}
-
-TEST(LongCattaneoMindlin, TwoBlocks) {
-  const test::TwoDomains two =
-      test::on_two_domains(30, 60, [](double size) { return over_cattaneo_mindlin(size, 0.12); });
-  for (std::size_t k = 0; k < two.endless.size(); ++k) test::expect_law(two, k, slip_tolerance(k));
-}
 
 // A path that asks for slipping pushes as well gets the samples that it would get without. On a deep contact the solved
 // limit passes the one foretold from the slopes of the straight push, which passes mu: tissue piles up before the tool.
@@ -132,4 +75,4 @@ TEST(SlippingPushes, ASceneGetsItsFrictionLimitSolved) {
 }
 
 }  // namespace
-}  // namespace palpate::slip_laws_test
+}  // namespace palpate::slipping_pushes_test
