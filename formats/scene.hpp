@@ -136,6 +136,7 @@ struct ResponseScene {
   Slip slip = Slip::automatic;  ///< with friction: whether contacts slip in part before they slide
   Search search = Search::automatic;
   double tolerance = 0.05;  ///< asked relative force error, (0, 1); verify says whether straight pushes meet it
+  double max_residual = 1;  ///< relative error beyond which a pair's fit is not believed, [0.01, 1000]
 };
 
 struct SolverScene {

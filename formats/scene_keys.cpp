@@ -187,7 +187,11 @@ const Keys<ResponseScene>& response_keys() {
                                       "Contact search stored in the file; auto: where the body is large.")),
       affecting(Affects::file, number("tolerance", &R::tolerance, {0, 0.99, true, ""},
                                       "Asked relative force error: palpate verify tells whether the 95th percentile of "
-                                      "straight pushes meets it; only its option --max-p95 makes it fail."))};
+                                      "straight pushes meets it; only its option --max-p95 makes it fail.")),
+      affecting(Affects::file,
+                number("max_residual", &R::max_residual, {0.01, 1000, false, ""},
+                       "Relative error of a solved force beyond which its pair's fit is not believed: the "
+                       "pair is refused, and covered from its neighbours."))};
   return keys;
 }
 

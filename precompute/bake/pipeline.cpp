@@ -146,6 +146,7 @@ FitSettings fit_settings(const Scene& scene) {
   settings.depth_scale = scene.sampling.depth;
   settings.friction = scene.friction > 0;
   settings.max_refused = scene.sampling.max_refused;
+  settings.max_residual = scene.response.max_residual;
   if (scene.response.model == ResponseScene::Model::coupled) {
     settings.coupled = {scene.response.order, scene.response.tolerance};
   }

@@ -140,6 +140,13 @@ PairFigures pair_figures(std::uint32_t pair, const fit::FitErrors& errors) {
   return {pair, figures.median, figures.p95, figures.worst};
 }
 
+std::string residual_cause(double worst, double allowed) {
+  char text[120];
+  std::snprintf(text, sizeof text, "fit: misses a force by %.3g %%, allowed %.3g %% (scene: response.max_residual)",
+                100 * worst, 100 * allowed);
+  return text;
+}
+
 }  // namespace
 
 ErrorFigures error_figures(const std::vector<std::pair<double, std::uint32_t>>& errors) {
@@ -219,9 +226,14 @@ FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std
       refused.push_back({pair, error.what()});
       continue;
     }
+    const fit::FitErrors errors = fit::fit_errors(curves, result.scales, solved.samples);
+    const PairFigures figures = pair_figures(pair, errors);
+    if (!(figures.worst <= settings.max_residual)) {
+      refused.push_back({pair, residual_cause(figures.worst, settings.max_residual)});
+      continue;
+    }
     ++report.accepted;
     if (!solved.outcome->cause.empty()) ++report.shortened;
-    const fit::FitErrors errors = fit::fit_errors(curves, result.scales, solved.samples);
     for (const double e : errors.normal) normal.emplace_back(e, pair);
     for (const double e : errors.tangential) tangential.emplace_back(e, pair);
     for (const double e : errors.paths) paths.emplace_back(e, pair);
@@ -236,7 +248,7 @@ FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std
       }
       report.turn = true;
     }
-    report.pairs.push_back(pair_figures(pair, errors));
+    report.pairs.push_back(figures);
     rows[row][planned.site] = SiteCurves{std::move(curves), planned.depth, std::move(grasp), std::move(turn)};
     flags[row][planned.site] = layout::response_solved;
   }

@@ -23,6 +23,7 @@ struct FitSettings {
   double depth_scale = 0.0;                ///< m, Z: the scene's depth
   bool friction = false;                   ///< the scene has friction
   double max_refused = 0.03;               ///< share of the planned pairs, [0, 0.5]
+  double max_residual = 1;                 ///< relative error of a force beyond which its pair is refused
   double lateral_threshold = 0.01;         ///< straight pushes below this share of their pair's peak are left out
   std::optional<fit::DegreeWish> coupled;  ///< the coupled model; none: separable
   std::vector<bool> grasps;                ///< per tool, whether it holds on; empty: none does

@@ -85,6 +85,11 @@ std::optional<std::string> failed_sideways_gate(const GateState& s, double answe
   return failed_answer("sideways answer (N)", s, answer, limits);
 }
 
+std::optional<std::string> failed_sticking_gate(const GateState& s, double answer, const GateLimits& limits) {
+  if (auto failed = failed_sideways_gate(s, answer, limits)) return failed;
+  return failed_balance(s, s.stored - s.work, std::abs(s.work), limits);
+}
+
 std::optional<std::string> failed_grasp_gate(const GateState& s, double answer, const GateLimits& limits) {
   if (auto failed = failed_state(s, limits)) return failed;
   const double give = s.contact.bond_give.norm() / s.contact_radius, gap = s.contact.bond_gap / s.contact_radius;

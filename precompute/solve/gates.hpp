@@ -45,6 +45,9 @@ std::optional<std::string> failed_gate(const GateState& state, const GateLimits&
 /// Growth and work are not asked for, a resolved contact is: a contact that peels ends in a few points.
 std::optional<std::string> failed_sideways_gate(const GateState& state, double answer, const GateLimits& limits);
 
+/// The same for a contact that sticks, where `work` and `stored` count from the straight push.
+std::optional<std::string> failed_sticking_gate(const GateState& state, double answer, const GateLimits& limits);
+
 /// The same for a contact that is grasped, in any move: a pull is as good as a push, and `work` and `stored` count from
 /// the grasp. `answer` (N, or N m of a turn) is the change of the force along the move.
 std::optional<std::string> failed_grasp_gate(const GateState& state, double answer, const GateLimits& limits);

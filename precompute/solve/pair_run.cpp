@@ -9,6 +9,21 @@
 
 namespace palpate {
 
+WayEnergy::WayEnergy(const Push& push)
+    : push_(push), start_(energy()), at_(push.state().translation), force_(push.report().force) {}
+
+void WayEnergy::moved() {
+  const Eigen::Vector3d at = push_.state().translation, force = push_.report().force;
+  work_ -= 0.5 * (force_ + force).dot(at - at_);
+  at_ = at;
+  force_ = force;
+}
+
+double WayEnergy::energy() const {
+  const ContactReport r = push_.report();
+  return push_.elastic_energy() + r.normal_energy + r.tangential_energy;
+}
+
 bool PairRun::refuse(const std::string& cause) {
   result.outcome.accepted = false;
   result.outcome.cause = cause;
@@ -44,14 +59,16 @@ Sample PairRun::sample(std::uint32_t iterations) const {
   return s;
 }
 
-GateState PairRun::sideways_gate(double depth, const Sample& sample) const {
+GateState PairRun::sideways_gate(double depth, const Sample& sample, const WayEnergy& way) const {
   GateState gate;
   gate.depth = depth;
   gate.contact_radius = radius(depth);
   gate.force = sample.force.z();
   gate.min_jacobian = sample.min_jacobian;
   gate.contact = push.report();
-  gate.stored = gate.contact.tangential_energy;
+  gate.work = way.work();
+  gate.stored = way.stored();
+  gate.energy_scale = work_scale(depth);
   return gate;
 }
 

@@ -20,6 +20,23 @@ struct CurvePoint {
   double energy_error = 0.0;  ///< J, see StepResult
 };
 
+/// What a tool does on its way from where a push stands, by the trapezium over its moves, and what is stored since.
+class WayEnergy {
+public:
+  explicit WayEnergy(const Push& push);
+  /// After a move of the push.
+  void moved();
+  [[nodiscard]] double work() const { return work_; }               ///< J
+  [[nodiscard]] double stored() const { return energy() - start_; }  ///< J
+
+private:
+  [[nodiscard]] double energy() const;
+
+  const Push& push_;
+  double start_, work_ = 0.0;
+  Eigen::Vector3d at_, force_;
+};
+
 struct PairRun {
   const Body& body;
   const Tool& tool;
@@ -49,8 +66,8 @@ struct PairRun {
                      const std::vector<Eigen::VectorXd>& starts = {}) const;
   /// Of where the push stands, without friction that a term of its own exerts, and without an error estimate.
   [[nodiscard]] Sample sample(std::uint32_t iterations) const;
-  /// Of a contact that was moved sideways at that depth (m) while it stuck.
-  [[nodiscard]] GateState sideways_gate(double depth, const Sample& sample) const;
+  /// Of a contact that was moved sideways at that depth (m) while it stuck, the way from the straight push behind it.
+  [[nodiscard]] GateState sideways_gate(double depth, const Sample& sample, const WayEnergy& way) const;
   /// The first accepted point from `depth` on: a shallow one may have been too small a contact to believe.
   [[nodiscard]] const CurvePoint& point_from(double depth) const;
   [[nodiscard]] const Sample& sample_of(const CurvePoint& point) const {

@@ -33,8 +33,8 @@ Straight straight_at(const PairRun& run, double depth) {
 }
 
 // The cause of a failure, or nothing when the sample was taken.
-std::optional<std::string> go(PairRun& run, const CurvePoint& from, double angle, const SidePath::Point& point,
-                              std::size_t index) {
+std::optional<std::string> go(PairRun& run, const CurvePoint& from, WayEnergy& way, double angle,
+                              const SidePath::Point& point, std::size_t index) {
   const Vector3d local(std::cos(angle), std::sin(angle), 0);
   const Vector3d target =
       from.state.translation + point.sideways * run.frame.to_world(local) - (point.depth - from.depth) * run.frame.n;
@@ -43,15 +43,16 @@ std::optional<std::string> go(PairRun& run, const CurvePoint& from, double angle
   const auto where = " on the path " + std::to_string(1e3 * point.sideways) + " mm sideways at depth " +
                      std::to_string(1e3 * point.depth) + " mm";
   if (!step.converged) return step.cause + where;
+  way.moved();
   Sample s = run.sample(step.iterations);
   s.kind = SampleKind::path;
   s.index = static_cast<std::uint16_t>(index);
   const Straight straight = straight_at(run, point.depth);
   const double pull = (s.force - straight.force).dot(local);
-  const GateState gate = run.sideways_gate(point.depth, s);
-  if (const auto failed = failed_sideways_gate(gate, pull, GateLimits{})) return *failed + where;
+  const GateState gate = run.sideways_gate(point.depth, s, way);
+  if (const auto failed = failed_sticking_gate(gate, pull, GateLimits{})) return *failed + where;
   // Of the anchors, under what the side load alone stores in them.
-  const double give = 2 * std::max(gate.stored - straight.tangential_energy, 0.0) / -pull;
+  const double give = 2 * std::max(gate.contact.tangential_energy - straight.tangential_energy, 0.0) / -pull;
   s.deflection = (point.sideways - std::min(give, 0.1 * point.sideways)) * local + Vector3d(0, 0, straight.depth);
   s.error_estimate =
       run.sample_of(from).error_estimate +
@@ -72,8 +73,9 @@ void side_paths(PairRun& run) {
     start.kind = SampleKind::path;
     start.index = static_cast<std::uint16_t>(number * kPathStride);
     run.result.samples.push_back(start);
+    WayEnergy way(run.push);
     for (std::size_t k = 0; k < path.points.size(); ++k) {
-      const auto failure = go(run, from, path.angle, path.points[k], number * kPathStride + k + 1);
+      const auto failure = go(run, from, way, path.angle, path.points[k], number * kPathStride + k + 1);
       if (!failure) continue;
       run.result.outcome.cause = "stopped short: " + *failure;
       break;

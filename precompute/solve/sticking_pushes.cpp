@@ -26,8 +26,9 @@ public:
       for (int d = 0; d < path_.tangential_directions; ++d) {
         run_.push.restore(at.state);
         if (path_.form_frictionless) run_.push.stick();
+        WayEnergy way(run_.push);
         for (int k = 1; k <= path_.tangential_points; ++k) {
-          const auto failure = push_on(at, d, k, index++);
+          const auto failure = push_on(at, way, d, k, index++);
           if (!failure) continue;
           if (!run_.stop_short(*failure, k == 1)) return false;
           index = static_cast<std::uint16_t>(index + path_.tangential_points - k);
@@ -51,7 +52,8 @@ private:
   }
 
   // The cause of a failure, or nothing when the sample was taken.
-  std::optional<std::string> push_on(const CurvePoint& at, int direction, int point, std::uint16_t index) {
+  std::optional<std::string> push_on(const CurvePoint& at, WayEnergy& way, int direction, int point,
+                                     std::uint16_t index) {
     const double reach = path_.tangential_reach * at.depth * point / path_.tangential_points;
     const int slot = direction * path_.tangential_points + point - 1;
     const Vector3d local = run_.direction(direction, path_.tangential_directions);
@@ -62,15 +64,16 @@ private:
     const auto where = " in the push of " + std::to_string(1e3 * reach) + " mm sideways at depth " +
                        std::to_string(1e3 * at.depth) + " mm";
     if (!step.converged) return step.cause + where;
+    way.moved();
     moved_[slot] = (run_.push.state().x - at.state.x) / reach;
     Sample s = run_.sample(step.iterations);
     s.kind = SampleKind::tangential;
     s.index = index;
     const double pull = (s.force - base.force).dot(local);
-    const GateState gate = run_.sideways_gate(at.depth, s);
-    if (const auto failed = failed_sideways_gate(gate, pull, GateLimits{})) return *failed + where;
+    const GateState gate = run_.sideways_gate(at.depth, s, way);
+    if (const auto failed = failed_sticking_gate(gate, pull, GateLimits{})) return *failed + where;
     // The anchors' own compliance, at a constant contact area: 2 E / Q, E without what the straight push had sheared.
-    const double give = 2 * std::max(gate.stored - at.contact.tangential_energy, 0.0) / -pull;
+    const double give = 2 * std::max(gate.contact.tangential_energy - at.contact.tangential_energy, 0.0) / -pull;
     s.deflection = (reach - std::min(give, 0.1 * reach)) * local + Vector3d(0, 0, base.deflection.z());
     s.error_estimate = base.error_estimate + error_estimate({gate.contact.force.norm(), reach, give, step.energy_error,
                                                              run_.push.state().penalty * gate.contact.area,

@@ -76,6 +76,28 @@ TEST(Fit, APairThatCannotBeFittedIsCoveredLikeARefusedOne) {
   EXPECT_NEAR(normal_force(fitted, 24, 1.0) / normal_force(fitted, 23, 1.0), 1.0, 1e-4);
 }
 
+TEST(Fit, APairWhoseForcesNoCurveMeetsIsCoveredAsWell) {
+  GridPlan grid = grid_plan(7, Z, 0.0, [](int) { return power_law(500, 1.5); });
+  Sample& jumped = grid.journal.pairs[24].samples[8];
+  jumped.force *= 0.1;
+  FitSettings s = settings(false);
+  s.max_residual = 0.3;
+  const FittedResponses fitted = fit_grid(grid, s);
+  EXPECT_EQ(fitted.report.refused, 1U);
+  EXPECT_EQ(fitted.responses[24].flags, layout::response_covered);
+  EXPECT_NEAR(normal_force(fitted, 24, 1.0) / normal_force(fitted, 23, 1.0), 1.0, 1e-4);
+  s.max_residual = 100;
+  EXPECT_EQ(fit_grid(grid, s).report.accepted, 49U);
+  s.max_residual = 0.3;
+  s.max_refused = 0;
+  try {
+    fit_grid(grid, s);
+    FAIL() << "one refused must not pass where none is allowed";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("response.max_residual"), std::string::npos) << error.what();
+  }
+}
+
 TEST(Fit, PairsWhoseSidewaysPushEndedEarlyAreCounted) {
   GridPlan grid = grid_plan(5, Z, 0.0, [](int) { return power_law(500, 1.5); });
   grid.journal.pairs[3].outcome->cause = "stopped short: minimum Jacobian";

@@ -82,6 +82,7 @@ std::vector<Case> cases() {
       bad("response", "order", "5", "0 <= x <= 4"),
       bad("response", "path_share", "1.1", "0 <= x <= 1"),
       bad("response", "search", "\"octree\"", "\"auto\" | \"none\" | \"bvh\""),
+      bad("response", "max_residual", "0", "0.01 <= x <= 1000"),
       bad("response", "tolerance", "0", "0 < x <= 0.99"),
       bad("response", "tolerance", "1", "0 < x <= 0.99"),
       bad("solver", "mesh_size", "0", "0.05 <= x <= 1"),

@@ -354,7 +354,9 @@ TEST_F(SceneTest, CanonicalTextFollowsResultsNotPathsNorNames) {
   const auto solves = [&](const std::string& more) {
     return canonical_text(read(base + more), CanonicalScope::solves);
   };
-  EXPECT_EQ(solves(""), solves("[response]\ntolerance = 0.04\nsearch = \"none\"\n[sampling]\nmax_refused = 0.5\n"));
+  EXPECT_EQ(
+      solves(""),
+      solves("[response]\ntolerance = 0.04\nmax_residual = 2\nsearch = \"none\"\n[sampling]\nmax_refused = 0.5\n"));
   EXPECT_NE(solves(""), solves("[sampling]\nnormal_points = 13\n"));
   // A tool that is not turned keeps its solves.
   const std::string grasp = "[tool]\ngrasp_depth = 0.001\n";

@@ -56,6 +56,7 @@ TEST(Gates, APullIsRightWhereTheContactIsGrasped) {
 TEST(Gates, AGoodStatePasses) {
   EXPECT_EQ(failed_gate(good(), {}), std::nullopt);
   EXPECT_EQ(failed_sideways_gate(good(), -0.01, {}), std::nullopt);
+  EXPECT_EQ(failed_sticking_gate(good(), -0.01, {}), std::nullopt);
 }
 
 TEST_P(Gates, RefusesAndNamesItself) {
@@ -89,6 +90,22 @@ TEST(SidewaysGates, AnAnswerAlongThePushAndAPeeledContactAreRefused) {
   GateState peeled = good();
   peeled.contact.points = 5;
   EXPECT_EQ(failed_sideways_gate(peeled, -0.01, {})->rfind("contact resolution", 0), 0U);
+}
+
+// A thin lobe that snaps to another state while it is pushed aside answers with a smaller force and less energy; the tool
+// may also be given work back.
+TEST(SidewaysGates, AStuckContactThatJumpsToAnotherStateIsRefused) {
+  for (const double way : {1.0, -1.0}) {
+    GateState stuck = good(), jumped = good();
+    stuck.work = jumped.work = way * good().work;
+    stuck.stored = stuck.work - 0.3e-6;
+    jumped.stored = jumped.work - 3e-6;
+    EXPECT_EQ(failed_sticking_gate(stuck, -0.01, {}), std::nullopt);
+    const auto failed = failed_sticking_gate(jumped, -0.01, {});
+    ASSERT_TRUE(failed.has_value());
+    EXPECT_EQ(failed->rfind("energy balance", 0), 0U) << *failed;
+  }
+  EXPECT_EQ(failed_sticking_gate(good(), 0.001, {})->rfind("sideways answer", 0), 0U);
 }
 
 TEST(CheckGate, AForceFarFromThatOfTheFinerMeshIsRefused) {
