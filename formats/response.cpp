@@ -161,12 +161,20 @@ void add_tools(Sections& sections, const ResponseFileContent& c, layout::Meta& m
 }
 
 void add_coupled(Sections& sections, const ResponseFileContent& c) {
-  const std::size_t size = layout::coupled_size(*c.coupled);
+  const std::uint32_t bits = c.coupled_bits;
+  const std::size_t size = layout::coupled_size(*c.coupled, bits),
+                    limit = layout::coupled_limit_offset(*c.coupled, bits);
+  const auto before = static_cast<std::size_t>(coupled::places(*c.coupled).limit);
   std::vector<std::byte> laws(size * c.responses.size());
   for (std::size_t i = 0; i < c.responses.size(); ++i) {
     const Response& r = c.responses[i];
-    std::memcpy(laws.data() + i * size, &r.unit, sizeof r.unit);
-    std::memcpy(laws.data() + i * size + sizeof r.unit, r.coupled.data(), r.coupled.size() * sizeof(std::int16_t));
+    std::byte* const law = laws.data() + i * size;
+    std::memcpy(law, &r.unit, sizeof r.unit);
+    for (std::size_t bit = 0; bit < before * bits; ++bit) {
+      const bool set = (static_cast<std::uint16_t>(r.coupled[bit / bits]) >> bit % bits & 1) != 0;
+      if (set) law[sizeof r.unit + bit / 8] |= std::byte{1} << bit % 8;
+    }
+    std::memcpy(law + limit, r.coupled.data() + before, (r.coupled.size() - before) * sizeof(std::int16_t));
   }
   sections.add(Section::coupled, laws.data(), size, c.responses.size());
 }
@@ -246,6 +254,7 @@ std::vector<std::byte> encode(const ResponseFileContent& c) {
         &meta.cubic_degree, &meta.quartic_degree, &meta.limit_degree};
     const int from[] = {d.order, d.push, d.straight, d.stiffness, d.cubic, d.quartic, d.limit};
     for (int k = 0; k < 7; ++k) *to[k] = static_cast<std::uint32_t>(from[k]);
+    meta.coef_bits = c.coupled_bits == 16 ? 0 : c.coupled_bits;
   }
   meta.site_count = static_cast<std::uint32_t>(c.sites.size());
   meta.patch_count = static_cast<std::uint32_t>(c.patches.size());

@@ -90,6 +90,7 @@ struct ResponseFileContent {
   std::uint32_t friction_coefs = 0;
   std::optional<palpate::coupled::Degrees>
       coupled;                              ///< a file of the coupled model, all counts above 0; none: separable
+  std::uint32_t coupled_bits = 16;          ///< 8, 12 or 16: of a coefficient of Response::coupled but the limit's
   std::uint32_t grasp_coefs = 0;            ///< 0 or [4, 32]
   double rim_share = 0.0, rim_limit = 0.0;  ///< see palpate/rim.hpp: both 0, or with friction both in (0, 1)
   bool turns = false;  ///< grasped tools that are turned, by curves of grasp_coefs; only with grasps

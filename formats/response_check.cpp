@@ -63,6 +63,12 @@ void check_responses(const ResponseFileContent& c) {
     check_family(r.sideways_x, c.sideways_coefs, "sideways x", i);
     check_family(r.sideways_y, c.sideways_coefs, "sideways y", i);
     check_family(r.friction, c.friction_coefs, "friction", i);
+    for (int k = 0; c.coupled && k < std::min(coupled::places(*c.coupled).limit, static_cast<int>(r.coupled.size()));
+         ++k) {
+      const int most = (1 << (c.coupled_bits - 1)) - 1;
+      require(std::abs(int{r.coupled[static_cast<std::size_t>(k)]}) <= most, "response " + std::to_string(i),
+              "a coefficient of the coupled model takes more bits than the file gives it");
+    }
     check_family(r.coupled, c.coupled ? static_cast<std::uint32_t>(coupled::count(*c.coupled)) : 0, "coupled", i);
     check_family(r.grasp, layout::kGraspCurves * c.grasp_coefs, "grasp", i);
     check_family(r.turn, c.turns ? layout::kTurnCurves * c.grasp_coefs : 0, "turn", i);
@@ -76,6 +82,8 @@ void check_content(const ResponseFileContent& c) {
   require(friction == (c.sideways_coefs > 0) && friction == (c.friction_coefs > 0), "coefficient counts",
           "growth, sideways and friction are all 0 or none is");
   require(!c.coupled || coupled::in_range(*c.coupled), "coupled model", "its degrees are out of range");
+  require(c.coupled_bits == 16 || (c.coupled && (c.coupled_bits == 8 || c.coupled_bits == 12)), "coupled model",
+          "its coefficients have 8, 12 or 16 bits");
   require(!c.turns || c.grasp_coefs > 0, "turns", "there are none without grasps");
   check_tools(c);
   check_responses(c);

@@ -31,7 +31,7 @@ using Json = nlohmann::ordered_json;
 struct BenchArguments {
   std::string file, tool, work;
   bool solver = false, models = false, open = false;
-  double bytes = 0;
+  RepeatedSize repeated;
   TickBenchOptions bench;
 };
 
@@ -70,26 +70,38 @@ private:
 void run_open(const BenchArguments& options, const Globals& globals) {
   constexpr int kRounds = 7;
   std::unique_ptr<TemporaryFile> large;
-  if (options.bytes > 0) {
+  if (options.repeated.bytes > 0 || options.repeated.sites > 0) {
     note(globals, "writing a file of the body many times over");
-    large = std::make_unique<TemporaryFile>(repeat_body(ResponseInput(options.file).view(), options.bytes));
+    large = std::make_unique<TemporaryFile>(repeat_body(ResponseInput(options.file).view(), options.repeated));
   }
   const OpenBench bench = bench_open(large ? large->path() : std::filesystem::path(options.file), kRounds);
   if (globals.json) {
+    Json parts = Json::array();
+    for (const layout::SectionEntry& e : bench.parts) {
+      parts.push_back({{"name", layout::section_name(e.id)}, {"bytes", e.size}, {"count", e.count}});
+    }
     print_json({{"file", options.file},
                 {"machine", machine_name()},
                 {"bytes", bench.bytes},
+                {"sites", bench.sites},
                 {"responses", bench.responses},
+                {"parts", parts},
                 {"open_s", {{"median", bench.validated}, {"worst", bench.validated_most}}},
                 {"open_trusted_s", {{"median", bench.trusted}}}});
     return;
   }
   char text[300];
-  std::snprintf(text, sizeof text,
-                "%s\n%.4g MB, %u responses\nopen    median %9.4f s   worst %9.4f s\ntrusted median %9.1f us\n",
-                machine_name().c_str(), 1e-6 * static_cast<double>(bench.bytes), bench.responses, bench.validated,
+  std::snprintf(text, sizeof text, "%s\n%.4g MB, %u sites, %u responses; bytes of each part a response:\n",
+                machine_name().c_str(), 1e-6 * static_cast<double>(bench.bytes), bench.sites, bench.responses);
+  std::string out = text;
+  for (const layout::SectionEntry& e : bench.parts) {
+    std::snprintf(text, sizeof text, "  %-18s %9.3f\n", layout::section_name(e.id),
+                  static_cast<double>(e.size) / bench.responses);
+    out += text;
+  }
+  std::snprintf(text, sizeof text, "open    median %9.4f s   worst %9.4f s\ntrusted median %9.1f us\n", bench.validated,
                 bench.validated_most, 1e6 * bench.trusted);
-  print(text);
+  print(out + text);
 }
 
 void run_bench(BenchArguments options, const Globals& globals) {
@@ -145,9 +157,12 @@ void add_bench(CLI::App& app, Globals& globals) {
                "Seconds to map, validate and open the file, its pages in memory, and to open it unchecked, in place of "
                "ticks");
   command
-      .option("--bytes", options->bytes,
+      .option("--bytes", options->repeated.bytes,
               "With --open: of a temporary file of at least so many bytes, in which the body is repeated")
       .check(number_in(1, 4e9))
+      .needs("--open");
+  command.option("--sites", options->repeated.sites, "The same, of at least so many sites")
+      .check(number_in(1, 1e8))
       .needs("--open");
   command.option("--tool", options->tool, "Name of the tool; default: the file's first");
   command

@@ -94,7 +94,7 @@ double median(std::vector<double>& list) {
 
 }  // namespace
 
-std::vector<std::byte> repeat_body(const runtime::View& view, double bytes) {
+std::vector<std::byte> repeat_body(const runtime::View& view, const RepeatedSize& size) {
   const layout::Meta& m = *view.meta;
   const std::uint32_t sections = view.header().section_count;
   double once = 0, each = 0;
@@ -103,7 +103,11 @@ std::vector<std::byte> repeat_body(const runtime::View& view, double bytes) {
     (of_the_body(view, e) || e.id == static_cast<std::uint32_t>(Section::search) ? each : once) +=
         static_cast<double>(e.size);
   }
-  const auto count = static_cast<std::uint32_t>(std::max(1.0, std::ceil((bytes - once) / each)));
+  const double copies = std::max({1.0, (size.bytes - once) / each, size.sites / m.site_count});
+  if (!(copies * std::max(m.response_count, m.triangle_count) < 2147483648.0)) {
+    throw Error(ExitCode::bad_input, "a file of that size has more elements than the format counts");
+  }
+  const auto count = static_cast<std::uint32_t>(std::ceil(copies));
   std::vector<layout::SearchNode> nodes;
   if (view.search != nullptr) nodes = Forest(view, count).nodes();
 
@@ -157,7 +161,9 @@ OpenBench bench_open(const std::filesystem::path& path, int rounds) {
     const double taken = processor_seconds() - begin;
     if (!opened) throw Error(ExitCode::bad_input, path.string() + ": " + opened.error);
     bench.bytes = file.size();
+    bench.sites = opened.view.meta->site_count;
     bench.responses = opened.view.meta->response_count;
+    bench.parts.assign(opened.view.sections(), opened.view.sections() + opened.view.header().section_count);
     return taken;
   };
   timed(false);

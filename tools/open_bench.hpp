@@ -10,14 +10,20 @@
 
 namespace palpate::cli {
 
-/// A valid file of at least `bytes` bytes: as many copies of the body, its contact surface and all its responses in one
+/// How large a file of repeated bodies is to be: what asks for more counts.
+struct RepeatedSize {
+  double bytes = 0, sites = 0;
+};
+
+/// A valid file of at least that size: as many copies of the body, its contact surface and all its responses in one
 /// place as it takes, one search tree over them all, the tools once. Throws Error(bad_input) where a count would not
 /// fit the format.
-std::vector<std::byte> repeat_body(const runtime::View& view, double bytes);
+std::vector<std::byte> repeat_body(const runtime::View& view, const RepeatedSize& size);
 
 struct OpenBench {
   std::size_t bytes = 0;
-  std::uint32_t responses = 0;
+  std::uint32_t sites = 0, responses = 0;
+  std::vector<layout::SectionEntry> parts;
   double validated = 0;       ///< s of processor time, median, mapping included, the file's pages in memory
   double validated_most = 0;  ///< s
   double trusted = 0;         ///< s, median of open_trusted, mapping included

@@ -169,6 +169,7 @@ ResponseFileContent assemble_response(const Scene& scene, const std::vector<Tool
   const auto count = [](bool there, int coefs) { return there ? static_cast<std::uint32_t>(coefs) : 0U; };
   const bool curves = !fitted.scales.coupled, friction = curves && fitted.scales.friction();
   content.coupled = fitted.scales.coupled;
+  content.coupled_bits = static_cast<std::uint32_t>(fitted.scales.bits);
   content.normal_coefs = count(curves, fitted.scales.normal_coefs);
   content.lateral_coefs = count(curves && fitted.report.lateral, fitted.scales.lateral_coefs);
   content.growth_coefs = count(friction, fitted.scales.growth_coefs);

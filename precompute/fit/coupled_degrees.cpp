@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::size_t kMostPairs = 24;
 constexpr int kLeaveEvery = 5;
+constexpr double kRounding = 0.1;  // of the tolerance, that the coefficients' rounding may take
 
 std::vector<coupled::Degrees> candidates(bool lateral, int order) {
   std::vector<coupled::Degrees> all;
@@ -102,8 +103,18 @@ DegreeChoice choose_degrees(const std::vector<const std::vector<Sample>*>& pairs
     scales.coupled = degrees;
     const HeldOutFigures f = held_out_figures(drawn, scales);
     if (f.samples == 0 || !(f.p95 < best.held_out.p95)) continue;
-    best = {degrees, f, f.p95 <= wish.tolerance};
+    best = {degrees, 16, f, f.p95 <= wish.tolerance};
     if (best.met) break;
+  }
+  scales.coupled = best.degrees;
+  for (scales.bits = 8; !wish.spring && scales.bits < 16; scales.bits += 4) {
+    const HeldOutFigures f = held_out_figures(drawn, scales);
+    const double most =
+        std::max(best.held_out.p95, std::min(wish.tolerance, best.held_out.p95 + kRounding * wish.tolerance));
+    if (!(f.samples > 0 && f.p95 <= most)) continue;
+    best.bits = scales.bits;
+    best.held_out = f;
+    break;
   }
   if (best.held_out.samples == 0) {
     throw Error(ExitCode::numerical, "coupled model: no pair has samples that it could be fitted to and tested on");

@@ -23,6 +23,7 @@ struct HeldOutFigures {
 
 struct DegreeChoice {
   coupled::Degrees degrees;
+  int bits = 16;  ///< of a coefficient: the fewest that add no more than a tenth of the tolerance to the error
   HeldOutFigures held_out;
   bool met = false;  ///< the tolerance; else the degrees are the ones of least 95th percentile
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "formats/error.hpp"
 #include "palpate/coupled_check.hpp"
@@ -292,12 +293,13 @@ VectorXd fit_coupled(const std::vector<Sample>& samples, const CoupledScales& sc
   return coefs;
 }
 
-Quantised quantise(const VectorXd& coefs, const Degrees& degrees, const std::string& what) {
-  constexpr double kLargest = 32000;  // what the inequalities add to a rounded mean has room above
+namespace {
+
+// Empty where what the inequalities add to a rounded mean leaves no room in `bits`.
+std::optional<Quantised> quantise(const VectorXd& coefs, const Degrees& degrees, int bits, double largest) {
   const coupled::Places p = coupled::places(degrees);
   Quantised result;
-  const double size = coefs.head(p.limit).cwiseAbs().maxCoeff();
-  result.unit = static_cast<float>(size / kLargest);
+  result.unit = static_cast<float>(coefs.head(p.limit).cwiseAbs().maxCoeff() / largest);
   std::vector<double> whole(static_cast<std::size_t>(p.end));
   for (int k = 0; k < p.end; ++k) {
     whole[static_cast<std::size_t>(k)] =
@@ -308,9 +310,30 @@ Quantised quantise(const VectorXd& coefs, const Degrees& degrees, const std::str
                                   coupled::passive_slack(whole.data(), degrees, i, -1));
     if (slack < 0) whole[static_cast<std::size_t>(p.stiffness + 3 * i)] += std::ceil(-slack);
   }
-  for (const double value : whole) {
-    if (!(std::abs(value) <= 32767)) throw Error(ExitCode::numerical, what + ": a coefficient is out of range");
+  for (int k = 0; k < p.end; ++k) {
+    const double value = whole[static_cast<std::size_t>(k)];
+    if (!(std::abs(value) < (k < p.limit ? std::exp2(bits - 1) : 32768))) return std::nullopt;
     result.coefs.push_back(static_cast<std::int16_t>(value));
+  }
+  return result;
+}
+
+}  // namespace
+
+Quantised quantise(const VectorXd& coefs, const Degrees& degrees, int bits, const std::string& what) {
+  // What the inequalities add has room above most times; where it has not, units are larger.
+  for (double largest = 0.9765625 * std::exp2(bits - 1); largest > 1; largest *= 0.9) {
+    if (auto result = quantise(coefs, degrees, bits, largest)) return *result;
+  }
+  throw Error(ExitCode::numerical, what + ": a coefficient is out of range");
+}
+
+VectorXd rounded(const VectorXd& coefs, const Degrees& degrees, int bits, const std::string& what) {
+  const Quantised q = quantise(coefs, degrees, bits, what);
+  const int limit = coupled::places(degrees).limit;
+  VectorXd result(coefs.size());
+  for (Eigen::Index k = 0; k < result.size(); ++k) {
+    result[k] = q.coefs[static_cast<std::size_t>(k)] * (k < limit ? static_cast<double>(q.unit) : layout::kLimitUnit);
   }
   return result;
 }

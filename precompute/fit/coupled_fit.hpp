@@ -46,7 +46,12 @@ struct Quantised {
   std::vector<std::int16_t> coefs;
 };
 
-/// The nearest whole numbers that keep the inequalities. Throws Error(numerical) where a limit is above 10.
-Quantised quantise(const Eigen::VectorXd& coefs, const coupled::Degrees& degrees, const std::string& what);
+/// The nearest whole numbers that keep the inequalities, of `bits` (8, 12 or 16) each, those of the limit of 16. Throws
+/// Error(numerical) where a limit is above 10.
+Quantised quantise(const Eigen::VectorXd& coefs, const coupled::Degrees& degrees, int bits, const std::string& what);
+
+/// The coefficients that a file with so many bits has in place of these.
+Eigen::VectorXd rounded(const Eigen::VectorXd& coefs, const coupled::Degrees& degrees, int bits,
+                        const std::string& what);
 
 }  // namespace palpate::fit

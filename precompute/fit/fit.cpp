@@ -104,7 +104,7 @@ Response to_response(const SiteCurves& site, std::uint32_t flags, const FitRepor
     r.turn.assign(layout::kTurnCurves * fit::kGraspCoefs, 0.0F);
   }
   if (scales.coupled) {
-    fit::Quantised quantised = fit::quantise(site.curves.coupled, *scales.coupled, "response");
+    fit::Quantised quantised = fit::quantise(site.curves.coupled, *scales.coupled, scales.bits, "response");
     r.unit = quantised.unit;
     r.coupled = std::move(quantised.coefs);
     return r;
@@ -194,6 +194,7 @@ FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std
   if (settings.coupled) {
     const fit::DegreeChoice choice = choose_degrees(plan, sources, exact, result.scales, report.lateral, settings);
     result.scales.coupled = choice.degrees;
+    result.scales.bits = choice.bits;
     report.lateral = choice.degrees.straight > 0;  // a spring has none
     report.held_out = choice.held_out;
   }

@@ -193,6 +193,8 @@ PairCurves fit_pair(const std::vector<Sample>& samples, const ModelScales& scale
   PairCurves curves;
   if (scales.coupled) {
     curves.coupled = fit_coupled(samples, coupled_scales(scales), what);
+    // Errors are of what the file has; of 16 bits nothing is to be seen of it.
+    if (scales.bits < 16) curves.coupled = rounded(curves.coupled, *scales.coupled, scales.bits, what);
     return curves;
   }
   PairData data{sort_samples(samples, what)};

@@ -18,7 +18,8 @@ struct ModelScales {
   double sideways = 0.0;  ///< X, m; 0: no sideways pushes were solved (frictionless)
   int normal_coefs = 10, lateral_coefs = 5, growth_coefs = 5, sideways_coefs = 7, friction_coefs = 5;
   std::optional<palpate::coupled::Degrees>
-      coupled;  ///< of the coupled model, which has no such curves; none: separable
+      coupled;    ///< of the coupled model, which has no such curves; none: separable
+  int bits = 16;  ///< of its coefficients in the file, 8, 12 or 16
 
   [[nodiscard]] bool friction() const noexcept { return sideways > 0; }
 };

@@ -275,15 +275,14 @@ TEST_F(SlabPipeline, ACoupledSceneIsBakedAndFitted) {
   ASSERT_TRUE(opened) << opened.error;
   EXPECT_TRUE(layout::is_coupled(*opened.view.meta));
   EXPECT_EQ(opened.view.section_bytes(layout::Section::friction), 0U);
-  EXPECT_LE(layout::coupled_size(layout::coupled_degrees(*opened.view.meta)) + layout::response_size(*opened.view.meta),
-            140U);
+  EXPECT_LE(layout::coupled_size(*opened.view.meta) + layout::response_size(*opened.view.meta), 140U);
   // A spring is what is asked for, whatever it gives up; its file opens.
   FitSettings spring = pipeline::fit_settings(p.scene);
   spring.coupled = {2, 0.015, true};
   spring.lateral_threshold = 0;  // any sideways force of a straight push counts; a spring has none
   const pipeline::FittedFile lean = pipeline::fit_file(p, pipeline::samples(p), spring);
   EXPECT_TRUE(runtime::View::open(lean.bytes.data(), lean.bytes.size()));
-  EXPECT_EQ(layout::coupled_size(*lean.fitted.scales.coupled), 16U);
+  EXPECT_EQ(layout::coupled_size(*lean.fitted.scales.coupled, 16), 16U);
   EXPECT_FALSE(lean.fitted.report.lateral);
   EXPECT_GT(lean.fitted.report.held_out.p95, fit.held_out.p95);
   EXPECT_LT(lean.fitted.report.held_out.p95, 1.5);

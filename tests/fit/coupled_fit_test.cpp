@@ -147,14 +147,13 @@ TEST(CoupledFit, WholeNumbersKeepTheRulesAndTheForces) {
             std::min(coupled::passive_slack(truth.data(), d, i, 1), coupled::passive_slack(truth.data(), d, i, -1));
         truth[p.stiffness + 3 * i] -= std::min(slack, 0.0);
       }
-      const Quantised q = quantise(truth, d, "pair");
-      ASSERT_EQ(q.coefs.size(), static_cast<std::size_t>(p.end));
-      EXPECT_EQ(coupled::broken_rule(q.coefs.data(), d, 10 / layout::kLimitUnit), nullptr) << d.order << coupling;
-      VectorXd back(p.end);
-      for (int k = 0; k < p.end; ++k) {
-        back[k] = q.coefs[std::size_t(k)] * (k < p.limit ? static_cast<double>(q.unit) : layout::kLimitUnit);
+      for (const auto& [bits, error] : {std::pair{16, 5e-3}, {12, 0.08}, {8, 1.0}}) {
+        const Quantised q = quantise(truth, d, bits, "pair");
+        ASSERT_EQ(q.coefs.size(), static_cast<std::size_t>(p.end));
+        EXPECT_EQ(coupled::broken_rule(q.coefs.data(), d, 10 / layout::kLimitUnit), nullptr) << d.order << coupling;
+        for (int k = 0; k < p.limit; ++k) EXPECT_LT(std::abs(q.coefs[std::size_t(k)]), 1 << (bits - 1));
+        EXPECT_LT(worst_error(rounded(truth, d, bits, "pair"), scales, samples_of(truth, scales)), error) << bits;
       }
-      EXPECT_LT(worst_error(back, scales, samples_of(truth, scales)), 5e-3);
     }
   }
 }

@@ -68,7 +68,8 @@ Response response(const View& v, std::uint64_t i) {
     r.friction = list(from, m.friction_coefs);
   }
   if (v.coupled_laws != nullptr) {
-    const std::int16_t* from = v.coupled_coefs(i);
+    std::int16_t room[coupled::kMostCoefs];
+    const std::int16_t* from = v.coupled_coefs(i, room);
     r.unit = v.coupled_unit(i);
     r.coupled.assign(from, from + coupled::count(layout::coupled_degrees(m)));
   }
@@ -114,6 +115,7 @@ ResponseFileContent content(const View& v) {
   c.sideways_coefs = m.sideways_coefs;
   c.friction_coefs = m.friction_coefs;
   if (layout::is_coupled(m)) c.coupled = layout::coupled_degrees(m);
+  c.coupled_bits = layout::coupled_bits(m);
   c.rim_share = static_cast<double>(v.meta->rim_share);
   c.rim_limit = static_cast<double>(v.meta->rim_limit);
   c.grasp_coefs = v.grasp_coefs;

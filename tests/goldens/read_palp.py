@@ -137,7 +137,7 @@ class File:
         return list(struct.iter_unpack(layout, self.section(number, struct.calcsize(layout), count)))
 
     def read_meta(self):
-        meta = struct.unpack("<2d23I2f12s", self.section(1, 128, 1))
+        meta = struct.unpack("<2d23I2fI8s", self.section(1, 128, 1))
         self.Z, self.X, self.model = meta[:3]
         (self.site_count, self.patch_count, self.vertex_count, self.triangle_count, self.tool_count,
          self.tool_vertex_count, self.tool_patch_count, self.response_count, self.k) = meta[3:12]
@@ -147,7 +147,9 @@ class File:
         self.rim_share, self.rim_limit = meta[25:27]
         rim = 0 < self.rim_share < 1 and 0 < self.rim_limit < 1
         need(self.features & FRICTION if rim else self.rim_share == self.rim_limit == 0, "META: rim")
-        need(not any(meta[27]), "META: zero bytes")
+        need(meta[27] in (0, 8, 12) and (meta[27] == 0 or self.model == 2), "META: bits")
+        self.bits = meta[27] or 16
+        need(not any(meta[28]), "META: zero bytes")
         need(1e-9 <= self.Z < 1000 and 1 <= self.k <= 1024, "META: scale or subdivision")
         need(self.response_count == self.site_count * self.tool_vertex_count, "META: responses")
         normal, lateral, growth, sideways, friction = self.counts
@@ -268,10 +270,20 @@ class File:
                 need(all(0 <= c <= 10 for c in to["mu"]), "FRICTION: limit")
         if self.model == 2:
             count = sum(len(indices) * len(parts) for indices, parts in self.families().values())
-            layout = "<f%dh" % (count + count % 2)
-            for to, r in zip(self.responses, self.records(14, layout, self.response_count)):
-                need(0 <= r[0] <= 1e12 / 32768 and not any(r[1 + count:]), "COUPLED")
-                to["unit"], to["coefs"] = r[0], r[1:1 + count]
+            before = count - self.degrees[6] - 1  # all but those of mu
+            packed = (before * self.bits + 15) // 16 * 2
+            size = (4 + packed + 2 * (count - before) + 3) // 4 * 4
+            data = self.section(14, size, self.response_count)
+            for i, to in enumerate(self.responses):
+                element = data[i * size:(i + 1) * size]
+                to["unit"] = struct.unpack("<f", element[:4])[0]
+                stream = int.from_bytes(element[4:4 + packed], "little")
+                coefs = [stream >> self.bits * k & (1 << self.bits) - 1 for k in range(before)]
+                end = 4 + packed + 2 * (count - before)
+                need(0 <= to["unit"] <= 1e12 / 32768 and stream >> self.bits * before == 0 and not any(element[end:]),
+                     "COUPLED")
+                to["coefs"] = [c - (c >> self.bits - 1 << self.bits) for c in coefs] + list(
+                    struct.unpack("<%dh" % (count - before), element[4 + packed:end]))
                 self.check_passive(self.coupled_parts(to))
 
     def of_tool(self, key):

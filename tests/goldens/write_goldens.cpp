@@ -153,6 +153,11 @@ void write_all(const std::filesystem::path& folder) {
   sticking.lateral = true;
   sticking.coupled = 4;
   write(folder, "coupled_4", box_content(sticking));
+  sticking.bits = 12;
+  write(folder, "coupled_12_bits", box_content(sticking));
+  sticking.coupled = 2;
+  sticking.bits = 8;
+  write(folder, "coupled_8_bits", box_content(sticking));
 
   Options lean = options;
   lean.spring = true;

@@ -194,7 +194,7 @@ TEST(Damage, CoefficientsThatAreNotPassiveAreRefused) {
   const coupled::Places p = coupled::places(d);
   const auto message = [&](int index, std::int16_t value) -> std::string {
     std::vector<std::byte> bytes = good;
-    const auto at = reinterpret_cast<const std::byte*>(view.coupled_coefs(2) + index) - good.data();
+    const auto at = reinterpret_cast<const std::byte*>(view.coupled_law(2)) + sizeof(float) + 2 * index - good.data();
     std::memcpy(bytes.data() + at, &value, sizeof value);
     mend(bytes);
     return View::open(bytes.data(), bytes.size()).error;
@@ -220,6 +220,34 @@ TEST(Damage, CoefficientsThatAreNotPassiveAreRefused) {
   if (p.end % 2 != 0) {
     EXPECT_EQ(message(p.end, 1), "COUPLED: response 2: padding is not zero");
   }
+}
+
+TEST(Damage, BitsOutOfRangeAndPackedPaddingAreRefused) {
+  Options options;
+  options.cells = 1;
+  options.lateral = false;
+  options.coupled = 2;
+  options.bits = 12;  // 22 of them: a byte is left over
+  const std::vector<std::byte> good = encode(test::box_content(options));
+  const View view = View::open(good.data(), good.size()).view;
+  const coupled::Degrees d = layout::coupled_degrees(*view.meta);
+  const std::uint32_t packed = static_cast<std::uint32_t>(coupled::places(d).limit) * 12;
+  const auto message = [&](const unsigned char* at, unsigned char value) -> std::string {
+    std::vector<std::byte> bytes = good;
+    bytes[static_cast<std::size_t>(reinterpret_cast<const std::byte*>(at) - good.data())] = std::byte{value};
+    mend(bytes);
+    return View::open(bytes.data(), bytes.size()).error;
+  };
+  const auto* const bits = reinterpret_cast<const unsigned char*>(&view.meta->coef_bits);
+  for (const int wrong : {1, 10, 16, 32}) {
+    EXPECT_EQ(message(bits, static_cast<unsigned char>(wrong)),
+              "META: " + std::to_string(wrong) + " bits a coefficient, allowed 0 or, in a coupled file, 8 or 12");
+  }
+  EXPECT_NE(message(bits, 8), "") << "elements of another size";
+  const unsigned char* const law = view.coupled_law(2);
+  ASSERT_NE(packed % 16, 0U);
+  EXPECT_EQ(message(law + layout::coupled_limit_offset(d, 12) - 1, 0x80), "COUPLED: response 2: padding is not zero");
+  EXPECT_EQ(message(law + 5, 8), "COUPLED: response 2: the normal force must start at zero and not decrease");
 }
 
 }  // namespace

@@ -22,11 +22,12 @@ struct ResponseSampleOptions {
   bool lateral = true;
   bool uniform = false;  ///< every site answers alike
   bool search = false;
-  int coupled = 0;      ///< order of the coupled model; 0: separable
-  bool spring = false;  ///< the coupled model's leanest
-  bool rim = false;     ///< contacts slip in part
-  bool grasp = false;   ///< the first tool holds on
-  bool turn = false;    ///< and turns of it have a torque
+  int coupled = 0;          ///< order of the coupled model; 0: separable
+  bool spring = false;      ///< the coupled model's leanest
+  std::uint32_t bits = 16;  ///< of the coupled model's coefficients: 8, 12 or 16
+  bool rim = false;         ///< contacts slip in part
+  bool grasp = false;       ///< the first tool holds on
+  bool turn = false;        ///< and turns of it have a torque
   std::uint32_t subdivision = 1;
   int cells = 4;  ///< box: cells along an edge
   enum class Tools { sphere, capsule, mesh, all } tools = Tools::sphere;
@@ -127,13 +128,15 @@ inline void add_coupled(ResponseFileContent& content, const ResponseSampleOption
   content.sideways_scale = kSidewaysScale;
   content.normal_coefs = 0;
   content.coupled = d;
+  content.coupled_bits = options.bits;
+  const double units = options.bits == 16 ? 1e4 : options.bits == 12 ? 1500 : 100;  // kHertzForce
   const std::size_t count = content.sites.size() * content.tool_vertex_count();
   for (std::size_t i = 0; i < count; ++i) {
     const double vary = options.uniform ? 0 : 0.2 * std::sin(1.7 * static_cast<double>(i));
     Response r;
     r.depth_limit = kDepthScale * (options.uniform ? 1 : 0.9 + 0.1 * std::cos(static_cast<double>(i)));
     r.flags = i % 7 == 3 && !options.uniform ? layout::response_covered : layout::response_solved;
-    r.unit = static_cast<float>(kHertzForce * 1e-4);
+    r.unit = static_cast<float>(kHertzForce / units);
     std::vector<double> c(static_cast<std::size_t>(p.end));
     for (int k = 2; k <= d.push; ++k) {
       c[k - 2] = (0.9 * coupled::binomial(k, 3) / coupled::binomial(5, 3) +
@@ -150,7 +153,7 @@ inline void add_coupled(ResponseFileContent& content, const ResponseSampleOption
     for (int k = p.cubic; k < p.limit; ++k) c[k] = options.uniform ? 0 : 0.004 * (k % 3 - 1);
     for (std::size_t k = 0; k < c.size(); ++k) {
       r.coupled.push_back(
-          static_cast<std::int16_t>(std::lround(static_cast<int>(k) < p.limit ? 1e4 * c[k] : 0.3 * 3200)));
+          static_cast<std::int16_t>(std::lround(static_cast<int>(k) < p.limit ? units * c[k] : 0.3 * 3200)));
     }
     content.responses.push_back(r);
   }

@@ -139,6 +139,12 @@ TEST_F(Playback, BenchOpensTheFileAndALargerOneOfTheSameBody) {
     EXPECT_LT(many["bytes"], 4000000);
     EXPECT_GT(many["responses"], 5 * once["responses"].get<int>());
     EXPECT_EQ(many["responses"].get<int>() % once["responses"].get<int>(), 0);
+    const Json wide = Json::parse(run({"bench", file, "--open", "--sites", "1e3", "--json"}).out);
+    EXPECT_GE(wide["sites"], 1000);
+    EXPECT_LT(wide["sites"].get<int>(), 1000 + once["sites"].get<int>());
+    std::uint64_t parts = 0;
+    for (const Json& part : wide["parts"]) parts += part["bytes"].get<std::uint64_t>();
+    EXPECT_GT(parts, wide["bytes"].get<std::uint64_t>() - 4096);
     for (const Json& times : {once, many}) {
       EXPECT_GT(times["open_trusted_s"]["median"], 0);
       EXPECT_GT(times["open_s"]["median"], times["open_trusted_s"]["median"]);

@@ -76,6 +76,21 @@ constexpr Places places(const Degrees& d) {
 }
 constexpr int count(const Degrees& d) { return places(d).end; }
 
+/// `count` whole numbers of `bits` (8 or 12) each, two's complement, the lowest bits first, without gaps.
+inline void unpack(const unsigned char* from, std::uint32_t bits, int count, std::int16_t* to) {
+  if (bits == 8) {
+    for (int k = 0; k < count; ++k) to[k] = static_cast<signed char>(from[k]);
+    return;
+  }
+  for (int k = 0; k < count; k += 2, from += 3) {
+    const std::uint32_t two = from[0] | static_cast<std::uint32_t>(from[1]) << 8 |
+                              (k + 1 < count ? static_cast<std::uint32_t>(from[2]) << 16 : 0);
+    // To the top of a word and back, which brings the sign.
+    to[k] = static_cast<std::int16_t>(static_cast<std::int32_t>(two << 20) >> 20);
+    if (k + 1 < count) to[k + 1] = static_cast<std::int16_t>(static_cast<std::int32_t>(two << 8) >> 20);
+  }
+}
+
 inline constexpr int kMostCoefs = count({4, kMaxDegree, kMaxDegree, kMaxDegree, kMaxDegree, kMaxDegree, kMaxDegree});
 
 }  // namespace palpate::coupled

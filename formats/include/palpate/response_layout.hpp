@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <type_traits>
 
 /// C++17 and the standard library alone: shared by the writer (formats/response.cpp) and the runtime.
@@ -150,7 +151,8 @@ struct Meta {
   /// Share of every contact, (0, 1), that slips before all of it does, and its own share of the friction limit, (0, 1)
   /// (palpate/rim.hpp); both 0 where contacts stick as a whole.
   float rim_share, rim_limit;
-  std::uint32_t reserved[3];
+  std::uint32_t coef_bits;  ///< of COUPLED's coefficients but those of the friction limit: 8, 12, or 0: 16
+  std::uint32_t reserved[2];
 };
 
 struct Site {
@@ -242,9 +244,26 @@ inline constexpr coupled::Degrees coupled_degrees(const Meta& m) {
           degree(m.cubic_degree), degree(m.quartic_degree), degree(m.limit_degree)};
 }
 
+/// Bits of a coefficient of COUPLED that is none of the friction limit's.
+inline constexpr std::uint32_t coupled_bits(const Meta& m) { return m.coef_bits == 0 ? 16 : m.coef_bits; }
+
+/// Bytes from the start of an element of COUPLED to the coefficients of the friction limit, which have 16 bits always.
+inline constexpr std::uint32_t coupled_limit_offset(const coupled::Degrees& d, std::uint32_t bits) {
+  return 4 + 2 * ((static_cast<std::uint32_t>(coupled::places(d).limit) * bits + 15) / 16);
+}
+
 /// Bytes of one element of COUPLED, a multiple of 4.
-inline constexpr std::uint32_t coupled_size(const coupled::Degrees& d) {
-  return 4 + 4 * ((static_cast<std::uint32_t>(coupled::count(d)) + 1) / 2);
+inline constexpr std::uint32_t coupled_size(const coupled::Degrees& d, std::uint32_t bits) {
+  return (coupled_limit_offset(d, bits) + 2 * (static_cast<std::uint32_t>(d.limit) + 1) + 3) / 4 * 4;
+}
+inline constexpr std::uint32_t coupled_size(const Meta& m) { return coupled_size(coupled_degrees(m), coupled_bits(m)); }
+
+/// The coefficients of an element of COUPLED that has `bits` (8 or 12) of most.
+inline void unpack_coupled(const unsigned char* law, const coupled::Degrees& d, std::uint32_t bits, std::int16_t* to) {
+  const coupled::Places p = coupled::places(d);
+  coupled::unpack(law + 4, bits, p.limit, to);
+  std::memcpy(to + p.limit, law + coupled_limit_offset(d, bits),
+              sizeof(std::int16_t) * static_cast<std::size_t>(p.end - p.limit));
 }
 
 /// Bytes of one element of RESPONSES, LATERAL and FRICTION.

@@ -211,8 +211,9 @@ private:
     if ((head.flags & layout::response_covered) != 0) covered_ += weight;
     if (!is_coupled()) return separable_.add(*view_, index, weight);
     if constexpr (kCoupled) {
-      law_.add(view_->coupled_coefs(index), static_cast<double>(view_->coupled_unit(index)), layout::kLimitUnit, weight,
-               {dot(x, basis_x_), dot(x, basis_y_)});
+      std::int16_t room[coupled::kMostCoefs];
+      law_.add(view_->coupled_coefs(index, room), static_cast<double>(view_->coupled_unit(index)), layout::kLimitUnit,
+               weight, {dot(x, basis_x_), dot(x, basis_y_)});
     }
   }
 

@@ -104,6 +104,9 @@ inline bool check_meta(const layout::Meta& m, Fault& fault) {
   if (rim ? !friction && !coupled : !(m.rim_share == 0 && m.rim_limit == 0)) {
     return fault.say("META: share and limit of the rim are not both 0 or, in a file with friction, in (0, 1)");
   }
+  if (m.coef_bits != 0 && !(coupled && (m.coef_bits == 8 || m.coef_bits == 12))) {
+    return fault.say("META: % bits a coefficient, allowed 0 or, in a coupled file, 8 or 12", m.coef_bits);
+  }
   for (const std::uint32_t r : m.reserved) {
     if (r != 0) return fault.say("META: reserved bytes are not zero");
   }
@@ -129,8 +132,7 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
                   {Section::lateral, layout::lateral_size(m), m.lateral_coefs > 0 ? m.response_count : 0},
                   {Section::friction, layout::friction_size(m), m.friction_coefs > 0 ? m.response_count : 0},
                   {Section::search, sizeof(layout::SearchNode), m.search_nodes},
-                  {Section::coupled, coupled ? layout::coupled_size(layout::coupled_degrees(m)) : 0,
-                   coupled ? m.response_count : 0}};
+                  {Section::coupled, coupled ? layout::coupled_size(m) : 0, coupled ? m.response_count : 0}};
   const unsigned char* at[layout::kSectionIds] = {};
   for (const auto& want : expected) {
     const auto id = static_cast<std::uint32_t>(want.id);

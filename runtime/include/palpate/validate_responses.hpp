@@ -25,16 +25,32 @@ inline bool is_sideways(const float* c, std::uint32_t count, float high) {
   return std::fabs(spline::value(c, static_cast<int>(count), 0.5)) <= 2e-5 * size;
 }
 
+/// What no coefficient takes of an element of COUPLED is zero.
+inline bool is_padded(const View& v, std::uint32_t i, const coupled::Degrees& degrees) {
+  const unsigned char* law = v.coupled_law(i);
+  const std::uint32_t bits = layout::coupled_bits(*v.meta), limit = layout::coupled_limit_offset(degrees, bits);
+  const std::uint32_t used = static_cast<std::uint32_t>(coupled::places(degrees).limit) * bits;
+  if (used % 8 != 0 && law[4 + used / 8] >> used % 8 != 0) return false;
+  for (std::uint32_t k = 4 + (used + 7) / 8; k < limit; ++k) {
+    if (law[k] != 0) return false;
+  }
+  for (std::uint32_t k = limit + 2 * (static_cast<std::uint32_t>(degrees.limit) + 1); k < layout::coupled_size(*v.meta);
+       ++k) {
+    if (law[k] != 0) return false;
+  }
+  return true;
+}
+
 inline bool check_coupled(const View& v, std::uint32_t i, float largest, Fault& fault) {
   const coupled::Degrees degrees = layout::coupled_degrees(*v.meta);
   const float unit = v.coupled_unit(i);
-  const std::int16_t* coefs = v.coupled_coefs(i);
-  const int count = coupled::count(degrees);
+  std::int16_t room[coupled::kMostCoefs];
+  const std::int16_t* coefs = v.coupled_coefs(i, room);
   if (!(unit >= 0 && unit <= largest / 32768)) return fault.say("COUPLED: response %: the unit is out of range", i);
   if (const char* broken = coupled::broken_rule(coefs, degrees, 10 / layout::kLimitUnit)) {
     return fault.say("COUPLED: response %: %", i, broken);
   }
-  if (count % 2 != 0 && coefs[count] != 0) return fault.say("COUPLED: response %: padding is not zero", i);
+  if (!is_padded(v, i, degrees)) return fault.say("COUPLED: response %: padding is not zero", i);
   return true;
 }
 

@@ -82,11 +82,19 @@ struct View {
   }
   /// N of one unit of a coupled response's coefficients, and these.
   [[nodiscard]] float coupled_unit(std::uint64_t index) const {
-    return *reinterpret_cast<const float*>(coupled_laws + index * layout::coupled_size(layout::coupled_degrees(*meta)));
+    return *reinterpret_cast<const float*>(coupled_law(index));
   }
-  [[nodiscard]] const std::int16_t* coupled_coefs(std::uint64_t index) const {
-    return reinterpret_cast<const std::int16_t*>(
-        coupled_laws + index * layout::coupled_size(layout::coupled_degrees(*meta)) + sizeof(float));
+  /// In place, or unpacked into `room`.
+  [[nodiscard]] const std::int16_t* coupled_coefs(std::uint64_t index,
+                                                  std::int16_t (&room)[coupled::kMostCoefs]) const {
+    const unsigned char* law = coupled_law(index);
+    if (meta->coef_bits == 0) return reinterpret_cast<const std::int16_t*>(law + sizeof(float));
+    layout::unpack_coupled(law, layout::coupled_degrees(*meta), meta->coef_bits, room);
+    return room;
+  }
+  /// An element of COUPLED.
+  [[nodiscard]] const unsigned char* coupled_law(std::uint64_t index) const {
+    return coupled_laws + index * layout::coupled_size(*meta);
   }
   [[nodiscard]] const layout::GraspHead& grasp_head(std::uint64_t index) const {
     return *reinterpret_cast<const layout::GraspHead*>(grasps + index * layout::grasp_size(grasp_coefs));

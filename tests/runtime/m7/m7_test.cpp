@@ -58,7 +58,7 @@ std::uint32_t allowed(const std::string& file) {
   // A capsule's orientation changes its responses, so most of its ticks blend six of them twice.
   if (file == "profile_tool.palp" || file == "grasp.palp") return 25000;
   // From next to no depth, the anchor of an energy of degree 4 goes three steps.
-  if (file == "coupled_4.palp") return 22000;
+  if (file == "coupled_4.palp" || file == "coupled_12_bits.palp") return 23000;
   return 20000;
 }
 
