@@ -16,10 +16,13 @@ inline bool fresh(const Command& command, double time) {
 }
 
 /// What to send at `time` (s): zero where the command is not fresh or not finite; a force beyond kind.peak_force
-/// shortened along its line.
+/// shortened along its line, a pull to it, or to 0 where it pushes.
 inline Command admitted(const Command& command, const DeviceKind& kind, double time) {
-  if (!fresh(command, time) || !finite(command.force) || !finite(command.torque)) return {time, {}, {}};
-  return {command.time, runtime::output::Limit{kind.peak_force}(command.force, 0), command.torque};
+  if (!fresh(command, time) || !finite(command.force) || !finite(command.torque) || !finite(command.pull)) {
+    return {time, {}, {}};
+  }
+  return {command.time, runtime::output::Limit{kind.peak_force}(command.force, 0), command.torque,
+          limited(command.pull, kind.peak_force)};
 }
 
 }  // namespace palpate::device

@@ -18,8 +18,8 @@ public:
                 const runtime::Output<Steps...>& output = {})
       : contact_(view, tool), frame_(frame), tie_(tie), output_(output) {}
 
-  Answer answer(const Pose& pose, double seconds) noexcept override {
-    tick_ = tie_.tick(contact_, frame_.to_scene(pose), seconds);
+  Answer answer(const Sample& sample, double seconds) noexcept override {
+    tick_ = tie_.tick(contact_, frame_.to_scene(sample.pose), seconds);
     Answer answer;
     if (tick_.state == runtime::State::fault) return answer;
     answer.force = output_(frame_.to_device(tick_.force), seconds);

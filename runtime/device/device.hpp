@@ -3,14 +3,13 @@
 #pragma once
 
 #include "device/device_table.hpp"
+#include "device/hand_model.hpp"
 #include "palpate/math3.hpp"
 
+#include <algorithm>
 #include <cstdint>
 
 namespace palpate::device {
-
-using runtime::Pose;
-using runtime::Vec3;
 
 inline constexpr double kPi = 3.141592653589793;
 
@@ -40,11 +39,12 @@ enum class Fault : std::uint8_t {
 /// One sample of a device, in its own frame.
 struct Sample {
   double time = 0;            ///< s on the clock of now(): when its last byte arrived
-  Pose pose;                  ///< m; no rotation for devices that measure none
+  Pose pose;                  ///< m; no rotation for devices that measure none; of a glove the wrist's
   std::uint32_t number = 0;   ///< samples since opened; 0: none has arrived yet
   std::uint32_t buttons = 0;  ///< one bit each, lowest first
   Phase phase = Phase::closed;
   Fault fault = Fault::none;
+  HandJoints joints{};  ///< what a glove's sensors read, in their own unit; 0 for others
 };
 
 /// What the force loop asks for, in the device's frame.
@@ -52,6 +52,10 @@ struct Command {
   double time = 0;  ///< s on the clock of now(): when it was computed
   Vec3 force;       ///< N
   Vec3 torque;      ///< N m; left out by devices that have none
+  Pulls pull{};     ///< N; left out by all but gloves, which leave out the others
+
+  /// N: of the force, or of the strongest pull.
+  [[nodiscard]] double strength() const { return std::max(length(force), *std::max_element(pull.begin(), pull.end())); }
 };
 
 /// s on a clock that never goes back (std::chrono::steady_clock).
@@ -69,8 +73,8 @@ public:
   /// The newest sample; phase and fault are of this moment.
   virtual Sample read() noexcept = 0;
 
-  /// Replaces the command. What is not finite is zero; what is beyond kind().peak_force is shortened along its line. A
-  /// command older than kStale is not sent any more: zero is.
+  /// Replaces the command. What is not finite is zero; what is beyond kind().peak_force is shortened along its line, a
+  /// pull to it. A command older than kStale is not sent any more: zero is.
   virtual void write(const Command& command) noexcept = 0;
 
   /// Sends zero, waits until it has left (10 ms at most) and lets go. Again: nothing happens.

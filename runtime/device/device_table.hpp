@@ -24,6 +24,7 @@ struct DeviceKind {
   const char* key = "";         ///< what a command line calls it; one of its own
   const char* driver = "";      ///< whose language it speaks: see registry.hpp
   runtime::Vec3 up{0, 0, 1};    ///< unit; its upward axis as it stands on a table, in its own frame
+  bool glove = false;           ///< five fingers with a cable each instead of a handle with a force
 };
 
 inline constexpr runtime::Vec3 kYUp{0, 1, 0};  ///< of devices whose z axis comes towards the user

@@ -1,29 +1,30 @@
 // SPDX-License-Identifier: MIT
-// Where a force loop gets its forces from: a pose of the device in, a force on the hand out.
+// Where a force loop gets its forces from: a sample of the device in, a force on the hand out.
 #pragma once
 
 #include "device/device.hpp"
 
 namespace palpate::device {
 
-/// What a source says to a pose; vectors in the device's frame.
+/// What a source says to a sample; vectors in the device's frame.
 struct Answer {
   Vec3 force;        ///< N
   Vec3 torque;       ///< N m
   double depth = 0;  ///< m in the scene; for displays and recordings
   std::uint32_t searched =
       0;                ///< the tick whose pose the search was made of, where another thread searches; 0: this one
+  Pulls pull{};         ///< N, of a glove's cables
   bool usable = false;  ///< false: no force is to be made of this (no pose, a tracker that is late or dead)
 };
 
-/// What turns poses into forces. The loop calls it from its own thread: it neither waits, locks, allocates nor throws.
-/// The same calls after the same reset() give the same bits, so that a recording can be replayed.
+/// What turns samples into forces. The loop calls it from its own thread: it neither waits, locks, allocates nor
+/// throws. The same calls after the same reset() give the same bits, so that a recording can be replayed.
 class ForceSource {
 public:
   virtual ~ForceSource() = default;
 
-  /// `seconds` since the last call, above 0.
-  virtual Answer answer(const Pose& pose, double seconds) noexcept = 0;
+  /// `seconds` since the last call, above 0. Of the sample only what was measured counts: pose and joints.
+  virtual Answer answer(const Sample& sample, double seconds) noexcept = 0;
 
   /// As if nothing had been touched: what overlaps then must start without force.
   virtual void reset() noexcept = 0;

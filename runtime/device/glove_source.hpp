@@ -2,37 +2,23 @@
 // Forces of a baked body on a glove whose cables pull the fingers open: five fingertips, each with its own contact.
 #pragma once
 
+#include "device/force_source.hpp"
+#include "device/glove_options.hpp"
 #include "device/hand_calibration.hpp"
 #include "palpate/output.hpp"
 #include "palpate/several.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace palpate::device {
 
-struct GloveOptions {
-  double limit = 5;       ///< N, (0, 100]: most that a cable pulls
-  double rate = 100;      ///< N/s, above 0: most by which a pull changes, as cables that slacken and tighten are felt
-  double frequency = 30;  ///< Hz, above 0: of the low-pass
-  /// Usable at all.
-  [[nodiscard]] bool valid() const {
-    return limit > 0 && limit <= 100 && rate > 0 && std::isfinite(rate) && frequency > 0 && std::isfinite(frequency);
-  }
-};
-
-struct GloveAnswer {
-  using Pulls = std::array<double, kFingers>;
-  Pulls pull{};                     ///< N, at least 0: of each cable, along its tip's z axis
-  std::array<Pose, kFingers> tips;  ///< device's frame
-  bool usable = false;              ///< false: every pull is 0
-};
-
 /// One sphere tool of the file at five fingertips. A force of the scene is projected on the one direction in which its
 /// finger's cable pulls (across the last bone, so that the hand opens), then limited, smoothed and limited in its rate
 /// there: it never pushes, and a finger that turns does not turn what is remembered. Sideways parts and torques are
-/// lost. The calls are those of a ForceSource: they neither wait, lock, allocate nor throw, and the same calls after
-/// the same reset() give the same bits. After an answer that is not usable what overlaps begins without force.
-class GloveSource {
+/// lost. A sample's pose is the hand's frame in the device's. The answer's depth is the deepest finger's; after one
+/// that is not usable what overlaps begins without force.
+class GloveSource : public ForceSource {
 public:
   /// The view must outlive it.
   GloveSource(const runtime::View& view, std::uint32_t tool, HandCalibration calibration,
@@ -53,32 +39,32 @@ public:
   /// Why no answer will ever be usable; null where they may be.
   [[nodiscard]] const char* problem() const { return problem_; }
 
-  /// `wrist`: the hand's frame in the device's. `raw`: what the sensors read. `seconds` since the last call, above 0.
-  GloveAnswer answer(const Pose& wrist, const HandJoints& raw, double seconds) noexcept {
+  Answer answer(const Sample& sample, double seconds) noexcept override {
     if (problem_ || !(seconds > 0 && std::isfinite(seconds))) return none();
-    GloveAnswer answer;
-    const HandJoints angles = calibration_.angles(raw);
-    std::array<Pose, kFingers> scene;
+    Answer answer;
+    const HandJoints angles = calibration_.angles(sample.joints);
+    std::array<Pose, kFingers> tips, scene;
     for (std::size_t f = 0; f < kFingers; ++f) {
       for (const double angle : angles[f]) {
         if (!(std::fabs(angle) < kBeyond)) return none();
       }
-      answer.tips[f] = wrist * calibration_.hand[f].tip(angles[f]);
-      scene[f] = frame_.to_scene(answer.tips[f]);
+      tips[f] = sample.pose * calibration_.hand[f].tip(angles[f]);
+      scene[f] = frame_.to_scene(tips[f]);
     }
     ticks_ = tools_.tick(scene);
     for (const runtime::Tick& tick : ticks_) {
       if (tick.state == runtime::State::fault) return none();
     }
     for (std::size_t f = 0; f < kFingers; ++f) {
-      const Vec3 at_tip = inverse(answer.tips[f]).rotate(frame_.to_device(ticks_[f].force));
+      const Vec3 at_tip = inverse(tips[f]).rotate(frame_.to_device(ticks_[f].force));
       answer.pull[f] = cables_[f](at_tip, seconds).z;
+      answer.depth = std::max(answer.depth, ticks_[f].depth);
     }
     answer.usable = true;
     return answer;
   }
 
-  void reset() noexcept {
+  void reset() noexcept override {
     tools_.reset();
     for (Cable& cable : cables_) cable.reset();
     ticks_ = {};
@@ -94,7 +80,7 @@ private:
                                 runtime::output::RateLimit>;
   static constexpr double kBeyond = 3.2;  // rad: no joint bends so far, the sensor is broken
 
-  GloveAnswer none() noexcept {
+  Answer none() noexcept {
     reset();
     return {};
   }

@@ -35,8 +35,8 @@ TickOutput Governor::step(const TickInput& seen, ForceSource& source) noexcept {
   if (const Cause wait = holds(seen); wait != Cause::none) return hold(seen, wait, source);
 
   TickOutput out;
-  out.answer = source.answer(seen.sample.pose, seen.seconds);
-  if (!out.answer.usable || !finite(out.answer.force) || !finite(out.answer.torque)) {
+  out.answer = source.answer(seen.sample, seen.seconds);
+  if (!out.answer.usable || !finite(out.answer.force) || !finite(out.answer.torque) || !finite(out.answer.pull)) {
     return hold(seen, Cause::source, source);
   }
   held_ = 0;
@@ -47,7 +47,9 @@ TickOutput Governor::step(const TickInput& seen, ForceSource& source) noexcept {
   mode_ = stopping ? Mode::stopping : share_ < 1 ? Mode::ramping : Mode::engaged;
   out.mode = mode_;
   out.command = {seen.time, share_ * shortened(out.answer.force, options_.limit),
-                 share_ * shortened(out.answer.torque, options_.torque_limit)};
+                 share_ * shortened(out.answer.torque, options_.torque_limit),
+                 limited(out.answer.pull, options_.limit)};
+  for (double& pull : out.command.pull) pull *= share_;
   return out;
 }
 

@@ -11,7 +11,7 @@ namespace palpate::device {
 /// Limits of a run, all stated.
 struct GovernorOptions {
   double rate = 1000;         ///< Hz, [100, 10000]: of the loop
-  double limit = 3;           ///< N, (0, 100]: a longer force is shortened along its line
+  double limit = 3;           ///< N, (0, 100]: a longer force is shortened along its line, a pull to it
   double torque_limit = 0;    ///< N m, [0, 10]; 0: no torque
   double ramp_up = 1;         ///< s, [0.01, 60]: from no force to all of it, whenever it (again) may begin
   double ramp_down = 0.05;    ///< s, [0.001, 1]: the way back when a stop is asked for

@@ -4,7 +4,9 @@
 
 #include "palpate/math3.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace palpate::device {
 
@@ -26,6 +28,19 @@ struct Joint {
 
 /// A number for every joint of a hand: an angle (rad), or what its sensor reads.
 using HandJoints = std::array<std::array<double, kJoints>, kFingers>;
+
+/// N, at least 0: how strongly the cable of each finger pulls.
+using Pulls = std::array<double, kFingers>;
+
+inline bool finite(const Pulls& pull) {
+  return std::all_of(pull.begin(), pull.end(), [](double each) { return std::isfinite(each); });
+}
+
+/// Each from 0 to `most` (N); finite pulls.
+inline Pulls limited(Pulls pull, double most) {
+  for (double& each : pull) each = std::clamp(each, 0.0, most);
+  return pull;
+}
 
 const char* finger_name(std::size_t finger);
 const char* joint_name(std::size_t joint);

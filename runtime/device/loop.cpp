@@ -64,7 +64,7 @@ void ForceLoop::run() noexcept {
     out = governor_.step(seen, source_);
     device_.write(out.command);
     const double done = clock_.now();
-    if (record_ != nullptr) record_->put(to_record(seen, out));
+    if (record_ != nullptr) record_->put(to_tick(seen, out));
 
     missed = static_cast<std::uint32_t>(std::fmin(1e6, std::fmax(0, std::floor((done - seen.due) / period_))));
     index += 1 + missed;
@@ -87,7 +87,7 @@ void ForceLoop::account(const TickInput& seen, const TickOutput& out, std::uint3
   c.stale_ticks += out.cause == Cause::stale ? 1 : 0;
   c.late.add(seen.time - seen.due);
   if (seen.sample.phase == Phase::ready) c.age.add(seen.time - seen.sample.time);
-  c.peak_force = std::fmax(c.peak_force, length(out.command.force));
+  c.peak_force = std::fmax(c.peak_force, out.command.strength());
   c.seen = seen;
   c.out = out;
 }

@@ -30,7 +30,7 @@ struct LoopReport {
   TickInput seen;  ///< of the last tick
   TickOutput out;
   double elapsed = 0;     ///< s
-  double peak_force = 0;  ///< N, of a command
+  double peak_force = 0;  ///< N, of a command (Command::strength())
   std::uint64_t ticks = 0;
   std::uint64_t missed = 0;       ///< deadlines
   std::uint64_t late_ticks = 0;   ///< that came later after the last one than the governor's gap

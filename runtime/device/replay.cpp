@@ -6,11 +6,11 @@
 namespace palpate::device {
 
 Replay replay(const RunLog& log, ForceSource& source,
-              const std::function<void(const RunRecord&, const TickOutput&)>& each) {
+              const std::function<void(const RunTick&, const TickOutput&)>& each) {
   Replay result;
   Governor governor(governor_options(log.header));
   std::uint32_t next = 1;
-  for (const RunRecord& record : log.records) {
+  for (const RunTick& record : log.records) {
     const TickOutput out = governor.step(to_input(record), source);
     result.missing += record.number - next;
     next = record.number + 1;

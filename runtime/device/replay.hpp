@@ -20,6 +20,6 @@ struct Replay {
 
 /// `source` must be as new. `each` is called for every tick with what came of it now.
 Replay replay(const RunLog& log, ForceSource& source,
-              const std::function<void(const RunRecord&, const TickOutput&)>& each = {});
+              const std::function<void(const RunTick&, const TickOutput&)>& each = {});
 
 }  // namespace palpate::device

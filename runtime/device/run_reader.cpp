@@ -27,6 +27,7 @@ const char* wrong_in(const RunHeader& h) {
     if (const char* wrong = coupling->validate()) return wrong;
     if (!(frame.force_scale > 0)) return "a coupling, and no force";
   }
+  if (h.glove > 1 || (h.glove == 1 && h.version < 3)) return "neither of a glove nor of another device";
   if (!terminated(h.device, sizeof h.device) || !terminated(h.tool_name, sizeof h.tool_name) ||
       !terminated(h.response, sizeof h.response)) {
     return "a name does not end";
@@ -64,26 +65,36 @@ RunLog read_run_log(const void* data, std::size_t size) {
                   std::to_string(RunHeader::kVersion));
   }
   if (!sealed(log.header)) return failed("the checksum of its header is wrong");
-  if (log.header.header_size != sizeof(RunHeader) || log.header.record_size != sizeof(RunRecord)) {
+  if (const char* wrong = wrong_in(log.header)) return failed(std::string("header: ") + wrong);
+  const bool glove = log.header.glove == 1;
+  const std::size_t record_size = sizeof(RunRecord) + (glove ? sizeof(HandRecord) : 0);
+  std::size_t at = sizeof(RunHeader) + (glove ? sizeof(RunHand) : 0);
+  if (log.header.header_size != at || log.header.record_size != record_size) {
     return failed("sizes of header and records that its version does not have");
   }
-  if (const char* wrong = wrong_in(log.header)) return failed(std::string("header: ") + wrong);
+  if (size < at) return failed("cut short within its header");
+  if (glove) {
+    std::memcpy(&log.hand.emplace(), bytes + sizeof(RunHeader), sizeof(RunHand));
+    if (!sealed(*log.hand)) return failed("the checksum of its hand is wrong");
+    if (const char* wrong = wrong_in(*log.hand)) return failed(std::string("hand: ") + wrong);
+  }
 
-  std::size_t at = sizeof(RunHeader);
-  if ((size - at) % sizeof(RunRecord) == sizeof(RunEnd)) {
+  if ((size - at) % record_size == sizeof(RunEnd)) {
     std::memcpy(&log.end, bytes + size - sizeof(RunEnd), sizeof(RunEnd));
     log.complete = std::memcmp(log.end.magic, RunEnd::kMagic, sizeof log.end.magic) == 0 && sealed(log.end);
     if (log.complete) size -= sizeof(RunEnd);
   }
-  log.records.reserve((size - at) / sizeof(RunRecord));
-  for (std::uint32_t number = 0; size - at >= sizeof(RunRecord); at += sizeof(RunRecord)) {
-    RunRecord record;
+  log.records.reserve((size - at) / record_size);
+  for (std::uint32_t number = 0; size - at >= record_size; at += record_size) {
+    RunTick tick;
+    RunRecord& record = tick;
     std::memcpy(&record, bytes + at, sizeof record);
+    if (glove) std::memcpy(&tick.hand, bytes + at + sizeof record, sizeof tick.hand);
     const std::string where = "record " + std::to_string(log.records.size()) + " (byte " + std::to_string(at) + "): ";
-    if (!sealed(record)) return failed(where + "its checksum is wrong");
+    if (!sealed(record) || (glove && !sealed(tick.hand))) return failed(where + "its checksum is wrong");
     if (const char* wrong = wrong_in(record, number)) return failed(where + wrong);
     number = record.number;
-    log.records.push_back(record);
+    log.records.push_back(tick);
   }
   log.torn = size - at;
   if (log.complete && log.records.size() + log.end.dropped != log.end.ticks) {

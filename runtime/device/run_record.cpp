@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "device/run_record.hpp"
 
+#include "device/run_hand.hpp"
 #include "palpate/checksum.hpp"
 
 #include <cstring>
@@ -17,6 +18,8 @@ bool same_bits(const double (&a)[3], const Vec3& v) {
   store(b, v);
   return std::memcmp(a, b, sizeof b) == 0;
 }
+
+bool same_bits(const double (&a)[kFingers], const Pulls& pull) { return std::memcmp(a, pull.data(), sizeof a) == 0; }
 
 template <class T>
 std::uint64_t checksum_of(const T& part) {
@@ -80,8 +83,8 @@ std::optional<runtime::CouplingOptions> coupling_options(const RunHeader& header
   return options;
 }
 
-RunRecord to_record(const TickInput& seen, const TickOutput& out) noexcept {
-  RunRecord r;
+RunTick to_tick(const TickInput& seen, const TickOutput& out) noexcept {
+  RunTick r;
   r.number = seen.number;
   r.missed = seen.missed;
   r.due = seen.due;
@@ -103,10 +106,13 @@ RunRecord to_record(const TickInput& seen, const TickOutput& out) noexcept {
   store(r.answer_force, out.answer.force);
   store(r.force, out.command.force);
   store(r.torque, out.command.torque);
+  std::memcpy(r.hand.joints, seen.sample.joints.data(), sizeof r.hand.joints);
+  std::memcpy(r.hand.answer_pull, out.answer.pull.data(), sizeof r.hand.answer_pull);
+  std::memcpy(r.hand.pull, out.command.pull.data(), sizeof r.hand.pull);
   return r;
 }
 
-TickInput to_input(const RunRecord& r) {
+TickInput to_input(const RunTick& r) {
   TickInput seen;
   seen.number = r.number;
   seen.missed = r.missed;
@@ -121,12 +127,14 @@ TickInput to_input(const RunRecord& r) {
   seen.sample.phase = static_cast<Phase>(r.phase);
   seen.sample.fault = static_cast<Fault>(r.sample_fault);
   seen.requests = r.requests;
+  std::memcpy(seen.sample.joints.data(), r.hand.joints, sizeof r.hand.joints);
   return seen;
 }
 
-bool same_output(const RunRecord& r, const TickOutput& out) {
+bool same_output(const RunTick& r, const TickOutput& out) {
   return same_bits(r.force, out.command.force) && same_bits(r.torque, out.command.torque) &&
-         same_bits(r.answer_force, out.answer.force) && r.mode == static_cast<std::uint8_t>(out.mode) &&
+         same_bits(r.answer_force, out.answer.force) && same_bits(r.hand.pull, out.command.pull) &&
+         same_bits(r.hand.answer_pull, out.answer.pull) && r.mode == static_cast<std::uint8_t>(out.mode) &&
          r.cause == static_cast<std::uint8_t>(out.cause);
 }
 
@@ -143,8 +151,12 @@ bool sealed(const T& part) {
 template void seal(RunHeader&);
 template void seal(RunRecord&);
 template void seal(RunEnd&);
+template void seal(HandRecord&);
+template void seal(RunHand&);
 template bool sealed(const RunHeader&);
 template bool sealed(const RunRecord&);
 template bool sealed(const RunEnd&);
+template bool sealed(const HandRecord&);
+template bool sealed(const RunHand&);
 
 }  // namespace palpate::device

@@ -16,7 +16,7 @@ namespace palpate::device {
 /// First in the file: what the forces were made with. Little-endian, IEEE 754, SI units.
 struct RunHeader {
   static constexpr char kMagic[8] = {'P', 'A', 'L', 'P', 'R', 'U', 'N', 0};
-  static constexpr std::uint32_t kVersion = 2;  ///< version 1 knows no coupling
+  static constexpr std::uint32_t kVersion = 3;  ///< version 1 knows no coupling, version 2 no gloves
 
   char magic[8] = {'P', 'A', 'L', 'P', 'R', 'U', 'N', 0};
   std::uint32_t version = kVersion;
@@ -32,7 +32,8 @@ struct RunHeader {
   char device[96] = {}, tool_name[64] = {}, response[256] = {};  ///< names, zero-terminated; the path as it was given
   double coupling_stiffness = 0, coupling_damping = 0;  ///< CouplingOptions, in the hand; 0: the tool is the device
   std::uint32_t coupling_trials = 0;
-  unsigned char spare[28] = {};  ///< zero
+  std::uint32_t glove = 0;       ///< 1: a RunHand follows the header, and a HandRecord each record
+  unsigned char spare[24] = {};  ///< zero
   std::uint64_t checksum = 0;    ///< XXH64 of all before
 };
 
@@ -52,6 +53,18 @@ struct RunRecord {
   std::uint64_t checksum = 0;            ///< XXH64 of all before
 };
 
+/// Behind the record of a glove's tick: what its sensors read, what the source answered, and the command's pulls.
+struct HandRecord {
+  double joints[kFingers][kJoints] = {};
+  double answer_pull[kFingers] = {}, pull[kFingers] = {};  ///< N
+  std::uint64_t checksum = 0;                              ///< XXH64 of all before
+};
+
+/// A tick in memory; `hand` is of gloves alone.
+struct RunTick : RunRecord {
+  HandRecord hand;
+};
+
 /// Last in the file of a run that ended as it should.
 struct RunEnd {
   static constexpr char kMagic[8] = {'P', 'A', 'L', 'P', 'E', 'N', 'D', 0};
@@ -68,8 +81,10 @@ static_assert(sizeof(RunHeader) == 704 && offsetof(RunHeader, rate) == 40 && off
               offsetof(RunHeader, checksum) == 696);
 static_assert(sizeof(RunRecord) == 248 && offsetof(RunRecord, rotation) == 40 && offsetof(RunRecord, phase) == 144 &&
               offsetof(RunRecord, answer_force) == 168 && offsetof(RunRecord, checksum) == 240);
+static_assert(offsetof(RunHeader, glove) == 668);
+static_assert(sizeof(HandRecord) == 208 && offsetof(HandRecord, pull) == 160);
 static_assert(sizeof(RunEnd) == 64 && offsetof(RunEnd, checksum) == 56);
-static_assert(std::is_trivially_copyable_v<RunHeader> && std::is_trivially_copyable_v<RunRecord>);
+static_assert(std::is_trivially_copyable_v<RunHeader> && std::is_trivially_copyable_v<RunTick>);
 
 /// Fills in the governor's options, the frame, and the coupling in the hand where there is one.
 void set_options(RunHeader& header, const GovernorOptions& options, const runtime::DeviceFrame& frame,
@@ -78,12 +93,12 @@ GovernorOptions governor_options(const RunHeader& header);
 runtime::DeviceFrame device_frame(const RunHeader& header);
 std::optional<runtime::CouplingOptions> coupling_options(const RunHeader& header);
 
-/// A tick as a record (its checksum is for whoever writes it), and back.
-RunRecord to_record(const TickInput& seen, const TickOutput& out) noexcept;
-TickInput to_input(const RunRecord& record);
+/// A tick as a record (its checksums are for whoever writes it), and back.
+RunTick to_tick(const TickInput& seen, const TickOutput& out) noexcept;
+TickInput to_input(const RunTick& tick);
 
 /// Whether the same came of it, bit for bit.
-bool same_output(const RunRecord& record, const TickOutput& out);
+bool same_output(const RunTick& tick, const TickOutput& out);
 
 /// Sets or checks the last eight bytes.
 template <class T>

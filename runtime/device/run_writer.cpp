@@ -11,27 +11,40 @@
 
 namespace palpate::device {
 
-RunWriter::RunWriter(const std::string& path, RunHeader header, std::size_t capacity) : ring_(capacity) {
+RunWriter::RunWriter(const std::string& path, RunHeader header, const std::optional<RunHand>& hand,
+                     std::size_t capacity)
+    : ring_(capacity), glove_(hand.has_value()) {
   file_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (file_ < 0) {
     open_error_ = std::strerror(errno);
     return;
   }
+  if (glove_) {
+    header.glove = 1;
+    header.header_size += sizeof(RunHand);
+    header.record_size += sizeof(HandRecord);
+  }
   seal(header);
   write(&header, sizeof header);
+  if (RunHand sealed = hand.value_or(RunHand()); glove_) {
+    seal(sealed);
+    write(&sealed, sizeof sealed);
+  }
   open_error_ = result_.error;
   if (open_error_.empty()) thread_ = std::thread([this] { drain(); });
 }
 
 RunWriter::~RunWriter() { finish(); }
 
-void RunWriter::put(const RunRecord& record) noexcept {
+void RunWriter::put(const RunTick& tick) noexcept {
   ticks_.fetch_add(1, std::memory_order_relaxed);
-  if (!ring_.put(record)) dropped_.fetch_add(1, std::memory_order_relaxed);
+  if (!ring_.put(tick)) dropped_.fetch_add(1, std::memory_order_relaxed);
 }
 
 void RunWriter::drain() {
-  std::vector<RunRecord> batch(256);
+  std::vector<RunTick> batch(256);
+  const std::size_t record_size = sizeof(RunRecord) + (glove_ ? sizeof(HandRecord) : 0);
+  std::vector<unsigned char> bytes(batch.size() * record_size);
   for (;;) {
     const bool last = finishing_.load(std::memory_order_acquire);  // asked before the ring: nothing is put after it
     const std::size_t count = ring_.take(batch.data(), batch.size());
@@ -40,8 +53,16 @@ void RunWriter::drain() {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
       continue;
     }
-    for (std::size_t k = 0; k < count; ++k) seal(batch[k]);
-    const std::size_t whole = write(batch.data(), count * sizeof(RunRecord)) / sizeof(RunRecord);
+    for (std::size_t k = 0; k < count; ++k) {
+      RunRecord& record = batch[k];
+      seal(record);
+      unsigned char* to = bytes.data() + k * record_size;
+      std::memcpy(to, &record, sizeof record);
+      if (!glove_) continue;
+      seal(batch[k].hand);
+      std::memcpy(to + sizeof record, &batch[k].hand, sizeof(HandRecord));
+    }
+    const std::size_t whole = write(bytes.data(), count * record_size) / record_size;
     dropped_.fetch_add(count - whole, std::memory_order_relaxed);
   }
 }

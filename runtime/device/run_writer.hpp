@@ -3,10 +3,12 @@
 #pragma once
 
 #include "device/ring.hpp"
+#include "device/run_hand.hpp"
 #include "device/run_record.hpp"
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -22,9 +24,10 @@ struct RunWritten {
 /// put() is for the force loop, everything else for the thread that made the writer.
 class RunWriter {
 public:
-  /// Creates or replaces the file and starts the thread; error() says whether that went well. `capacity`: ticks that
-  /// wait for a slow disk.
-  RunWriter(const std::string& path, RunHeader header, std::size_t capacity = std::size_t{1} << 14);
+  /// Creates or replaces the file and starts the thread; error() says whether that went well. `hand`: of a glove's run.
+  /// `capacity`: ticks that wait for a slow disk.
+  RunWriter(const std::string& path, RunHeader header, const std::optional<RunHand>& hand = {},
+            std::size_t capacity = std::size_t{1} << 14);
   ~RunWriter();  ///< finishes
   RunWriter(const RunWriter&) = delete;
   RunWriter& operator=(const RunWriter&) = delete;
@@ -33,7 +36,7 @@ public:
   [[nodiscard]] const std::string& error() const { return open_error_; }
 
   /// Never waits: what finds no room is dropped and counted.
-  void put(const RunRecord& record) noexcept;
+  void put(const RunTick& tick) noexcept;
 
   /// Counted so far.
   [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
@@ -45,7 +48,8 @@ private:
   void drain();
   std::size_t write(const void* bytes, std::size_t size);
 
-  Ring<RunRecord> ring_;
+  Ring<RunTick> ring_;
+  bool glove_;
   int file_ = -1;
   std::string open_error_;
   RunWritten result_;  // error: of the thread until it is joined

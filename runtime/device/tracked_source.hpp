@@ -39,9 +39,9 @@ public:
   TrackedSource(const TrackedSource&) = delete;
   TrackedSource& operator=(const TrackedSource&) = delete;
 
-  Answer answer(const Pose& pose, double seconds) noexcept override {
+  Answer answer(const Sample& sample, double seconds) noexcept override {
     time_ += seconds;
-    const Asked asked{time_, frame_.to_scene(pose)};
+    const Asked asked{time_, frame_.to_scene(sample.pose)};
     asked_.write(asked);
     fresh_ = found_.read(latest_) || fresh_;
     Answer answer;

@@ -5,10 +5,14 @@
 #include <gtest/gtest.h>
 
 #include "device/device.hpp"
+#include "device/replay.hpp"
+#include "device/sim_glove.hpp"
 #include "palpate/runtime.hpp"
 #include "tests/device/golden.hpp"
-#include "tests/device/simulated_glove.hpp"
+#include "tests/device/scripted_device.hpp"
+#include "tests/device/seeded.hpp"
 #include "tests/runtime/allocation_counter.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace palpate::test {
 namespace {
@@ -20,17 +24,31 @@ struct Miss {
   double largest = 0, mean = 0;
 };
 
-Miss miss(const SimulatedGloveOptions& options, std::uint64_t hands) {
+/// Anything between the extreme poses.
+HandJoints any_pose(Seeded& random) {
+  const std::vector<KeyPose> ends = extreme_poses();
+  HandJoints angles{};
+  for (std::size_t f = 0; f < kFingers; ++f) {
+    angles[f][Joint::spread] = random.between(0, ends[1].angles[f][Joint::spread]);
+    angles[f][Joint::root] = random.between(0, ends[2].angles[f][Joint::root]);
+    angles[f][Joint::middle] = random.between(0, ends[2].angles[f][Joint::middle]);
+  }
+  angles[2][Joint::spread] = 0;
+  return angles;
+}
+
+Miss miss(SimHandOptions options, std::uint64_t hands) {
   Miss miss;
+  Seeded random(1);
   constexpr int kPoses = 200;
-  for (std::uint64_t seed = 1; seed <= hands; ++seed) {
-    SimulatedGlove glove(seed, options);
+  for (options.seed = 1; options.seed <= hands; ++options.seed) {
+    SimHand glove(options);
     const HandCalibration found = calibrate_hand(glove.record());
     EXPECT_TRUE(found.usable()) << found.problem;
     for (int k = 0; k < kPoses; ++k) {
-      const HandJoints pose = glove.any_pose(), angles = found.angles(glove.read(pose));
+      const HandJoints pose = any_pose(random), angles = found.angles(glove.read(pose));
       for (std::size_t f = 0; f < kFingers; ++f) {
-        const double off = length(found.hand[f].tip(angles[f]).translation - glove.tip(f, pose));
+        const double off = length(found.hand[f].tip(angles[f]).translation - glove.tip(f, pose).translation);
         miss.largest = std::max(miss.largest, off);
         miss.mean += off / (kPoses * static_cast<double>(kFingers * hands));
       }
@@ -42,19 +60,20 @@ Miss miss(const SimulatedGloveOptions& options, std::uint64_t hands) {
 // What noise and whole counts of the sensors leave (a count is about 0.7 degrees): a hand of the typical shape.
 TEST(HandCalibration, FindsTheFingertipsOfHandsOfAnySize) {
   for (const double size : {0.7, 1.0, 1.4}) {
-    SimulatedGloveOptions options;
+    SimHandOptions options;
     options.size = size;
     const Miss off = miss(options, 10);
     EXPECT_LT(off.largest, size * 3e-3);
     EXPECT_LT(off.mean, size * 1e-3);
-    SimulatedGlove glove(7, options);
+    options.seed = 7;
+    SimHand glove(options);
     for (const double found : calibrate_hand(glove.record()).size) EXPECT_NEAR(found, size, 1e-9);
   }
 }
 
 // People's hands: bones of their own, poses missed by up to 3 degrees a joint, tips measured to 1 mm.
 TEST(HandCalibration, FindsTheFingertipsOfPeople) {
-  SimulatedGloveOptions options;
+  SimHandOptions options;
   options.size = 0.9;
   options.shape = 0.05;
   options.astray = 0.05;
@@ -98,7 +117,7 @@ TEST(HandModel, IsARightHand) {
 /// The problem that a spoilt recording is refused with.
 template <class Spoil>
 std::string refused(const Spoil& spoil) {
-  SimulatedGlove glove(3, {});
+  SimHand glove({3});
   std::vector<KeyPose> poses = glove.record();
   spoil(poses);
   const HandCalibration found = calibrate_hand(poses);
@@ -156,9 +175,16 @@ HandJoints reaching(double time) {
 
 constexpr double kTick = 1e-3;
 
+Sample worn(const HandJoints& raw, const Pose& wrist = {}) {
+  Sample sample;
+  sample.joints = raw;
+  sample.pose = wrist;
+  return sample;
+}
+
 TEST(Glove, PullsEachFingerOpenWithItsOwnContactsForce) {
   const Golden box("separable");
-  SimulatedGlove glove(5, {});
+  SimHand glove({5});
   const HandCalibration found = calibrate_hand(glove.record());
   GloveOptions slack;
   slack.limit = 100;
@@ -170,7 +196,7 @@ TEST(Glove, PullsEachFingerOpenWithItsOwnContactsForce) {
   std::array<double, kFingers> most{};
   for (int k = 0; k < 4000; ++k) {
     const HandJoints raw = glove.read(reaching(kTick * k));
-    const GloveAnswer answer = source.answer({}, raw, kTick);
+    const Answer answer = source.answer(worn(raw), kTick);
     ASSERT_TRUE(answer.usable);
     for (std::size_t f = 0; f < kFingers; ++f) {
       const Pose tip = found.hand[f].tip(found.angles(raw)[f]);
@@ -186,16 +212,16 @@ TEST(Glove, PullsEachFingerOpenWithItsOwnContactsForce) {
 // Palm up, nails into the box: what would close the hand is no cable's.
 TEST(Glove, NeverPushes) {
   const Golden box("separable");
-  SimulatedGlove glove(5, {});
+  SimHand glove({5});
   GloveSource source(box.view, 0, calibrate_hand(glove.record()), over_the_box());
   HandJoints straight{};
   for (std::size_t f = 0; f < kFingers; ++f) straight[f][Joint::spread] = f == 2 ? 0 : 0.1;
   std::array<double, kFingers> against{};
   for (int k = 0; k < 1000; ++k) {
     const Pose wrist = Pose::from_quaternion(0, 0, 1, 0, {0, 0, -3e-5 * k});
-    const GloveAnswer answer = source.answer(wrist, glove.read(straight), kTick);
+    const Answer answer = source.answer(worn(glove.read(straight), wrist), kTick);
     ASSERT_TRUE(answer.usable);
-    ASSERT_EQ(answer.pull, GloveAnswer::Pulls{});
+    ASSERT_EQ(answer.pull, Pulls{});
     for (std::size_t f = 0; f < kFingers; ++f) against[f] = std::max(against[f], source.ticks()[f].force.z);
   }
   for (std::size_t f = 1; f < kFingers; ++f) EXPECT_GT(against[f], 0.1) << finger_name(f);
@@ -204,19 +230,19 @@ TEST(Glove, NeverPushes) {
 // As it comes: never pushing, never beyond the limit, no faster than the rate; the same bits again, without memory.
 TEST(Glove, IsLimitedSmoothedAndRepeatable) {
   const Golden box("separable");
-  SimulatedGlove glove(5, {});
+  SimHand glove({5});
   const HandCalibration found = calibrate_hand(glove.record());
   GloveOptions options;
   options.limit = 0.3;
   options.rate = 4;
   GloveSource source(box.view, 0, found, over_the_box(), options), again(box.view, 0, found, over_the_box(), options);
   std::vector<HandJoints> recording;
-  std::vector<GloveAnswer> answers;
+  std::vector<Answer> answers;
   std::array<double, kFingers> last{};
   bool at_rate = false, at_limit = false;
   for (int k = 0; k < 4000; ++k) {
     recording.push_back(glove.read(reaching(kTick * k)));
-    answers.push_back(source.answer({}, recording.back(), kTick));
+    answers.push_back(source.answer(worn(recording.back()), kTick));
     ASSERT_TRUE(answers.back().usable);
     for (std::size_t f = 0; f < kFingers; ++f) {
       const double pull = answers.back().pull[f], change = std::fabs(pull - last[f]);
@@ -230,20 +256,20 @@ TEST(Glove, IsLimitedSmoothedAndRepeatable) {
   }
   EXPECT_TRUE(at_rate);
   EXPECT_TRUE(at_limit);
-  again.answer({}, recording[2000], kTick);
+  again.answer(worn(recording[2000]), kTick);
   again.reset();
   const long before = allocations();
   for (std::size_t k = 0; k < recording.size(); ++k) {
-    ASSERT_EQ(again.answer({}, recording[k], kTick).pull, answers[k].pull);
+    ASSERT_EQ(again.answer(worn(recording[k]), kTick).pull, answers[k].pull);
   }
   EXPECT_EQ(allocations(), before);
 }
 
 TEST(Glove, GivesNothingWhereNothingIsSure) {
   const Golden box("separable"), tools("three_tools");
-  SimulatedGlove glove(5, {});
+  SimHand glove({5});
   const HandCalibration found = calibrate_hand(glove.record());
-  const GloveAnswer::Pulls zero{};
+  const Pulls zero{};
   const HandJoints raw = glove.read(reaching(0.6));
   GloveOptions wrong;
   wrong.rate = NAN;
@@ -253,14 +279,14 @@ TEST(Glove, GivesNothingWhereNothingIsSure) {
   EXPECT_STREQ(rod.problem(), "the tool is no sphere");
   EXPECT_NE(badly.problem(), nullptr);
   for (GloveSource* source : {&blank, &rod, &badly}) {
-    const GloveAnswer answer = source->answer({}, raw, kTick);
+    const Answer answer = source->answer(worn(raw), kTick);
     EXPECT_FALSE(answer.usable);
     EXPECT_EQ(answer.pull, zero);
   }
   // A fault in the middle of a press: zero at once, and what still overlaps begins without force.
   GloveSource source(box.view, 0, found, over_the_box());
-  for (int k = 0; k < 600; ++k) source.answer({}, glove.read(reaching(kTick * k)), kTick);
-  ASSERT_GT(source.answer({}, raw, kTick).pull[2], 0.05);
+  for (int k = 0; k < 600; ++k) source.answer(worn(glove.read(reaching(kTick * k))), kTick);
+  ASSERT_GT(source.answer(worn(raw), kTick).pull[2], 0.05);
   HandJoints broken = raw;
   broken[3][Joint::middle] = NAN;
   HandJoints leapt = raw;
@@ -268,18 +294,146 @@ TEST(Glove, GivesNothingWhereNothingIsSure) {
   Pose nowhere;
   nowhere.translation.x = NAN;
   const auto fails = [&](const Pose& wrist, const HandJoints& read, double seconds) {
-    const GloveAnswer answer = source.answer(wrist, read, seconds);
+    const Answer answer = source.answer(worn(read, wrist), seconds);
     EXPECT_FALSE(answer.usable);
     EXPECT_EQ(answer.pull, zero);
   };
   fails({}, broken, kTick);
-  const GloveAnswer after = source.answer({}, raw, kTick);
+  const Answer after = source.answer(worn(raw), kTick);
   EXPECT_TRUE(after.usable);
   EXPECT_NEAR(after.pull[2], 0, 1e-12);
   fails({}, leapt, kTick);
   fails(nowhere, raw, kTick);
   fails({}, raw, 0);
   fails({}, raw, NAN);
+}
+
+/// A glove that is driven by a clock that a test moves, over the sample's box; what its run left on disk.
+struct GloveRun {
+  GloveRun() {
+    clock = FakeClock();
+    SimGloveOptions options;
+    options.way.fill(0.02);
+    SimGlove glove(options, [] { return clock.now(); });
+    const HandCalibration found = calibrate_hand(glove.record());
+    EXPECT_TRUE(found.usable()) << found.problem;
+    runtime::DeviceFrame frame;
+    frame.scale = 0.4;
+    frame.turn.translation = {0.005, -0.01, 0.02};
+    RunHeader header;
+    LoopOptions loop_options;
+    loop_options.seconds = 3;
+    loop_options.governor.limit = 1;
+    set_options(header, loop_options.governor, frame);
+    GloveOptions pulls;
+    pulls.limit = 1;
+    GloveSource source(box.view, 0, found, frame, pulls);
+    StopFlags stop;
+    RunWriter writer(folder.path() / "run", header, to_run_hand(found, pulls));
+    ForceLoop loop(glove, source, loop_options, stop, &writer, clock);
+    loop.run();
+    report = loop.report();
+    writer.finish();
+    bytes = file_content(folder.path() / "run");
+    for (std::size_t f = 0; f < kFingers; ++f) work[f] = glove.cable(f).plant().given();
+    glove.close();
+    closed = glove.read().phase;
+  }
+  [[nodiscard]] static RunLog read(const std::string& bytes) { return read_run_log(bytes.data(), bytes.size()); }
+
+  static inline FakeClock clock;
+  const Golden box{"separable"};
+  TemporaryFolder folder;
+  LoopReport report;
+  std::string bytes;
+  std::array<double, kFingers> work{};
+  Phase closed{};
+};
+
+TEST(GloveRun, PullsOnTheHandAndReplaysToTheSameBits) {
+  const GloveRun run;
+  EXPECT_EQ(run.report.out.cause, Cause::asked);
+  EXPECT_EQ(run.report.suspensions, 0U);
+  EXPECT_GT(run.report.peak_force, 0.1);
+  EXPECT_LE(run.report.peak_force, 1);
+  EXPECT_EQ(run.closed, Phase::closed);
+  const RunLog log = run.read(run.bytes);
+  ASSERT_TRUE(log.ok) << log.error;
+  EXPECT_TRUE(log.complete);
+  ASSERT_EQ(log.records.size(), run.report.ticks);
+  ASSERT_TRUE(log.hand);
+  GloveSource source(run.box.view, 0, calibration_of(*log.hand), device_frame(log.header), glove_options(*log.hand));
+  std::array<double, kFingers> most{};
+  const Replay replayed = replay(log, source, [&](const RunTick&, const TickOutput& out) {
+    for (std::size_t f = 0; f < kFingers; ++f) most[f] = std::max(most[f], out.command.pull[f]);
+  });
+  EXPECT_EQ(replayed.compared, run.report.ticks);
+  EXPECT_EQ(replayed.different, 0U);
+  for (std::size_t f = 1; f < kFingers; ++f) {
+    EXPECT_GT(most[f], 0.05) << finger_name(f);
+    EXPECT_LT(run.work[f], 0) << finger_name(f) << " closed against its cable";
+  }
+  // Another hand, or another cable, gives other pulls.
+  GloveSource slow(run.box.view, 0, calibration_of(*log.hand), device_frame(log.header), {1, 100, 5});
+  EXPECT_GT(replay(log, slow).different, 100U);
+}
+
+TEST(GloveRun, WhatIsWrongInItsRecordingIsFound) {
+  GloveRun run;
+  constexpr std::size_t kHead = sizeof(RunHeader) + sizeof(RunHand), kEach = sizeof(RunRecord) + sizeof(HandRecord);
+  for (const std::size_t at : {sizeof(RunHeader) + 17, kHead - 3, kHead + sizeof(RunRecord) + 9, kHead + 5 * kEach - 4,
+                               kHead + 7 * kEach + 40}) {
+    std::string bytes = run.bytes;
+    bytes[at] = static_cast<char>(bytes[at] ^ 0x10);
+    EXPECT_FALSE(run.read(bytes).ok) << at;
+  }
+  EXPECT_NE(run.read(run.bytes.substr(0, kHead - 1)).error.find("within its header"), std::string::npos);
+  const RunLog cut = run.read(run.bytes.substr(0, kHead + 3 * kEach + 250));
+  EXPECT_TRUE(cut.ok && !cut.complete);
+  EXPECT_EQ(cut.records.size(), 3U);
+  EXPECT_EQ(cut.torn, 250U);
+  RunHand hand;
+  std::memcpy(&hand, run.bytes.data() + sizeof(RunHeader), sizeof hand);
+  const auto refused = [&](const char* word, RunHand changed) {
+    seal(changed);
+    std::string bytes = run.bytes;
+    std::memcpy(bytes.data() + sizeof(RunHeader), &changed, sizeof changed);
+    EXPECT_NE(run.read(bytes).error.find(word), std::string::npos) << run.read(bytes).error;
+  };
+  RunHand wrong = hand;
+  wrong.rate = -1;
+  refused("rate", wrong);
+  wrong = hand;
+  wrong.bones[2][1] = INFINITY;
+  refused("not finite", wrong);
+  wrong = hand;
+  wrong.rotation[1][4] = 2;
+  refused("no pose", wrong);
+}
+
+// Each finger's cable is the whole glove's: one that falls silent stops it, and what nobody renews ends in all.
+TEST(SimGlove, AFaultOfOneFingerIsTheGloves) {
+  SimGlove glove({}, nullptr);
+  glove.advance(0.2);
+  EXPECT_EQ(glove.read().phase, Phase::homing);
+  glove.advance(0.4);
+  EXPECT_EQ(glove.read().phase, Phase::ready);
+  const HandJoints still = glove.read().joints;
+  EXPECT_EQ(glove.read().joints, still) << "the sensors are read once a sample";
+  Command command{0.4, {}, {}};
+  command.pull = {1, 2, 9, -3, 0.5};
+  glove.write(command);
+  glove.advance(0.408);
+  const double most = glove.kind().peak_force;
+  EXPECT_EQ(glove.cable(0).plant().force().z, 1);
+  EXPECT_EQ(glove.cable(2).plant().force().z, most) << "no further than the cable's own limit";
+  EXPECT_EQ(glove.cable(3).plant().force().z, 0) << "a cable does not push";
+  glove.cable(4).fall_silent();
+  glove.advance(0.42);
+  const Sample sample = glove.read();
+  EXPECT_EQ(sample.phase, Phase::stopped);
+  EXPECT_EQ(sample.fault, Fault::silent);
+  for (std::size_t f = 0; f < kFingers; ++f) EXPECT_EQ(glove.cable(f).plant().force().z, 0) << finger_name(f);
 }
 
 }  // namespace

@@ -30,15 +30,21 @@ DeviceFrame sideways() {
   return frame;
 }
 
+Sample sample_at(const Vec3& position) {
+  Sample sample;
+  sample.pose = upright(position);
+  return sample;
+}
+
 TEST(LoopContact, IsTheContactsForceInTheDevicesFrame) {
   const Opened ball(ball_content({}));
   ContactSource<> source(ball.view, 0, sideways());
   runtime::Contact contact(ball.view, 0);
   double largest = 0;
   for (int k = 0; k < 2000; ++k) {
-    const Pose hand = upright({0.002 * std::sin(0.01 * k), 0, -0.012 * std::sin(0.003 * k)});
+    const Sample hand = sample_at({0.002 * std::sin(0.01 * k), 0, -0.012 * std::sin(0.003 * k)});
     const device::Answer answer = source.answer(hand, 1e-3);
-    const Tick tick = contact.tick(sideways().to_scene(hand));
+    const Tick tick = contact.tick(sideways().to_scene(hand.pose));
     ASSERT_TRUE(answer.usable);
     ASSERT_EQ(answer.depth, tick.depth);
     // Device z is scene x, device x is scene -z.
@@ -48,7 +54,7 @@ TEST(LoopContact, IsTheContactsForceInTheDevicesFrame) {
     largest = std::max(largest, answer.force.z);
   }
   EXPECT_GT(largest, 0.5);
-  EXPECT_FALSE(source.answer(upright({NAN, 0, 0}), 1e-3).usable);
+  EXPECT_FALSE(source.answer(sample_at({NAN, 0, 0}), 1e-3).usable);
 }
 
 // Whatever the frame's scales, the hand feels the coupling's newtons a metre: on a body that hardly gives way.
@@ -66,8 +72,8 @@ TEST(LoopContact, ACouplingIsOfTheHand) {
     double soft = 0, stiff = 0, way = 0;
     for (int k = 0; k <= 400; ++k) {
       way = 5e-6 * k / scale;
-      soft = coupled.answer(upright({0, 0, -way}), 1e-3).force.z;
-      stiff = rigid.answer(upright({0, 0, -way}), 1e-3).force.z;
+      soft = coupled.answer(sample_at({0, 0, -way}), 1e-3).force.z;
+      stiff = rigid.answer(sample_at({0, 0, -way}), 1e-3).force.z;
     }
     EXPECT_LT(soft, 150 * way);
     EXPECT_GT(soft, 0.5 * 150 * way);
@@ -83,10 +89,10 @@ TEST(LoopContact, AResetContactBeginsWithoutForce) {
   frame.turn.translation = {0, 0, kBallRadius + kTipRadius};
   ContactSource<> source(ball.view, 0, frame);
   device::Answer answer;
-  for (int k = 0; k <= 300; ++k) answer = source.answer(upright({0, 0, 1e-3 - 1e-5 * k}), 1e-3);
+  for (int k = 0; k <= 300; ++k) answer = source.answer(sample_at({0, 0, 1e-3 - 1e-5 * k}), 1e-3);
   EXPECT_GT(answer.force.z, 0.1);
   source.reset();
-  answer = source.answer(upright({0, 0, -0.003}), 1e-3);
+  answer = source.answer(sample_at({0, 0, -0.003}), 1e-3);
   EXPECT_TRUE(answer.usable);
   EXPECT_EQ(length(answer.force), 0);
 }
@@ -126,7 +132,7 @@ TEST(LoopContact, ASearchInAnotherThreadGivesForces) {
   device::TrackedSource source(ball.view, 0, frame, {1000, 10, {}});
   double largest = 0;
   for (int k = 0; k < 400; ++k) {
-    largest = std::max(largest, source.answer(upright({0, 0, 0.002 - 1e-5 * k}), 1e-3).force.z);
+    largest = std::max(largest, source.answer(sample_at({0, 0, 0.002 - 1e-5 * k}), 1e-3).force.z);
     std::this_thread::sleep_for(std::chrono::microseconds(300));
   }
   EXPECT_GT(largest, 0.1);

@@ -114,9 +114,9 @@ TEST(Crash, HasALastWord) {
 TEST(Crash, OfTheForceThreadLeavesTimeForTheStalenessRule) {
   class Crashes : public KnownSource {
   public:
-    device::Answer answer(const Pose& pose, double seconds) noexcept override {
+    device::Answer answer(const Sample& sample, double seconds) noexcept override {
       if (++calls_ == 100) touch_forbidden_memory();
-      return KnownSource::answer(pose, seconds);
+      return KnownSource::answer(sample, seconds);
     }
 
   private:

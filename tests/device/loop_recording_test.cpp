@@ -62,7 +62,7 @@ protected:
     const std::string path = folder_.path() / name;
     RunHeader header;
     device::set_options(header, options_.governor, over_the_ball(), coupling_);
-    RunWriter writer(path, header, capacity);
+    RunWriter writer(path, header, {}, capacity);
     EXPECT_EQ(writer.error(), "");
     ContactSource<> rigid(ball_.view, 0, over_the_ball());
     const runtime::CouplingOptions hand = coupling_.value_or(runtime::CouplingOptions());
@@ -186,12 +186,12 @@ TEST_F(Recorded, ASlowDiskDropsTicksAndHoldsUpNone) {
   {
     RunHeader header;
     device::set_options(header, options_.governor, over_the_ball());
-    RunWriter writer(path, header, 64);
+    RunWriter writer(path, header, {}, 64);
     const auto begin = std::chrono::steady_clock::now();
     for (std::uint32_t k = 1; k <= 20000; ++k) {
-      RunRecord record;
-      record.number = k;
-      writer.put(record);
+      device::RunTick tick;
+      tick.number = k;
+      writer.put(tick);
     }
     EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));
     EXPECT_GT(writer.dropped(), 1000U);
@@ -289,7 +289,7 @@ TEST_F(Recorded, WhatAWriterCannotHaveWrittenIsRefused) {
   refused(
       "rate", [](RunHeader& h) { h.rate = NAN; }, 0, RunHeader());
   refused(
-      "version 3", [](RunHeader& h) { h.version = 3; }, 0, RunHeader());
+      "version 4", [](RunHeader& h) { h.version = 4; }, 0, RunHeader());
   refused(
       "no pose", [](RunHeader& h) { h.rotation[0] = 7; }, 0, RunHeader());
   refused(

@@ -31,11 +31,11 @@ bool allow_only_sleep() {
 class Guarded : public KnownSource {
 public:
   explicit Guarded(bool calls) : calls_(calls) {}
-  device::Answer answer(const Pose& pose, double seconds) noexcept override {
+  device::Answer answer(const Sample& sample, double seconds) noexcept override {
     ++count_;
     if (count_ == 100 && !allow_only_sleep()) ::_exit(kRefused);
     if (count_ == 200 && calls_) ::syscall(SYS_getppid);
-    return KnownSource::answer(pose, seconds);
+    return KnownSource::answer(sample, seconds);
   }
 
 private:

@@ -21,7 +21,7 @@ using device::Phase;
 /// The same force always, but for the ticks in which it hangs.
 class Pushing : public device::ForceSource {
 public:
-  device::Answer answer(const Pose&, double) noexcept override {
+  device::Answer answer(const device::Sample&, double) noexcept override {
     if (hang > 0) pause(hang.exchange(0));
     return KnownSource::forceful({1, 2, 1});
   }

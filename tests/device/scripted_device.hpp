@@ -68,7 +68,7 @@ private:
 /// The same force wherever the tool is, but for what a test has it do; counts its resets.
 class KnownSource : public device::ForceSource {
 public:
-  device::Answer answer(const Pose&, double) noexcept override { return next; }
+  device::Answer answer(const Sample&, double) noexcept override { return next; }
   void reset() noexcept override { ++resets; }
 
   device::Answer next = forceful({0, 0, 2});
