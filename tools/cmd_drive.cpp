@@ -14,9 +14,7 @@
 #include "formats/file.hpp"
 #include "tools/command.hpp"
 #include "tools/commands.hpp"
-#include "tools/drive_coupling.hpp"
-#include "tools/drive_device.hpp"
-#include "tools/drive_frame.hpp"
+#include "tools/drive_station.hpp"
 #include "tools/drive_view.hpp"
 #include "tools/output.hpp"
 #include "tools/play_run.hpp"
@@ -84,34 +82,15 @@ FrameOptions frame_options(const DriveArguments& options, const device::DeviceKi
   return frame;
 }
 
-/// Down to the body and as deep into it as was sampled (less deep by what the hand gives way), and back, drifting
-/// sideways.
-device::Probing probing(const runtime::View& view, const FrameOptions& frame) {
-  const double depth = view.meta->depth_scale / frame.scale;
-  device::Probing motion;
-  motion.stroke = -(frame.gap + depth) * frame.device_up;
-  motion.sway = 0.25 * depth * any_orthogonal(frame.device_up);
-  return motion;
-}
-
 template <std::size_t N>
 void name_in(char (&field)[N], const std::string& text) {
   std::strncpy(field, text.c_str(), N - 1);
 }
 
-using Coupling = std::optional<runtime::CouplingOptions>;
-
-std::unique_ptr<device::ForceSource> source_of(const runtime::View& view, std::uint32_t tool,
-                                               const runtime::DeviceFrame& frame, const Coupling& coupling) {
-  if (!coupling) return std::make_unique<device::ContactSource<>>(view, tool, frame);
-  return std::make_unique<device::CoupledSource>(view, tool, frame, device::coupling_in(frame, *coupling));
-}
-
-device::RunHeader run_header(const device::LoopOptions& loop, const runtime::DeviceFrame& frame,
-                             const Coupling& coupling, const ResponseInput& input, std::uint32_t tool,
-                             const DriveTitle& title) {
+device::RunHeader run_header(const device::LoopOptions& loop, const Station& station, const ResponseInput& input,
+                             std::uint32_t tool, const DriveTitle& title) {
   device::RunHeader header;
-  device::set_options(header, loop.governor, frame, coupling);
+  device::set_options(header, loop.governor, station.frame, station.coupling);
   header.tool = tool;
   header.response_size = input.view().size;
   header.response_hash = response_hash(input);
@@ -165,8 +144,8 @@ void throw_cause(const LoopReport& report) {
 }
 
 void report_run(const DriveArguments& options, const Globals& globals, const DriveTitle& title,
-                const Coupling& coupling, const LoopReport& report, const device::Realtime& granted,
-                const device::RunWritten& written) {
+                const std::optional<runtime::CouplingOptions>& coupling, const LoopReport& report,
+                const device::Realtime& granted, const device::RunWritten& written) {
   if (!globals.json) return print(drive_statistics(report, written.dropped));
   print_json({{"file", options.file},
               {"tool", title.tool},
@@ -203,24 +182,24 @@ void run_drive(DriveArguments options, const Globals& globals) {
   const device::LoopOptions loop_settings = loop_options(options, kind);
   const ResponseInput input(options.file);
   const std::uint32_t tool = input.tool(options.tool);
-  const FrameOptions placing = frame_options(options, kind);
-  const runtime::DeviceFrame frame = place_device(input.view(), tool, placing);
-  const DriveTitle title{options.file, input.view().tools[tool].name, kind.name, loop_settings.governor.limit};
+  const DriveTitle title{options.file, input.view().tools[tool].name, kind.name, loop_settings.governor.limit,
+                         kind.glove};
   options.coupling.rate = options.rate;
-  const Coupling coupling = choose_coupling(options.coupling, input.view(), frame, kind, globals);
-  const std::unique_ptr<device::ForceSource> source = source_of(input.view(), tool, frame, coupling);
-
   // Before the last run's recording is replaced.
-  const std::unique_ptr<device::Device> device = open_drive_device(
-      {options.device, options.rate, options.priority, options.firmware, probing(input.view(), placing)});
+  const Station station = set_up(input.view(), tool, kind,
+                                 {{options.device, options.rate, options.priority, options.firmware, {}},
+                                  frame_options(options, kind),
+                                  options.coupling,
+                                  loop_settings.governor.limit},
+                                 globals);
 
   const std::string stem = std::filesystem::path(options.file).stem().string();
   if (options.record.empty() && !options.no_record) options.record = stem + ".palprun";
   if (options.plot.empty() && !options.no_record) options.plot = stem + "-run.svg";
   std::unique_ptr<device::RunWriter> record;
   if (!options.no_record) {
-    record = std::make_unique<device::RunWriter>(options.record,
-                                                 run_header(loop_settings, frame, coupling, input, tool, title));
+    record = std::make_unique<device::RunWriter>(options.record, run_header(loop_settings, station, input, tool, title),
+                                                 station.hand);
     if (!record->error().empty()) throw Error(ExitCode::io, options.record + ": " + record->error());
   }
 
@@ -229,16 +208,16 @@ void run_drive(DriveArguments options, const Globals& globals) {
   {
     device::StopFlags stop;
     const device::StopSignals signals(stop, Keys::restore_terminal);
-    device::ForceLoop loop(*device, *source, loop_settings, stop, record.get());
+    device::ForceLoop loop(*station.device, *station.source, loop_settings, stop, record.get());
     granted = loop.start();
     if (!granted.refused.empty()) warn("not granted: " + granted.refused + "; the loop may be late");
     watch(loop, stop, record.get(), title, globals);
     report = loop.report();
-    device->close();
+    station.device->close();
   }
   device::release_memory();
   const device::RunWritten written = record ? record->finish() : device::RunWritten{};
-  report_run(options, globals, title, coupling, report, granted, written);
+  report_run(options, globals, title, station.coupling, report, granted, written);
   if (record && report.ticks > written.dropped) {
     write_file(options.plot, run_svg(read_run(options.record), "Tool '" + title.tool + "' on " + title.device));
   }

@@ -6,6 +6,7 @@
 
 #include "device/registry.hpp"
 #include "device/sim_device.hpp"
+#include "device/sim_glove.hpp"
 #include "formats/error.hpp"
 
 namespace palpate::cli {
@@ -14,6 +15,7 @@ using device::DeviceKind;
 
 const DeviceKind& find_drive_kind(const std::string& name) {
   if (const device::SimKind* sim = device::find_sim_kind(name)) return sim->kind;
+  if (name == device::kSimGlove.name) return device::kSimGlove;
   const auto called = [&](const DeviceKind& kind) { return name.empty() || device::is_called(kind, name); };
   if (std::none_of(std::begin(device::kDevices), std::end(device::kDevices), called)) {
     throw Error(ExitCode::usage, "no device is called '" + name + "'; there are\n" + list_devices());
@@ -60,6 +62,7 @@ std::string list_devices() {
   }
   for (const device::SimKind& sim : device::sim_kinds())
     add(sim.kind.name, sim.kind, "a device in a hand", "simulated");
+  add(device::kSimGlove.name, device::kSimGlove, "a glove on a hand", "simulated");
   if (!seen.ok) lines += "  (" + seen.error + ")\n";
   return lines;
 }

@@ -22,7 +22,7 @@ struct DriveDeviceOptions {
 /// has, Error(io) where no such device is plugged in.
 const device::DeviceKind& find_drive_kind(const std::string& name);
 
-/// Throws Error(io) with the cause where it cannot be opened.
+/// A device with a handle. Throws Error(io) with the cause where it cannot be opened.
 std::unique_ptr<device::Device> open_drive_device(const DriveDeviceOptions& options);
 
 /// The known devices with what they are called, which of them are plugged in, and the simulated ones.

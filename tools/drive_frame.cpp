@@ -64,11 +64,20 @@ runtime::DeviceFrame place_device(const runtime::View& view, std::uint32_t tool,
   frame.turn.translation = top_of(view, tool, options.up);
   // The clearance grows by no more than the way: what remains is overcome step by step.
   for (int k = 0; k < 200; ++k) {
-    const double missing = gap - runtime::find_touch(view, tool, frame.turn).clearance;
+    const double missing = gap - clearance(view, tool, frame, options.tips);
     if (missing <= 1e-6 * view.meta->depth_scale) return frame;
     frame.turn.translation = frame.turn.translation + missing * options.up;
   }
   throw Error(ExitCode::bad_input, "the tool finds no place over the body's top; say where the device is with --at");
+}
+
+double clearance(const runtime::View& view, std::uint32_t tool, const runtime::DeviceFrame& frame,
+                 const std::vector<Pose>& tips) {
+  double least = HUGE_VAL;
+  for (const Pose& tip : tips) {
+    least = std::fmin(least, runtime::find_touch(view, tool, frame.to_scene(tip)).clearance);
+  }
+  return least;
 }
 
 std::optional<Vec3> axis_named(const std::string& name) {

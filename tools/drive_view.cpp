@@ -47,6 +47,11 @@ std::string bar(double share) {
   return std::string(static_cast<std::size_t>(full), '#') + std::string(static_cast<std::size_t>(kWidth - full), '.');
 }
 
+/// From the thumb on.
+std::string pulls(const device::Pulls& pull) {
+  return text("%.3f %.3f %.3f %.3f %.3f N", pull[0], pull[1], pull[2], pull[3], pull[4]);
+}
+
 }  // namespace
 
 Keys::Keys() {
@@ -94,12 +99,17 @@ std::string standing(const device::TickOutput& out) {
 
 std::string drive_screen(const DriveTitle& title, const LoopReport& r, std::uint64_t dropped) {
   const runtime::Vec3 at = 1e3 * r.seen.sample.pose.translation, f = r.out.command.force;
+  const std::string share = bar(r.out.command.strength() / title.limit);
   std::string screen =
       text("%.60s, tool '%.30s', on %.40s\n", title.file.c_str(), title.tool.c_str(), title.device.c_str());
   screen += text("%8.1f s   %s\n", r.elapsed, standing(r.out).c_str());
   screen += text("position  %8.2f %8.2f %8.2f mm      depth %6.2f mm\n", at.x, at.y, at.z, 1e3 * r.out.answer.depth);
-  screen += text("force     %8.3f %8.3f %8.3f N       |F| %8.3f N   [%s] %.3g N\n", f.x, f.y, f.z, length(f),
-                 bar(length(f) / title.limit).c_str(), title.limit);
+  if (title.glove) {
+    screen += text("pulls     %s   [%s] %.3g N\n", pulls(r.out.command.pull).c_str(), share.c_str(), title.limit);
+  } else {
+    screen += text("force     %8.3f %8.3f %8.3f N       |F| %8.3f N   [%s] %.3g N\n", f.x, f.y, f.z, length(f),
+                   share.c_str(), title.limit);
+  }
   screen += text("rate      %8.1f Hz   period %.3f ms (99 %%: %.3f, most %.3f)\n", r.rate(), 1e3 * r.period.mean(),
                  1e3 * r.period.quantile(0.99), 1e3 * r.period.most());
   screen += text("sample    %8.3f ms old (99 %%: %.3f, most %.3f)\n", 1e3 * r.age.mean(), 1e3 * r.age.quantile(0.99),
@@ -110,11 +120,13 @@ std::string drive_screen(const DriveTitle& title, const LoopReport& r, std::uint
   return screen + "space: EMERGENCY STOP   q, Ctrl-C: stop   s: statistics\n";
 }
 
-std::string drive_line(const LoopReport& r) {
+std::string drive_line(const DriveTitle& title, const LoopReport& r) {
   const runtime::Vec3 at = 1e3 * r.seen.sample.pose.translation, f = r.out.command.force;
-  return text("%7.1f s  position %.2f %.2f %.2f mm  force %.3f %.3f %.3f N  %.1f Hz  missed %llu  %s\n", r.elapsed,
-              at.x, at.y, at.z, f.x, f.y, f.z, r.rate(), static_cast<unsigned long long>(r.missed),
-              standing(r.out).c_str());
+  const std::string given =
+      title.glove ? "pulls " + pulls(r.out.command.pull)
+                  : text("position %.2f %.2f %.2f mm  force %.3f %.3f %.3f N", at.x, at.y, at.z, f.x, f.y, f.z);
+  return text("%7.1f s  %s  %.1f Hz  missed %llu  %s\n", r.elapsed, given.c_str(), r.rate(),
+              static_cast<unsigned long long>(r.missed), standing(r.out).c_str());
 }
 
 std::string drive_statistics(const LoopReport& r, std::uint64_t dropped) {
@@ -136,7 +148,7 @@ void DriveView::show(const LoopReport& report, std::uint64_t dropped) {
   if (!terminal_) {
     if (report.elapsed < next_ || report.ticks == 0) return;
     next_ = std::floor(report.elapsed) + 1;
-    std::fputs(drive_line(report).c_str(), stderr);
+    std::fputs(drive_line(title_, report).c_str(), stderr);
     return;
   }
   const std::string screen = drive_screen(title_, report, dropped);

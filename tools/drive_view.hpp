@@ -29,7 +29,8 @@ private:
 /// What stays the same during a run.
 struct DriveTitle {
   std::string file, tool, device;
-  double limit = 0;  ///< N
+  double limit = 0;    ///< N
+  bool glove = false;  ///< five pulls instead of a force
 };
 
 /// Mode, and the cause where there is no force: "engaged", "suspended: the sample is stale".
@@ -39,7 +40,7 @@ std::string standing(const device::TickOutput& out);
 std::string drive_screen(const DriveTitle& title, const device::LoopReport& report, std::uint64_t dropped);
 
 /// The same in one line.
-std::string drive_line(const device::LoopReport& report);
+std::string drive_line(const DriveTitle& title, const device::LoopReport& report);
 
 /// Statistics at the end or on request: several lines.
 std::string drive_statistics(const device::LoopReport& report, std::uint64_t dropped);

@@ -32,6 +32,20 @@ const char* state_name(State state) {
 
 bool touches(const Tick& tick) { return tick.state == State::stick || tick.state == State::slide; }
 
+bool of_glove(const std::vector<PlayedRow>& rows) { return !rows.empty() && rows.front().finger > 0; }
+
+std::string fingers_svg(const std::vector<PlayedRow>& rows, const std::string& title) {
+  std::vector<double> time;
+  PlotPanel force = finger_panel("force (N)"), depth = finger_panel("depth (mm)");
+  for (const PlayedRow& row : rows) {
+    if (row.finger == 1) time.push_back(row.time);
+    const auto k = static_cast<std::size_t>(row.finger - 1);
+    force.series[k].values.push_back(length(row.tick.force));
+    depth.series[k].values.push_back(1e3 * row.tick.depth);
+  }
+  return line_plot_svg(title, "time (s)", time, {force, depth});
+}
+
 int steps_between(const MotionRow& a, const MotionRow& b, double reach, double longest) {
   double cosine = 0;
   for (int k = 0; k < 4; ++k) cosine += a.quaternion[k] * b.quaternion[k];
@@ -52,6 +66,20 @@ void account(PlaySummary& summary, const Tick& tick, double seconds) {
   if (tick.state == State::slide) summary.slide_time += seconds;
   summary.contacts += touching && !summary.touching ? 1 : 0;
   summary.touching = touching;
+}
+
+void add(PlaySummary& summary, const PlaySummary& other) {
+  summary.ticks = std::max(summary.ticks, other.ticks);
+  summary.starts_inside = summary.starts_inside || other.starts_inside;
+  summary.peak_force = std::max(summary.peak_force, other.peak_force);
+  summary.peak_torque = std::max(summary.peak_torque, other.peak_torque);
+  summary.peak_depth = std::max(summary.peak_depth, other.peak_depth);
+  summary.contact_time += other.contact_time;
+  summary.slide_time += other.slide_time;
+  summary.contacts += other.contacts;
+  summary.touching = summary.touching || other.touching;
+  summary.rows_beyond += other.rows_beyond;
+  summary.rows_covered += other.rows_covered;
 }
 
 std::vector<PlayedRow> play(const runtime::View& view, std::uint32_t tool, const std::vector<MotionRow>& motion,
@@ -83,12 +111,16 @@ std::vector<PlayedRow> play(const runtime::View& view, std::uint32_t tool, const
 }
 
 std::string forces_csv(const std::vector<PlayedRow>& rows) {
-  std::string text = "t,fx,fy,fz,tx,ty,tz,state,depth,cx,cy,cz\n";
+  const bool glove = of_glove(rows);
+  std::string text = std::string("t,") + (glove ? "finger," : "") + "fx,fy,fz,tx,ty,tz,state,depth,cx,cy,cz\n";
   for (const PlayedRow& row : rows) {
     const Tick& t = row.tick;
     char line[400];
-    std::snprintf(line, sizeof line, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%s,%.9g", row.time, t.force.x, t.force.y,
-                  t.force.z, t.torque.x, t.torque.y, t.torque.z, state_name(t.state), t.depth);
+    std::snprintf(line, sizeof line, "%.9g,", row.time);
+    text += line;
+    if (glove) text += std::to_string(row.finger) + ",";
+    std::snprintf(line, sizeof line, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%s,%.9g", t.force.x, t.force.y, t.force.z,
+                  t.torque.x, t.torque.y, t.torque.z, state_name(t.state), t.depth);
     text += line;
     if (touches(t)) {
       std::snprintf(line, sizeof line, ",%.9g,%.9g,%.9g\n", t.body_point.x, t.body_point.y, t.body_point.z);
@@ -101,6 +133,7 @@ std::string forces_csv(const std::vector<PlayedRow>& rows) {
 }
 
 std::string forces_svg(const std::vector<PlayedRow>& rows, const std::string& title) {
+  if (of_glove(rows)) return fingers_svg(rows, title);
   std::vector<double> time;
   PlotPanel force{"force (N)", {{"x", {}}, {"y", {}}, {"z", {}}, {"magnitude", {}}}};
   PlotPanel depth{"depth (mm)", {{"depth", {}}}};

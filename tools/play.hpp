@@ -13,6 +13,7 @@ namespace palpate::cli {
 struct PlayedRow {
   double time = 0;  ///< s
   runtime::Tick tick;
+  int finger = 0;  ///< of a glove, from 1, the thumb: each has a row of its own; 0: of another device
 };
 
 /// Over all ticks, those between two rows included.
@@ -32,15 +33,19 @@ struct PlaySummary {
 /// Adds a tick that lasted so long (s); rows are for whoever has them.
 void account(PlaySummary& summary, const runtime::Tick& tick, double seconds);
 
+/// Of several tools, `summary` and another of the same ticks: times and contacts of all, the peaks of any.
+void add(PlaySummary& summary, const PlaySummary& other);
+
 /// Ticks through the motion, with as many ticks between two rows as keep each below 1 % of the depth scale
 /// (at most 10 000): a recorded motion is not an occasion for late detection.
 std::vector<PlayedRow> play(const runtime::View& view, std::uint32_t tool, const std::vector<MotionRow>& motion,
                             PlaySummary& summary);
 
-/// t,fx,fy,fz,tx,ty,tz,state,depth,cx,cy,cz (s, N, N m about the tool frame's origin, m; body frame).
+/// t,fx,fy,fz,tx,ty,tz,state,depth,cx,cy,cz (s, N, N m about the tool frame's origin, m; body frame); of a glove
+/// t,finger,fx and so on.
 std::string forces_csv(const std::vector<PlayedRow>& rows);
 
-/// Force components and depth over time.
+/// Force components and depth over time; of a glove each finger's force and depth.
 std::string forces_svg(const std::vector<PlayedRow>& rows, const std::string& title);
 
 }  // namespace palpate::cli

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/play_run.hpp"
 
+#include <array>
 #include <fstream>
 #include <limits>
+#include <tuple>
 
 #include "device/contact_source.hpp"
+#include "device/glove_source.hpp"
 #include "formats/error.hpp"
 #include "formats/response.hpp"
 #include "palpate/checksum.hpp"
@@ -12,22 +15,66 @@
 
 namespace palpate::cli {
 
-using device::RunRecord;
+using device::kFingers;
+using device::RunTick;
+using runtime::Tick;
 
 namespace {
+
+template <class Tie>
+std::array<Tick, 1> ticks_of(const device::ContactSource<Tie>& source) {
+  return {source.tick()};
+}
+std::array<Tick, kFingers> ticks_of(const device::GloveSource& source) { return source.ticks(); }
 
 /// Source: as new, of the file.
 template <class Source>
 void replay_into(PlayedRun& played, const device::RunLog& log, Source&& source) {
-  played.rows.reserve(log.records.size());
-  played.replay = device::replay(log, source, [&](const RunRecord& record, const device::TickOutput& out) {
-    const runtime::Tick tick = out.answer.usable ? source.tick() : runtime::Tick{};
-    account(played.summary, tick, record.seconds);
-    played.summary.rows_beyond += tick.beyond ? 1 : 0;
-    played.summary.rows_covered += tick.covered > 0.5 ? 1 : 0;
-    played.summary.starts_inside = played.summary.starts_inside || (played.rows.empty() && played.summary.touching);
-    played.rows.push_back({record.time - log.records.front().time, tick});
+  using Ticks = decltype(ticks_of(source));
+  std::array<PlaySummary, std::tuple_size_v<Ticks>> each{};
+  played.rows.reserve(each.size() * log.records.size());
+  played.replay = device::replay(log, source, [&](const RunTick& record, const device::TickOutput& out) {
+    const Ticks ticks = out.answer.usable ? ticks_of(source) : Ticks{};
+    const bool first = played.rows.empty();
+    for (std::size_t k = 0; k < each.size(); ++k) {
+      account(each[k], ticks[k], record.seconds);
+      each[k].rows_beyond += ticks[k].beyond ? 1 : 0;
+      each[k].rows_covered += ticks[k].covered > 0.5 ? 1 : 0;
+      each[k].starts_inside = each[k].starts_inside || (first && each[k].touching);
+      const int finger = each.size() > 1 ? static_cast<int>(k) + 1 : 0;
+      played.rows.push_back({record.time - log.records.front().time, ticks[k], finger});
+    }
   });
+  for (const PlaySummary& one : each) add(played.summary, one);
+}
+
+/// Force on the hand and where it is.
+std::vector<PlotPanel> handle_panels(const device::RunLog& log) {
+  PlotPanel force{"force on the hand (N)", {{"x", {}}, {"y", {}}, {"z", {}}, {"magnitude", {}}}};
+  PlotPanel position{"position (mm)", {{"x", {}}, {"y", {}}, {"z", {}}}};
+  for (const RunTick& r : log.records) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      force.series[k].values.push_back(r.force[k]);
+      position.series[k].values.push_back(1e3 * r.position[k]);
+    }
+    force.series[3].values.push_back(length(runtime::Vec3{r.force[0], r.force[1], r.force[2]}));
+  }
+  return {force, position};
+}
+
+/// Pulls on the fingers and how far these are bent.
+std::vector<PlotPanel> glove_panels(const device::RunLog& log) {
+  PlotPanel pull = finger_panel("pull on the finger (N)"), bend = finger_panel("bend of its root (degrees)");
+  const device::HandCalibration hand = device::calibration_of(*log.hand);
+  for (const RunTick& r : log.records) {
+    const device::HandJoints angles = hand.angles(device::to_input(r).sample.joints);
+    for (std::size_t f = 0; f < kFingers; ++f) {
+      pull.series[f].values.push_back(r.hand.pull[f]);
+      const double degrees = 180 / device::kPi * angles[f][device::Joint::root];
+      bend.series[f].values.push_back(r.sample_number > 0 ? degrees : std::numeric_limits<double>::quiet_NaN());
+    }
+  }
+  return {pull, bend};
 }
 
 }  // namespace
@@ -53,7 +100,15 @@ PlayedRun play_run(const device::RunLog& log, const ResponseInput& input, std::u
   played.same_response =
       input.view().size == log.header.response_size && response_hash(input) == log.header.response_hash;
   const runtime::DeviceFrame frame = device::device_frame(log.header);
-  if (const auto coupling = device::coupling_options(log.header)) {
+  if (log.hand) {
+    device::GloveSource glove(input.view(), tool, device::calibration_of(*log.hand), frame,
+                              device::glove_options(*log.hand));
+    if (const char* problem = glove.problem()) {
+      throw Error(ExitCode::bad_input, std::string("tool '") + input.view().tools[tool].name + "': " + problem +
+                                           ", and the run was a glove's");
+    }
+    replay_into(played, log, glove);
+  } else if (const auto coupling = device::coupling_options(log.header)) {
     replay_into(played, log, device::CoupledSource(input.view(), tool, frame, device::coupling_in(frame, *coupling)));
   } else {
     replay_into(played, log, device::ContactSource<>(input.view(), tool, frame));
@@ -62,24 +117,19 @@ PlayedRun play_run(const device::RunLog& log, const ResponseInput& input, std::u
 }
 
 std::string run_svg(const device::RunLog& log, const std::string& title) {
+  std::vector<PlotPanel> panels = log.hand ? glove_panels(log) : handle_panels(log);
   std::vector<double> time;
-  PlotPanel force{"force on the hand (N)", {{"x", {}}, {"y", {}}, {"z", {}}, {"magnitude", {}}}};
-  PlotPanel position{"position (mm)", {{"x", {}}, {"y", {}}, {"z", {}}}};
   PlotPanel depth{"depth (mm)", {{"depth", {}}}};
   PlotPanel age{"sample age (ms)", {{"age", {}}}};
-  for (const RunRecord& r : log.records) {
+  for (const RunTick& r : log.records) {
     time.push_back(r.time - log.records.front().time);
-    for (std::size_t k = 0; k < 3; ++k) {
-      force.series[k].values.push_back(r.force[k]);
-      position.series[k].values.push_back(1e3 * r.position[k]);
-    }
-    force.series[3].values.push_back(length(runtime::Vec3{r.force[0], r.force[1], r.force[2]}));
     depth.series[0].values.push_back(1e3 * r.depth);
     // Before the first sample there is none, and a stale one would hide the others.
     const double ms = 1e3 * (r.time - r.sample_time);
     age.series[0].values.push_back(r.sample_number > 0 && ms < 100 ? ms : std::numeric_limits<double>::quiet_NaN());
   }
-  return line_plot_svg(title, "time (s)", time, {force, position, depth, age});
+  panels.insert(panels.end(), {depth, age});
+  return line_plot_svg(title, "time (s)", time, panels);
 }
 
 }  // namespace palpate::cli

@@ -19,7 +19,7 @@ bool is_run(const std::string& path);
 device::RunLog read_run(const std::string& path);
 
 struct PlayedRun {
-  std::vector<PlayedRow> rows;  ///< one a tick; time since the first; no contact where the device had no force
+  std::vector<PlayedRow> rows;  ///< one a tick, of a glove one a finger; time since the first; no contact without force
   PlaySummary summary;
   device::Replay replay;
   bool same_response = false;  ///< the response file is the one that the run was made with, byte for byte
@@ -28,7 +28,8 @@ struct PlayedRun {
 /// Against that response file with the tool of that index.
 PlayedRun play_run(const device::RunLog& log, const ResponseInput& input, std::uint32_t tool);
 
-/// Force on the hand, position, depth and sample age over time, in the device's frame. At least one record.
+/// Force on the hand, position, depth and sample age over time, in the device's frame; of a glove pulls and bends. At
+/// least one record.
 std::string run_svg(const device::RunLog& log, const std::string& title);
 
 /// XXH64 of the whole file, as recordings have it.

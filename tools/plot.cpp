@@ -138,6 +138,10 @@ std::string draw_panel(const PlotPanel& panel, const std::vector<double>& x, con
 
 }  // namespace
 
+PlotPanel finger_panel(const std::string& label) {
+  return {label, {{"thumb", {}}, {"index", {}}, {"middle", {}}, {"ring", {}}, {"little", {}}}};
+}
+
 std::string line_plot_svg(const std::string& title, const std::string& x_label, const std::vector<double>& x,
                           const std::vector<PlotPanel>& panels) {
   const double height = kTop + static_cast<double>(panels.size()) * (kPanel + kGap) - kGap + kBottom;

@@ -17,6 +17,9 @@ struct PlotPanel {
   std::vector<PlotSeries> series;
 };
 
+/// With an empty series for each finger, the thumb's first.
+PlotPanel finger_panel(const std::string& label);
+
 /// A whole SVG document. `x` ascending, at least one value; values that are not finite are left out of the line.
 /// Long series are thinned to the smallest and largest value a pixel, so that no peak is lost.
 std::string line_plot_svg(const std::string& title, const std::string& x_label, const std::vector<double>& x,

@@ -2,6 +2,7 @@
 #include "tools/verify_device.hpp"
 
 #include "device/safety.hpp"
+#include "device/sim_glove.hpp"
 #include "formats/error.hpp"
 #include "tools/command.hpp"
 #include "tools/output.hpp"
@@ -19,6 +20,10 @@ using Json = nlohmann::ordered_json;
 const device::SimKind& kind_of(const std::string& name) {
   for (const std::string& tried : {name, "sim-" + name}) {
     if (const device::SimKind* kind = device::find_sim_kind(tried)) return *kind;
+  }
+  if (name == device::kSimGlove.name || name == "glove") {
+    throw Error(ExitCode::usage,
+                "--device " + name + ": no bound is computed for gloves, only for devices with a handle");
   }
   std::string known;
   for (const device::SimKind& kind : device::sim_kinds())

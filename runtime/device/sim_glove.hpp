@@ -13,8 +13,9 @@ namespace palpate::device {
 extern const DeviceKind kSimGlove;
 
 struct SimGloveOptions {
-  /// A hand of its own proportions, held as well as people hold a pose and measured as well as they measure.
-  SimHandOptions hand{1, 0.95, 0.03, 0.5, 0.02, 1e-3};
+  /// A hand of its own proportions, held as well as people hold a pose and measured as well as they measure; sensors of
+  /// 12 bits.
+  SimHandOptions hand{1, 0.95, 0.03, 1.0 / 16, 1.0 / 32, 0.02, 1e-3};
   /// m, by which each fingertip means to close from rest() and open again, over and over.
   std::array<double, kFingers> way{};
   SimOptions life;

@@ -31,7 +31,8 @@ HandJoints SimHand::read(const HandJoints& angles) {
   for (std::size_t f = 0; f < kFingers; ++f) {
     for (std::size_t j = 0; j < kJoints; ++j) {
       const double reading = sensors_[f][j].at_zero + sensors_[f][j].per_radian * angles[f][j];
-      raw[f][j] = std::clamp(std::round(reading + between(-options_.noise, options_.noise)), 0.0, 255.0);
+      const double steps = (reading + between(-options_.noise, options_.noise)) / options_.step;
+      raw[f][j] = std::clamp(options_.step * std::round(steps), 0.0, 255.0);
     }
   }
   return raw;

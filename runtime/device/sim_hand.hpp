@@ -13,13 +13,14 @@ struct SimHandOptions {
   std::uint64_t seed = 1;
   double size = 1;      ///< of the hand, 1 being the typical one's
   double shape = 0;     ///< each bone and root apart from the typical hand's by up to this share
-  double noise = 0.5;   ///< counts, either way, before the sensor rounds to whole ones
+  double step = 1;      ///< counts, to which a sensor rounds
+  double noise = 0.5;   ///< counts, either way, before it does
   double astray = 0;    ///< rad, by which a hand misses the angle that a pose asks for
   double measured = 0;  ///< m, by which a measured tip is off, per axis
 };
 
-/// Sensors of 8 bits, each with a gain of its own (of either sign) and an offset. The same seed gives the same hand,
-/// and the same calls the same readings.
+/// Sensors from 0 to 255, each with a gain of its own (of either sign) and an offset. The same seed gives the same
+/// hand, and the same calls the same readings.
 class SimHand {
 public:
   explicit SimHand(const SimHandOptions& options = {});

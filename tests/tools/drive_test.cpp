@@ -155,6 +155,34 @@ TEST_F(Drive, ACouplingIsChosenRecordedAndReplayed) {
   expect_failure(drive({"--coupling", "auto", "--coupling-damping", "2"}), 5, {"--coupling-damping"});
 }
 
+TEST_F(Drive, AGloveIsCalibratedDrivenAndReplayed) {
+  ResponseSampleOptions options;
+  options.tools = ResponseSampleOptions::Tools::all;
+  write_response_file(folder() / "box.palp", encode(box_content(options)));
+  const RunResult result = run({"drive", "box.palp", "--device", "sim-glove", "--scale", "0.4", "--seconds", "1.3",
+                                "--ramp", "0.05", "--limit", "2", "--json"});
+  if (result.exit_code == 5) GTEST_SKIP() << "the machine is too busy: " << result.error;
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_NE(result.error.find("hand calibrated: fingers of 0.9"), std::string::npos) << result.error;
+  EXPECT_NE(result.error.find("s  pulls 0.000"), std::string::npos) << result.error;
+  const Json json = Json::parse(result.out);
+  EXPECT_GT(json["peak_force"].get<double>(), 0.05) << "the simulated fingers press the body";
+  EXPECT_LE(json["peak_force"].get<double>(), 2);
+  EXPECT_NE(file_content(folder() / "box-run.svg").find("pull on the finger (N)"), std::string::npos);
+  const RunResult played = run({"play", "box.palprun", "--json", "--out", "forces.csv", "--plot", "forces.svg"});
+  ASSERT_EQ(played.exit_code, 0) << played.error;
+  const Json again = Json::parse(played.out);
+  EXPECT_EQ(again["run"]["ticks_different"], 0);
+  EXPECT_EQ(again["run"]["ticks_compared"], json["ticks"]);
+  EXPECT_EQ(again["rows"], 5 * json["ticks"].get<int>());
+  EXPECT_GE(again["contacts"], 3);
+  EXPECT_EQ(file_content(folder() / "forces.csv").rfind("t,finger,fx,fy,fz", 0), 0U);
+  EXPECT_NE(file_content(folder() / "forces.svg").find("little"), std::string::npos);
+  expect_failure(run({"drive", "box.palp", "--device", "sim-glove", "--coupling", "auto"}), 1, {"--coupling", "glove"});
+  expect_failure(run({"drive", "box.palp", "--device", "sim-glove", "--tool", "rod"}), 1, {"--tool rod", "no sphere"});
+  expect_failure(run({"play", "box.palprun", "--tool", "rod"}), 2, {"'rod'", "no sphere", "a glove's"});
+}
+
 TEST_F(Drive, NoCouplingWhereNoneIsNeeded) {
   write_response_file(folder() / "ball.palp", encode(ball_content()));
   const RunResult result = run({"drive", "ball.palp", "--device", "sim", "--seconds", "0.1", "--force-scale", "0.1",
@@ -379,7 +407,7 @@ TEST(DriveView, ShowsModeCauseAndForce) {
                            "not recorded 7", "1000.0 Hz"}) {
     EXPECT_NE(screen.find(part), std::string::npos) << part << "\n" << screen;
   }
-  EXPECT_NE(cli::drive_line(report).find("1.250 N"), std::string::npos);
+  EXPECT_NE(cli::drive_line({}, report).find("1.250 N"), std::string::npos);
 }
 
 }  // namespace
