@@ -31,7 +31,7 @@ enum class Fault : std::uint8_t {
   silent,      ///< nothing has arrived for longer than the device may take
   garbled,     ///< what arrives follows no protocol for longer than resynchronising takes
   impossible,  ///< what arrives is well formed and cannot be: an encoder leaps, a pose is out of reach
-  firmware,    ///< the boot failed: file missing, too long, refused or echoed wrongly
+  firmware,    ///< the boot failed (file missing, too long, refused or echoed wrongly), or no driver speaks with it
   host_late,   ///< the force loop stopped sending
   reported     ///< the device says so itself
 };

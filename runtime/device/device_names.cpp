@@ -40,7 +40,7 @@ const char* name(Fault fault) {
     case Fault::impossible:
       return "what arrives cannot be";
     case Fault::firmware:
-      return "the firmware was not accepted";
+      return "the firmware was not accepted, or is one that has no driver";
     case Fault::host_late:
       return "the force loop stopped sending";
     case Fault::reported:

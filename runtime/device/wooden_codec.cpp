@@ -20,6 +20,13 @@ bool decode(const std::uint8_t* bytes, std::size_t size, WoodenReport& report) {
   return true;
 }
 
+bool is_six_joint_report(const std::uint8_t* bytes, std::size_t size) {
+  constexpr std::size_t kLength = 14;
+  const auto zero = [](std::uint8_t byte) { return byte == 0; };
+  if (size < kLength || !std::all_of(bytes + kLength, bytes + size, zero)) return false;
+  return size == kLength || !std::all_of(bytes + kWoodenReport, bytes + kLength, zero);
+}
+
 void encode(const std::array<std::int16_t, 3>& milliamps, std::uint8_t (&bytes)[kWoodenReport]) {
   for (std::size_t k = 0; k < 3; ++k) {
     const auto value = static_cast<std::uint16_t>(milliamps[k]);

@@ -22,6 +22,10 @@ struct WoodenReport {
 /// not.
 bool decode(const std::uint8_t* bytes, std::size_t size, WoodenReport& report);
 
+/// Whether this is what the arm with a wrist sends (six encoders, 14 bytes), which no driver here speaks with. Padded,
+/// one whose wrist has not moved looks like decode()'s.
+bool is_six_joint_report(const std::uint8_t* bytes, std::size_t size);
+
 /// Host to device: mA in each motor.
 void encode(const std::array<std::int16_t, 3>& milliamps, std::uint8_t (&bytes)[kWoodenReport]);
 

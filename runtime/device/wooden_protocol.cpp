@@ -93,6 +93,7 @@ void WoodenProtocol::ended(double, Outcome outcome) {
 void WoodenProtocol::received(double time, const std::uint8_t* bytes, std::size_t size) {
   if (sample_.phase == Phase::stopped || sample_.phase == Phase::closed) return;
   WoodenReport report;
+  if (sample_.phase == Phase::starting && is_six_joint_report(bytes, size)) return stop(Fault::firmware);
   if (!decode(bytes, size, report)) {
     noise_ = true;
     return;

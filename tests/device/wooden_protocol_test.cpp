@@ -239,6 +239,11 @@ TEST(WoodenCodec, ReportsAreLittleEndianAndMayBePadded) {
   EXPECT_FALSE(decode(bytes, 64, report));
   EXPECT_FALSE(decode(bytes, 7, report));
   EXPECT_FALSE(decode(bytes, 0, report));
+  bytes[40] = 0;
+  EXPECT_FALSE(is_six_joint_report(bytes, 8) || is_six_joint_report(bytes, 64));
+  EXPECT_TRUE(is_six_joint_report(bytes, 14)) << "whatever its wrist";
+  bytes[9] = 1;
+  EXPECT_TRUE(is_six_joint_report(bytes, 64));
   std::uint8_t out[kWoodenReport];
   encode({1, -1, -32768}, out);
   const std::uint8_t expected[] = {1, 0, 0xff, 0xff, 0, 0x80, 0, 0};
