@@ -2,6 +2,10 @@
 // The fuzzer's target without a fuzzer: some thousand scripts of chance, the same every time.
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
 #include "tests/device/seeded.hpp"
 #include "tests/fuzz/try_device.hpp"
 
@@ -16,6 +20,19 @@ TEST(AnyBytes, LanguagesKeepTheirPromises) {
     bytes[0] = static_cast<std::uint8_t>(i % kTrials);
     try_device(bytes.data(), bytes.size());
   }
+}
+
+TEST(AnyBytes, WhatTheFuzzerKeptIsHarmless) {
+  int tried = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(PALPATE_DEVICE_CORPUS)) {
+    SCOPED_TRACE(entry.path());
+    std::ifstream file(entry.path(), std::ios::binary);
+    const std::vector<char> read{std::istreambuf_iterator<char>(file), {}};
+    const std::vector<std::uint8_t> bytes(read.begin(), read.end());
+    try_device(bytes.data(), bytes.size());
+    ++tried;
+  }
+  EXPECT_GT(tried, 50);
 }
 
 // Chance gets far enough for that to mean something: scripts in which a device gets ready, and is heard for a while.

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Compiles a fuzz target (response: the reader of files; device: the languages of devices) with clang's libFuzzer and
-# sanitizers and runs it for SECONDS, the reader on its corpus and the goldens:
+# sanitizers and runs it for SECONDS, each on its corpus, the reader on the goldens as well:
 # cmake -D SOURCE=. -D NAME=response -D FOLDER=build/fuzz -D SECONDS=600 -P tests/fuzz/fuzz.cmake
 # New inputs stay in FOLDER/corpus, one that breaks a promise in FOLDER/crash-*. It ends with an error then.
 find_program(clang NAMES clang++-14 clang++-19 clang++-18 clang++-17 clang++-16 clang++-15 clang++)
@@ -12,7 +12,7 @@ if(NAME STREQUAL "device")
   # Without libusb, which no language knows.
   file(GLOB sources ${SOURCE}/runtime/device/*_codec.cpp ${SOURCE}/runtime/device/*_kinematics.cpp
        ${SOURCE}/runtime/device/*_protocol.cpp ${SOURCE}/runtime/device/*_boot.cpp)
-  set(seeds)
+  set(seeds ${SOURCE}/tests/fuzz/device_corpus)
 else()
   set(sources)
   set(seeds ${SOURCE}/tests/fuzz/corpus ${SOURCE}/tests/goldens)
