@@ -196,6 +196,11 @@ void run_drive(DriveArguments options, const Globals& globals) {
   const std::string stem = std::filesystem::path(options.file).stem().string();
   if (options.record.empty() && !options.no_record) options.record = stem + ".palprun";
   if (options.plot.empty() && !options.no_record) options.plot = stem + "-run.svg";
+  // It is written last: a folder that is not there would waste the run.
+  const std::filesystem::path folder = std::filesystem::path(options.plot).parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder)) {
+    throw Error(ExitCode::io, options.plot + ": there is no folder " + folder.string());
+  }
   std::unique_ptr<device::RunWriter> record;
   if (!options.no_record) {
     record = std::make_unique<device::RunWriter>(options.record, run_header(loop_settings, station, input, tool, title),
@@ -278,8 +283,10 @@ void add_drive(CLI::App& app, Globals& globals) {
   const Option record =
       command.option("--record", options->record, "Recording for 'palpate play'; default: NAME.palprun here, replaced")
           .named("FILE");
-  command.option("--plot", options->plot, "Plot of the run (SVG); default: NAME-run.svg here, replaced").named("FILE");
-  command.flag("--no-record", options->no_record, "Leave no recording and no plot").excludes(record);
+  const Option plot =
+      command.option("--plot", options->plot, "Plot of the run (SVG); default: NAME-run.svg here, replaced")
+          .named("FILE");
+  command.flag("--no-record", options->no_record, "Leave no recording and no plot").excludes(record).excludes(plot);
   command.runs([options, &globals] { run_drive(*options, globals); });
 }
 

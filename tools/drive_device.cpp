@@ -51,7 +51,7 @@ std::string list_devices() {
   std::string lines;
   const auto add = [&](const char* called, const DeviceKind& kind, const char* what, const char* state) {
     char line[200];
-    std::snprintf(line, sizeof line, "  %-14s %-30s %4.3g N  %s\n", called, what, kind.peak_force, state);
+    std::snprintf(line, sizeof line, "  %-14s %-30s %4.4g N  %s\n", called, what, kind.peak_force, state);
     lines += line;
   };
   for (const DeviceKind& kind : device::kDevices) {

@@ -103,7 +103,8 @@ std::string drive_screen(const DriveTitle& title, const LoopReport& r, std::uint
   std::string screen =
       text("%.60s, tool '%.30s', on %.40s\n", title.file.c_str(), title.tool.c_str(), title.device.c_str());
   screen += text("%8.1f s   %s\n", r.elapsed, standing(r.out).c_str());
-  screen += text("position  %8.2f %8.2f %8.2f mm      depth %6.2f mm\n", at.x, at.y, at.z, 1e3 * r.out.answer.depth);
+  screen += text("%-9s %8.2f %8.2f %8.2f mm      depth %6.2f mm\n", title.glove ? "wrist" : "position", at.x, at.y,
+                 at.z, 1e3 * r.out.answer.depth);
   if (title.glove) {
     screen += text("pulls     %s   [%s] %.3g N\n", pulls(r.out.command.pull).c_str(), share.c_str(), title.limit);
   } else {

@@ -2,6 +2,8 @@
 #include "device/run_writer.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -10,15 +12,34 @@
 #include <vector>
 
 namespace palpate::device {
+namespace {
+
+/// The file, emptied, for one writer at a time; -1 with the cause.
+int open_alone(const std::string& path, std::string& error) {
+  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  if (file < 0) {
+    error = std::strerror(errno);
+    return -1;
+  }
+  struct stat status = {};
+  if (::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    error = "another run is being written there";
+  } else if (::fstat(file, &status) != 0 || (S_ISREG(status.st_mode) && ::ftruncate(file, 0) != 0)) {
+    error = std::strerror(errno);
+  } else {
+    return file;
+  }
+  ::close(file);
+  return -1;
+}
+
+}  // namespace
 
 RunWriter::RunWriter(const std::string& path, RunHeader header, const std::optional<RunHand>& hand,
                      std::size_t capacity)
     : ring_(capacity), glove_(hand.has_value()) {
-  file_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (file_ < 0) {
-    open_error_ = std::strerror(errno);
-    return;
-  }
+  file_ = open_alone(path, open_error_);
+  if (file_ < 0) return;
   if (glove_) {
     header.glove = 1;
     header.header_size += sizeof(RunHand);

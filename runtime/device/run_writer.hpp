@@ -24,8 +24,8 @@ struct RunWritten {
 /// put() is for the force loop, everything else for the thread that made the writer.
 class RunWriter {
 public:
-  /// Creates or replaces the file and starts the thread; error() says whether that went well. `hand`: of a glove's run.
-  /// `capacity`: ticks that wait for a slow disk.
+  /// Creates or replaces the file, unless another writer has it, and starts the thread; error() says whether that went
+  /// well. `hand`: of a glove's run. `capacity`: ticks that wait for a slow disk.
   RunWriter(const std::string& path, RunHeader header, const std::optional<RunHand>& hand = {},
             std::size_t capacity = std::size_t{1} << 14);
   ~RunWriter();  ///< finishes

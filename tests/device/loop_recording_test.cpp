@@ -242,6 +242,12 @@ TEST_F(Recorded, AFullDiskEndsTheRecordingAndNotTheRun) {
 TEST_F(Recorded, AFileThatCannotBeMadeIsSaid) {
   EXPECT_NE(RunWriter(folder_.path() / "no" / "such" / "folder", {}).error(), "");
   EXPECT_NE(RunWriter("/dev/full", {}).error(), "");
+  {
+    const RunWriter first(folder_.path() / "run", {});
+    EXPECT_EQ(first.error(), "");
+    EXPECT_NE(RunWriter(folder_.path() / "run", {}).error().find("another run"), std::string::npos);
+  }
+  EXPECT_EQ(RunWriter(folder_.path() / "run", {}).error(), "");
 }
 
 TEST_F(Recorded, EveryTruncationKeepsItsWholeRecords) {

@@ -222,6 +222,8 @@ TEST_F(Drive, WhatCannotBeIsNamed) {
   fails(2, {"ball.palp", "--device", "sim", "--tool", "spoon"}, {"there is no tool 'spoon'", "ball"});
   fails(4, {"none.palp", "--device", "sim"}, {"none.palp"});
   fails(4, {"ball.palp", "--device", "sim", "--record", "no/such/run"}, {"no/such/run"});
+  fails(4, {"ball.palp", "--device", "sim", "--plot", "no/such/run.svg"}, {"no/such/run.svg", "no folder"});
+  fails(1, {"ball.palp", "--device", "sim", "--plot", "run.svg", "--no-record"}, {"--no-record", "--plot"});
   const RunResult list = run({"drive", "--list"});
   EXPECT_EQ(list.exit_code, 0);
   for (const char* name : {"falcon", "wooden-mbed", "sim"}) EXPECT_NE(list.out.find(name), std::string::npos) << name;
