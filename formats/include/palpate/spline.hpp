@@ -108,9 +108,10 @@ inline Cubic cubic(const Scalar* coefs, int count, int interval) {
   const detail::Cubics& of = detail::on_interval(detail::kValues, count, interval);
   Cubic c;
   for (int p = 0; p < 4; ++p) c.power[p] = of.coef[p][0] * coefs[interval];
-  for (int k = 1; k < 4; ++k) {
+  for (int k = 1; k < 3; ++k) {
     for (int p = 0; p < 4; ++p) c.power[p] += of.coef[p][k] * coefs[interval + k];
   }
+  c.power[3] += of.coef[3][3] * coefs[interval + 3];  // the last function starts like a cube
   return c;
 }
 

@@ -151,10 +151,12 @@ struct AtDepth {
   /// Of a part of the contact, with g times `share`.
   [[nodiscard]] AtDepth leaning(double share) const {
     AtDepth d = *this;
-    if (share == 1) return d;
-    d.straight = share * straight;
-    d.slope = share * slope;
+    d.lean(share);
     return d;
+  }
+  void lean(double share) {
+    straight = share * straight;
+    slope = share * slope;
   }
 };
 
@@ -241,7 +243,12 @@ public:
 
   /// `rates`: also what only the anchor rule needs.
   [[nodiscard]] AtDepth at(double t, bool rates) const {
-    AtDepth d{};
+    AtDepth d;
+    set_at(t, rates, d);
+    return d;
+  }
+  /// The same in place. What the degrees have not is left as it is.
+  void set_at(double t, bool rates, AtDepth& d) const {
     const double s = t < 1 ? t : 1, beyond = t - s;
     const double* from = coefs_;
     double value[5], slope[5];
@@ -255,6 +262,8 @@ public:
       const Vec2 end{2 * value[0] + s * slope[0], 2 * value[1] + s * slope[1]};  // dg/dt / s
       d.straight = s * s * Vec2{value[0], value[1]} + beyond * end;
       d.slope = 0.5 * end;
+    } else {
+      d.straight = d.slope = {0, 0};
     }
     const bool more = rates || careful();
     double* const rate = slope;
@@ -286,7 +295,6 @@ public:
     }
     powers<1>(from, degrees_.limit + 1, s, value, slope);
     d.limit = value[0];
-    return d;
   }
 
   /// T (N): the hand's sideways push; the force on the tool is -T.
@@ -348,7 +356,11 @@ public:
     AtDepth between[2];
     const AtDepth* before = &from;
     for (int k = 1; k <= steps; ++k) {
-      const AtDepth& d = k < steps ? between[k % 2] = at(t0 + k * step, true).leaning(lean) : to;
+      if (k < steps) {
+        set_at(t0 + k * step, true, between[k % 2]);
+        between[k % 2].lean(lean);
+      }
+      const AtDepth& d = k < steps ? between[k % 2] : to;
       Anchor next = held(*before, d, last);
       give_way(d, step, last, next);
       last = next;
@@ -429,27 +441,38 @@ private:
   /// Sum of c[k] s^k and its derivative, of several polynomials side by side.
   template <int Components>
   static void powers(const double* c, int terms, double s, double (&value)[5], double (&slope)[5]) {
-    for (int i = 0; i < Components; ++i) value[i] = slope[i] = 0;
+    double sum[Components] = {}, rise[Components] = {};  // in registers
     for (int k = terms - 1; k >= 0; --k) {
       for (int i = 0; i < Components; ++i) {
-        slope[i] = slope[i] * s + value[i];
-        value[i] = value[i] * s + c[k * Components + i];
+        rise[i] = rise[i] * s + sum[i];
+        sum[i] = sum[i] * s + c[k * Components + i];
       }
+    }
+    for (int i = 0; i < Components; ++i) {
+      value[i] = sum[i];
+      slope[i] = rise[i];
     }
   }
 
-  /// The same sum as `rate`, and its integral from 0 to s, continued by `beyond` times its end.
+  /// The same sum, of at least one term, as `rate`, and its integral from 0 to s, continued by `beyond` times its end.
   template <int Components>
   static void integrate(const double* c, int terms, double s, double beyond, double* integral, double* rate) {
     constexpr double kShare[kMaxDegree + 1] = {1, 1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5, 1.0 / 6, 1.0 / 7};
-    for (int i = 0; i < Components; ++i) integral[i] = rate[i] = 0;
-    for (int k = terms - 1; k >= 0; --k) {
+    double sum[Components], end[Components];  // in registers
+    for (int i = 0; i < Components; ++i) {
+      end[i] = c[(terms - 1) * Components + i];
+      sum[i] = kShare[terms - 1] * end[i];
+    }
+    for (int k = terms - 2; k >= 0; --k) {
       for (int i = 0; i < Components; ++i) {
-        rate[i] = rate[i] * s + c[k * Components + i];
-        integral[i] = integral[i] * s + kShare[k] * c[k * Components + i];
+        end[i] = end[i] * s + c[k * Components + i];
+        sum[i] = sum[i] * s + kShare[k] * c[k * Components + i];
       }
     }
-    for (int i = 0; i < Components; ++i) integral[i] = s * integral[i] + beyond * rate[i];
+    for (int i = 0; i < Components; ++i) {
+      integral[i] = s * sum[i] + beyond * end[i];
+      rate[i] = end[i];
+    }
   }
 
   Degrees degrees_;

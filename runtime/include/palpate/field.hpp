@@ -33,6 +33,7 @@ public:
     build(view, tool, body_point, tool_point);
   }
 
+  /// Of responses that it has already it keeps what it remembers: a field is built again for the same file only.
   void build(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point) {
     build(view, tool, body_point, tool_point, runtime::normal(view, body_point));
   }
@@ -66,6 +67,7 @@ public:
         add(layout::response_index(m, patch.vertex[k], corner[l]), weights[k] * weight[l], x);
       }
     }
+    if (!is_coupled()) separable_.finish();
     if constexpr (kCoupled) {
       if (is_coupled()) law_.finish();
     }
@@ -80,13 +82,32 @@ public:
   /// Terms at depth z (m); depth, forces and limit are zero for z <= 0.
   [[nodiscard]] DepthTerms at_depth(double z) const {
     DepthTerms terms;
-    if (!(z > 0)) return terms;
+    if (z > 0) set_depth(z, terms);
+    return terms;
+  }
+  /// The same in place: terms are large.
+  void set_depth(double z, DepthTerms& terms) const {
+    if (!(z > 0)) {
+      terms = {};
+      return;
+    }
     if constexpr (kCoupled) {
       if (is_coupled()) coupled_at(z, terms);
     }
     if (!is_coupled()) separable_.at_depth(z, terms);
     terms.depth = z;
     terms.beyond = z > limit_ * kLimitSlack;
+  }
+
+  /// Terms that suffice for stored() only.
+  [[nodiscard]] DepthTerms energy_terms(double z) const {
+    DepthTerms terms;
+    if (!(z > 0)) return terms;
+    if constexpr (kCoupled) {
+      if (is_coupled()) coupled_at(z, terms);
+    }
+    if (!is_coupled()) terms.straight = separable_.straight_once(z);
+    terms.depth = z;
     return terms;
   }
 
@@ -119,8 +140,11 @@ public:
     if (!(z0 > 0)) return {};
     if constexpr (kCoupled) {
       if (is_coupled()) {
-        if (known_.depth != z0) known_ = {z0, law_.at(law_.abscissa(z0), true)};
         const double t0 = law_.abscissa(z0), t1 = law_.abscissa(at_z1.depth);
+        if (known_.depth != z0) {
+          known_.depth = z0;
+          law_.set_at(t0, true, known_.terms);
+        }
         const coupled::Vec2 held = in_basis(deflection);
         const coupled::AtDepth &from = known_.terms, &to = at_z1.coupled;
         const coupled::Vec2 u = lean == 1 ? law_.deepen(t0, from, t1, to, held)
@@ -134,7 +158,10 @@ public:
   /// Says that deepened() will be asked for these terms' depth as z0.
   void remember(const DepthTerms& terms) const {
     if constexpr (kCoupled) {
-      if (is_coupled()) known_ = {terms.depth, terms.coupled};
+      if (is_coupled()) {
+        known_.depth = terms.depth;
+        known_.terms = terms.coupled;
+      }
     }
     if (!is_coupled()) separable_.remember(terms);
   }
@@ -192,7 +219,7 @@ private:
   }
 
   [[gnu::noinline]] void coupled_at(double z, DepthTerms& terms) const {
-    terms.coupled = law_.at(law_.abscissa(z), false);
+    law_.set_at(law_.abscissa(z), false, terms.coupled);
     terms.normal_force = terms.coupled.push;
     terms.limit = terms.coupled.limit * terms.coupled.push;
     terms.straight = -terms.coupled.straight.x * basis_x_ - terms.coupled.straight.y * basis_y_;

@@ -43,13 +43,14 @@ public:
   Tick tick(const Pose& pose, const Vec3& before) {
     const bool friction = kFriction && view_->has(layout::feature_friction);
     bool rolled = friction && rest_.probe() > 0 && rest_.turned(pose) && rest_.roll(pose);
-    const Vec3 q = rest_.profile() ? lie_down(pose, before) : before;
+    Vec3 q = before;
+    Deflection d;
+    DepthTerms terms;
+    if (!rest_.profile() || !lie_down(pose, q, d, terms)) stand(q, d, terms);
     const Vec3 way = q - last_;
     last_ = q;
     for (;; rolled = false) {
-      Deflection d = rest_.deflection(q);
       if (!(d.depth > 0)) return release(d);
-      DepthTerms terms = field().at_depth(d.depth);
       if (friction) deepen(d, terms);
       if (account_.owed() > 0 && !pay(d, terms)) return release(d);
       if (!kFriction || !friction) return slide(pose, d, {}, terms, 0);
@@ -80,7 +81,9 @@ public:
   /// Forces are `ratio` (above 0, infinite where there were none) times what they were in the last tick from now on.
   void rescaled(double ratio) {
     account_.rescale(ratio);
-    replaced(stored() / ratio, last_);
+    Deflection d;
+    DepthTerms terms;
+    replaced(stored() / ratio, last_, d, terms);
   }
 
   /// What the tool did up to here counts as done at `by` times its poses.
@@ -155,7 +158,7 @@ private:
   }
 
   /// J in the present field.
-  [[nodiscard]] double stored(const Deflection& d) const { return stored(field().at_depth(d.depth), d); }
+  [[nodiscard]] double stored(const Deflection& d) const { return stored(field().energy_terms(d.depth), d); }
   [[nodiscard]] double stored(const DepthTerms& terms, const Deflection& d) const {
     const double core = field().stored(terms, d.sideways, rim_.core_limit());
     return rim_.present() ? rim_.mean(core, field().stored(terms, rim_deflection(d), rim_.limit())) : core;
@@ -188,7 +191,7 @@ private:
       const double way = std::fmin(d.depth, due / terms.normal_force);
       rest_.subtract(way);
       depth_ = d.depth -= way;
-      terms = field().at_depth(d.depth);
+      field().set_depth(d.depth, terms);
       left = stored(terms, d);
     }
     account_.paid(held - left, left);
@@ -204,11 +207,16 @@ private:
     if (due > 0) lose(due, now, d, terms);
     return due > 0;
   }
-  /// The same for the tool at q, with nothing rubbed.
-  void replaced(double held, const Vec3& q) {
-    Deflection d = rest_.deflection(q);
-    DepthTerms terms = field().at_depth(d.depth);
+  /// The same for the tool at q, with nothing rubbed; sets what is there now.
+  void replaced(double held, const Vec3& q, Deflection& d, DepthTerms& terms) {
+    stand(q, d, terms);
     replaced(held, 0, d, terms);
+  }
+
+  /// Deflection of the tool at q, and its terms.
+  void stand(const Vec3& q, Deflection& d, DepthTerms& terms) const {
+    d = rest_.deflection(q);
+    field().set_depth(d.depth, terms);
   }
 
   /// Moves c over the surface until the core's sideways deflection is `wanted`; the rim's anchor stays where it is. In
@@ -223,7 +231,7 @@ private:
       d = rest_.deflection(last_);
       if (!(d.depth > 0)) return release(d);
       rim_.leave(d.sideways, rim);
-      terms = field().at_depth(d.depth);
+      field().set_depth(d.depth, terms);
       pull = give_way(d, terms);
       if (replaced(held, rubbed, d, terms)) {
         if (!(d.depth > 0)) return release(d);
@@ -263,22 +271,22 @@ private:
 
   /// Without this the torque on a round skin that turns would do work that is nobody's. A contact that slides needs it
   /// not: its c goes on anyway.
-  [[gnu::noinline]] void roll_on(const Pose& pose, const Deflection& d, const DepthTerms& terms) {
+  [[gnu::noinline]] void roll_on(const Pose& pose, Deflection& d, DepthTerms& terms) {
     const double held = stored(terms, d);
     rest_.roll_on(pose, last_, d);
-    replaced(held, last_);
+    replaced(held, last_, d, terms);
   }
 
-  /// Returns where the pose takes p then.
-  Vec3 lie_down(const Pose& pose, const Vec3& before) {
-    if (!rest_.lies_otherwise(pose)) return before;
-    const Deflection d = rest_.deflection(before);
-    if (!(d.depth > 0)) return before;
+  /// Moves p, which the pose takes to q, and sets what is there then. False, with nothing set, where it stays.
+  bool lie_down(const Pose& pose, Vec3& q, Deflection& d, DepthTerms& terms) {
+    if (!rest_.lies_otherwise(pose)) return false;
+    d = rest_.deflection(q);
+    if (!(d.depth > 0)) return false;
     const double held = stored(d);
     rest_.lie_down(pose, d);
-    const Vec3 q = rest_.point(pose);
-    replaced(held, q);
-    return q;
+    q = rest_.point(pose);
+    replaced(held, q, d, terms);
+    return true;
   }
 
   Tick release(const Deflection& d) {

@@ -19,21 +19,27 @@ public:
 
   Pieces() { forget(); }
 
-  /// Other coefficients from now on.
+  /// Other coefficients from now on: of all curves, or of curve k.
   void forget() {
     for (double& start : start_) start = kNone;
   }
+  void forget(int k) { start_[k] = kNone; }
 
   /// Makes curve k's cubic that of the interval of t, which is spline::in_intervals of an abscissa. Returns the
   /// interval.
   template <class Scalar>
   int take(int k, const Scalar* coefs, int count, double t) const {
     const int interval = spline::interval_of(count, t);
-    if (start_[k] == interval) return interval;
+    take(k, coefs, count, interval);
+    return interval;
+  }
+  /// The same for a caller that knows the interval.
+  template <class Scalar>
+  void take(int k, const Scalar* coefs, int count, int interval) const {
+    if (start_[k] == interval) return;
     const spline::Cubic cubic = spline::cubic(coefs, count, interval);
     for (int p = 0; p < 4; ++p) power_[p][k] = cubic.power[p];
     start_[k] = interval;
-    return interval;
   }
 
   /// Curve k at t[k]. False where one of these is not in the curve's interval, or no number: its cubic is to be taken.

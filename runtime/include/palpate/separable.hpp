@@ -29,7 +29,6 @@ public:
     basis_y_ = basis_y;
     per_depth_ = 1 / static_cast<double>(meta.depth_scale);
     per_sideways_ = meta.sideways_scale > 0 ? 1 / static_cast<double>(meta.sideways_scale) : 0;
-    for (std::uint32_t k = 0; k < meta.normal_coefs; ++k) push_[k] = 0;
     responses_ = triples_ = 0;
     low_ = 1;
     high_ = 0;
@@ -37,11 +36,9 @@ public:
     depth_curves_.forget();
     depth_intervals_[kPush] = intervals(meta.normal_coefs);
     if constexpr (kLateral) {
-      for (std::uint32_t k = 0; k < 2 * meta.lateral_coefs; ++k) lateral_[k] = 0;
       depth_intervals_[kStraight] = depth_intervals_[kStraight + 1] = intervals(meta.lateral_coefs);
     }
     if constexpr (kFriction) {
-      for (std::uint32_t k = 0; k < meta.friction_coefs; ++k) mu_[k] = 0;
       depth_intervals_[kMu] = intervals(meta.friction_coefs);
       growth_intervals_ = intervals(meta.growth_coefs);
       known_.depth = 0;
@@ -56,14 +53,23 @@ public:
 
   /// One response of the view, by its index.
   void add(const View& view, std::uint64_t index, double weight) {
-    const layout::Meta& m = *meta_;
-    const float* push = view.normal_coefs(index);
-    for (std::uint32_t k = 0; k < m.normal_coefs; ++k) push_[k] += weight * push[k];
-    if constexpr (kLateral) {
-      if (view.lateral != nullptr) add_lateral(view.lateral_coefs(index), weight * cosine_, weight * sine_);
+    if (responses_++ == 0) {
+      blend<true>(view, index, weight);
+    } else {
+      blend<false>(view, index, weight);
     }
     if constexpr (kFriction) {
       if (view.friction != nullptr) add_friction(view.friction_coefs(index), weight);
+    }
+  }
+
+  /// All responses have been added.
+  void finish() {
+    if constexpr (kFriction) {
+      if (triples_ == 0) return;
+      for (int slot = responses_ % Triple::kResponses; slot % Triple::kResponses != 0; ++slot) {
+        triple_[triples_ - 1].leave_empty(slot);
+      }
     }
   }
 
@@ -89,12 +95,29 @@ public:
     }
   }
 
+  /// N, sideways force of the straight push to depth z > 0 (m) alone: what nobody asks for again takes no intervals.
+  [[nodiscard]] Vec3 straight_once([[maybe_unused]] double z) const {
+    if constexpr (kLateral) {
+      const int count = static_cast<int>(meta_->lateral_coefs);
+      if (count == 0) return {};
+      const double share = z * per_depth_;
+      if (!(share < 1)) return straight_beyond(0.5 * (share - 1));
+      const spline::Basis basis = spline::basis(count, std::sqrt(share));
+      return spline::combine(basis, lateral_) * basis_x_ + spline::combine(basis, lateral_ + count) * basis_y_;
+    }
+    return {};
+  }
+
   /// Work of a straight push to depth z > 0 (J): the integral of Fn dz, exact.
   [[nodiscard]] double pushed(double z) const {
     const int count = static_cast<int>(meta_->normal_coefs);
     const double share = z * per_depth_, s = share < 1 ? std::sqrt(share) : 1.0;
     const double intervals = depth_intervals_[kPush], scale = 1 / per_depth_;
-    if (!(s > low_ && s < high_)) take_depth(s);
+    if (!(s > low_ && s < high_)) {
+      low_ = 1;
+      high_ = 0;
+      take(kPush, push_, meta_->normal_coefs, s);
+    }
     const int interval = depth_curves_.interval(kPush);
     if (interval != pushed_interval_) {
       pushed_interval_ = interval;
@@ -115,10 +138,15 @@ public:
     Lanes least = {1, 1, 1, 1, 1, 1};
     if constexpr (kFriction) {
       if (known_.depth != z0) {
-        DepthTerms terms;
-        at_depth(z0, terms);
-        terms.depth = z0;
-        remember(terms);
+        known_.depth = z0;
+        const double share = z0 * per_depth_;
+        for (int j = 0; j < triples_; ++j) {
+          if (share < 1) {
+            triple_[j].growths_once(std::sqrt(share), known_.growth[j]);
+          } else {
+            triple_[j].growths_beyond(0.5 * (share - 1), known_.growth[j]);
+          }
+        }
       }
       for (int j = 0; j < triples_; ++j) {
         for (int k = 0; k < Triple::kLanes; ++k) {
@@ -152,22 +180,39 @@ public:
   }
 
 private:
-  void add_lateral(const float* x, double cosine, double sine) {
+  /// Adds to the curves that are blended once, or where it is the first, begins them.
+  template <bool kFirst>
+  void blend(const View& view, std::uint64_t index, double weight) {
+    const layout::Meta& m = *meta_;
+    const float* push = view.normal_coefs(index);
+    for (std::uint32_t k = 0; k < m.normal_coefs; ++k) sum<kFirst>(push_[k], weight * push[k]);
+    if constexpr (kLateral) {
+      if (view.lateral != nullptr) blend_lateral<kFirst>(view.lateral_coefs(index), weight * cosine_, weight * sine_);
+    }
+    if constexpr (kFriction) {
+      if (view.friction == nullptr) return;
+      const float* mu = view.friction_coefs(index) + 2 * m.growth_coefs + 2 * m.sideways_coefs;
+      for (std::uint32_t k = 0; k < m.friction_coefs; ++k) sum<kFirst>(mu_[k], weight * mu[k]);
+    }
+  }
+  template <bool kFirst>
+  void blend_lateral(const float* x, double cosine, double sine) {
     const std::uint32_t count = meta_->lateral_coefs;
     const float* y = x + count;
     for (std::uint32_t k = 0; k < count; ++k) {
-      lateral_[k] += cosine * x[k] - sine * y[k];
-      lateral_[count + k] += sine * x[k] + cosine * y[k];
+      sum<kFirst>(lateral_[k], cosine * x[k] - sine * y[k]);
+      sum<kFirst>(lateral_[count + k], sine * x[k] + cosine * y[k]);
     }
+  }
+  template <bool kFirst>
+  static void sum(double& to, double value) {
+    to = kFirst ? value : to + value;
   }
 
   void add_friction(const float* coefs, double weight) {
-    const layout::Meta& m = *meta_;
-    const int slot = responses_++ % Triple::kResponses;
-    if (slot == 0) triple_[triples_++].clear(m, coefs);
+    const int slot = (responses_ - 1) % Triple::kResponses;
+    if (slot == 0) triple_[triples_++].begin(*meta_);
     triple_[triples_ - 1].set(slot, coefs, weight, cosine_, sine_);
-    const float* mu = coefs + 2 * m.growth_coefs + 2 * m.sideways_coefs;
-    for (std::uint32_t k = 0; k < m.friction_coefs; ++k) mu_[k] += weight * mu[k];
   }
 
   /// kTake: the curves need not have been taken where the deflection is.
@@ -194,22 +239,24 @@ private:
   [[gnu::noinline]] void take_depth(double s) const {
     low_ = -1;
     high_ = 2;
-    take(kPush, push_, meta_->normal_coefs, s);
+    const auto both = [&](int curve, const double* coefs, std::uint32_t count) {
+      narrow(take(curve, coefs, count, s), static_cast<int>(count));
+    };
+    both(kPush, push_, meta_->normal_coefs);
     if constexpr (kLateral) {
       const std::uint32_t count = meta_->lateral_coefs;
-      for (int axis = 0; count > 0 && axis < 2; ++axis) take(kStraight + axis, lateral_ + axis * count, count, s);
+      for (int axis = 0; count > 0 && axis < 2; ++axis) both(kStraight + axis, lateral_ + axis * count, count);
     }
     if constexpr (kFriction) {
       if (meta_->friction_coefs == 0) return;
-      take(kMu, mu_, meta_->friction_coefs, s);
+      both(kMu, mu_, meta_->friction_coefs);
       for (int j = 0; j < triples_; ++j) {
         narrow(triple_[j].take_growths(s * growth_intervals_), static_cast<int>(meta_->growth_coefs));
       }
     }
   }
-  void take(int curve, const double* coefs, std::uint32_t coef_count, double s) const {
-    const int count = static_cast<int>(coef_count);
-    narrow(depth_curves_.take(curve, coefs, count, s * depth_intervals_[curve]), count);
+  int take(int curve, const double* coefs, std::uint32_t count, double s) const {
+    return depth_curves_.take(curve, coefs, static_cast<int>(count), s * depth_intervals_[curve]);
   }
   void narrow(int interval, int count) const {
     constexpr double kSlack = Pieces<kCurves>::kSlack;
@@ -223,14 +270,10 @@ private:
 
   /// What at_depth says at Z and deeper: linear in z, ds/dz = 1 / (2 Z); `extra` is s - 1 so.
   [[gnu::noinline]] void beyond(double extra, DepthTerms& terms) const {
-    const auto on = [extra](const auto* coefs, std::uint32_t coef_count) {
-      return spline::beyond(coefs, static_cast<int>(coef_count), extra);
-    };
     const layout::Meta& m = *meta_;
-    terms.normal_force = on(push_, m.normal_coefs);
+    terms.normal_force = spline::beyond(push_, static_cast<int>(m.normal_coefs), extra);
     if constexpr (kLateral) {
-      const std::uint32_t count = m.lateral_coefs;
-      if (count > 0) terms.straight = on(lateral_, count) * basis_x_ + on(lateral_ + count, count) * basis_y_;
+      if (m.lateral_coefs > 0) terms.straight = straight_beyond(extra);
     }
     terms.limit = HUGE_VAL;
     if constexpr (kFriction) {
@@ -238,6 +281,12 @@ private:
       terms.limit = mu_[m.friction_coefs - 1] * terms.normal_force;
       for (int j = 0; j < triples_; ++j) triple_[j].growths_beyond(extra, terms.growth[j]);
     }
+  }
+
+  [[nodiscard]] Vec3 straight_beyond(double extra) const {
+    const int count = static_cast<int>(meta_->lateral_coefs);
+    return spline::beyond(lateral_, count, extra) * basis_x_ +
+           spline::beyond(lateral_ + count, count, extra) * basis_y_;
   }
 
   static double intervals(std::uint32_t coef_count) { return coef_count > 3 ? coef_count - 3.0 : 0.0; }

@@ -17,18 +17,17 @@ public:
   static constexpr int kResponses = 3, kLanes = 2 * kResponses;
   using Lanes = double[kLanes];
 
-  /// Holds no response. `coefs`: those of any response of the file.
-  void clear(const layout::Meta& meta, const float* coefs) {
+  /// Of which file the responses are that are set from now on.
+  void begin(const layout::Meta& meta) {
     growth_count_ = static_cast<int>(meta.growth_coefs);
     sideways_count_ = static_cast<int>(meta.sideways_coefs);
-    for (int k = 0; k < kResponses; ++k) set(k, coefs, 0, 0, 0);
-    growth_.forget();
-    for (auto& phi : phi_) phi.forget();
   }
 
-  /// Response k: its coefficients (gx, gy, phix, phiy), its weight, the angle of its x axis.
+  /// Response k, each of them once: its coefficients (gx, gy, phix, phiy), its weight, the angle of its x axis. Where
+  /// it is the one that was there before, as while c slides within a patch, what is remembered of its curves stays
+  /// good.
   void set(int k, const float* coefs, double weight, double cosine, double sine) {
-    coefs_[k] = coefs;
+    if (coefs_[k] != coefs) take_over(k, coefs);
     for (int axis = 0; axis < 2; ++axis) {
       const int lane = 2 * k + axis;
       weight_[lane] = weight;
@@ -45,10 +44,20 @@ public:
     weigh(g, growth);
   }
 
+  /// Weighted growths at s in [0, 1], where nobody asked before nor is soon to ask again: takes no intervals.
+  void growths_once(double s, Lanes& growth) const {
+    const spline::Basis basis = spline::basis(growth_count_, s);
+    Lanes g;
+    for (int lane = 0; lane < kLanes; ++lane) g[lane] = spline::combine(basis, growth_coefs(lane));
+    weigh(g, growth);
+  }
+
   /// Takes the intervals at t. All have the one that is returned.
   int take_growths(double t) const {
-    int interval = 0;
-    for (int lane = 0; lane < kLanes; ++lane) interval = growth_.take(lane, growth_coefs(lane), growth_count_, t);
+    const int interval = spline::interval_of(growth_count_, t);
+    if (interval == growth_interval_) return interval;
+    for (int lane = 0; lane < kLanes; ++lane) growth_.take(lane, growth_coefs(lane), growth_count_, interval);
+    growth_interval_ = interval;
     return interval;
   }
 
@@ -68,7 +77,7 @@ public:
     for (int k = 0; k < kLanes; ++k) r[k] = cosine_[k] * along[k % 2] + sine_[k] * along[1 - k % 2];
     for (int k = 0; k < kLanes; ++k) t[k] = (r[k] + 1) * half;
     if constexpr (kTake) {
-      take_phi(part, r, phi);
+      take_phi(part, r, t, phi);
     } else {
       if (!phi_[part].values(t, phi)) return false;
     }
@@ -77,7 +86,19 @@ public:
     return true;
   }
 
+  /// There is no response k, while there is one 0.
+  void leave_empty(int k) { set(k, coefs_[0], 0, 0, 0); }
+
 private:
+  void take_over(int k, const float* coefs) {
+    coefs_[k] = coefs;
+    growth_interval_ = -1;
+    for (int lane = 2 * k; lane < 2 * k + 2; ++lane) {
+      growth_.forget(lane);
+      for (auto& phi : phi_) phi.forget(lane);
+    }
+  }
+
   [[nodiscard]] const float* growth_coefs(int lane) const { return coefs_[lane / 2] + (lane % 2) * growth_count_; }
   [[nodiscard]] const float* phi_coefs(int lane) const {
     return coefs_[lane / 2] + 2 * growth_count_ + (lane % 2) * sideways_count_;
@@ -87,21 +108,26 @@ private:
     for (int k = 0; k < kLanes; ++k) growth[k] = weight_[k] * (g[k] > 0 ? g[k] : 0.0);
   }
 
-  /// phi inside [-1, 1] is the spline, outside its tangent at the end.
-  void take_phi(int part, const Lanes& r, Lanes& phi) const {
-    Lanes t;
+  /// phi inside [-1, 1] is the spline, outside its tangent at the end; t: r in intervals.
+  void take_phi(int part, const Lanes& r, Lanes& t, Lanes& phi) const {
+    const double last = sideways_count_ - 3;
     for (int k = 0; k < kLanes; ++k) {
-      t[k] = spline::in_intervals(sideways_count_, 0.5 * (r[k] + 1));
+      t[k] = t[k] > 0 ? (t[k] < last ? t[k] : last) : 0.0;
       phi_[part].take(k, phi_coefs(k), sideways_count_, t[k]);
     }
     phi_[part].known_values(t, phi);
     for (int k = 0; k < kLanes; ++k) {
-      if (r[k] > 1) phi[k] += 0.5 * (r[k] - 1) * spline::slope_at_1(phi_coefs(k), sideways_count_);
-      if (r[k] < -1) phi[k] += 0.5 * (r[k] + 1) * spline::slope_at_0(phi_coefs(k), sideways_count_);
+      const double beyond = std::fabs(r[k]) - 1;
+      if (beyond > 0) phi[k] += 0.5 * beyond * outward_slope(k, r[k] > 0);
     }
+  }
+  [[nodiscard]] double outward_slope(int lane, bool up) const {
+    const float* coefs = phi_coefs(lane);
+    return up ? spline::slope_at_1(coefs, sideways_count_) : -spline::slope_at_0(coefs, sideways_count_);
   }
 
   int growth_count_ = 0, sideways_count_ = 0;
+  mutable int growth_interval_ = -1;  ///< that all growths are taken on; -1 where some are not
   const float* coefs_[kResponses] = {};
   Lanes weight_ = {}, cosine_ = {}, sine_ = {};  ///< the sine of each y is the negative
   Pieces<kLanes> growth_, phi_[kParts];
