@@ -121,22 +121,24 @@ void run_bench(BenchArguments options, const Globals& globals) {
   note(globals, "timing " + std::to_string(options.bench.contacts) + " random contacts of the tool '" + tool + "'");
   const TickBench bench = bench_ticks(input.view(), options.bench);
   if (globals.json) {
-    print_json(
-        {{"file", options.file},
-         {"machine", machine_name()},
-         {"tool", tool},
-         {"contacts", bench.contacts},
-         {"bytes_per_response", bytes_per_response(input.view())},
-         {"tick_ns",
-          {{"press", times_json(bench.press)}, {"slide", times_json(bench.slide)}, {"free", times_json(bench.free)}}},
-         {"locate_ns", times_json(bench.locate)}});
+    print_json({{"file", options.file},
+                {"machine", machine_name()},
+                {"tool", tool},
+                {"contacts", bench.contacts},
+                {"bytes_per_response", bytes_per_response(input.view())},
+                {"tick_ns",
+                 {{"press", times_json(bench.press)},
+                  {"field", times_json(bench.field)},
+                  {"slide", times_json(bench.slide)},
+                  {"free", times_json(bench.free)}}},
+                {"locate_ns", times_json(bench.locate)}});
     return;
   }
   char head[200];
   std::snprintf(head, sizeof head, "%s\n%d contacts of the tool '%s', %.0f bytes a response\n", machine_name().c_str(),
                 bench.contacts, tool.c_str(), bytes_per_response(input.view()));
-  print(head + times_text("press", bench.press) + times_text("slide", bench.slide) + times_text("free", bench.free) +
-        times_text("locate", bench.locate));
+  print(head + times_text("press", bench.press) + times_text("field", bench.field) + times_text("slide", bench.slide) +
+        times_text("free", bench.free) + times_text("locate", bench.locate));
 }
 
 }  // namespace

@@ -197,6 +197,22 @@ TickBench bench_ticks(const runtime::View& view, const TickBenchOptions& options
   TickBench result;
   result.contacts = static_cast<int>(free.size());
   result.press = timed(press, options.seconds);
+  result.field = timed(press.size(), options.seconds, [&](std::size_t i, benchmark::State& state) {
+    const runtime::Field& field = press[i].contact->field();
+    std::vector<Vec3> deflections;
+    const double scale = view.meta->depth_scale;
+    const Vec3 aside = runtime::any_orthogonal(field.normal());
+    for (int k = 0; k < 16; ++k) {
+      deflections.push_back(4e-3 * scale * aside - (0.5 + 1e-3 * std::abs(k - 8)) * scale * field.normal());
+    }
+    std::size_t k = 0;
+    for (const auto _ : state) {
+      benchmark::DoNotOptimize(_);
+      const runtime::FieldForce force = field.force(deflections[k]);
+      benchmark::DoNotOptimize(force);
+      k = k + 1 < deflections.size() ? k + 1 : 0;
+    }
+  });
   result.slide = timed(slide, options.seconds);
   result.free = timed(free, options.seconds);
   result.locate = timed(16, options.seconds, [&](std::size_t i, benchmark::State& state) {

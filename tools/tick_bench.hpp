@@ -27,6 +27,7 @@ struct TickBenchOptions {
 struct TickBench {
   int contacts = 0;  ///< that were made
   TickTimes press;   ///< pushed in and out where it touched: sticking, with friction
+  TickTimes field;   ///< of such a tick the blended responses' force alone, without pose, state and account
   TickTimes slide;   ///< dragged sideways, 2 % of the depth scale a tick
   TickTimes free;    ///< far from the body
   TickTimes locate;  ///< one search for the nearest point of the body

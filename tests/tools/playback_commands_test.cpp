@@ -115,7 +115,7 @@ TEST_F(Playback, BenchNamesTheMachineAndTimesEveryState) {
   const Json json = Json::parse(result.out);
   EXPECT_FALSE(json["machine"].get<std::string>().empty());
   EXPECT_EQ(json["bytes_per_response"], 208);
-  for (const char* state : {"press", "slide", "free"}) {
+  for (const char* state : {"press", "field", "slide", "free"}) {
     EXPECT_GT(json["tick_ns"][state]["median"].get<double>(), 1) << state;
     EXPECT_LT(json["tick_ns"][state]["median"].get<double>(), 1e6) << state;
   }
