@@ -4,6 +4,7 @@
 #include "precompute/bake/reach.hpp"
 #include "precompute/verify/limits.hpp"
 #include "precompute/verify/recorded.hpp"
+#include "tools/closed_motions.hpp"
 #include "tools/command.hpp"
 #include "tools/commands.hpp"
 #include "tools/interrupt.hpp"
@@ -22,6 +23,7 @@
 #include "tools/verify_paper.hpp"
 #include "tools/verify_strokes.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -36,7 +38,7 @@ struct VerifyArguments {
   std::string input, work, response, report, plot, samples, battery, family, other, cases, paper, device;
   std::uint32_t count = 40;
   std::uint64_t seed = 1;
-  bool closed_forms = false, slide = false, strokes = false, two_tips = false;
+  bool closed_forms = false, loops = false, slide = false, strokes = false, two_tips = false;
   int contacts = 3;
   double radii = 3.5, rate = 1000, scale = 1;
   VerifyLimits limits;
@@ -195,12 +197,37 @@ void solve(const VerifyArguments& options, const Globals& globals) {
   check_limits(options, s);
 }
 
+// No account, no friction: the inequalities of the file alone.
+void run_loops(const VerifyArguments& options, const Globals& globals) {
+  constexpr double kRounding = 1e-9;
+  const ResponseInput input(options.input);
+  ClosedMotionsOptions motions;
+  motions.seed = options.seed;
+  const ClosedMotionsReport r = play_closed_motions(input.view(), motions);
+  char text[400];
+  std::snprintf(text, sizeof text,
+                "%llu random closed motions: the hand gets back at most %.1e of the work on the way; the worst of %d "
+                "searches: %.1e\n",
+                static_cast<unsigned long long>(r.motions), 0 - r.worst, motions.searches, 0 - r.searched);
+  publish(options, globals,
+          {{"file", options.input},
+           {"motions", r.motions},
+           {"worst", r.worst},
+           {"searches", motions.searches},
+           {"searched_worst", r.searched}},
+          text);
+  if (std::min(r.worst, r.searched) < -kRounding) {
+    throw Error(ExitCode::tolerance, options.input + ": a closed motion gives work back");
+  }
+}
+
 // What is verified, one thing at a time; keys that belong to another are errors.
 void check_usage(const VerifyArguments& options) {
   const std::pair<const char*, bool> kinds[] = {{"--battery", !options.battery.empty()},
                                                 {"--closed-forms", options.closed_forms},
                                                 {"--compare", !options.other.empty()},
                                                 {"--device", !options.device.empty()},
+                                                {"--loops", options.loops},
                                                 {"--paper", !options.paper.empty()},
                                                 {"--samples", !options.samples.empty()},
                                                 {"--slide", options.slide},
@@ -248,6 +275,7 @@ void run_verify(const VerifyArguments& options, const Globals& globals) {
   if (!options.other.empty()) return run_ccx_command({options.report, options.cases}, globals);
   if (!options.paper.empty()) return run_paper_command({options.paper, options.report}, globals);
   if (!options.samples.empty()) return compare(options, globals);
+  if (options.loops) return run_loops(options, globals);
 #ifdef PALPATE_DEVICES
   if (!options.device.empty()) {
     return run_device_command({options.input, options.device, options.report, options.rate, options.scale}, globals);
@@ -276,6 +304,10 @@ void add_verify(CLI::App& app, Globals& globals) {
   command.option("--compare", options->other, "Instead of a scene: forces and times beside another program's")
       .check(one_of({"ccx"}));
   command.option("--case", options->cases, "Only the cells or cases with this in their name");
+  command.flag(
+      "--loops", options->loops,
+      "Of a response file of the coupled model: 100 000 random closed motions of contacts that stick, and searches "
+      "for the worst; exit code 5 where the hand gets work back");
   command.flag("--slide", options->slide, "Slides the tool over a few contacts of the scene, or over a block");
   command.flag("--strokes", options->strokes,
                "Draws the tool through whole motions at a few contacts of a baked scene, solved and played");

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # What play, inspect, compare and bench share with their tests: response files opened, motions read and played, plots,
 # timing.
-add_library(palpate_playback STATIC motion_file.cpp play.cpp plot.cpp response_input.cpp straight_press.cpp)
+add_library(palpate_playback STATIC closed_motions.cpp motion_file.cpp play.cpp plot.cpp response_input.cpp straight_press.cpp)
 target_link_libraries(palpate_playback PUBLIC palpate_runtime palpate_response palpate_file PRIVATE palpate_settings)
 # What drive shares with play: runs recorded and replayed, devices placed in scenes and shown.
 if(TARGET palpate_device)

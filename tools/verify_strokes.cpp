@@ -36,7 +36,7 @@ constexpr double kFloor = 0.02;   // of the stroke's peak force: errors of small
 enum Phase : std::size_t { sticking, partial, sliding, kPhases };
 constexpr std::array<const char*, kPhases> kNames{"sticking", "partial slip", "sliding"};
 
-struct Station {
+struct StrokeStation {
   Vector3d baked{0, 0, 0};  // N on the tool, contact frame
   bool compared = false;
   Phase phase = sticking;
@@ -58,17 +58,17 @@ std::vector<MotionRow> motion(const ToolVertex& vertex, const ContactFrame& fram
 }
 
 // Stations where the body answers from other than this scene's own samples are not its errors.
-std::vector<Station> compare(const runtime::View& view, const ContactCase& c, const CheckedStroke& stroke) {
+std::vector<StrokeStation> compare(const runtime::View& view, const ContactCase& c, const CheckedStroke& stroke) {
   const ContactFrame& frame = c.contacts[stroke.contact].frame;
   PlaySummary summary;
   const std::vector<PlayedRow> rows = play(view, 0, motion(c.tool.vertices.at(0), frame, stroke.result), summary);
   double peak = 0;
   for (const StrokeStep& s : stroke.result.steps) peak = std::max(peak, s.force.norm());
-  std::vector<Station> all;
+  std::vector<StrokeStation> all;
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const StrokeStep& s = stroke.result.steps[k];
     const runtime::Tick& tick = rows[k].tick;
-    Station at;
+    StrokeStation at;
     at.baked = frame.to_local({tick.force.x, tick.force.y, tick.force.z});
     at.compared = s.resolved && tick.covered < kOthers && !tick.beyond;
     at.phase = s.gross ? sliding : s.slipping > kStuck ? partial : sticking;
@@ -85,7 +85,7 @@ Json figures(const std::vector<double>& errors) {
           {"worst", quantile(errors, 1.0)}};
 }
 
-Json to_json(const ContactCase& c, const CheckedStroke& stroke, const std::vector<Station>& stations) {
+Json to_json(const ContactCase& c, const CheckedStroke& stroke, const std::vector<StrokeStation>& stations) {
   const StrokeResult& r = stroke.result;
   Json steps = Json::array();
   for (std::size_t k = 0; k < stations.size(); ++k) {
@@ -128,7 +128,8 @@ std::string row(const std::string& name, const Errors& errors) {
 }
 
 // Solved and baked along the strokes of the first contact, one after the other.
-std::string drawing(const std::vector<CheckedStroke>& strokes, const std::vector<std::vector<Station>>& stations) {
+std::string drawing(const std::vector<CheckedStroke>& strokes,
+                    const std::vector<std::vector<StrokeStation>>& stations) {
   std::vector<double> at;
   PlotPanel normal{"normal force (N)", {{"solved", {}}, {"baked", {}}}};
   PlotPanel sideways{"sideways force (N)", {{"solved", {}}, {"baked", {}}}};
@@ -183,14 +184,14 @@ void run_strokes(const StrokesCommand& command, const Globals& globals) {
             {"friction", p.scene.friction},
             {"solves", Json::array()}};
   std::string rows, refused;
-  std::vector<std::vector<Station>> stations;
+  std::vector<std::vector<StrokeStation>> stations;
   Errors total;
   std::size_t usable = 0, left_out = 0;
   for (const CheckedStroke& stroke : strokes) {
     stations.push_back(compare(input.view(), c, stroke));
     json["solves"].push_back(to_json(c, stroke, stations.back()));
     Errors errors;
-    for (const Station& s : stations.back()) {
+    for (const StrokeStation& s : stations.back()) {
       left_out += !s.compared;
       if (!s.compared) continue;
       errors[s.phase].push_back(s.error);

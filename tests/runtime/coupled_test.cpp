@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "palpate/coupled_check.hpp"
+#include "tools/closed_motion.hpp"
 
 namespace palpate::coupled {
 namespace {
@@ -176,50 +177,6 @@ TEST(Coupled, BlendsTurnWithTheirFrames) {
   }
 }
 
-/// The contact as the runtime keeps it, with an account of the hand's work.
-struct Contact {
-  const Law& law;
-  double t = 0;
-  Vec2 u{0, 0};
-  double work = 0, gross = 0;  // J / X
-
-  void add(double w) {
-    work += w;
-    gross += std::abs(w);
-  }
-  /// By Gauss' rule, exact for polynomials; in pieces for what lies beyond |u| = 1.
-  void sideways(const Vec2& by) {
-    const AtDepth d = law.at(t, true);
-    constexpr int kPieces = 8;
-    constexpr double kAt[3] = {0.1127016653792583, 0.5, 0.8872983346207417},
-                     kWeight[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
-    for (int piece = 0; piece < kPieces; ++piece) {
-      for (int k = 0; k < 3; ++k) {
-        const Vec2 at = u + ((piece + kAt[k]) / kPieces) * by;
-        add(kWeight[k] / kPieces * dot(law.push(d, at), by));
-      }
-    }
-    u = u + by;
-  }
-  void depth(double to) {
-    const double pieces = std::ceil(std::abs(to - t) / 0.01);
-    const double from = t;
-    constexpr double kAt[3] = {0.1127016653792583, 0.5, 0.8872983346207417},
-                     kWeight[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
-    for (double piece = 0; piece < pieces; ++piece) {
-      const double a = from + (to - from) * piece / pieces, b = from + (to - from) * (piece + 1) / pieces;
-      for (int k = 0; k < 3; ++k) {
-        const double at = a + kAt[k] * (b - a);
-        const Vec2 there = to > from ? law.deepen(a, at, u) : u;
-        const AtDepth d = law.at(at, true);
-        add(kWeight[k] * (b - a) * 2 * d.s * (Z / X) * (d.push + law.coupling(d, there)));
-      }
-      if (to > from) u = law.deepen(a, b, u);
-      t = b;
-    }
-  }
-};
-
 TEST(Coupled, DeepeningInOneTickIsNearlyDeepeningInMany) {
   for (const double growth : {1.05, 1.25}) {
     Random random(5);
@@ -252,17 +209,17 @@ TEST(Coupled, NoClosedMotionGainsEnergy) {
     const Degrees d = every_kind()[static_cast<std::size_t>(round) % 5];
     const Law law = law_of(random_coefs(d, random), d);
     for (int motion = 0; motion < 20; ++motion, ++motions) {
-      Contact contact{law, 0, {}};
+      cli::ClosedMotion contact(law, Z, X, 0.01);
       const double size = std::pow(10.0, uniform(random, -3, 0));
       contact.depth(uniform(random, 0.05, 0.8));
       const int legs = 2 + static_cast<int>(random() % 3);
       for (int leg = 0; leg < legs; ++leg) {
         contact.sideways(disc(random, size));
-        contact.depth(std::clamp(contact.t + uniform(random, -0.2, 0.2) * size, 0.02, 1.2));
+        contact.depth(std::clamp(contact.at() + uniform(random, -0.2, 0.2) * size, 0.02, 1.2));
       }
       contact.depth(0);
-      worst = std::min(worst, contact.work / contact.gross);
-      ASSERT_GE(contact.work, -1e-9 * contact.gross) << round << ' ' << motion;
+      worst = std::min(worst, contact.work() / contact.gross());
+      ASSERT_GE(contact.work(), -1e-9 * contact.gross()) << round << ' ' << motion;
     }
   }
   RecordProperty("worst", std::to_string(worst));

@@ -74,6 +74,8 @@ public:
   }
 
   [[nodiscard]] const Vec3& normal() const { return normal_; }
+  /// Of a coupled file, what the blend is made of.
+  [[nodiscard]] const coupled::Law& law() const { return law_; }
   /// Share of the blend that was refused and taken from neighbours, [0, 1].
   [[nodiscard]] double covered() const { return covered_; }
   /// How deep the blended responses were sampled (m).
