@@ -4,7 +4,7 @@
 
 #include "palpate/coupled.hpp"
 #include "palpate/separable.hpp"
-#include "palpate/surface.hpp"
+#include "palpate/spin.hpp"
 
 #include <cmath>
 
@@ -25,21 +25,19 @@ struct FieldForce {
 template <std::uint32_t kFeatures = layout::feature_all>
 class BasicField {
   static constexpr bool kCoupled = (kFeatures & layout::feature_coupled) != 0;
+  static constexpr bool kSpin = (kFeatures & layout::feature_spin) != 0;
 
 public:
   BasicField() = default;
   /// `tool` is an index into the file's tools; `tool_point.patch` one of that tool's patches.
-  BasicField(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point) {
-    build(view, tool, body_point, tool_point);
+  BasicField(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point,
+             const Spin& spin = {}) {
+    build(view, tool, body_point, tool_point, runtime::normal(view, body_point), spin);
   }
 
-  void build(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point) {
-    build(view, tool, body_point, tool_point, runtime::normal(view, body_point));
-  }
-
-  /// The same for a caller that knows n(c) already.
+  /// The same, where n(c) is known.
   void build(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point,
-             const Vec3& normal_there) {
+             const Vec3& normal_there, const Spin& spin) {
     view_ = &view;
     const layout::Meta& m = *view.meta;
     normal_ = normal_there;
@@ -63,7 +61,14 @@ public:
       const Vec3 x = sideways_axis(patch.vertex[k]);
       if (!is_coupled()) separable_.begin_body(x);
       for (int l = 0; l < corners; ++l) {
-        add(layout::response_index(m, patch.vertex[k], corner[l]), weights[k] * weight[l], x);
+        const std::uint64_t index = layout::response_index(m, patch.vertex[k], corner[l]);
+        if constexpr (kSpin) {
+          if (view.spins != nullptr) {
+            add_spins(index, view.tools[tool], corner[l], weights[k] * weight[l], x, spin);
+            continue;
+          }
+        }
+        add(index, weights[k] * weight[l], x);
       }
     }
     if constexpr (kCoupled) {
@@ -200,9 +205,19 @@ private:
 
   /// The x axis of a site's frame, carried to c; any where nothing lies sideways.
   [[nodiscard]] Vec3 sideways_axis(std::uint32_t site) const {
-    constexpr std::uint32_t kSideways = kFeatures & (layout::feature_lateral | layout::feature_friction);
+    constexpr std::uint32_t kSideways =
+        kFeatures & (layout::feature_lateral | layout::feature_friction | layout::feature_spin);
     if ((view_->features & kSideways) == 0) return basis_x_;
     return carried_tangent(view_->sites[site], normal_, basis_x_);
+  }
+
+  /// The responses of one tool vertex, of which the first spin's has this index.
+  [[gnu::noinline]] void add_spins(std::uint64_t index, const layout::ToolRecord& tool, std::uint32_t vertex,
+                                   double weight, const Vec3& x, const Spin& spin) {
+    for_each_spin(*view_, tool, vertex, spin, x, normal_, [&](std::uint32_t sample, double share, const Vec3& along) {
+      if (!is_coupled()) separable_.begin_body(along);
+      add(index + sample, weight * share, along);
+    });
   }
 
   void add(std::uint64_t index, double weight, const Vec3& x) {

@@ -43,7 +43,7 @@ public:
   Tick tick(const Pose& pose, const Vec3& before) {
     const bool friction = kFriction && view_->has(layout::feature_friction);
     bool rolled = friction && rest_.probe() > 0 && rest_.turned(pose) && rest_.roll(pose);
-    const Vec3 q = rest_.profile() ? lie_down(pose, before) : before;
+    const Vec3 q = rest_.lies() ? lie_down(pose, before) : before;
     const Vec3 way = q - last_;
     last_ = q;
     for (;; rolled = false) {

@@ -20,10 +20,17 @@ struct Deflection {
 /// is c at first. Of layout::Feature those that kFeatures leaves out take neither code nor memory.
 template <std::uint32_t kFeatures = layout::feature_all>
 class BasicRest {
+  static constexpr bool kSpin = (kFeatures & layout::feature_spin) != 0;
+
 public:
   BasicRest(const View& view, std::uint32_t tool) : view_(&view), tool_(tool), probe_(view.tools[tool].probe_radius) {
     const layout::ToolRecord& record = view.tools[tool];
     profile_ = record.kind == static_cast<std::uint32_t>(layout::ToolKind::profile) && record.axis_length > 0;
+    if constexpr (kSpin) {
+      for (std::uint32_t i = 0; view.spins != nullptr && i < record.vertex_count; ++i) {
+        spins_ = spins_ || view.spins[record.first_vertex + i] > 1;
+      }
+    }
   }
 
   /// Where a tool's point of a search meets the body, without sideways deflection and with a depth of at most `most`
@@ -47,8 +54,11 @@ public:
   [[nodiscard]] double probe() const { return probe_; }
   /// m, of a contact.
   [[nodiscard]] double size() const { return probe_ + view_->meta->depth_scale; }
-  /// The tool may touch along its axis.
-  [[nodiscard]] bool profile() const { return profile_; }
+  /// What answers depends on how the tool lies.
+  [[nodiscard]] bool lies() const {
+    if constexpr (kSpin) return profile_ || spins_;
+    return profile_;
+  }
 
   /// Where the pose takes p.
   [[nodiscard]] Vec3 point(const Pose& pose) const { return pose.apply(anchor_); }
@@ -102,18 +112,22 @@ public:
     place(foot(q, d.sideways), pose);
   }
 
-  /// A profile lies otherwise than when its responses were blended.
+  /// The tool lies otherwise than when its responses were blended.
   [[nodiscard]] bool lies_otherwise(const Pose& pose) const {
+    if constexpr (kSpin) {
+      if (spins_ && spun(pose)) return true;
+      if (!profile_) return false;
+    }
     const double cosine = pose.along_axis(field_.normal());
     return std::fabs(along(cosine) - anchor_.z) > 1e-9 * probe_ ||
            std::fabs(profile_meridian(view_->tools[tool_], anchor_.z, cosine) - meridian_) > 1e-6 * probe_;
   }
 
-  /// A capsule lays itself down: p runs along the axis to where it is deepest, c with it, at a bounded rate and
-  /// without changing the deflection d of the tool at q: what is gained in depth that way is no work of the hand and is
-  /// subtracted.
+  /// Blends the responses for how the tool lies. A capsule lays itself down: p runs along the axis to where it is
+  /// deepest, c with it, at a bounded rate and without changing the deflection d of the tool at q: what is gained in
+  /// depth that way is no work of the hand and is subtracted.
   void lie_down(const Pose& pose, const Deflection& d) {
-    const Vec3 there{0, 0, along(pose.along_axis(field_.normal()))};
+    const Vec3 there{0, 0, profile_ ? along(pose.along_axis(field_.normal())) : anchor_.z};
     if (std::fabs(there.z - anchor_.z) > 1e-9 * probe_) {
       const Vec3 q = pose.apply(there);
       const Projection to = foot(q, d.sideways);
@@ -128,7 +142,12 @@ public:
   }
 
   /// Turns the tool's pose of the last tick by that of `by`.
-  void rebase(const Pose& by) { turned_from_ = by.rotate(turned_from_); }
+  void rebase(const Pose& by) {
+    turned_from_ = by.rotate(turned_from_);
+    if constexpr (kSpin) {
+      for (Vec3& axis : lay_) axis = by.rotate(axis);
+    }
+  }
 
 private:
   /// Where c rests when the tool at q is to be deflected by `sideways` from the anchor.
@@ -149,8 +168,25 @@ private:
       meridian_ = profile_meridian(view_->tools[tool_], anchor_.z, pose.along_axis(n));
       tool_point_ = profile_point(*view_, view_->tools[tool_], meridian_);
     }
-    field_.build(*view_, tool_, at_, tool_point_, n);
+    Spin spin;
+    if constexpr (kSpin) {
+      if (spins_) {
+        spin.pose = &pose;
+        for (int k = 0; k < 2; ++k) lay_[k] = pose.rotate(kAxes[k]);
+      }
+    }
+    field_.build(*view_, tool_, at_, tool_point_, n, spin);
     note_turn(n, pose);
+  }
+
+  /// A turn of a profile about its own axis is none.
+  [[nodiscard]] bool spun(const Pose& pose) const {
+    double turned = 0;
+    for (int k = 0; k < (profile_ ? 1 : 2); ++k) {
+      const Vec3 way = pose.rotate(kAxes[k]) - lay_[k];
+      turned += dot(way, way);
+    }
+    return turned >= 1e-18;
   }
 
   /// What the pose makes of n(c) is kept with it: a rotation is taken that is orthonormal to 1e-3 only, and what is
@@ -187,10 +223,14 @@ private:
     return true;
   }
 
+  static constexpr Vec3 kAxes[2] = {{0, 0, 1}, {1, 0, 0}};
+
   const View* view_;
   std::uint32_t tool_;
   double probe_;  ///< m
   bool profile_ = false;
+  detail::If<kSpin, bool> spins_ = {};
+  detail::If<kSpin, Vec3[2]> lay_ = {};  ///< where the tool's axes were when its responses were blended
 
   BodyPoint at_;
   Vec3 c_;

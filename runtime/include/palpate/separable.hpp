@@ -10,7 +10,8 @@
 
 namespace palpate::runtime {
 
-/// Blend of the separable responses of up to three body vertices and three tool vertices (Hayward and Mahvash 2004).
+/// Blend of the separable responses of up to three body vertices and three tool vertices (Hayward and Mahvash 2004), or
+/// three spins of each of those.
 /// Push, straight sideways force and friction limit are blended once; sideways forces are products, each in the frame
 /// of its body vertex, and are blended as forces. Not for several threads at once (pieces.hpp).
 /// Of layout::Feature those that kFeatures leaves out take neither code nor memory.
@@ -18,6 +19,7 @@ template <std::uint32_t kFeatures>
 class SeparableLaw {
   static constexpr bool kLateral = (kFeatures & layout::feature_lateral) != 0;
   static constexpr bool kFriction = (kFeatures & layout::feature_friction) != 0;
+  static constexpr int kMost = (kFeatures & layout::feature_spin) != 0 ? kSpunTriples : kTriples;
   using Triple = runtime::Triple<(kFeatures & layout::feature_rim) != 0 ? 2 : 1>;
   using Lanes = double[Triple::kLanes];
 
@@ -185,7 +187,7 @@ private:
 
   struct Known {
     double depth = 0;  ///< m; none where it is 0
-    Lanes growth[3];
+    Lanes growth[kMost];
   };
 
   // What follows is rarely called, and long: inlined it would slow every tick.
@@ -251,7 +253,7 @@ private:
   double per_depth_ = 0, per_sideways_ = 0;  ///< 1 / Z, 1 / X (1/m)
   double cosine_ = 1, sine_ = 0;             ///< of the angle of the present body vertex' frame against the basis
   int responses_ = 0, triples_ = 0;
-  detail::If<kFriction, Triple[3]> triple_;
+  detail::If<kFriction, Triple[kMost]> triple_;
   double push_[layout::kMaxCoefs] = {};
   detail::If<kLateral, double[2 * layout::kMaxCoefs]> lateral_ = {};  ///< along basis_x_, then along basis_y_
   detail::If<kFriction, double[layout::kMaxCoefs]> mu_ = {};
