@@ -10,9 +10,8 @@ namespace palpate::runtime {
 /// Of a contact (rim.hpp).
 enum class Part : int { core = 0, rim = 1 };
 
-/// Of responses, three each (triple.hpp), that a contact blends: three sites' for three tool vertices, or for up to
-/// three spins of each of those.
-inline constexpr int kTriples = 3, kSpunTriples = 9;
+/// Of responses, three each (triple.hpp), that a contact blends: three sites' for three tool vertices.
+inline constexpr int kTriples = 3;
 
 /// What depends on the depth alone; valid for the field that made it.
 struct DepthTerms {
@@ -21,8 +20,8 @@ struct DepthTerms {
   double limit = 0;         ///< N, largest tangential force: mu(depth) Fn; infinite in a frictionless file
   Vec3 straight;            ///< N, sideways force of the straight push, across n(c)
   union {
-    double growth[kSpunTriples][6];  ///< of the separable model, as many as it has triples
-    coupled::AtDepth coupled;        ///< in a file of the coupled model
+    double growth[kTriples][6];  ///< of the separable model, as many as it has triples, those of more spins left out
+    coupled::AtDepth coupled;    ///< in a file of the coupled model
   };
   bool beyond = false;  ///< deeper than this pair was sampled
 };

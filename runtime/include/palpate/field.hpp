@@ -38,42 +38,12 @@ public:
   /// The same, where n(c) is known.
   void build(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point,
              const Vec3& normal_there, const Spin& spin) {
-    view_ = &view;
-    const layout::Meta& m = *view.meta;
-    normal_ = normal_there;
-    basis_x_ = any_orthogonal(normal_);
-    basis_y_ = cross(normal_, basis_x_);
-    covered_ = limit_ = 0;
-    if constexpr (kCoupled) {
-      if (is_coupled()) law_.clear(layout::coupled_degrees(m), m.depth_scale, m.sideways_scale);
-      known_.depth = 0;
+    if constexpr (kSpin) {
+      if (view.spins != nullptr) return build_spun(view, tool, body_point, tool_point, normal_there, spin);
     }
-    if (!is_coupled()) separable_.clear(m, basis_x_, basis_y_);
-    per_scale_ = m.sideways_scale > 0 ? 1 / m.sideways_scale : 0;
-    std::uint32_t corner[3];
-    double weight[3];
-    const int corners = tool_corners<kFeatures>(view, tool, tool_point, corner, weight);
-    double weights[3];
-    patch_weights(view, body_point, weights);
-    const layout::Patch& patch = view.patches[view.triangles[body_point.triangle].patch];
-    for (int k = 0; k < 3; ++k) {
-      if (!(weights[k] > 0)) continue;
-      const Vec3 x = sideways_axis(patch.vertex[k]);
-      if (!is_coupled()) separable_.begin_body(x);
-      for (int l = 0; l < corners; ++l) {
-        const std::uint64_t index = layout::response_index(m, patch.vertex[k], corner[l]);
-        if constexpr (kSpin) {
-          if (view.spins != nullptr) {
-            add_spins(index, view.tools[tool], corner[l], weights[k] * weight[l], x, spin);
-            continue;
-          }
-        }
-        add(index, weights[k] * weight[l], x);
-      }
-    }
-    if constexpr (kCoupled) {
-      if (is_coupled()) law_.finish();
-    }
+    blend(
+        view, tool, body_point, tool_point, normal_there,
+        [this](std::uint64_t index, std::uint32_t /*vertex*/, double weight, const Vec3& x) { add(index, weight, x); });
   }
 
   [[nodiscard]] const Vec3& normal() const { return normal_; }
@@ -175,6 +145,54 @@ public:
   }
 
 private:
+  /// Calls each(index, tool vertex, weight, x axis) for the responses of a contact, at the first spin.
+  template <class Each>
+  void blend(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point,
+             const Vec3& normal_there, const Each& each) {
+    view_ = &view;
+    const layout::Meta& m = *view.meta;
+    normal_ = normal_there;
+    basis_x_ = any_orthogonal(normal_);
+    basis_y_ = cross(normal_, basis_x_);
+    covered_ = limit_ = 0;
+    if constexpr (kCoupled) {
+      if (is_coupled()) law_.clear(layout::coupled_degrees(m), m.depth_scale, m.sideways_scale);
+      known_.depth = 0;
+    }
+    if (!is_coupled()) separable_.clear(m, basis_x_, basis_y_);
+    per_scale_ = m.sideways_scale > 0 ? 1 / m.sideways_scale : 0;
+    std::uint32_t corner[3];
+    double weight[3];
+    const int corners = tool_corners<kFeatures>(view, tool, tool_point, corner, weight);
+    double weights[3];
+    patch_weights(view, body_point, weights);
+    const layout::Patch& patch = view.patches[view.triangles[body_point.triangle].patch];
+    for (int k = 0; k < 3; ++k) {
+      if (!(weights[k] > 0)) continue;
+      const Vec3 x = sideways_axis(patch.vertex[k]);
+      if (!is_coupled()) separable_.begin_body(x);
+      for (int l = 0; l < corners; ++l) {
+        each(layout::response_index(m, patch.vertex[k], corner[l]), corner[l], weights[k] * weight[l], x);
+      }
+    }
+    if constexpr (kCoupled) {
+      if (is_coupled()) law_.finish();
+    }
+  }
+
+  // Apart: what it adds would slow the blends of files without spins.
+  [[gnu::noinline]] void build_spun(const View& view, std::uint32_t tool, const BodyPoint& body_point,
+                                    const ToolPoint& tool_point, const Vec3& normal_there, const Spin& spin) {
+    blend(view, tool, body_point, tool_point, normal_there,
+          [&](std::uint64_t index, std::uint32_t vertex, double weight, const Vec3& x) {
+            for_each_spin(view, view.tools[tool], vertex, spin, x, normal_,
+                          [&](std::uint32_t sample, double share, const Vec3& along) {
+                            if (!is_coupled()) separable_.begin_body(along);
+                            add(index + sample, weight * share, along);
+                          });
+          });
+  }
+
   /// The file's responses are of the coupled model.
   [[nodiscard]] bool is_coupled() const { return kCoupled && view_->coupled_laws != nullptr; }
 
@@ -209,15 +227,6 @@ private:
         kFeatures & (layout::feature_lateral | layout::feature_friction | layout::feature_spin);
     if ((view_->features & kSideways) == 0) return basis_x_;
     return carried_tangent(view_->sites[site], normal_, basis_x_);
-  }
-
-  /// The responses of one tool vertex, of which the first spin's has this index.
-  [[gnu::noinline]] void add_spins(std::uint64_t index, const layout::ToolRecord& tool, std::uint32_t vertex,
-                                   double weight, const Vec3& x, const Spin& spin) {
-    for_each_spin(*view_, tool, vertex, spin, x, normal_, [&](std::uint32_t sample, double share, const Vec3& along) {
-      if (!is_coupled()) separable_.begin_body(along);
-      add(index + sample, weight * share, along);
-    });
   }
 
   void add(std::uint64_t index, double weight, const Vec3& x) {

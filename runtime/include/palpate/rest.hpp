@@ -30,7 +30,9 @@ public:
       for (std::uint32_t i = 0; view.spins != nullptr && i < record.vertex_count; ++i) {
         spins_ = spins_ || view.spins[record.first_vertex + i] > 1;
       }
+      lies_ = spins_;
     }
+    lies_ = lies_ || profile_;
   }
 
   /// Where a tool's point of a search meets the body, without sideways deflection and with a depth of at most `most`
@@ -55,10 +57,7 @@ public:
   /// m, of a contact.
   [[nodiscard]] double size() const { return probe_ + view_->meta->depth_scale; }
   /// What answers depends on how the tool lies.
-  [[nodiscard]] bool lies() const {
-    if constexpr (kSpin) return profile_ || spins_;
-    return profile_;
-  }
+  [[nodiscard]] bool lies() const { return lies_; }
 
   /// Where the pose takes p.
   [[nodiscard]] Vec3 point(const Pose& pose) const { return pose.apply(anchor_); }
@@ -228,7 +227,7 @@ private:
   const View* view_;
   std::uint32_t tool_;
   double probe_;  ///< m
-  bool profile_ = false;
+  bool profile_ = false, lies_ = false;
   detail::If<kSpin, bool> spins_ = {};
   detail::If<kSpin, Vec3[2]> lay_ = {};  ///< where the tool's axes were when its responses were blended
 

@@ -19,7 +19,8 @@ template <std::uint32_t kFeatures>
 class SeparableLaw {
   static constexpr bool kLateral = (kFeatures & layout::feature_lateral) != 0;
   static constexpr bool kFriction = (kFeatures & layout::feature_friction) != 0;
-  static constexpr int kMost = (kFeatures & layout::feature_spin) != 0 ? kSpunTriples : kTriples;
+  static constexpr bool kSpin = (kFeatures & layout::feature_spin) != 0;
+  static constexpr int kFurther = 2 * kTriples;  // up to three spins of every tool vertex
   using Triple = runtime::Triple<(kFeatures & layout::feature_rim) != 0 ? 2 : 1>;
   using Lanes = double[Triple::kLanes];
 
@@ -32,7 +33,7 @@ public:
     per_depth_ = 1 / static_cast<double>(meta.depth_scale);
     per_sideways_ = meta.sideways_scale > 0 ? 1 / static_cast<double>(meta.sideways_scale) : 0;
     for (std::uint32_t k = 0; k < meta.normal_coefs; ++k) push_[k] = 0;
-    responses_ = triples_ = 0;
+    responses_ = triples_ = further_ = 0;
     low_ = 1;
     high_ = 0;
     pushed_interval_ = -1;
@@ -122,10 +123,13 @@ public:
         terms.depth = z0;
         remember(terms);
       }
-      for (int j = 0; j < triples_; ++j) {
-        for (int k = 0; k < Triple::kLanes; ++k) {
-          const double ratio = known_.growth[j][k] / at_z1.growth[j][k];  // NaN where there is none
-          least[k] = ratio < least[k] ? ratio : least[k];
+      for (int j = 0; j < triples_; ++j) take_least(known_.growth[j], at_z1.growth[j], least);
+      if constexpr (kSpin) {
+        for (int j = 0; j < further_; ++j) {
+          Lanes before, now;
+          further_growths(j, z0, before);
+          further_growths(j, at_z1.depth, now);
+          take_least(before, now, least);
         }
       }
     }
@@ -154,6 +158,30 @@ public:
   }
 
 private:
+  static void take_least(const Lanes& before, const Lanes& now, Lanes& least) {
+    for (int k = 0; k < Triple::kLanes; ++k) {
+      const double ratio = before[k] / now[k];  // NaN where there is none
+      least[k] = ratio < least[k] ? ratio : least[k];
+    }
+  }
+
+  /// Weighted growths of a further triple at depth z > 0 (m).
+  [[gnu::noinline]] void further_growths(int j, double z, Lanes& growth) const {
+    const double share = z * per_depth_;
+    if (!(share < 1)) return further_triple_[j].growths_beyond(0.5 * (share - 1), growth);
+    const double s = std::sqrt(share);
+    if (!(s > low_ && s < high_)) take_depth(s);
+    further_triple_[j].growths(s * growth_intervals_, growth);
+  }
+
+  [[gnu::noinline]] void add_further(double z, Part part, double x, double y, double (&force)[2]) const {
+    for (int j = 0; j < further_; ++j) {
+      Lanes growth;
+      further_growths(j, z, growth);
+      further_triple_[j].template add_force<true>(growth, static_cast<int>(part), x, y, force);
+    }
+  }
+
   void add_lateral(const float* x, double cosine, double sine) {
     const std::uint32_t count = meta_->lateral_coefs;
     const float* y = x + count;
@@ -166,8 +194,16 @@ private:
   void add_friction(const float* coefs, double weight) {
     const layout::Meta& m = *meta_;
     const int slot = responses_++ % Triple::kResponses;
-    if (slot == 0) triple_[triples_++].clear(m, coefs);
-    triple_[triples_ - 1].set(slot, coefs, weight, cosine_, sine_);
+    if constexpr (kSpin) {
+      if (responses_ > kTriples * Triple::kResponses) {
+        if (slot == 0) further_triple_[further_++].clear(m, coefs);
+        further_triple_[further_ - 1].set(slot, coefs, weight, cosine_, sine_);
+      }
+    }
+    if (!kSpin || further_ == 0) {
+      if (slot == 0) triple_[triples_++].clear(m, coefs);
+      triple_[triples_ - 1].set(slot, coefs, weight, cosine_, sine_);
+    }
     const float* mu = coefs + 2 * m.growth_coefs + 2 * m.sideways_coefs;
     for (std::uint32_t k = 0; k < m.friction_coefs; ++k) mu_[k] += weight * mu[k];
   }
@@ -182,12 +218,15 @@ private:
         return take_sideways(terms, deflection, part);
       }
     }
+    if constexpr (kSpin) {
+      if (further_ > 0) add_further(terms.depth, part, x, y, force);
+    }
     return force[0] * basis_x_ + force[1] * basis_y_;
   }
 
   struct Known {
     double depth = 0;  ///< m; none where it is 0
-    Lanes growth[kMost];
+    Lanes growth[kTriples];
   };
 
   // What follows is rarely called, and long: inlined it would slow every tick.
@@ -206,6 +245,9 @@ private:
       take(kMu, mu_, meta_->friction_coefs, s);
       for (int j = 0; j < triples_; ++j) {
         narrow(triple_[j].take_growths(s * growth_intervals_), static_cast<int>(meta_->growth_coefs));
+      }
+      if constexpr (kSpin) {  // on the same intervals
+        for (int j = 0; j < further_; ++j) further_triple_[j].take_growths(s * growth_intervals_);
       }
     }
   }
@@ -253,7 +295,7 @@ private:
   double per_depth_ = 0, per_sideways_ = 0;  ///< 1 / Z, 1 / X (1/m)
   double cosine_ = 1, sine_ = 0;             ///< of the angle of the present body vertex' frame against the basis
   int responses_ = 0, triples_ = 0;
-  detail::If<kFriction, Triple[kMost]> triple_;
+  detail::If<kFriction, Triple[kTriples]> triple_;
   double push_[layout::kMaxCoefs] = {};
   detail::If<kLateral, double[2 * layout::kMaxCoefs]> lateral_ = {};  ///< along basis_x_, then along basis_y_
   detail::If<kFriction, double[layout::kMaxCoefs]> mu_ = {};
@@ -266,6 +308,9 @@ private:
   double depth_intervals_[kCurves] = {};
   detail::If<kFriction, double> growth_intervals_ = {};
   mutable detail::If<kFriction, Known> known_;
+  // Of further spins; behind what every tick reads. Their growths are made when asked for.
+  int further_ = 0;
+  detail::If<kFriction && kSpin, Triple[kFurther]> further_triple_;
 };
 
 }  // namespace palpate::runtime
