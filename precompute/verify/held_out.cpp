@@ -233,29 +233,34 @@ bool solved(const runtime::View& view, std::uint32_t site, std::uint32_t vertex,
 void draw_spins(const runtime::View& view, const Scene& scene, const Body& body, const std::vector<Tool>& tools,
                 const HeldOutOptions& options, std::mt19937_64& engine, std::vector<HeldOut>& contacts,
                 std::vector<double>& starts) {
-  std::vector<std::uint32_t> with_spins;
-  for (std::uint32_t k = 0; k < tools.size(); ++k) {
-    if (tools[k].scene.spins > 1) with_spins.push_back(k);
-  }
-  if (with_spins.empty() || view.spins == nullptr) return;
-  const auto below = [&](std::uint32_t count) {
-    return std::min(count - 1, static_cast<std::uint32_t>(uniform(engine) * count));
+  if (view.spins == nullptr) return;
+  struct Candidate {
+    std::uint32_t tool, vertex, site;
   };
+  std::vector<Candidate> candidates;
+  for (std::uint32_t tool = 0; tool < tools.size(); ++tool) {
+    for (std::uint32_t vertex = 0; vertex < tools[tool].vertices.size(); ++vertex) {
+      const int spins = tools[tool].vertices[vertex].spins;
+      for (std::uint32_t site = 0; spins > 1 && site < view.meta->site_count; ++site) {
+        if (solved(view, site, view.tools[tool].first_vertex + vertex, static_cast<std::uint32_t>(spins))) {
+          candidates.push_back({tool, vertex, site});
+        }
+      }
+    }
+  }
   const std::size_t most = 1000 + 100 * static_cast<std::size_t>(options.count);
   std::uint32_t found = 0;
-  for (std::size_t drawn = 0; found < options.count && drawn < most; ++drawn) {
+  for (std::size_t drawn = 0; !candidates.empty() && found < options.count && drawn < most; ++drawn) {
+    const auto index = static_cast<std::size_t>(uniform(engine) * static_cast<double>(candidates.size()));
+    const Candidate& pair = candidates[std::min(index, candidates.size() - 1)];
     HeldOut contact;
     contact.at_pair = true;
-    contact.tool = with_spins[found % with_spins.size()];
-    const Tool& tool = tools[contact.tool];
-    const std::uint32_t site = below(view.meta->site_count);
-    const std::uint32_t vertex = below(static_cast<std::uint32_t>(tool.vertices.size()));
+    contact.tool = pair.tool;
     contact.spin = 2 * std::numbers::pi * uniform(engine);
     const double start = 2 * std::numbers::pi * uniform(engine);
-    const int spins = tool.vertices[vertex].spins;
-    if (spins < 2 || !corner_of(tool, static_cast<std::int32_t>(vertex), contact) ||
-        !solved(view, site, view.tools[contact.tool].first_vertex + vertex, static_cast<std::uint32_t>(spins)) ||
-        !place(view, scene, body, tool, options, runtime::to_vec(view.sites[site].position), contact)) {
+    const Tool& tool = tools[pair.tool];
+    if (!corner_of(tool, static_cast<std::int32_t>(pair.vertex), contact) ||
+        !place(view, scene, body, tool, options, runtime::to_vec(view.sites[pair.site].position), contact)) {
       continue;
     }
     contacts.push_back(contact);
