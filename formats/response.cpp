@@ -120,10 +120,17 @@ void add_body(Sections& sections, const ResponseFileContent& c) {
   sections.add(Section::search, c.search);
 }
 
+bool has_spins(const ResponseFileContent& c) {
+  return std::any_of(c.tools.begin(), c.tools.end(), [](const ResponseTool& t) {
+    return std::any_of(t.vertices.begin(), t.vertices.end(), [](const auto& v) { return v.spins != 1; });
+  });
+}
+
 void add_tools(Sections& sections, const ResponseFileContent& c, layout::Meta& meta) {
   std::vector<layout::ToolRecord> tools;
   std::vector<layout::ToolVertexRecord> vertices;
   std::vector<layout::Patch> patches;
+  std::vector<std::uint32_t> spins;
   const bool patched = has_tool_patches(c);
   for (const ResponseTool& t : c.tools) {
     layout::ToolRecord record{};
@@ -149,6 +156,7 @@ void add_tools(Sections& sections, const ResponseFileContent& c, layout::Meta& m
         vertex.meridian = static_cast<float>(v.meridian);
         put(vertex.name, v.name);
         vertices.push_back(vertex);
+        spins.push_back(v.spins);
       }
     }
     tools.push_back(record);
@@ -158,6 +166,7 @@ void add_tools(Sections& sections, const ResponseFileContent& c, layout::Meta& m
   sections.add(Section::tools, tools);
   sections.add(Section::tool_vertices, vertices);
   sections.add(Section::tool_patches, patches);
+  if (has_spins(c)) sections.add(Section::spins, spins);
 }
 
 void add_coupled(Sections& sections, const ResponseFileContent& c) {
@@ -282,7 +291,8 @@ std::vector<std::byte> encode(const ResponseFileContent& c) {
       (c.growth_coefs > 0 || c.coupled ? layout::feature_friction : 0u) |
       (has_tool_patches(c) ? layout::feature_tool_patches : 0u) | (c.search.empty() ? 0u : layout::feature_search) |
       (c.coupled ? layout::feature_coupled : 0u) | (c.grasp_coefs > 0 ? layout::feature_grasp : 0u) |
-      (c.turns ? layout::feature_turn : 0u) | (c.rim_share > 0 ? layout::feature_rim : 0u);
+      (c.turns ? layout::feature_turn : 0u) | (c.rim_share > 0 ? layout::feature_rim : 0u) |
+      (has_spins(c) ? layout::feature_spin : 0u);
   std::vector<std::byte> bytes = sections.assemble(features);
   detail::check_bytes(bytes);
   return bytes;

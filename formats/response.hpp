@@ -45,6 +45,9 @@ struct ResponseToolVertex {
   Triple normal{0, 0, -1};
   Triple tangent{1, 0, 0};
   double meridian = 0.0;  ///< m; ascending along a profile
+  /// How many spins its point has, [1, 64]; the others follow it, with 0 here, the k-th with the tangent turned by
+  /// k / spins of a circle about the normal. Patches name the first.
+  std::uint32_t spins = 1;
 };
 
 struct ResponseTool {

@@ -105,12 +105,13 @@ void read_supports(Scene& scene, const toml::table& root, const Place& place) {
 
 /// Keys of a tool that its shape has no use for are errors: they would look as if they did something.
 void check_tool(const ToolScene& tool, const toml::table& table, const Place& place) {
-  static const std::array<std::vector<std::string>, 6> used{{{"radius"},
-                                                             {"radius", "edge_radius", "length"},
-                                                             {"radius", "length", "contacts"},
-                                                             {"surface", "meshes", "units", "spacing", "edge_radius"},
-                                                             {"radius", "half_angle", "length"},
-                                                             {"radius", "half_angle", "shaft_radius", "length"}}};
+  static const std::array<std::vector<std::string>, 6> used{
+      {{"radius"},
+       {"radius", "edge_radius", "length"},
+       {"radius", "length", "contacts", "spins"},
+       {"surface", "meshes", "units", "spacing", "edge_radius", "spins"},
+       {"radius", "half_angle", "length"},
+       {"radius", "half_angle", "shaft_radius", "length"}}};
   static const std::array<const char*, 6> names{"sphere", "punch", "capsule", "mesh", "cone", "needle"};
   const auto shape = static_cast<std::size_t>(tool.shape);
   for (const auto& [key, value] : table) {
@@ -127,6 +128,9 @@ void check_tool(const ToolScene& tool, const toml::table& table, const Place& pl
   if (tool.grasp_turn > 0 && tool.grasp_turn < 0.01) {  // torques of less are lost in the solver's tolerance
     fail(place.below("grasp_turn"), table.get("grasp_turn"),
          "got " + show(tool.grasp_turn) + "; allowed 0, or 0.01 to 0.5 rad");
+  }
+  if (tool.spins > 1 && tool.shape == ToolScene::Shape::capsule && !tool.whole) {
+    fail(place.below("spins"), table.get("spins"), "the tip alone (contacts = \"tip\") is round: it has one spin");
   }
   if (tool.shape == ToolScene::Shape::mesh && !table.contains("surface")) {
     fail(place.below("surface"), &table, "missing; a tool of shape \"mesh\" needs a closed surface");

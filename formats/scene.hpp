@@ -104,6 +104,7 @@ struct ToolScene {
   SurfaceSource surface;      ///< mesh: a closed surface, its frame is the tool frame
   bool whole = true;          ///< capsule: contacts = "all" (every patch of the tool) or "tip" (one tool vertex)
   double spacing = 0.0;       ///< m; mesh: edge length of the tool patches; 0 chooses a third of its size
+  int spins = 1;              ///< capsule as a whole, mesh: angles about the normal at which it is sampled, [1, 64]
   double grasp_depth = 0.0;   ///< m, at most sampling.depth; > 0: the contact that forms there can be bonded and pulled
   double grasp_turn = 0.0;    ///< rad, [0, 0.5], with grasp_depth; > 0: the bonded tool is turned by as much, too
 };

@@ -83,6 +83,12 @@ const Keys<ToolScene>& tool_keys() {
                                "which it touched (twist and rolling), for torques; 0: turns have none.");
   turn.show = [show = turn.show](const ToolScene& tool) { return tool.grasp_turn > 0 ? show(tool) : std::string(); };
   turn.example = "0.2";
+  Key<ToolScene> spins = integer(
+      "spins", &ToolScene::spins, {1, layout::kMaxSpins, false, ""},
+      "capsule with all its contacts, mesh: at how many angles about the normal of a contact each of its points "
+      "(but a tip, which is round) is sampled; 1: how it is turned does not count.");
+  spins.show = [show = spins.show](const ToolScene& tool) { return tool.spins > 1 ? show(tool) : std::string(); };
+  spins.example = "8";
   // The response file has a field of fixed length for it: too long a name must not be found after the bake.
   static const Keys<ToolScene> keys = join<ToolScene>(
       join<ToolScene>(
@@ -111,6 +117,7 @@ const Keys<ToolScene>& tool_keys() {
         [](const ToolScene& tool) { return show(std::string(tool.whole ? "all" : "tip")); }, ""},
        number("spacing", &ToolScene::spacing, kLengthOrAuto,
               "mesh: edge length of the tool's patches; 0: a third of its size."),
+       spins,
        grasp,
        turn});
   return keys;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // palpate inspect: what a response file holds, what was left out, and what each part costs in bytes.
+#include <algorithm>
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -28,6 +29,7 @@ constexpr FeatureName kFeatures[] = {
     {layout::feature_tool_patches, "tool_patches", "each tool touches by one vertex only"},
     {layout::feature_grasp, "grasp", "no tool holds on to the body: a pull lets go"},
     {layout::feature_turn, "turn", "turns of a tool that holds on have no torque"},
+    {layout::feature_spin, "spin", "how a tool is turned about the normal of its contact does not count"},
     {layout::feature_search, "search", "no search tree: the contact surface is searched triangle by triangle"}};
 
 /// The shape as a scene names it.
@@ -67,11 +69,32 @@ Shares count_shares(const runtime::View& v) {
   return s;
 }
 
+/// Points of a tool by which it touches, and most spins that one of them has.
+struct ToolPoints {
+  std::uint32_t points = 0, spins = 1;
+};
+
+ToolPoints count_points(const runtime::View& v, const layout::ToolRecord& tool) {
+  if (v.spins == nullptr) return {tool.vertex_count, 1};
+  ToolPoints counted;
+  for (std::uint32_t k = 0; k < tool.vertex_count; ++k) {
+    const std::uint32_t spins = v.spins[tool.first_vertex + k];
+    counted.points += spins > 0 ? 1 : 0;
+    counted.spins = std::max(counted.spins, spins);
+  }
+  return counted;
+}
+
 Json tools_json(const runtime::View& v) {
   Json tools = Json::array();
   for (std::uint32_t i = 0; i < v.meta->tool_count; ++i) {
     const layout::ToolRecord& t = v.tools[i];
     tools.push_back({{"name", t.name}, {"kind", shape_name(t)}, {"radius", t.radius}, {"vertices", t.vertex_count}});
+    const ToolPoints counted = count_points(v, t);
+    if (counted.spins > 1) {
+      tools.back()["vertices"] = counted.points;
+      tools.back()["spins"] = counted.spins;
+    }
   }
   return tools;
 }
@@ -165,8 +188,11 @@ std::string as_text(const runtime::View& v, const Json& json) {
   append(text, "depth scale %.4g mm, sideways scale %.4g mm\n", 1e3 * m.depth_scale, 1e3 * m.sideways_scale);
   for (std::uint32_t i = 0; i < m.tool_count; ++i) {
     const layout::ToolRecord& t = v.tools[i];
-    append(text, "tool '%s': %s, radius %.4g mm, %u contact vertices\n", t.name, shape_name(t),
-           1e3 * static_cast<double>(t.radius), t.vertex_count);
+    const ToolPoints counted = count_points(v, t);
+    append(text, "tool '%s': %s, radius %.4g mm, %u contact vertices", t.name, shape_name(t),
+           1e3 * static_cast<double>(t.radius), counted.points);
+    if (counted.spins > 1) append(text, ", up to %u spins each", counted.spins);
+    text += "\n";
   }
   return text + "provenance: " + json["provenance"].dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

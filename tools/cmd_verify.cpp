@@ -70,7 +70,7 @@ std::string table(const VerifyStatistics& s) {
          "% of the solved one)\n"
          "push       forces   median      p95    worst      <1%   <2%   <5%  <10%   worst at\n" +
          line("normal", s.normal) + line("sideways", s.sideways) + line("paths", s.paths) + line("grasped", s.grasped) +
-         line("turned", s.turned) + line("limit", s.limit);
+         line("turned", s.turned) + line("limit", s.limit) + line("spins", s.spins);
 }
 
 Json contacts_json(const VerifyStatistics& s) { return {{"solved", s.accepted}, {"refused", s.refused}}; }
@@ -104,6 +104,7 @@ void compare(const VerifyArguments& options, const Globals& globals) {
            {"error_paths", to_json(s.paths, contacts)},
            {"error_grasped", to_json(s.grasped, contacts)},
            {"error_turned", to_json(s.turned, contacts)},
+           {"error_spins", to_json(s.spins, contacts)},
            {"contacts", contacts_json(s)},
            {"held_out", to_json(contacts)}},
           table(s));
@@ -158,6 +159,10 @@ void solve(const VerifyArguments& options, const Globals& globals) {
   if (options.limits.p95_sideways && !(p.scene.friction > 0)) {
     throw Error(ExitCode::usage, "--max-p95-sideways: the scene has no friction, and nothing sideways to compare");
   }
+  const auto has_spins = [](const Tool& tool) { return tool.scene.spins > 1; };
+  if (options.limits.p95_spins && std::none_of(p.tools.begin(), p.tools.end(), has_spins)) {
+    throw Error(ExitCode::usage, "--max-p95-spins: no tool of the scene has spins");
+  }
   pipeline::find_pairs(p);
   check_baked(p);
   pipeline::write_manifest(p);
@@ -181,6 +186,7 @@ void solve(const VerifyArguments& options, const Globals& globals) {
            {"error_paths", to_json(s.paths, set.contacts)},
            {"error_grasped", to_json(s.grasped, set.contacts)},
            {"error_turned", to_json(s.turned, set.contacts)},
+           {"error_spins", to_json(s.spins, set.contacts)},
            {"tolerance", tolerance},
            {"within_tolerance", s.normal.count > 0 && s.normal.p95 <= tolerance},
            {"tick_ns", cost.tick},
@@ -331,6 +337,10 @@ void add_verify(CLI::App& app, Globals& globals) {
   command.option("--max-p95", options->limits.p95, "Largest 95th percentile of the relative normal force error")
       .check(error);
   command.option("--max-p95-sideways", options->limits.p95_sideways, "The same of the sideways pushes' error")
+      .check(error);
+  command
+      .option("--max-p95-spins", options->limits.p95_spins,
+              "The same of all pushes at sampled pairs, between the spins of a tool")
       .check(error);
   command
       .option("--max-refused-share", options->limits.refused_share,

@@ -35,15 +35,23 @@ std::vector<std::optional<BodyPoint>> site_points(const runtime::View& view) {
   return points;
 }
 
-/// A tool point that is the vertex alone; none where no patch has it.
-std::optional<ToolPoint> tool_point(const runtime::View& view, std::uint32_t tool, std::uint32_t vertex) {
+/// One vertex of a tool, at one spin.
+struct VertexPoint {
+  ToolPoint on_tool;
+  runtime::Spin spin;
+};
+
+/// The vertex alone; none where no patch has it.
+std::optional<VertexPoint> vertex_point(const runtime::View& view, std::uint32_t tool, std::uint32_t vertex) {
   const layout::ToolRecord& record = view.tools[tool];
-  if (record.vertex_count == 1) return ToolPoint{record.first_patch, {1, 0, 0}};
+  if (record.vertex_count == 1) return VertexPoint{{record.first_patch, {1, 0, 0}}, {}};
+  runtime::Spin spin;
+  for (; view.spins != nullptr && view.spins[record.first_vertex + vertex] == 0; --vertex) ++spin.sample;
   for (std::uint32_t p = record.first_patch; p < record.first_patch + record.patch_count; ++p) {
     for (int corner = 0; corner < 3; ++corner) {
       if (view.tool_patches[p].vertex[corner] != record.first_vertex + vertex) continue;
-      ToolPoint at{p, {0, 0, 0}};
-      at.weights[corner] = 1;
+      VertexPoint at{{p, {0, 0, 0}}, spin};
+      at.on_tool.weights[corner] = 1;
       return at;
     }
   }
@@ -106,8 +114,8 @@ CurveTable response_curves(const runtime::View& view, double depth, int points) 
     for (std::uint32_t tool = 0; tool < view.meta->tool_count; ++tool) {
       const layout::ToolRecord& record = view.tools[tool];
       for (std::uint32_t vertex = 0; vertex < record.vertex_count; ++vertex) {
-        const std::optional<ToolPoint> on_tool = tool_point(view, tool, vertex);
-        if (!sites[site] || !on_tool) {
+        const std::optional<VertexPoint> at = vertex_point(view, tool, vertex);
+        if (!sites[site] || !at) {
           ++table.left_out;
           continue;
         }
@@ -116,7 +124,7 @@ CurveTable response_curves(const runtime::View& view, double depth, int points) 
             view.response_head(layout::response_index(*view.meta, site, record.first_vertex + vertex));
         writer.begin(site, std::to_string(site) + "," + quoted(record.name) + "," + std::to_string(vertex) + "," +
                                layout::source_name(head.flags));
-        const Field field(view, tool, *sites[site], *on_tool);
+        const Field field(view, tool, *sites[site], at->on_tool, at->spin);
         const double limit = head.depth_limit, beside = std::min(depth, limit);
         for (int i = 0; i < points; ++i) writer.row(field, "push", limit * (i / last) * (i / last), 0, 0);
         for (int i = 0; sideways > 0 && i < points; ++i) {
@@ -132,8 +140,8 @@ CurveTable response_curves(const runtime::View& view, double depth, int points) 
 }
 
 SurfaceFields body_fields(const runtime::View& view, const BodyFieldOptions& options) {
-  const std::optional<ToolPoint> on_tool = tool_point(view, options.tool, options.tool_vertex);
-  if (!on_tool) throw Error(ExitCode::bad_input, "the tool's vertex is in no patch of it: it never touches alone");
+  const std::optional<VertexPoint> pressing = vertex_point(view, options.tool, options.tool_vertex);
+  if (!pressing) throw Error(ExitCode::bad_input, "the tool's vertex is in no patch of it: it never touches alone");
   constexpr double kStep = 1e-3;  // of the depth, of the central difference: its error is some 1e-7 of the slope
   constexpr auto kNew = std::numeric_limits<std::uint32_t>::max();
   const bool friction = view.has(layout::feature_friction);
@@ -148,7 +156,7 @@ SurfaceFields body_fields(const runtime::View& view, const BodyFieldOptions& opt
   const auto add = [&](std::uint32_t triangle, int corner) {
     BodyPoint at{triangle, {0, 0, 0}};
     at.bary[corner] = 1;
-    const Field field(view, options.tool, at, *on_tool);
+    const Field field(view, options.tool, at, pressing->on_tool, pressing->spin);
     const double z = options.depth, step = kStep * z;
     const auto terms = field.at_depth(z);
     const double rise = field.at_depth(z + step).normal_force - field.at_depth(z - step).normal_force;

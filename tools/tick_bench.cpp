@@ -30,19 +30,13 @@ struct Case {
   std::vector<Pose> poses;
 };
 
-// Uniform over the area of the sampled part of the contact surface.
+// Uniform over the area of the sampled part of the contact surface: patches of three sampled sites, or where there are
+// none of one.
 class RandomPoints {
 public:
   explicit RandomPoints(const runtime::View& view) : view_(view) {
-    double sum = 0;
-    for (std::uint32_t t = 0; t < view.meta->triangle_count; ++t) {
-      const layout::Patch& patch = view.patches[view.triangles[t].patch];
-      bool sampled = true;
-      for (const std::uint32_t site : patch.vertex)
-        sampled = sampled && (view.sites[site].flags & layout::site_outside) == 0;
-      if (sampled) sum += length(runtime::face_normal(view, t));
-      sums_.push_back(sum);
-    }
+    sum_areas(3);
+    if (empty()) sum_areas(1);
   }
   [[nodiscard]] bool empty() const { return !(sums_.back() > 0); }
   template <class Random>
@@ -59,6 +53,19 @@ public:
   }
 
 private:
+  void sum_areas(int least) {
+    sums_.clear();
+    double sum = 0;
+    for (std::uint32_t t = 0; t < view_.meta->triangle_count; ++t) {
+      int sampled = 0;
+      for (const std::uint32_t site : view_.patches[view_.triangles[t].patch].vertex) {
+        sampled += (view_.sites[site].flags & layout::site_outside) == 0 ? 1 : 0;
+      }
+      if (sampled >= least) sum += length(runtime::face_normal(view_, t));
+      sums_.push_back(sum);
+    }
+  }
+
   const runtime::View& view_;
   std::vector<double> sums_;
 };

@@ -26,7 +26,8 @@ ResponseTool response_tool(const Tool& tool) {
   if (!faceted) result.probe_radius = tool.scene.radius;
   if (capsule && tool.kind == ToolKind::profile) result.axis_length = tool.scene.length;
   for (const ToolVertex& v : tool.vertices) {
-    result.vertices.push_back({v.name, to_triple(v.point), to_triple(v.normal), to_triple(v.tangent), v.meridian});
+    result.vertices.push_back({v.name, to_triple(v.point), to_triple(v.normal), to_triple(v.tangent), v.meridian,
+                               static_cast<std::uint32_t>(v.spins)});
   }
   for (const auto& p : tool.patches) {
     result.patches.push_back(

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace palpate {
 namespace {
@@ -51,6 +52,27 @@ void add_capsule(Tool& tool) {
   }
   for (std::int32_t k = 0; k + 1 < static_cast<std::int32_t>(tool.vertices.size()); ++k) {
     tool.patches.push_back({k, k + 1, k + 1});
+  }
+}
+
+// Every point becomes as many vertices as it has spins; a profile's pole is round and has one.
+void add_spins(Tool& tool) {
+  const int spins = tool.scene.spins;
+  if (spins < 2) return;
+  std::vector<ToolVertex> all;
+  std::vector<std::int32_t> first;
+  for (const ToolVertex& v : tool.vertices) {
+    first.push_back(static_cast<std::int32_t>(all.size()));
+    const bool round = tool.kind == ToolKind::profile && v.meridian == 0;
+    for (int k = 0; k < (round ? 1 : spins); ++k) {
+      all.push_back(spun(v, 2 * kPi * k / spins));
+      all.back().spins = round ? 1 : k == 0 ? spins : 0;
+      if (k > 0) all.back().name.append(" ").append(std::to_string(k)).append("/").append(std::to_string(spins));
+    }
+  }
+  tool.vertices = std::move(all);
+  for (auto& patch : tool.patches) {
+    for (std::int32_t& corner : patch) corner = first[static_cast<std::size_t>(corner)];
   }
 }
 
@@ -111,7 +133,13 @@ Tool make_tool(const ToolScene& scene) {
       break;
   }
   if (tool.patches.empty()) tool.patches.push_back({0, 0, 0});
+  add_spins(tool);
   return tool;
+}
+
+ToolVertex spun(ToolVertex vertex, double angle) {
+  vertex.tangent = Eigen::AngleAxisd(angle, vertex.normal) * vertex.tangent;
+  return vertex;
 }
 
 namespace {

@@ -44,6 +44,9 @@ struct ToolVertex {
   double flat_radius = 0.0;          ///< m, radius of a flat face; 0 where the tool is curved
   double cone_slope = 0.0;           ///< tangent of the half angle of a cone behind the tip; 0: none
   double meridian = 0.0;             ///< m, arc length from the tip's pole (profile tools)
+  /// At how many angles about its normal the point is sampled: as many vertices that follow each other, all but the
+  /// first with 0 here, the k-th with the tangent turned by k / spins of a circle.
+  int spins = 1;
   /// Half the tool's least width at a height over the plane that touches it here (m).
   struct Width {
     double half = 0.0, height = 0.0;
@@ -70,7 +73,8 @@ struct Tool {
   ToolScene scene;
   std::shared_ptr<const ToolShape> shape;
   std::vector<ToolVertex> vertices;
-  /// Patches: one vertex (sphere: {v, v, v}), a segment of a meridian (profile: {a, b, b}) or a triangle.
+  /// Patches (of first spins): one vertex (sphere: {v, v, v}), a segment of a meridian (profile: {a, b, b}) or a
+  /// triangle.
   std::vector<std::array<std::int32_t, 3>> patches;
   std::vector<ToolEdgePoint> edges;
 };
@@ -83,7 +87,11 @@ double contact_radius(const ToolVertex& vertex, double depth);
 /// read.
 Tool make_tool(const ToolScene& scene);
 
-/// A point inside a tool patch, interpolated (weights sum to 1), on the tool's surface.
+/// The vertex with its tangent turned about its normal (rad): the contact frame's x comes to lie there, so that
+/// touching_pose turns the tool by as much about the frame's n, by the right hand.
+ToolVertex spun(ToolVertex vertex, double angle);
+
+/// A point inside a tool patch, interpolated (weights sum to 1), on the tool's surface; at its first spin.
 ToolVertex interpolate(const Tool& tool, std::int32_t patch, const Eigen::Vector3d& weights);
 
 /// Pose (tool frame to body frame) at which `vertex` touches frame.origin with opposite normals and the

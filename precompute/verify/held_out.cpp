@@ -22,6 +22,12 @@ using Eigen::Vector3d;
 Vector3d to_eigen(const runtime::Vec3& v) { return {v.x, v.y, v.z}; }
 runtime::Vec3 to_runtime(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
+runtime::Pose pose_of(const Eigen::Matrix3d& rotation) {
+  runtime::Pose pose;
+  for (int k = 0; k < 9; ++k) pose.rotation[k] = rotation(k / 3, k % 3);
+  return pose;
+}
+
 // Uniform in [0, 1): the standard distributions differ between libraries, this does not.
 double uniform(std::mt19937_64& engine) { return static_cast<double>(engine() >> 11) * 0x1.0p-53; }
 
@@ -124,11 +130,20 @@ PairPath held_out_path(const Scene& scene, const ToolScene& tool, double depth, 
   return path;
 }
 
+// The tool's vertex that presses, turned about its normal.
+ToolVertex pressing(const Tool& tool, const HeldOut& contact) {
+  return spun(interpolate(tool, static_cast<std::int32_t>(contact.tool_patch), contact.tool_weights), contact.spin);
+}
+
 void solve(const Scene& scene, const Body& body, const Tool& tool, HeldOut& contact, double start) {
-  const ToolVertex vertex = interpolate(tool, static_cast<std::int32_t>(contact.tool_patch), contact.tool_weights);
+  const ToolVertex vertex = pressing(tool, contact);
   const ContactFrame& frame = contact.frame;
-  const PairResult result = solve_pair(body, tool, vertex, frame,
-                                       held_out_path(scene, tool.scene, contact.depth, start), pair_options(scene));
+  PairPath path = held_out_path(scene, tool.scene, contact.depth, start);
+  if (contact.at_pair) {  // these are of pushes alone
+    path.slip_points = 0;
+    path.side_paths.clear();
+  }
+  const PairResult result = solve_pair(body, tool, vertex, frame, path, pair_options(scene));
   contact.accepted = result.outcome.accepted;
   contact.cause = result.outcome.cause;
   if (!contact.accepted) return;
@@ -180,6 +195,80 @@ private:
   runtime::Vec3 tool_, held_;
 };
 
+// Puts a contact on the surface nearest to a point; false where nothing can touch there.
+bool place(const runtime::View& view, const Scene& scene, const Body& body, const Tool& tool,
+           const HeldOutOptions& options, const runtime::Vec3& point, HeldOut& contact) {
+  const runtime::Location at = runtime::locate(view, point);
+  contact.frame = frame_at(view, at.at, body.query->closest(to_eigen(at.point)).point);
+  contact.thickness = body.query->thickness(contact.frame.origin, contact.frame.n);
+  contact.depth = std::min(scene.sampling.depth, scene.sampling.depth_fraction * contact.thickness);
+  const ToolVertex vertex = pressing(tool, contact);
+  if (tool.scene.spins > 1) contact.orientation = touching_pose(vertex, contact.frame).linear();
+  return !options.touchable || options.touchable(contact.frame, tool, vertex, contact.depth);
+}
+
+// The corner of a tool patch that is this vertex alone; false where no patch has it.
+bool corner_of(const Tool& tool, std::int32_t vertex, HeldOut& contact) {
+  for (std::size_t p = 0; p < tool.patches.size(); ++p) {
+    const auto& corners = tool.patches[p];
+    const auto at = std::find(corners.begin(), corners.end(), vertex) - corners.begin();
+    if (at == 3) continue;
+    contact.tool_patch = static_cast<std::uint32_t>(p);
+    contact.tool_weights = Vector3d::Unit(at);
+    return true;
+  }
+  return false;
+}
+
+// All spins of a tool's vertex were solved at the site.
+bool solved(const runtime::View& view, std::uint32_t site, std::uint32_t vertex, std::uint32_t spins) {
+  for (std::uint32_t k = 0; k < spins; ++k) {
+    const auto& head = view.response_head(layout::response_index(*view.meta, site, vertex + k));
+    if (head.flags != layout::response_solved) return false;
+  }
+  return true;
+}
+
+// As many contacts as were asked for at pairs that were sampled, of tools with spins, between their spins.
+void draw_spins(const runtime::View& view, const Scene& scene, const Body& body, const std::vector<Tool>& tools,
+                const HeldOutOptions& options, std::mt19937_64& engine, std::vector<HeldOut>& contacts,
+                std::vector<double>& starts) {
+  if (view.spins == nullptr) return;
+  struct Candidate {
+    std::uint32_t tool, vertex, site;
+  };
+  std::vector<Candidate> candidates;
+  for (std::uint32_t tool = 0; tool < tools.size(); ++tool) {
+    for (std::uint32_t vertex = 0; vertex < tools[tool].vertices.size(); ++vertex) {
+      const int spins = tools[tool].vertices[vertex].spins;
+      for (std::uint32_t site = 0; spins > 1 && site < view.meta->site_count; ++site) {
+        if (solved(view, site, view.tools[tool].first_vertex + vertex, static_cast<std::uint32_t>(spins))) {
+          candidates.push_back({tool, vertex, site});
+        }
+      }
+    }
+  }
+  const std::size_t most = 1000 + 100 * static_cast<std::size_t>(options.count);
+  std::uint32_t found = 0;
+  for (std::size_t drawn = 0; !candidates.empty() && found < options.count && drawn < most; ++drawn) {
+    const auto index = static_cast<std::size_t>(uniform(engine) * static_cast<double>(candidates.size()));
+    const Candidate& pair = candidates[std::min(index, candidates.size() - 1)];
+    HeldOut contact;
+    contact.at_pair = true;
+    contact.tool = pair.tool;
+    contact.spin = 2 * std::numbers::pi * uniform(engine);
+    const double start = 2 * std::numbers::pi * uniform(engine);
+    const Tool& tool = tools[pair.tool];
+    if (!corner_of(tool, static_cast<std::int32_t>(pair.vertex), contact) ||
+        !place(view, scene, body, tool, options, runtime::to_vec(view.sites[pair.site].position), contact)) {
+      continue;
+    }
+    contacts.push_back(contact);
+    starts.push_back(start);
+    ++found;
+  }
+}
+
 }  // namespace
 
 HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const Body& body,
@@ -207,20 +296,17 @@ HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const B
     if (tool.kind == ToolKind::profile) contact.tool_weights = {1 - along, along, 0};
     if (tool.kind == ToolKind::mesh) contact.tool_weights = random_weights(engine);
     const double start = 2 * std::numbers::pi * uniform(engine);
-    const runtime::Location at = runtime::locate(view, to_runtime(point));
-    contact.frame = frame_at(view, at.at, body.query->closest(to_eigen(at.point)).point);
-    contact.thickness = body.query->thickness(contact.frame.origin, contact.frame.n);
-    contact.depth = std::min(scene.sampling.depth, scene.sampling.depth_fraction * contact.thickness);
+    if (tool.scene.spins > 1) contact.spin = 2 * std::numbers::pi * uniform(engine);
     const auto& box = scene.sampling.within_box;
-    const bool outside = box && ((point - box->first).minCoeff() < 0 || (box->second - point).minCoeff() < 0);
-    const ToolVertex vertex = interpolate(tool, static_cast<std::int32_t>(contact.tool_patch), contact.tool_weights);
-    if (outside || (options.touchable && !options.touchable(contact.frame, tool, vertex, contact.depth))) continue;
+    if (box && ((point - box->first).minCoeff() < 0 || (box->second - point).minCoeff() < 0)) continue;
+    if (!place(view, scene, body, tool, options, to_runtime(point), contact)) continue;
     set.contacts.push_back(contact);
     starts.push_back(start);
   }
   if (set.contacts.empty())
     throw Error(ExitCode::bad_input, "no part of the body can be touched: the supports cover it");
   set.untouchable_share = 1 - static_cast<double>(set.contacts.size()) / static_cast<double>(drawn);
+  draw_spins(view, scene, body, tools, options, engine, set.contacts, starts);
 
   std::size_t done = 0;
   bool telling = false;
@@ -254,9 +340,11 @@ void compare_with_file(const runtime::View& view, std::vector<HeldOut>& contacts
       for (int k = 0; k < 3; ++k) tool_point.weights[k] = contact.tool_weights[k];
     }
     const runtime::Location at = runtime::locate(view, to_runtime(contact.frame.origin));
-    const runtime::Field field(view, contact.tool, at.at, tool_point);
+    const runtime::Pose pose = contact.orientation ? pose_of(*contact.orientation) : runtime::Pose{};
+    const runtime::Spin spin{contact.orientation ? &pose : nullptr, 0};
+    const runtime::Field field(view, contact.tool, at.at, tool_point, spin);
     contact.covered = field.covered();
-    const runtime::TurnField grasp(view, contact.tool, at.at, tool_point);
+    const runtime::TurnField grasp(view, contact.tool, at.at, tool_point, spin);
     double peak = 0, peak_torque = 0;
     for (const ForcePair& f : contact.forces) {
       peak = std::max(peak, f.solved.norm());

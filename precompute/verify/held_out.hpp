@@ -50,7 +50,11 @@ struct HeldOut {
   std::uint32_t tool = 0;        ///< index of the tool in the file
   std::uint32_t tool_patch = 0;  ///< of that tool
   Eigen::Vector3d tool_weights{1, 0, 0};
-  ContactFrame frame;      ///< at c on the body's surface; n is the runtime's n(c)
+  ContactFrame frame;  ///< at c on the body's surface; n is the runtime's n(c)
+  double spin = 0.0;   ///< rad, of the tool about n from its first sampled one; [0, 2 pi)
+  /// Of a tool with spins: how it is turned (tool frame to body frame).
+  std::optional<Eigen::Matrix3d> orientation;
+  bool at_pair = false;    ///< c and p are a pair that was sampled: between samples in the spin alone
   double depth = 0.0;      ///< m, deepest push
   double thickness = 0.0;  ///< m, of the body below c
   double covered = 0.0;    ///< share of the blend that was taken from neighbours
@@ -76,12 +80,12 @@ struct HeldOutSet {
   bool stopped = false;
 };
 
-/// Draws the contacts (uniform over the body's area; uniform over the length or area of the tool's patches)
-/// and solves them at depths off the bake's grid, and sideways off its rays where there is friction; for the coupled
-/// model at three depths, and along test_paths; pulled and drawn aside where the tool holds on, and turned about other
-/// axes by less where it turns; until the contact slips
-/// as a whole where the scene wants its friction limit solved. An exception, also of a callback, ends every thread
-/// after the solve it is in and is rethrown.
+/// Draws the contacts (uniform over the body's area; uniform over the length or area of the tool's patches; uniform
+/// over the spins of tools that have any, with as many contacts more at sampled pairs, between their spins alone) and
+/// solves them at depths off the bake's grid, and sideways off its rays where there is friction; for the coupled model
+/// at three depths, and along test_paths; pulled and drawn aside where the tool holds on, and turned about other axes
+/// by less where it turns; until the contact slips as a whole where the scene wants its friction limit solved. An
+/// exception, also of a callback, ends every thread after the solve it is in and is rethrown.
 HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const Body& body,
                           const std::vector<Tool>& tools, const HeldOutOptions& options);
 

@@ -44,6 +44,15 @@ HeldOut contact_from(const Json& j) {
   c.frame.n = vector(j, "n");
   c.frame.x = vector(j, "x");
   c.frame.y = c.frame.n.cross(c.frame.x);
+  if (j.contains("tool_x")) {
+    const Vector3d x = vector(j, "tool_x"), z = vector(j, "tool_z");
+    c.orientation.emplace() << x, z.cross(x), z;
+    if (!(*c.orientation * c.orientation->transpose()).isIdentity(1e-6)) {
+      throw std::runtime_error("tool_x and tool_z are not two unit vectors at a right angle");
+    }
+  }
+  c.spin = j.value("spin_rad", 0.0);
+  c.at_pair = j.value("at_pair", false);
   c.depth = j.at("depth_m").get<double>();
   c.thickness = j.value("thickness_m", 0.0);
   c.accepted = j.at("accepted").get<bool>();
@@ -111,6 +120,12 @@ nlohmann::ordered_json to_json(const std::vector<HeldOut>& contacts) {
                    {"accepted", c.accepted},
                    {"cause", c.cause},
                    {"forces", forces}});
+    if (c.orientation) {
+      all.back()["spin_rad"] = c.spin;
+      all.back()["tool_x"] = list(c.orientation->col(0));
+      all.back()["tool_z"] = list(c.orientation->col(2));
+      all.back()["at_pair"] = c.at_pair;
+    }
     Json limits = Json::array();
     for (const LimitPair& l : c.limits) {
       limits.push_back({{"depth_m", l.depth}, {"solved", l.solved}, {"baked", l.baked}, {"error", l.error}});

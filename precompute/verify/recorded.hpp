@@ -12,8 +12,8 @@ namespace palpate {
 
 /// [{tool, tool_patch, tool_weights, c, n, x, depth_m, thickness_m, covered, accepted, cause,
 ///   forces: [{kind, deflection_m, solved_N, baked_N, error, from_m of a path's first}],
-///   limits: [{depth_m, solved, baked, error}]}]
-/// with limits only where there are any.
+///   limits: [{depth_m, solved, baked, error}], spin_rad, tool_x, tool_z, at_pair}]
+/// with limits only where there are any, and what follows them only of tools with spins.
 nlohmann::ordered_json to_json(const std::vector<HeldOut>& contacts);
 
 /// {count, median, p95, worst: {error, contact, depth_m, c}, within: {"1%", "2%", "5%", "10%"}}

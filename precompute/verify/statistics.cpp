@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 namespace palpate {
 namespace {
@@ -43,11 +44,14 @@ ErrorStatistics over(const std::vector<Figure>& figures) {
   return s;
 }
 
-ErrorStatistics of_kind(const std::vector<HeldOut>& contacts, SampleKind kind) {
+ErrorStatistics of_kind(const std::vector<HeldOut>& contacts, std::initializer_list<SampleKind> kinds,
+                        bool at_pairs = false) {
   std::vector<Figure> figures;
   for (std::size_t c = 0; c < contacts.size(); ++c) {
+    if (contacts[c].at_pair != at_pairs) continue;
     for (const ForcePair& f : contacts[c].forces) {
-      if (f.kind == kind) figures.push_back({c, f.error, -f.deflection.dot(contacts[c].frame.n)});
+      if (std::find(kinds.begin(), kinds.end(), f.kind) != kinds.end())
+        figures.push_back({c, f.error, -f.deflection.dot(contacts[c].frame.n)});
     }
   }
   return over(figures);
@@ -66,6 +70,7 @@ ErrorStatistics of_turns(const std::vector<HeldOut>& contacts) {
 ErrorStatistics of_limits(const std::vector<HeldOut>& contacts) {
   std::vector<Figure> figures;
   for (std::size_t c = 0; c < contacts.size(); ++c) {
+    if (contacts[c].at_pair) continue;
     for (const LimitPair& l : contacts[c].limits) figures.push_back({c, l.error, l.depth});
   }
   return over(figures);
@@ -89,11 +94,12 @@ VerifyStatistics summarise(const std::vector<HeldOut>& contacts) {
   s.accepted = static_cast<std::size_t>(
       std::count_if(contacts.begin(), contacts.end(), [](const HeldOut& c) { return c.accepted; }));
   s.refused = s.contacts - s.accepted;
-  s.normal = of_kind(contacts, SampleKind::normal);
-  s.sideways = of_kind(contacts, SampleKind::tangential);
+  s.normal = of_kind(contacts, {SampleKind::normal});
+  s.sideways = of_kind(contacts, {SampleKind::tangential});
   s.limit = of_limits(contacts);
-  s.paths = of_kind(contacts, SampleKind::path);
-  s.grasped = of_kind(contacts, SampleKind::grasped);
+  s.paths = of_kind(contacts, {SampleKind::path});
+  s.grasped = of_kind(contacts, {SampleKind::grasped});
+  s.spins = of_kind(contacts, {SampleKind::normal, SampleKind::tangential}, true);
   s.turned = of_turns(contacts);
   return s;
 }

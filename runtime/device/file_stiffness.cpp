@@ -113,7 +113,9 @@ FileStiffness file_stiffness(const View& view) {
     const auto vertices = tool_points(view, tool);
     for (const auto& [site, at] : sites) {
       for (const auto& [vertex, on_tool] : vertices) {
-        search(Field(view, tool, at, on_tool), view, best, tool, site, vertex);
+        for (std::uint32_t spin = 0; spin < (view.spins != nullptr ? view.spins[vertex] : 1); ++spin) {
+          search(Field(view, tool, at, on_tool, {nullptr, spin}), view, best, tool, site, vertex + spin);
+        }
       }
     }
   }

@@ -13,13 +13,15 @@ namespace palpate::test {
 ///
 ///     force    triangle b0 b1 b2 tool patch w0 w1 w2 dx dy dz = fx fy fz limit
 ///     deepen   triangle b0 b1 b2 tool patch w0 w1 w2 z0 z1 ex ey ez = ex ey ez
+///     spun     triangle b0 b1 b2 tool patch w0 w1 w2 dx dy dz r00 r01 r02 r10 .. r22 = fx fy fz limit
 ///     distance px py pz = d
 ///     grasp    triangle b0 b1 b2 tool patch w0 w1 w2 dx dy dz = fx fy fz
 ///     turn     triangle b0 b1 b2 tool patch w0 w1 w2 dx dy dz rx ry rz = fx fy fz tx ty tz
 ///
 /// force: the contact (triangle and barycentric weights on the body; tool, tool patch and weights on the tool), the
 /// deflection p - c (m), the force on the tool (N) while it sticks and the largest tangential force (N, inf in a
-/// frictionless file). deepen: the effective sideways deflection (m) before and after the tool goes from depth z0 to z1
+/// frictionless file); of a tool with spins as at its first. spun: the same of a tool turned by a rotation (tool frame
+/// to body frame). deepen: the effective sideways deflection (m) before and after the tool goes from depth z0 to z1
 /// (m). distance: a point (m) and its distance from the contact surface (m), negative inside. grasp: the force on the
 /// tool that holds on. turn: the same of one turned by a rotation vector (rad), and its torque about p (N m).
 struct GoldenLine {
@@ -44,12 +46,14 @@ inline std::vector<double> answer(const runtime::View& view, const std::string& 
     const runtime::GraspAnswer a = runtime::TurnField(view, tool, at, on_tool).answer(vec(9), vec(12));
     return {a.force.force.x, a.force.force.y, a.force.force.z, a.torque.x, a.torque.y, a.torque.z};
   }
-  const runtime::Field field(view, tool, at, on_tool);
+  runtime::Pose pose;
+  for (std::size_t k = 0; word == "spun" && k < 9; ++k) pose.rotation[k] = asked.at(12 + k);
+  const runtime::Field field(view, tool, at, on_tool, {word == "spun" ? &pose : nullptr, 0});
   if (word == "deepen") {
     const Vec3 e = field.deepened(asked.at(9), asked.at(10), vec(11));
     return {e.x, e.y, e.z};
   }
-  if (word != "force") throw std::runtime_error("unknown golden line: " + word);
+  if (word != "force" && word != "spun") throw std::runtime_error("unknown golden line: " + word);
   const runtime::FieldForce f = field.force(vec(9));
   return {f.force.x, f.force.y, f.force.z, f.limit};
 }

@@ -95,6 +95,7 @@ ResponseTool tool(const View& v, const layout::ToolRecord& from) {
   for (std::uint32_t k = 0; k < from.vertex_count; ++k) {
     const layout::ToolVertexRecord& r = v.tool_vertices[from.first_vertex + k];
     t.vertices.push_back({r.name, triple(r.point), triple(r.normal), triple(r.tangent), r.meridian});
+    if (v.spins != nullptr) t.vertices.back().spins = v.spins[from.first_vertex + k];
   }
   for (std::uint32_t k = 0; k < from.patch_count; ++k) {
     const auto& p = v.tool_patches[from.first_patch + k].vertex;

@@ -15,7 +15,7 @@ import struct
 import sys
 
 M64 = (1 << 64) - 1
-LATERAL, FRICTION, TOOL_PATCHES, SEARCH, COUPLED, GRASP, TURN, RIM = (1 << bit for bit in range(8))
+LATERAL, FRICTION, TOOL_PATCHES, SEARCH, COUPLED, GRASP, TURN, RIM, SPIN = (1 << bit for bit in range(9))
 
 
 class Bad(Exception):
@@ -101,14 +101,14 @@ class File:
         need(version == 1, "version")
         need(size == len(data) and size % 64 == 0, "size")
         need(xxh64(data[:24] + bytes(8) + data[32:]) == checksum, "checksum")
-        need(count <= 32 and not any(data[36:64]) and self.features < 256, "header")
+        need(count <= 32 and not any(data[36:64]) and self.features < 512, "header")
         self.sections = {}
         covered = bytearray(len(data))
         covered[:64 + 32 * count] = b"\1" * (64 + 32 * count)
         last, end = 0, 64 + 32 * count
         for i in range(count):
             number, element, offset, size, elements = struct.unpack_from("<2I3Q", data, 64 + 32 * i)
-            need(number > last and number < 17, "section ids")
+            need(number > last and number < 18, "section ids")
             need(offset % 64 == 0 and offset >= end and offset + size <= len(data), "section place")
             need(1 <= elements < 1 << 31 and size == elements * element, "section size")
             self.sections[number] = (element, elements, data[offset:offset + size])
@@ -118,6 +118,7 @@ class File:
         self.read_meta()
         self.read_body()
         self.read_tools()
+        self.read_spins()
         self.read_responses()
         self.read_grasps()
         self.read_turns()
@@ -168,7 +169,8 @@ class File:
         need(self.features == (LATERAL * bool(lateral or self.degrees[2]) | FRICTION * bool(friction or self.model == 2)
                                | TOOL_PATCHES * bool(self.tool_patch_count) | SEARCH * bool(self.search_nodes)
                                | COUPLED * (self.model == 2) | GRASP * (15 in self.sections)
-                               | TURN * (16 in self.sections) | RIM * (self.rim_share > 0)), "features")
+                               | TURN * (16 in self.sections) | RIM * (self.rim_share > 0)
+                               | SPIN * (17 in self.sections)), "features")
 
     def is_limit(self, depth):
         return 0 < depth <= self.Z * (1 + 1e-5)
@@ -242,6 +244,29 @@ class File:
                     low, high = (self.tool_vertices[v]["meridian"] for v in p[:2])
                     need(last <= low <= high, "TOOL_PATCHES: segments")
                     last = high
+
+    def read_spins(self):
+        self.spins = [1] * self.tool_vertex_count
+        if not self.features & SPIN:
+            return
+        need(self.tool_patches, "SPINS without TOOL_VERTICES")
+        self.spins = [r[0] for r in self.records(17, "<I", self.tool_vertex_count)]
+        need(max(self.spins) > 1, "SPINS: none")
+        for tool in self.tools:
+            first, end = tool["first_vertex"], tool["first_vertex"] + tool["vertex_count"]
+            while first < end:
+                count, head = self.spins[first], self.tool_vertices[first]
+                need(1 <= count <= 64 and first + count <= end, "SPINS: count")
+                need(count == 1 or tool["kind"] != 1 or head["tangent"][2] >= 0, "SPINS: a profile's tangent")
+                for k in range(1, count):
+                    v = self.tool_vertices[first + k]
+                    need(self.spins[first + k] == 0 and all(v[key] == head[key] for key in ("point", "normal", "meridian")),
+                         "SPINS: later spins")
+                    a, t, n = 2 * math.pi * k / count, head["tangent"], head["normal"]
+                    off = sub(add(mul(math.cos(a), t), mul(math.sin(a), cross(n, t))), v["tangent"])
+                    need(dot(off, off) < 1e-6, "SPINS: tangent")
+                first += count
+        need(all(self.spins[v] for p in self.tool_patches for v in p), "TOOL_PATCHES: a later spin")
 
     def read_responses(self):
         normal, lateral, growth, sideways, friction = self.counts
@@ -429,20 +454,49 @@ class File:
             frames.append((ux, cross(n, ux)))
         return numbers, a, n, frames
 
-    def pairs(self, contact, tool, patch, w):
-        """(weight, site's frame, response) of every response that takes part."""
-        numbers, a, _, frames = contact
+    def pairs(self, contact, tool, patch, w, rotation=None):
+        """(weight, frame, response) of every response that takes part. rotation: of the tool; None: at its first spins."""
+        numbers, a, n, frames = contact
         corners = self.tool_patches[patch] if self.tool_patches else (self.tools[tool]["first_vertex"],)
         if self.tools[tool]["vertex_count"] == 1:
             corners, w = (self.tools[tool]["first_vertex"],), (1,)
-        return [(a[i] * weight, frames[i], self.responses[numbers[i] * self.tool_vertex_count + vertex])
-                for i in range(3) for vertex, weight in zip(corners, w) if a[i] > 0 and weight > 0]
+        return [(a[i] * weight * share, frame, self.responses[numbers[i] * self.tool_vertex_count + vertex + spin])
+                for i in range(3) for vertex, weight in zip(corners, w) if a[i] > 0 and weight > 0
+                for share, frame, spin in self.spun(self.tools[tool], vertex, n, frames[i], rotation)]
 
-    def force(self, triangle, b, tool, patch, w, delta):
+    def spun(self, tool, vertex, n, frame, rotation):
+        """(share, frame, number) of the spins of a tool vertex that answer at a site."""
+        count = self.spins[vertex]
+        if count == 1 or rotation is None:
+            return [(1, frame, 0)]
+        turn = lambda v: tuple(dot(rotation[3 * i:3 * i + 3], v) for i in range(3))
+        lost = False
+        if tool["kind"] == 1:
+            h = turn((0, 0, 1))
+            cosine = dot(h, n)
+            lost = self.tool_vertices[vertex]["tangent"][2] > 0.9
+        else:
+            m, h = turn(self.tool_vertices[vertex]["normal"]), turn(self.tool_vertices[vertex]["tangent"])
+            cosine = -dot(m, n)
+            if 1 + cosine > 1e-9:
+                h = add(h, mul(dot(h, n) / (1 + cosine), sub(m, n)))
+        h = sub(h, mul(dot(h, n), n))
+        h = unit(h) if dot(h, h) > 1e-24 else frame[0]
+        sure = min(1, 2 * math.sqrt(max(0, 1 - cosine * cosine))) if lost or cosine < 0 else 1
+        at = math.atan2(dot(h, frame[1]), dot(h, frame[0])) / (2 * math.pi) % 1 * count
+        below = math.floor(at)
+        result = [(1 - sure, frame, 0)]
+        for spin, share in ((below, below + 1 - at), (below + 1, at - below)):
+            back = 2 * math.pi * (spin % count) / count
+            x = sub(mul(math.cos(back), h), mul(math.sin(back), cross(n, h)))
+            result.append((sure * share, (x, cross(n, x)), spin % count))
+        return [r for r in result if r[0] > 0]
+
+    def force(self, triangle, b, tool, patch, w, delta, rotation=None):
         contact = self.contact(triangle, b)
         n = contact[2]
         z = -dot(delta, n)
-        pairs = self.pairs(contact, tool, patch, w)
+        pairs = self.pairs(contact, tool, patch, w, rotation)
         if z <= 0:
             return (0.0, 0.0, 0.0, 0.0)
         if self.model == 2:
@@ -795,6 +849,8 @@ def compare(folder):
             tolerance = 1e-6
             if word == "force":
                 now = file.force(*where, tuple(a[9:12]))
+            elif word == "spun":
+                now = file.force(*where, tuple(a[9:12]), a[12:21])
             elif word == "grasp":
                 now = file.held(*where, tuple(a[9:12]))[:3]
             elif word == "turn":

@@ -94,6 +94,16 @@ std::string forces(const View& view) {
       return asked;
     };
     text += as_line(view, "force", with({deflection.x, deflection.y, deflection.z}));
+    if (view.spins != nullptr) {
+      // Turned anyhow, the handle into the body, too.
+      const Vec3 axis = runtime::unit({draw.between(-1, 1), draw.between(-1, 1), draw.between(-1, 1)}, {0, 0, 1});
+      const double half = draw.between(0, 3.1);
+      const auto pose = runtime::Pose::from_quaternion(std::cos(half), std::sin(half) * axis.x, std::sin(half) * axis.y,
+                                                       std::sin(half) * axis.z, {});
+      std::vector<double> asked = with({deflection.x, deflection.y, deflection.z});
+      asked.insert(asked.end(), pose.rotation, pose.rotation + 9);
+      text += as_line(view, "spun", asked);
+    }
     if (view.coupled_laws != nullptr && i % 4 == 2) {
       const double deeper = z + draw.between(0.05, 0.5) * depth;
       text += as_line(view, "deepen", with({z, deeper, aside.x, aside.y, aside.z}));
@@ -166,6 +176,15 @@ void write_all(const std::filesystem::path& folder) {
   Options rim = options;
   rim.rim = true;
   write(folder, "rim", box_content(rim));
+
+  Options spins = options;
+  spins.tools = Options::Tools::all;
+  spins.spins = 5;
+  write(folder, "spin", box_content(spins));
+  spins.lateral = false;
+  spins.coupled = 2;
+  spins.spins = 2;
+  write(folder, "spin_coupled", box_content(spins));
 
   // One of the tools holds on; its turns have a torque in the other file.
   Options holding = options;

@@ -35,7 +35,7 @@ TEST(ResponseFile, ReadsBackWhatWasWritten) {
   ASSERT_TRUE(opened) << opened.error;
   const View& v = opened.view;
 
-  EXPECT_EQ(v.features, layout::feature_all & ~layout::feature_coupled);
+  EXPECT_EQ(v.features, layout::feature_all & ~(layout::feature_coupled | layout::feature_spin));
   EXPECT_EQ(v.meta->depth_scale, content.depth_scale);
   EXPECT_EQ(v.meta->rim_share, static_cast<float>(content.rim_share));
   EXPECT_EQ(v.meta->rim_limit, static_cast<float>(content.rim_limit));

@@ -23,6 +23,7 @@ std::vector<std::byte> small_file(int coupled = 0) {
   options.coupled = coupled;
   options.cells = 1;
   options.tools = Options::Tools::capsule;
+  options.spins = 2;
   options.search = true;
   options.grasp = options.turn = true;
   return encode(test::box_content(options));
@@ -185,6 +186,37 @@ void expect_refused_or_harmless(const std::vector<std::byte>& good) {
 TEST(Damage, MutationsWithAMendedChecksumAreRefusedOrHarmless) { expect_refused_or_harmless(small_file()); }
 
 TEST(Damage, MutationsOfACoupledFileAreRefusedOrHarmless) { expect_refused_or_harmless(small_file(4)); }
+
+// Every rule of SPINS, broken one at a time.
+TEST(Damage, SpinsThatAreNoneAreRefused) {
+  const std::vector<std::byte> good = small_file();
+  const View view = View::open(good.data(), good.size()).view;
+  ASSERT_NE(view.spins, nullptr);
+  ASSERT_EQ(view.spins[0], 1U);
+  ASSERT_EQ(view.spins[1], 2U);
+  const auto message = [&](const void* at, const auto& value) -> std::string {
+    std::vector<std::byte> bytes = good;
+    std::memcpy(bytes.data() + (static_cast<const std::byte*>(at) - good.data()), &value, sizeof value);
+    mend(bytes);
+    return View::open(bytes.data(), bytes.size()).error;
+  };
+  const auto spins = [&](std::uint32_t vertex, std::uint32_t value) { return message(view.spins + vertex, value); };
+  const std::uint32_t last = view.meta->tool_vertex_count - 1;
+  EXPECT_EQ(spins(0, 1), "");
+  EXPECT_EQ(spins(0, 0), "SPINS: vertex 0: 0 spins, allowed 1 to 64 of its tool");
+  EXPECT_EQ(spins(1, 65), "SPINS: vertex 1: 65 spins, allowed 1 to 64 of its tool");
+  EXPECT_EQ(spins(1, 3), "SPINS: vertex 2: is not vertex 1 turned about its normal");
+  EXPECT_EQ(spins(2, 1), "SPINS: vertex 2: belongs to the one before");
+  EXPECT_EQ(spins(last - 1, 3), "SPINS: vertex " + std::to_string(last - 1) + ": 3 spins, allowed 1 to 64 of its tool");
+  const layout::ToolVertexRecord* vertices = view.tool_vertices;
+  EXPECT_EQ(message(&vertices[2].meridian, vertices[2].meridian + 1e-6f),
+            "SPINS: vertex 2: is not vertex 1 turned about its normal");
+  EXPECT_EQ(message(&vertices[2].point[1], 1e-6f), "SPINS: vertex 2: is not vertex 1 turned about its normal");
+  EXPECT_EQ(message(&view.tool_patches[1].vertex[0], 2U), "TOOL_PATCHES: patch 1 names a later spin");
+  // Without the section the bits do not fit; without tool vertices there is nothing to turn.
+  EXPECT_EQ(message(good.data() + offsetof(layout::FileHeader, features), view.features & ~layout::feature_spin),
+            "section SPINS must be absent in this file");
+}
 
 // Every rule of a coupled response, broken one at a time in one response.
 TEST(Damage, CoefficientsThatAreNotPassiveAreRefused) {

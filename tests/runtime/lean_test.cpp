@@ -78,6 +78,8 @@ TEST(LeftOut, IsNamedWhereAFileNeedsIt) {
   options.coupled = 2;
   options.lateral = false;
   expect_refused<kAll & ~layout::feature_coupled>(options, "coupled responses");
+  options.spins = 4;
+  expect_refused<kAll & ~layout::feature_spin>(options, "spins of tools");
   Options holding;
   holding.grasp = holding.turn = true;
   expect_refused<kAll & ~layout::feature_grasp>(holding, "grasps");

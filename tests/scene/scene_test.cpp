@@ -180,6 +180,7 @@ contacts = "tip"
 shape = "mesh"
 surface = "grasper.obj"
 spacing = 0.002
+spins = 12
 [contact]
 friction = 0.3
 [sampling]
@@ -237,6 +238,8 @@ time_limit = 60
   EXPECT_EQ(scene.tools[1].grasp_turn, 0.2);
   EXPECT_EQ(scene.tools[2].name, "tool3");
   EXPECT_FALSE(scene.tools[2].whole);
+  EXPECT_EQ(scene.tools[2].spins, 1);
+  EXPECT_EQ(scene.tools[3].spins, 12);
   EXPECT_EQ(scene.tools[3].surface.file, folder_.path() / "grasper.obj");
   EXPECT_EQ(scene.friction, 0.3);
   EXPECT_EQ(scene.sampling.tangential_directions, 6);
@@ -363,6 +366,9 @@ TEST_F(SceneTest, CanonicalTextFollowsResultsNotPathsNorNames) {
   EXPECT_NE(solves(""), solves(grasp));
   EXPECT_EQ(solves(grasp), solves(grasp + "grasp_turn = 0\n"));
   EXPECT_NE(solves(grasp), solves(grasp + "grasp_turn = 0.1\n"));
+  const std::string stem = "[tool]\nshape = \"capsule\"\n";
+  EXPECT_EQ(solves(stem), solves(stem + "spins = 1\n"));
+  EXPECT_NE(solves(stem), solves(stem + "spins = 8\n"));
   // The coupled model is fitted to other solves; its order and tolerance only to what is made of them.
   const std::string coupled = "[response]\nmodel = \"coupled\"\n";
   EXPECT_NE(solves(""), solves(coupled));

@@ -28,6 +28,7 @@ struct ResponseSampleOptions {
   bool rim = false;         ///< contacts slip in part
   bool grasp = false;       ///< the first tool holds on
   bool turn = false;        ///< and turns of it have a torque
+  int spins = 1;            ///< of every point of capsule and mesh but the capsule's pole
   std::uint32_t subdivision = 1;
   int cells = 4;  ///< box: cells along an edge
   enum class Tools { sphere, capsule, mesh, all } tools = Tools::sphere;
@@ -114,6 +115,31 @@ inline void add_tools(ResponseFileContent& content, ResponseSampleOptions::Tools
     }
     tool.patches = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
     content.tools.push_back(tool);
+  }
+}
+
+/// Every point of capsule and mesh but a pole as many times, turned about its normal.
+inline void add_spins(ResponseFileContent& content, int spins) {
+  for (ResponseTool& tool : content.tools) {
+    if (spins < 2 || tool.vertices.size() == 1) continue;
+    std::vector<ResponseToolVertex> all;
+    std::vector<std::uint32_t> first;
+    for (const ResponseToolVertex& v : tool.vertices) {
+      const int count = tool.kind == layout::ToolKind::profile && v.meridian == 0 ? 1 : spins;
+      first.push_back(static_cast<std::uint32_t>(all.size()));
+      const Triple &n = v.normal, &t = v.tangent;
+      const Triple b{n[1] * t[2] - n[2] * t[1], n[2] * t[0] - n[0] * t[2], n[0] * t[1] - n[1] * t[0]};
+      for (int k = 0; k < count; ++k) {
+        const double c = std::cos(2 * std::numbers::pi * k / count), s = std::sin(2 * std::numbers::pi * k / count);
+        all.push_back(v);
+        all.back().tangent = {c * t[0] + s * b[0], c * t[1] + s * b[1], c * t[2] + s * b[2]};
+        all.back().spins = k == 0 ? static_cast<std::uint32_t>(count) : 0;
+      }
+    }
+    tool.vertices = all;
+    for (auto& patch : tool.patches) {
+      for (std::uint32_t& corner : patch) corner = first[corner];
+    }
   }
 }
 
@@ -303,6 +329,7 @@ inline ResponseFileContent box_content(const ResponseSampleOptions& options = {}
   }
   subdivide_surface(content, options.subdivision);
   add_tools(content, options.tools);
+  add_spins(content, options.spins);
   add_responses(content, options);
   if (options.grasp) add_grasps(content, options);
   if (options.turn) add_turns(content, options);
@@ -344,6 +371,7 @@ inline ResponseFileContent ball_content(const ResponseSampleOptions& options = {
   subdivide_surface(content, options.subdivision);
   for (Triple& p : content.surface_vertices) p = scaled(normalised(p), kBallRadius);
   add_tools(content, options.tools);
+  add_spins(content, options.spins);
   add_responses(content, options);
   if (options.grasp) add_grasps(content, options);
   if (options.turn) add_turns(content, options);

@@ -8,7 +8,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
+#include <set>
+#include <string>
 
 namespace palpate {
 namespace {
@@ -98,6 +101,7 @@ TEST(Tools, ContactVerticesTouchWithOppositeNormals) {
                           ToolScene::Shape::cone, ToolScene::Shape::needle}) {
     ToolScene scene;
     scene.shape = kind;
+    if (kind == ToolScene::Shape::capsule) scene.spins = 3;
     const Tool tool = make_tool(scene);
     for (const ToolVertex& v : tool.vertices) {
       const DistanceSample s = tool.shape->distance(v.point);
@@ -115,6 +119,38 @@ TEST(Tools, ContactVerticesTouchWithOppositeNormals) {
         EXPECT_GT(tool.shape->distance(pose.inverse() * on).value, -1e-9) << v.name;
       }
     }
+  }
+}
+
+// By the right hand about the frame's normal, from where the first spin lies; the tip is round.
+TEST(Tools, SpinsTurnTheToolAboutTheContactsNormal) {
+  ToolScene scene;
+  scene.shape = ToolScene::Shape::capsule;
+  const Tool once = make_tool(scene);
+  scene.spins = 8;
+  const Tool tool = make_tool(scene);
+  ASSERT_EQ(tool.vertices.size(), 1 + 8 * (once.vertices.size() - 1));
+  EXPECT_EQ(tool.patches.size(), once.patches.size());
+  ContactFrame frame;
+  frame.n = Vector3d(1, 2, 2) / 3;
+  frame.x = Vector3d(2, 1, -2) / 3;
+  frame.y = frame.n.cross(frame.x);
+  std::set<std::string> names;
+  for (std::size_t first = 0; first < tool.vertices.size();
+       first += static_cast<std::size_t>(tool.vertices[first].spins)) {
+    const int spins = tool.vertices[first].spins;
+    EXPECT_EQ(spins, first == 0 ? 1 : 8);
+    const Eigen::Matrix3d straight = touching_pose(tool.vertices[first], frame).linear();
+    for (int k = 0; k < spins; ++k) {
+      const ToolVertex& v = tool.vertices[first + static_cast<std::size_t>(k)];
+      EXPECT_TRUE(names.insert(v.name).second) << v.name;
+      EXPECT_EQ(v.spins, k == 0 ? spins : 0);
+      const Eigen::Matrix3d wanted = Eigen::AngleAxisd(std::numbers::pi / 4 * k, frame.n) * straight;
+      EXPECT_LT((touching_pose(v, frame).linear() - wanted).norm(), 1e-12) << v.name;
+    }
+  }
+  for (const auto& patch : tool.patches) {
+    for (const std::int32_t corner : patch) EXPECT_GT(tool.vertices[static_cast<std::size_t>(corner)].spins, 0);
   }
 }
 

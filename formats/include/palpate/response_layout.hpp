@@ -23,6 +23,7 @@ inline constexpr std::uint32_t kMaxSections = 32;
 inline constexpr std::uint32_t kMaxSearchDepth = 48;
 inline constexpr std::uint32_t kMaxSubdivision = 1024;
 inline constexpr std::uint32_t kMaxCount = 0x7fffffff;  ///< of anything
+inline constexpr std::uint32_t kMaxSpins = 64;          ///< of one point of a tool
 
 enum class Section : std::uint32_t {
   meta = 1,               ///< one Meta
@@ -40,10 +41,11 @@ enum class Section : std::uint32_t {
   provenance = 13,        ///< UTF-8 JSON text
   coupled = 14,           ///< float unit, then int16[coupled::count]; only in a file of the coupled model
   grasp = 15,             ///< GraspHead, then float[6 * coefs]; absent when no tool holds on
-  turn = 16               ///< TurnHead, then float[15 * coefs]; absent when no tool's turns have a torque
+  turn = 16,              ///< TurnHead, then float[15 * coefs]; absent when no tool's turns have a torque
+  spins = 17              ///< uint32 a tool vertex; absent when every point of a tool has one spin
 };
 
-inline constexpr std::uint32_t kSectionIds = 17;  ///< ids are below this
+inline constexpr std::uint32_t kSectionIds = 18;  ///< ids are below this
 
 /// The section's name as the specification spells it; "?" for an unknown id.
 inline constexpr const char* section_name(std::uint32_t id) {
@@ -63,7 +65,8 @@ inline constexpr const char* section_name(std::uint32_t id) {
                                                "PROVENANCE",
                                                "COUPLED",
                                                "GRASP",
-                                               "TURN"};
+                                               "TURN",
+                                               "SPINS"};
   return id < kSectionIds ? kNames[id] : kNames[0];
 }
 
@@ -76,7 +79,8 @@ enum Feature : std::uint32_t {
   feature_grasp = 1u << 5,
   feature_turn = 1u << 6,
   feature_rim = 1u << 7,
-  feature_all = 255u
+  feature_spin = 1u << 8,
+  feature_all = 511u
 };
 
 /// What a person calls it.
@@ -88,7 +92,8 @@ inline constexpr const char* feature_name(Feature feature) {
          : feature == feature_coupled      ? "coupled responses"
          : feature == feature_grasp        ? "grasps"
          : feature == feature_turn         ? "turns of grasps"
-                                           : "contacts that slip in part";
+         : feature == feature_rim          ? "contacts that slip in part"
+                                           : "spins of tools";
 }
 
 enum SiteFlag : std::uint32_t {

@@ -4,7 +4,7 @@
 
 #include "palpate/coupled.hpp"
 #include "palpate/separable.hpp"
-#include "palpate/surface.hpp"
+#include "palpate/spin.hpp"
 
 #include <cmath>
 
@@ -25,6 +25,7 @@ struct FieldForce {
 template <std::uint32_t kFeatures = layout::feature_all>
 class BasicField {
   static constexpr bool kCoupled = (kFeatures & layout::feature_coupled) != 0;
+  static constexpr bool kSpin = (kFeatures & layout::feature_spin) != 0;
 
 public:
   BasicField() = default;
@@ -32,45 +33,41 @@ public:
   BasicField(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point) {
     build(view, tool, body_point, tool_point);
   }
+  /// Of a tool that lies so about n(c).
+  BasicField(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point,
+             const Spin& spin) {
+    build_spun(view, tool, body_point, tool_point, runtime::normal(view, body_point), spin);
+  }
 
   /// Of responses that it has already it keeps what it remembers: a field is built again for the same file only.
   void build(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point) {
     build(view, tool, body_point, tool_point, runtime::normal(view, body_point));
   }
 
-  /// The same for a caller that knows n(c) already.
+  /// The same for a caller that knows n(c) already. Where a tool has spins, of the first.
   void build(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point,
              const Vec3& normal_there) {
-    view_ = &view;
-    const layout::Meta& m = *view.meta;
-    normal_ = normal_there;
-    basis_x_ = any_orthogonal(normal_);
-    basis_y_ = cross(normal_, basis_x_);
-    covered_ = limit_ = 0;
-    if constexpr (kCoupled) {
-      if (is_coupled()) law_.clear(layout::coupled_degrees(m), m.depth_scale, m.sideways_scale);
-      known_.depth = 0;
-    }
-    if (!is_coupled()) separable_.clear(m, basis_x_, basis_y_);
-    per_scale_ = m.sideways_scale > 0 ? 1 / m.sideways_scale : 0;
-    std::uint32_t corner[3];
-    double weight[3];
-    const int corners = tool_corners<kFeatures>(view, tool, tool_point, corner, weight);
-    double weights[3];
-    patch_weights(view, body_point, weights);
-    const layout::Patch& patch = view.patches[view.triangles[body_point.triangle].patch];
-    for (int k = 0; k < 3; ++k) {
-      if (!(weights[k] > 0)) continue;
-      const Vec3 x = sideways_axis(patch.vertex[k]);
-      if (!is_coupled()) separable_.begin_body(x);
-      for (int l = 0; l < corners; ++l) {
-        add(layout::response_index(m, patch.vertex[k], corner[l]), weights[k] * weight[l], x);
+    blend(view, tool, body_point, tool_point, normal_there,
+          [this](std::uint64_t index, std::uint32_t /*vertex*/, double weight, const Vec3& x) {
+            add<false>(index, weight, x);
+          });
+  }
+
+  /// Of a tool that lies so about n(c). Apart: what it adds would slow the blends of tools without spins.
+  [[gnu::noinline]] void build_spun(const View& view, std::uint32_t tool, const BodyPoint& body_point,
+                                    const ToolPoint& tool_point, const Vec3& normal_there, const Spin& spin) {
+    if constexpr (kSpin) {
+      if (view.spins != nullptr) {
+        return blend(view, tool, body_point, tool_point, normal_there,
+                     [&](std::uint64_t index, std::uint32_t vertex, double weight, const Vec3& x) {
+                       for_each_spin(view, view.tools[tool], vertex, spin, x, normal_,
+                                     [&](std::uint32_t sample, double share, const Vec3& along) {
+                                       add<true>(index + sample, weight * share, along);
+                                     });
+                     });
       }
     }
-    if (!is_coupled()) separable_.finish();
-    if constexpr (kCoupled) {
-      if (is_coupled()) law_.finish();
-    }
+    build(view, tool, body_point, tool_point, normal_there);
   }
 
   [[nodiscard]] const Vec3& normal() const { return normal_; }
@@ -199,6 +196,42 @@ public:
   }
 
 private:
+  /// Calls each(index, tool vertex, weight, x axis) for the responses of a contact, of the first spins.
+  template <class Each>
+  void blend(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point,
+             const Vec3& normal_there, const Each& each) {
+    view_ = &view;
+    const layout::Meta& m = *view.meta;
+    normal_ = normal_there;
+    basis_x_ = any_orthogonal(normal_);
+    basis_y_ = cross(normal_, basis_x_);
+    covered_ = limit_ = 0;
+    if constexpr (kCoupled) {
+      if (is_coupled()) law_.clear(layout::coupled_degrees(m), m.depth_scale, m.sideways_scale);
+      known_.depth = 0;
+    }
+    if (!is_coupled()) separable_.clear(m, basis_x_, basis_y_);
+    per_scale_ = m.sideways_scale > 0 ? 1 / m.sideways_scale : 0;
+    std::uint32_t corner[3];
+    double weight[3];
+    const int corners = tool_corners<kFeatures>(view, tool, tool_point, corner, weight);
+    double weights[3];
+    patch_weights(view, body_point, weights);
+    const layout::Patch& patch = view.patches[view.triangles[body_point.triangle].patch];
+    for (int k = 0; k < 3; ++k) {
+      if (!(weights[k] > 0)) continue;
+      const Vec3 x = sideways_axis(patch.vertex[k]);
+      if (!is_coupled()) separable_.begin_body(x);
+      for (int l = 0; l < corners; ++l) {
+        each(layout::response_index(m, patch.vertex[k], corner[l]), corner[l], weights[k] * weight[l], x);
+      }
+    }
+    if (!is_coupled()) separable_.finish();
+    if constexpr (kCoupled) {
+      if (is_coupled()) law_.finish();
+    }
+  }
+
   /// The file's responses are of the coupled model.
   [[nodiscard]] bool is_coupled() const { return kCoupled && view_->coupled_laws != nullptr; }
 
@@ -229,16 +262,22 @@ private:
 
   /// The x axis of a site's frame, carried to c; any where nothing lies sideways.
   [[nodiscard]] Vec3 sideways_axis(std::uint32_t site) const {
-    constexpr std::uint32_t kSideways = kFeatures & (layout::feature_lateral | layout::feature_friction);
+    constexpr std::uint32_t kSideways =
+        kFeatures & (layout::feature_lateral | layout::feature_friction | layout::feature_spin);
     if ((view_->features & kSideways) == 0) return basis_x_;
     return carried_tangent(view_->sites[site], normal_, basis_x_);
   }
 
+  /// kSpun: one of up to three spins of a tool vertex at a site, each with an x axis of its own.
+  template <bool kSpun>
   void add(std::uint64_t index, double weight, const Vec3& x) {
     const layout::ResponseHead& head = view_->response_head(index);
     limit_ += weight * head.depth_limit;
     if ((head.flags & layout::response_covered) != 0) covered_ += weight;
-    if (!is_coupled()) return separable_.add(*view_, index, weight);
+    if (!is_coupled()) {
+      if constexpr (!kSpun) return separable_.add(*view_, index, weight);
+      if constexpr (kSpun) return separable_.add_spun(*view_, index, weight, x);
+    }
     if constexpr (kCoupled) {
       std::int16_t room[coupled::kMostCoefs];
       law_.add(view_->coupled_coefs(index, room), static_cast<double>(view_->coupled_unit(index)), layout::kLimitUnit,

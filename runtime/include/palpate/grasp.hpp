@@ -13,7 +13,7 @@ namespace palpate::runtime {
 /// share of the blend and the angle of its x axis from the basis' one, counted about the normal.
 template <class Use>
 void for_each_share(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point,
-                    const Vec3& normal, const Vec3& basis_x, const Vec3& basis_y, const Use& use) {
+                    const Spin& spin, const Vec3& normal, const Vec3& basis_x, const Vec3& basis_y, const Use& use) {
   double sites[3], weight[3];
   std::uint32_t corner[3];
   patch_weights(view, body_point, sites);
@@ -23,8 +23,15 @@ void for_each_share(const View& view, std::uint32_t tool, const BodyPoint& body_
     if (!(sites[k] > 0)) continue;
     const Vec3 x = carried_tangent(view.sites[patch.vertex[k]], normal, basis_x);
     for (int l = 0; l < corners; ++l) {
-      use(layout::response_index(*view.meta, patch.vertex[k], corner[l]), sites[k] * weight[l], dot(x, basis_x),
-          dot(x, basis_y));
+      const std::uint64_t index = layout::response_index(*view.meta, patch.vertex[k], corner[l]);
+      const auto use_sample = [&](std::uint32_t sample, double share, const Vec3& along) {
+        use(index + sample, sites[k] * weight[l] * share, dot(along, basis_x), dot(along, basis_y));
+      };
+      if (view.spins == nullptr) {
+        use_sample(0, 1, x);
+      } else {
+        for_each_spin(view, view.tools[tool], corner[l], spin, x, normal, use_sample);
+      }
     }
   }
 }
@@ -46,13 +53,14 @@ public:
 
   GraspField() = default;
   /// `tool` is an index into the file's tools; `tool_point.patch` one of that tool's patches.
-  GraspField(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point) {
+  GraspField(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point,
+             const Spin& spin = {}) {
     if (view.grasps == nullptr) return;
     normal_ = runtime::normal(view, body_point);
     basis_x_ = any_orthogonal(normal_);
     basis_y_ = runtime::cross(normal_, basis_x_);
     law_.clear(static_cast<int>(view.grasp_coefs), view.meta->depth_scale);
-    for_each_share(view, tool, body_point, tool_point, normal_, basis_x_, basis_y_,
+    for_each_share(view, tool, body_point, tool_point, spin, normal_, basis_x_, basis_y_,
                    [&](std::uint64_t index, double share, double cosine, double sine) {
                      const layout::GraspHead& head = view.grasp_head(index);
                      depth_ += share * head.depth;
@@ -131,7 +139,7 @@ public:
   BasicGrasp(const View& view, std::uint32_t tool, const Pose& pose, const Tick& tick) {
     const bool touching = tick.state == State::stick || tick.state == State::slide;
     if (tool >= view.meta->tool_count || !touching || !pose.valid()) return;
-    field_ = Answer(view, tool, tick.at, tick.on_tool);
+    field_ = Answer(view, tool, tick.at, tick.on_tool, {&pose, 0});
     Vec3 deflection, rotation;
     if (!(field_.depth() > 0) || !field_.find(tick.force, deflection, rotation)) return;
     at_ = tick;

@@ -46,7 +46,7 @@ public:
     Vec3 q = before;
     Deflection d;
     DepthTerms terms;
-    if (!rest_.profile() || !lie_down(pose, q, d, terms)) stand(q, d, terms);
+    if (!rest_.lies() || !lie_down(pose, q, d, terms)) stand(q, d, terms);
     const Vec3 way = q - last_;
     last_ = q;
     for (;; rolled = false) {

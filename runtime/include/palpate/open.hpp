@@ -132,7 +132,9 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
                   {Section::lateral, layout::lateral_size(m), m.lateral_coefs > 0 ? m.response_count : 0},
                   {Section::friction, layout::friction_size(m), m.friction_coefs > 0 ? m.response_count : 0},
                   {Section::search, sizeof(layout::SearchNode), m.search_nodes},
-                  {Section::coupled, coupled ? layout::coupled_size(m) : 0, coupled ? m.response_count : 0}};
+                  {Section::coupled, coupled ? layout::coupled_size(m) : 0, coupled ? m.response_count : 0},
+                  {Section::spins, sizeof(std::uint32_t), v.has(layout::feature_spin) ? m.tool_vertex_count : 0}};
+  if (v.has(layout::feature_spin) && !patched) return fault.say("section SPINS without TOOL_VERTICES");
   const unsigned char* at[layout::kSectionIds] = {};
   for (const auto& want : expected) {
     const auto id = static_cast<std::uint32_t>(want.id);
@@ -178,7 +180,8 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
                {coupled, layout::feature_coupled},
                {v.grasps != nullptr, layout::feature_grasp},
                {v.turns != nullptr, layout::feature_turn},
-               {m.rim_share > 0, layout::feature_rim}};
+               {m.rim_share > 0, layout::feature_rim},
+               {at[17] != nullptr, layout::feature_spin}};
   std::uint32_t features = 0;
   for (const auto& part : parts)
     if (part.present) features |= part.feature;
@@ -199,6 +202,7 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
   v.friction = reinterpret_cast<const float*>(at[11]);
   v.search = reinterpret_cast<const layout::SearchNode*>(at[12]);
   v.coupled_laws = at[14];
+  v.spins = reinterpret_cast<const std::uint32_t*>(at[17]);
   v.provenance = reinterpret_cast<const char*>(v.bytes + text->offset);
   v.provenance_size = static_cast<std::size_t>(text->size);
   return true;

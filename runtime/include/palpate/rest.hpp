@@ -20,10 +20,19 @@ struct Deflection {
 /// is c at first. Of layout::Feature those that kFeatures leaves out take neither code nor memory.
 template <std::uint32_t kFeatures = layout::feature_all>
 class BasicRest {
+  static constexpr bool kSpin = (kFeatures & layout::feature_spin) != 0;
+
 public:
   BasicRest(const View& view, std::uint32_t tool) : view_(&view), tool_(tool), probe_(view.tools[tool].probe_radius) {
     const layout::ToolRecord& record = view.tools[tool];
     profile_ = record.kind == static_cast<std::uint32_t>(layout::ToolKind::profile) && record.axis_length > 0;
+    if constexpr (kSpin) {
+      for (std::uint32_t i = 0; view.spins != nullptr && i < record.vertex_count; ++i) {
+        spins_ = spins_ || view.spins[record.first_vertex + i] > 1;
+      }
+      lies_ = spins_;
+    }
+    lies_ = lies_ || profile_;
   }
 
   /// Where a tool's point of a search meets the body, without sideways deflection and with a depth of at most `most`
@@ -47,8 +56,8 @@ public:
   [[nodiscard]] double probe() const { return probe_; }
   /// m, of a contact.
   [[nodiscard]] double size() const { return probe_ + view_->meta->depth_scale; }
-  /// The tool may touch along its axis.
-  [[nodiscard]] bool profile() const { return profile_; }
+  /// What answers depends on how the tool lies.
+  [[nodiscard]] bool lies() const { return lies_; }
 
   /// Where the pose takes p.
   [[nodiscard]] Vec3 point(const Pose& pose) const { return pose.apply(anchor_); }
@@ -102,18 +111,24 @@ public:
     place(foot(q, d.sideways), pose);
   }
 
-  /// A profile lies otherwise than when its responses were blended.
+  /// The tool lies otherwise than when its responses were blended.
   [[nodiscard]] bool lies_otherwise(const Pose& pose) const {
+    if constexpr (kSpin) {
+      if (spins_) {
+        if (spun(pose)) return true;
+        if (!profile_) return false;
+      }
+    }
     const double cosine = pose.along_axis(field_.normal());
     return std::fabs(along(cosine) - anchor_.z) > 1e-9 * probe_ ||
            std::fabs(profile_meridian(view_->tools[tool_], anchor_.z, cosine) - meridian_) > 1e-6 * probe_;
   }
 
-  /// A capsule lays itself down: p runs along the axis to where it is deepest, c with it, at a bounded rate and
-  /// without changing the deflection d of the tool at q: what is gained in depth that way is no work of the hand and is
-  /// subtracted.
+  /// Blends the responses for how the tool lies. A capsule lays itself down: p runs along the axis to where it is
+  /// deepest, c with it, at a bounded rate and without changing the deflection d of the tool at q: what is gained in
+  /// depth that way is no work of the hand and is subtracted.
   void lie_down(const Pose& pose, const Deflection& d) {
-    const Vec3 there{0, 0, along(pose.along_axis(field_.normal()))};
+    const Vec3 there{0, 0, profile_ ? along(pose.along_axis(field_.normal())) : anchor_.z};
     if (std::fabs(there.z - anchor_.z) > 1e-9 * probe_) {
       const Vec3 q = pose.apply(there);
       const Projection to = foot(q, d.sideways);
@@ -128,7 +143,14 @@ public:
   }
 
   /// Turns the tool's pose of the last tick by that of `by`.
-  void rebase(const Pose& by) { turned_from_ = by.rotate(turned_from_); }
+  void rebase(const Pose& by) {
+    turned_from_ = by.rotate(turned_from_);
+    if constexpr (kSpin) {
+      if (spins_) {
+        for (Vec3& axis : lay_) axis = by.rotate(axis);
+      }
+    }
+  }
 
 private:
   /// Where c rests when the tool at q is to be deflected by `sideways` from the anchor.
@@ -149,8 +171,27 @@ private:
       meridian_ = profile_meridian(view_->tools[tool_], anchor_.z, pose.along_axis(n));
       tool_point_ = profile_point(*view_, view_->tools[tool_], meridian_);
     }
-    field_.build(*view_, tool_, at_, tool_point_, n);
     note_turn(n, pose);
+    if constexpr (kSpin) {
+      if (spins_) return build_spun(n, pose);
+    }
+    field_.build(*view_, tool_, at_, tool_point_, n);
+  }
+
+  // What only tools with spins need stays out of line.
+  [[gnu::noinline]] void build_spun(const Vec3& n, const Pose& pose) {
+    for (int k = 0; k < 2; ++k) lay_[k] = pose.rotate(kAxes[k]);
+    field_.build_spun(*view_, tool_, at_, tool_point_, n, {&pose, 0});
+  }
+
+  /// A turn of a profile about its own axis is none.
+  [[nodiscard, gnu::noinline]] bool spun(const Pose& pose) const {
+    double turned = 0;
+    for (int k = 0; k < (profile_ ? 1 : 2); ++k) {
+      const Vec3 way = pose.rotate(kAxes[k]) - lay_[k];
+      turned += dot(way, way);
+    }
+    return turned >= 1e-18;
   }
 
   /// What the pose makes of n(c) is kept with it: a rotation is taken that is orthonormal to 1e-3 only, and what is
@@ -187,10 +228,13 @@ private:
     return true;
   }
 
+  static constexpr Vec3 kAxes[2] = {{0, 0, 1}, {1, 0, 0}};
+
   const View* view_;
   std::uint32_t tool_;
   double probe_;  ///< m
-  bool profile_ = false;
+  bool profile_ = false, lies_ = false;
+  detail::If<kSpin, bool> spins_ = {};
 
   BodyPoint at_;
   Vec3 c_;
@@ -204,6 +248,7 @@ private:
   Vec3 normal_in_tool_;    ///< n(c) when the tool last turned, in its frame
   Vec3 turned_from_;       ///< and by the pose of that tick in the body's
   BasicField<kFeatures> field_;
+  detail::If<kSpin, Vec3[2]> lay_ = {};  ///< where the tool's axes were when its responses were blended
 };
 
 }  // namespace palpate::runtime

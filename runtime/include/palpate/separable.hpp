@@ -10,7 +10,8 @@
 
 namespace palpate::runtime {
 
-/// Blend of the separable responses of up to three body vertices and three tool vertices (Hayward and Mahvash 2004).
+/// Blend of the separable responses of up to three body vertices and three tool vertices (Hayward and Mahvash 2004), or
+/// up to three spins of each of those.
 /// Push, straight sideways force and friction limit are blended once; sideways forces are products, each in the frame
 /// of its body vertex, and are blended as forces. Not for several threads at once (pieces.hpp).
 /// Of layout::Feature those that kFeatures leaves out take neither code nor memory.
@@ -18,8 +19,10 @@ template <std::uint32_t kFeatures>
 class SeparableLaw {
   static constexpr bool kLateral = (kFeatures & layout::feature_lateral) != 0;
   static constexpr bool kFriction = (kFeatures & layout::feature_friction) != 0;
+  static constexpr bool kSpin = (kFeatures & layout::feature_spin) != 0;
   using Triple = runtime::Triple<(kFeatures & layout::feature_rim) != 0 ? 2 : 1>;
   using Lanes = double[Triple::kLanes];
+  static constexpr int kTriples = 3, kNear = kTriples * Triple::kResponses;  // without spins there are no more
 
 public:
   /// Forgets all responses. The basis spans what lies across n(c).
@@ -63,11 +66,24 @@ public:
     }
   }
 
+  /// The same, with sideways curves of its own x axis: one of up to three spins.
+  void add_spun(const View& view, std::uint64_t index, double weight, const Vec3& x) {
+    begin_body(x);
+    if (responses_ < kNear) return add(view, index, weight);
+    blend<false>(view, index, weight);
+    if constexpr (kFriction && kSpin) {
+      if (view.friction != nullptr) {
+        further_[responses_ - kNear] = {view.friction_coefs(index), weight, cosine_, sine_};
+      }
+    }
+    ++responses_;
+  }
+
   /// All responses have been added.
   void finish() {
     if constexpr (kFriction) {
       if (triples_ == 0) return;
-      for (int slot = responses_ % Triple::kResponses; slot % Triple::kResponses != 0; ++slot) {
+      for (int slot = responses_ - Triple::kResponses * (triples_ - 1); slot < Triple::kResponses; ++slot) {
         triple_[triples_ - 1].leave_empty(slot);
       }
     }
@@ -157,6 +173,9 @@ public:
     }
     double kept = least[0];
     for (const double each : least) kept = each < kept ? each : kept;
+    if constexpr (kFriction && kSpin) {
+      if (responses_ > kNear) return further_share_kept(z0, at_z1.depth, kept);
+    }
     return kept;
   }
 
@@ -225,12 +244,20 @@ private:
         return take_sideways(terms, deflection, part);
       }
     }
+    if constexpr (kSpin) {
+      if (responses_ > kNear) return with_further(terms.depth, x, y, force[0], force[1]);
+    }
     return force[0] * basis_x_ + force[1] * basis_y_;
   }
 
   struct Known {
     double depth = 0;  ///< m; none where it is 0
-    Lanes growth[3];
+    Lanes growth[kTriples];
+  };
+  /// A response for which triple_ has no place, as Triple::set takes it: of spins only.
+  struct Further {
+    const float* coefs;
+    double weight, cosine, sine;
   };
 
   // What follows is rarely called, and long: inlined it would slow every tick.
@@ -262,6 +289,57 @@ private:
     constexpr double kSlack = Pieces<kCurves>::kSlack;
     low_ = std::fmax(low_, (interval - kSlack) / (count - 3));
     high_ = std::fmin(high_, (interval + 1 + kSlack) / (count - 3));
+  }
+
+  /// What growths have in common at depth z > 0 (m).
+  struct GrowthBasis {
+    spline::Basis basis;
+    double extra;  ///< s - 1 beyond the depth scale, where curves go on linearly
+  };
+  [[nodiscard]] GrowthBasis growth_basis(double z) const {
+    const double share = z * per_depth_;
+    return {spline::basis(static_cast<int>(meta_->growth_coefs), std::sqrt(share)), std::fmax(0, 0.5 * (share - 1))};
+  }
+
+  /// Weighted, along axis 0 or 1.
+  [[nodiscard]] double further_growth(const Further& of, int axis, const GrowthBasis& at) const {
+    const int count = static_cast<int>(meta_->growth_coefs);
+    const float* coefs = of.coefs + axis * count;
+    return of.weight * std::fmax(0, spline::combine(at.basis, coefs) + at.extra * spline::slope_at_1(coefs, count));
+  }
+
+  /// What share_kept says of further responses, where the others have `kept`.
+  [[nodiscard, gnu::noinline]] double further_share_kept(double z0, double z1, double kept) const {
+    if (meta_->growth_coefs == 0) return kept;
+    const GrowthBasis before = growth_basis(z0), now = growth_basis(z1);
+    for (int k = 0; k < responses_ - kNear; ++k) {
+      for (int axis = 0; axis < 2; ++axis) {
+        const double ratio = further_growth(further_[k], axis, before) / further_growth(further_[k], axis, now);
+        kept = ratio < kept ? ratio : kept;  // NaN where there is none
+      }
+    }
+    return kept;
+  }
+
+  /// The sideways force, of which force_x and force_y (N) are known, with that of further responses.
+  [[nodiscard, gnu::noinline]] Vec3 with_further(double z, double x, double y, double force_x, double force_y) const {
+    const int count = static_cast<int>(meta_->sideways_coefs);
+    const GrowthBasis at = growth_basis(z);
+    for (int k = 0; k < responses_ - kNear; ++k) {
+      const Further& of = further_[k];
+      const double r[2] = {of.cosine * x + of.sine * y, of.cosine * y - of.sine * x};
+      double f[2];
+      for (int axis = 0; axis < 2; ++axis) {
+        const float* coefs = of.coefs + 2 * meta_->growth_coefs + axis * count;
+        const double beyond = std::fabs(r[axis]) - 1;
+        double phi = spline::value(coefs, count, 0.5 * (r[axis] + 1));
+        if (beyond > 0) phi += 0.5 * beyond * Triple::outward_slope(coefs, count, r[axis] > 0);
+        f[axis] = further_growth(of, axis, at) * phi;
+      }
+      force_x += of.cosine * f[0] - of.sine * f[1];
+      force_y += of.cosine * f[1] + of.sine * f[0];
+    }
+    return force_x * basis_x_ + force_y * basis_y_;
   }
 
   [[nodiscard, gnu::noinline]] Vec3 take_sideways(const DepthTerms& terms, const Vec3& deflection, Part part) const {
@@ -300,7 +378,7 @@ private:
   double per_depth_ = 0, per_sideways_ = 0;  ///< 1 / Z, 1 / X (1/m)
   double cosine_ = 1, sine_ = 0;             ///< of the angle of the present body vertex' frame against the basis
   int responses_ = 0, triples_ = 0;
-  detail::If<kFriction, Triple[3]> triple_;
+  detail::If<kFriction, Triple[kTriples]> triple_;
   double push_[layout::kMaxCoefs] = {};
   detail::If<kLateral, double[2 * layout::kMaxCoefs]> lateral_ = {};  ///< along basis_x_, then along basis_y_
   detail::If<kFriction, double[layout::kMaxCoefs]> mu_ = {};
@@ -313,6 +391,7 @@ private:
   double depth_intervals_[kCurves] = {};
   detail::If<kFriction, double> growth_intervals_ = {};
   mutable detail::If<kFriction, Known> known_;
+  detail::If<kFriction && kSpin, Further[2 * kNear]> further_ = {};  ///< behind what every tick reads
 };
 
 }  // namespace palpate::runtime

@@ -89,6 +89,11 @@ public:
   /// There is no response k, while there is one 0.
   void leave_empty(int k) { set(k, coefs_[0], 0, 0, 0); }
 
+  /// Of phi with these coefficients, where it goes on along its tangent above 1 (up) or below -1.
+  [[nodiscard]] static double outward_slope(const float* coefs, int count, bool up) {
+    return up ? spline::slope_at_1(coefs, count) : -spline::slope_at_0(coefs, count);
+  }
+
 private:
   void take_over(int k, const float* coefs) {
     coefs_[k] = coefs;
@@ -118,12 +123,8 @@ private:
     phi_[part].known_values(t, phi);
     for (int k = 0; k < kLanes; ++k) {
       const double beyond = std::fabs(r[k]) - 1;
-      if (beyond > 0) phi[k] += 0.5 * beyond * outward_slope(k, r[k] > 0);
+      if (beyond > 0) phi[k] += 0.5 * beyond * outward_slope(phi_coefs(k), sideways_count_, r[k] > 0);
     }
-  }
-  [[nodiscard]] double outward_slope(int lane, bool up) const {
-    const float* coefs = phi_coefs(lane);
-    return up ? spline::slope_at_1(coefs, sideways_count_) : -spline::slope_at_0(coefs, sideways_count_);
   }
 
   int growth_count_ = 0, sideways_count_ = 0;

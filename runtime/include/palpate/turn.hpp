@@ -65,11 +65,12 @@ public:
 
   TurnField() = default;
   /// `tool` is an index into the file's tools; `tool_point.patch` one of that tool's patches.
-  TurnField(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point)
-      : grasp_(view, tool, body_point, tool_point) {
+  TurnField(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point,
+            const Spin& spin = {})
+      : grasp_(view, tool, body_point, tool_point, spin) {
     if (view.turns == nullptr || !(grasp_.depth() > 0)) return;
     law_.clear(static_cast<int>(view.grasp_coefs), view.meta->depth_scale);
-    for_each_share(view, tool, body_point, tool_point, grasp_.normal(), grasp_.basis_x(), grasp_.basis_y(),
+    for_each_share(view, tool, body_point, tool_point, spin, grasp_.normal(), grasp_.basis_x(), grasp_.basis_y(),
                    [&](std::uint64_t index, double share, double cosine, double sine) {
                      turned_ += share * view.turn_head(index).turned;
                      law_.add(view.turn_curves(index), share, cosine, sine);

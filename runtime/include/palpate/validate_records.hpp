@@ -14,6 +14,49 @@ inline bool is_text(const char* p, std::size_t capacity) {
   return false;
 }
 
+/// `vertex` is the first spin turned by this angle about its normal.
+inline bool is_spin(const layout::ToolVertexRecord& first, const layout::ToolVertexRecord& vertex, double angle) {
+  for (int k = 0; k < 3; ++k) {
+    if (vertex.point[k] != first.point[k] || vertex.normal[k] != first.normal[k]) return false;
+  }
+  const Vec3 n = to_vec(first.normal), t = to_vec(first.tangent);
+  const Vec3 off = std::cos(angle) * t + std::sin(angle) * cross(n, t) - to_vec(vertex.tangent);
+  return vertex.meridian == first.meridian && dot(off, off) < 1e-6;
+}
+
+/// Spins of one point follow its first, which alone has their count and is in patches.
+inline bool check_spins(const View& v, Fault& fault) {
+  const std::uint32_t vertices = v.meta->tool_vertex_count;
+  bool several = false;
+  for (std::uint32_t i = 0; i < v.meta->tool_count; ++i) {
+    const layout::ToolRecord& tool = v.tools[i];
+    const std::uint32_t end = tool.first_vertex + tool.vertex_count;
+    for (std::uint32_t first = tool.first_vertex; first < end; first += v.spins[first]) {
+      const std::uint32_t spins = v.spins[first];
+      if (spins < 1 || spins > layout::kMaxSpins || spins > end - first) {
+        return fault.say("SPINS: vertex %: % spins, allowed 1 to % of its tool", first, spins, layout::kMaxSpins);
+      }
+      several = several || spins > 1;
+      for (std::uint32_t k = 1; k < spins; ++k) {
+        if (v.spins[first + k] != 0) return fault.say("SPINS: vertex %: belongs to the one before", first + k);
+        if (!is_spin(v.tool_vertices[first], v.tool_vertices[first + k], 6.283185307179586 * k / spins)) {
+          return fault.say("SPINS: vertex %: is not vertex % turned about its normal", first + k, first);
+        }
+      }
+      const bool profile = tool.kind == static_cast<std::uint32_t>(layout::ToolKind::profile);
+      if (spins > 1 && profile && !(v.tool_vertices[first].tangent[2] >= 0)) {
+        return fault.say("SPINS: vertex %: its tangent does not run up the profile", first);
+      }
+    }
+  }
+  for (std::uint32_t p = 0; p < v.meta->tool_patch_count; ++p) {
+    for (const std::uint32_t corner : v.tool_patches[p].vertex) {
+      if (corner < vertices && v.spins[corner] == 0) return fault.say("TOOL_PATCHES: patch % names a later spin", p);
+    }
+  }
+  return several || fault.say("SPINS: there is no vertex of more than one");
+}
+
 inline bool check_tool(const View& v, std::uint32_t i, Fault& fault) {
   const layout::ToolRecord& t = v.tools[i];
   if (!is_text(t.name, sizeof t.name) || t.name[0] == 0) return fault.say("TOOLS: tool %: bad name", i);
@@ -88,6 +131,9 @@ bool check_records(const View& v, Fault& fault) {
     return fault.say("PROVENANCE: not a JSON object");
   }
   if (!check_sites(v, fault) || !check_surface(v, fault) || !check_tools(v, fault)) return false;
+  if constexpr ((kFeatures & layout::feature_spin) != 0) {
+    if (v.spins != nullptr && !check_spins(v, fault)) return false;
+  }
   if (!check_responses<kFeatures>(v, fault)) return false;
   if constexpr ((kFeatures & layout::feature_grasp) != 0) {
     if (!check_grasps(v, fault)) return false;

@@ -44,6 +44,7 @@ struct View {
   const unsigned char* grasps = nullptr;  ///< null when no tool holds on
   std::uint32_t grasp_coefs = 0;          ///< of each of their curves
   const unsigned char* turns = nullptr;   ///< null when no tool's turns have a torque
+  const std::uint32_t* spins = nullptr;   ///< a tool vertex; null when every point of a tool has one spin
 
   /// Checks `size` bytes at `data` (aligned to 8) against the specification; defined in open.hpp. `kFeatures`
   /// (layout::Feature bits): what the program can do with a file; one that holds more is refused by name.
