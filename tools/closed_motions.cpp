@@ -48,7 +48,11 @@ ClosedMotion played(const coupled::Law& law, const layout::Meta& m, const Legs& 
   return motion;
 }
 
-double share(const ClosedMotion& motion) { return motion.gross() > 0 ? motion.work() / motion.gross() : 0; }
+// What is no number must not pass for nothing given back.
+double share(const ClosedMotion& motion) {
+  if (!std::isfinite(motion.gross())) return -HUGE_VAL;
+  return motion.gross() > 0 ? motion.work() / motion.gross() : 0;
+}
 
 // Legs a little changed, while that takes work from the body.
 double descend(const coupled::Law& law, const layout::Meta& m, Legs legs, Draws& draw) {

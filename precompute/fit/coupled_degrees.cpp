@@ -111,7 +111,7 @@ DegreeChoice choose_degrees(const std::vector<const std::vector<Sample>*>& pairs
     const HeldOutFigures f = held_out_figures(drawn, scales);
     const double most =
         std::max(best.held_out.p95, std::min(wish.tolerance, best.held_out.p95 + kRounding * wish.tolerance));
-    if (!(f.samples > 0 && f.p95 <= most)) continue;
+    if (!(f.samples == best.held_out.samples && f.p95 <= most)) continue;
     best.bits = scales.bits;
     best.held_out = f;
     break;

@@ -225,5 +225,30 @@ TEST(Coupled, NoClosedMotionGainsEnergy) {
   RecordProperty("worst", std::to_string(worst));
 }
 
+// With a coupling beyond the stiffness, lifting under side load gives more than deepening took.
+TEST(Coupled, AMotionSeesALawThatIsNotPassive) {
+  const Degrees d{2, 2, 0, 2, 0, 0, 0};
+  std::vector<double> coefs(static_cast<std::size_t>(count(d)), 0.0);
+  const Places p = places(d);
+  coefs[0] = 1;
+  for (int i = 0; i <= d.stiffness; ++i) coefs[p.stiffness + 3 * i] = 1;
+  for (const double coupling : {0.9, 20.0}) {
+    coefs[p.coupling] = coupling;
+    const Law law = law_of(coefs, d);
+    double worst = 0;
+    for (const double from : {0.3, 0.6}) {
+      cli::ClosedMotion motion(law, Z, X, 0.01);
+      motion.depth(from);
+      motion.sideways({0.8, 0});
+      motion.depth(0.9 - from);
+      motion.sideways({-0.8, 0});
+      motion.depth(0);
+      worst = std::min(worst, motion.work() / motion.gross());
+    }
+    EXPECT_EQ(worst<-1e-3, std::abs(coupling)> 1) << coupling << ' ' << worst;
+    EXPECT_EQ(broken_rule(coefs.data(), d, 10) != nullptr, coupling > 1) << coupling;
+  }
+}
+
 }  // namespace
 }  // namespace palpate::coupled

@@ -203,6 +203,7 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
   v.search = reinterpret_cast<const layout::SearchNode*>(at[12]);
   v.coupled_laws = at[14];
   v.spins = reinterpret_cast<const std::uint32_t*>(at[17]);
+  v.coupled_size = coupled ? layout::coupled_size(m) : 0;
   v.provenance = reinterpret_cast<const char*>(v.bytes + text->offset);
   v.provenance_size = static_cast<std::size_t>(text->size);
   return true;

@@ -38,6 +38,7 @@ struct View {
   const float* lateral = nullptr;               ///< null without sideways straight push, and in a coupled file
   const float* friction = nullptr;              ///< null in a frictionless file, and in a coupled one
   const unsigned char* coupled_laws = nullptr;  ///< null in a file of another model
+  std::uint32_t coupled_size = 0;               ///< bytes of one of these
   const layout::SearchNode* search = nullptr;
   const char* provenance = nullptr;  ///< JSON text, not zero-terminated
   std::size_t provenance_size = 0;
@@ -95,7 +96,7 @@ struct View {
   }
   /// An element of COUPLED.
   [[nodiscard]] const unsigned char* coupled_law(std::uint64_t index) const {
-    return coupled_laws + index * layout::coupled_size(*meta);
+    return coupled_laws + index * coupled_size;
   }
   [[nodiscard]] const layout::GraspHead& grasp_head(std::uint64_t index) const {
     return *reinterpret_cast<const layout::GraspHead*>(grasps + index * layout::grasp_size(grasp_coefs));
