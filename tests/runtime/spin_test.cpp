@@ -175,7 +175,7 @@ TEST(Spin, RandomTurnsMakeNoStep) {
     }
     return Field(ball.view, tool, at, there, {&pose, 0}).force(aside(n, x, 2)).force;
   };
-  constexpr double kStep = 1e-5;
+  constexpr double kTurned = 1e-5;
   double steepest[3] = {};
   for (int i = 0; i < 60000; ++i) {
     const std::uint32_t tool = 1 + i % 2;
@@ -186,13 +186,13 @@ TEST(Spin, RandomTurnsMakeNoStep) {
     const double way = kCircle * draw(random);
     const Vec3 axis = std::cos(way) * x + std::sin(way) * cross(n, x);
     const Pose up = laid(ball.view.tool_vertices[rod.first_vertex], n, x, kCircle * draw(random));
-    const Pose pose = turned(tilt, axis, {}) * up, next = turned(kStep, random_direction(random), {}) * pose;
+    const Pose pose = turned(tilt, axis, {}) * up, next = turned(kTurned, random_direction(random), {}) * pose;
     ToolPoint on_tool{ball.view.tools[2].first_patch + static_cast<std::uint32_t>(random() % 8), {0, 0, 0}};
     for (double& w : on_tool.weights) w = draw(random);
     const double sum = on_tool.weights[0] + on_tool.weights[1] + on_tool.weights[2];
     for (double& w : on_tool.weights) w /= sum;
     if (tool == 1 && i % 4 < 2) on_tool.weights[0] = 0;  // the tip's cap, not the stem
-    const double step = distance(force(tool, on_tool, pose), force(tool, on_tool, next)) / kStep;
+    const double step = distance(force(tool, on_tool, pose), force(tool, on_tool, next)) / kTurned;
     steepest[tool] = std::max(steepest[tool], step);
   }
   EXPECT_GT(steepest[1], 0.05);
