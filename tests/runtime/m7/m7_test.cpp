@@ -56,7 +56,7 @@ struct Longest {
 // Instructions of the longest tick that was given a search: the bar for a continuous motion.
 constexpr std::uint32_t kMostInstructions = 20000;
 // The same of a tool with spins: twice as many responses at every turn, of a mesh's three vertices up to eighteen.
-constexpr std::uint32_t kMostOfSpins = 40000;
+constexpr std::uint32_t kMostOfSpins = 30000;
 
 TEST(CortexM7, GivesTheForcesOfTheHostInSoManyInstructions) {
   const std::vector<TickRecord> board = run_board();
