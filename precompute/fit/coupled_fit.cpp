@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// CoupledRows from the runtime's own law, a first solution without constraints, and cones by their square roots.
+// CoupledRows from the runtime's own law, solved without the rules that make it passive, and within them where it broke
+// one.
 #include "precompute/fit/coupled_fit.hpp"
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include "formats/error.hpp"
 #include "palpate/coupled_check.hpp"
 #include "palpate/response_layout.hpp"
+#include "precompute/fit/cone_fit.hpp"
 #include "precompute/fit/friction_limit.hpp"
 #include "precompute/fit/least_squares.hpp"
 #include "precompute/fit/pair_samples.hpp"
@@ -19,6 +21,7 @@ namespace {
 using coupled::Degrees;
 using coupled::Law;
 using coupled::Vec2;
+using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::RowVectorXd;
 using Eigen::VectorXd;
@@ -28,9 +31,6 @@ constexpr double kUsualError = 0.05;
 // Weak against data (relative errors): they decide only where no data do.
 constexpr double kRidge = 1e-6, kBend = 2e-4, kContinuation = 0.02;
 constexpr int kContinuationPoints = 6;
-// Of the peak; keeps sums of lengths differentiable and cones apart from their tips.
-constexpr double kTip = 1e-7;
-
 Vec2 scaled(const Eigen::Vector3d& deflection, double scale) {
   return {deflection.x() / scale, deflection.y() / scale};
 }
@@ -115,111 +115,96 @@ CoupledRows make_rows(const PairSamples& data, const CoupledScales& scales) {
   return result;
 }
 
-/// The coefficients from parameters that may be anything: increments of F by squares, K' +- A by Cholesky factors above
-/// the margin of C and Q, the rest as it is.
-class Cones {
+/// What broken_rule asks of a law, but for the limit: unknowns are its coefficients, then a bound of each length that
+/// margin sums up.
+class Rules {
 public:
-  explicit Cones(const Degrees& degrees) : d_(degrees), p_(coupled::places(degrees)) {}
-  [[nodiscard]] int parameters() const { return p_.limit; }  // K', A and their factors are as many
-
-  [[nodiscard]] VectorXd start(const VectorXd& coefs) const {
-    VectorXd p = coefs.head(p_.limit);
-    double last = 0;
-    for (int k = 0; k < p_.straight; ++k) {
-      p[k] = std::sqrt(std::max(coefs[k] - last, 1e-4));
-      last = std::max(last, coefs[k]);
+  explicit Rules(const Degrees& degrees) : d_(degrees), p_(coupled::places(degrees)), unknowns_(p_.limit) {
+    for (Index k = 0; k < p_.straight; ++k) {
+      if (k == 0) cones_.push_back({{k}, MatrixXd::Ones(1, 1)});
+      if (k > 0) cones_.push_back({{k - 1, k}, Eigen::RowVector2d(-1, 1)});
     }
     for (int i = 0; i <= d_.stiffness; ++i) {
-      const Eigen::Vector3d k = coefs.segment<3>(p_.stiffness + 3 * i);
-      const Eigen::Vector3d a = i < 2 ? Eigen::Vector3d::Zero() : Eigen::Vector3d(coefs.segment<3>(coupling(i)));
-      const double least = coupled::margin(coefs.data(), d_, i);
-      p.segment<3>(p_.stiffness + 3 * i) = root(k + a, least);
-      if (i >= 2) p.segment<3>(coupling(i)) = root(k - a, least);
+      const std::vector<Bound> bounds = bound_lengths(i);
+      for (const int sign : i < 2 ? std::vector{1} : std::vector{1, -1}) add_passive(i, sign, bounds);
     }
-    return p;
   }
 
-  void map(const VectorXd& p, VectorXd& c, MatrixXd& slope) const {
-    c = p;
-    slope.setIdentity(p.size(), p.size());
-    double sum = 0;
-    for (int k = 0; k < p_.straight; ++k) {
-      c[k] = sum += p[k] * p[k];
-      for (int j = 0; j <= k; ++j) slope(k, j) = 2 * p[j];
-    }
+  [[nodiscard]] const std::vector<Cone>& cones() const { return cones_; }
+
+  /// Inside all of them: no C and Q, no A, and what of F and K' lies outside is pushed in.
+  [[nodiscard]] VectorXd start(const VectorXd& coefs) const {
+    constexpr double kInside = 1e-3;
+    VectorXd x = VectorXd::Zero(unknowns_);
+    x.head(p_.coupling) = coefs.head(p_.coupling);
+    double last = 0;
+    for (int k = 0; k < p_.straight; ++k) last = x[k] = std::max(coefs[k], last + kInside);
     for (int i = 0; i <= d_.stiffness; ++i) {
-      RowVectorXd rise = RowVectorXd::Zero(p.size());
-      const double least = smooth_margin(p, i, rise);
-      const int at = p_.stiffness + 3 * i, other = i < 2 ? at : coupling(i);
-      Eigen::Vector3d plus, minus;
-      Eigen::Matrix3d dplus, dminus;
-      square(p.segment<3>(at), plus, dplus);
-      square(p.segment<3>(other), minus, dminus);
-      c.segment<3>(at) = 0.5 * (plus + minus);
-      c[at] += least;
-      slope.block<3, 3>(at, at).setZero();
-      slope.block<3, 3>(at, at) += 0.5 * dplus;
-      if (i < 2) {
-        slope.block<3, 3>(at, at) += 0.5 * dminus;
-      } else {
-        c.segment<3>(other) = 0.5 * (plus - minus);
-        slope.block<3, 3>(at, other) = 0.5 * dminus;
-        slope.block<3, 3>(other, at) = 0.5 * dplus;
-        slope.block<3, 3>(other, other) = -0.5 * dminus;
-      }
-      slope.row(at) += rise;
+      auto k = x.segment<3>(p_.stiffness + 3 * i);
+      k[0] = std::max(k[0], std::hypot(k[1], k[2]) + kInside);
     }
+    x.tail(unknowns_ - p_.limit).setConstant(kInside / 100);  // their factors sum up to 60 at most
+    return x;
   }
 
 private:
-  [[nodiscard]] int coupling(int i) const { return p_.coupling + 3 * (i - 2); }
+  /// Of an unknown, and how many times margin has it.
+  struct Bound {
+    Index at;
+    double factor;
+  };
 
-  /// (mean, second harmonic) of L L' and its derivatives; q = L's diagonal and off-diagonal.
-  static void square(const Eigen::Vector3d& q, Eigen::Vector3d& k, Eigen::Matrix3d& slope) {
-    const double a = q[0], b = q[1], c = q[2];  // L = [a 0; c b]
-    k << 0.5 * (a * a + c * c + b * b), 0.5 * (a * a - c * c - b * b), a * c;
-    slope << a, b, c, a, -b, -c, c, 0, a;
-  }
-  /// Such a q for k less `least`, pushed into the cone where it is not.
-  static Eigen::Vector3d root(const Eigen::Vector3d& k, double least) {
-    const double size = std::hypot(k[1], k[2]), mean = std::max(k[0] - least, size + 1e-3 * (size + 1e-2));
-    const double a = std::sqrt(mean + k[1]), c = k[2] / a;
-    return {a, std::sqrt(std::max(mean - k[1] - c * c, 1e-12)), c};
-  }
-
-  /// coupled::margin and its derivative, a little above it where a length is near 0.
-  double smooth_margin(const VectorXd& p, int i, RowVectorXd& rise) const {
-    double sum = 0;
-    const auto add = [&](double factor, int place, int components, int first, int parts, int degree) {
-      Eigen::Vector2d h = Eigen::Vector2d::Zero();
-      for (int part = 0; part < parts; ++part) {
-        h[part] = coupled::raised(p.data() + place, components, first + part, degree, d_.stiffness, i);
-      }
-      const double size = std::hypot(h.norm(), kTip);
-      sum += factor * size;
+  /// The lengths of margin(i) below unknowns of their own.
+  std::vector<Bound> bound_lengths(int i) {
+    std::vector<Bound> bounds;
+    const auto bound = [&](double factor, int place, int components, int first, int parts, int degree) {
+      Cone cone;
+      cone.rows = MatrixXd::Zero(1 + parts, 1 + parts * (degree + 1));
+      cone.of.push_back(unknowns_++);
+      cone.rows(0, 0) = 1;
       for (int j = 0; j <= degree; ++j) {
-        VectorXd unit = VectorXd::Zero(degree + 1);
-        unit[j] = 1;
+        const VectorXd unit = VectorXd::Unit(degree + 1, j);
         const double share = coupled::raised(unit.data(), 1, 0, degree, d_.stiffness, i);
         for (int part = 0; part < parts; ++part) {
-          rise[place + components * j + first + part] += factor * share * h[part] / size;
+          cone.rows(1 + part, static_cast<Index>(cone.of.size())) = share;
+          cone.of.push_back(place + components * j + first + part);
         }
       }
+      bounds.push_back({cone.of.front(), factor});
+      cones_.push_back(std::move(cone));
     };
     if (d_.order > 2) {
-      add(6, p_.cubic, 4, 0, 2, d_.cubic);
-      add(6, p_.cubic, 4, 2, 2, d_.cubic);
+      bound(6, p_.cubic, 4, 0, 2, d_.cubic);
+      bound(6, p_.cubic, 4, 2, 2, d_.cubic);
     }
     if (d_.order > 3) {
-      add(12, p_.quartic, 5, 0, 1, d_.quartic);
-      add(12, p_.quartic, 5, 1, 2, d_.quartic);
-      add(12, p_.quartic, 5, 3, 2, d_.quartic);
+      bound(12, p_.quartic, 5, 0, 1, d_.quartic);
+      bound(12, p_.quartic, 5, 1, 2, d_.quartic);
+      bound(12, p_.quartic, 5, 3, 2, d_.quartic);
     }
-    return sum;
+    return bounds;
+  }
+
+  /// The smallest eigenvalue of K' + sign A above the bounds.
+  void add_passive(int i, int sign, const std::vector<Bound>& bounds) {
+    const bool coupled = i >= 2;
+    Cone cone;
+    cone.rows = MatrixXd::Zero(3, (coupled ? 6 : 3) + static_cast<Index>(bounds.size()));
+    for (int c = 0; c < 3; ++c) cone.of.push_back(p_.stiffness + 3 * i + c);
+    cone.rows.leftCols<3>().setIdentity();
+    for (int c = 0; coupled && c < 3; ++c) cone.of.push_back(p_.coupling + 3 * (i - 2) + c);
+    if (coupled) cone.rows.middleCols<3>(3) = sign * Eigen::Matrix3d::Identity();
+    for (const Bound& bound : bounds) {
+      cone.rows(0, static_cast<Index>(cone.of.size())) = -bound.factor;
+      cone.of.push_back(bound.at);
+    }
+    cones_.push_back(std::move(cone));
   }
 
   Degrees d_;
   coupled::Places p_;
+  Index unknowns_;
+  std::vector<Cone> cones_;
 };
 
 VectorXd fit_limit(const std::vector<Sample>& samples, const CoupledScales& scales, const std::string& what) {
@@ -279,14 +264,10 @@ VectorXd fit_coupled(const std::vector<Sample>& samples, const CoupledScales& sc
   VectorXd coefs = VectorXd::Zero(p.end);
   coefs.head(p.limit) = solve_linear(rows.matrix, rows.target, what + ", coupled law");
   if (coupled::broken_rule(coefs.data(), scales.degrees, HUGE_VAL) != nullptr) {
-    const Cones cones(scales.degrees);
-    VectorXd parameters = cones.start(coefs);
-    const CoefficientMap map = [&](const VectorXd& q, VectorXd& c, MatrixXd& slope) { cones.map(q, c, slope); };
-    solve_mapped(rows.matrix, rows.target, map, parameters, what + ", coupled law");
-    VectorXd c(p.limit);
-    MatrixXd slope(p.limit, p.limit);
-    cones.map(parameters, c, slope);
-    coefs.head(p.limit) = c;
+    const Rules rules(scales.degrees);
+    coefs.head(p.limit) =
+        solve_in_cones(rows.matrix, rows.target, rules.cones(), rules.start(coefs), what + ", coupled law")
+            .head(p.limit);
   }
   coefs.head(p.limit) *= data.peak;
   coefs.tail(p.end - p.limit) = fit_limit(samples, scales, what);

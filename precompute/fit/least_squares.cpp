@@ -65,31 +65,6 @@ private:
   const ProductProblem& problem_;
 };
 
-class MappedCost final : public ceres::CostFunction {
-public:
-  MappedCost(MatrixXd matrix, VectorXd target, const CoefficientMap& map, int parameters)
-      : matrix_(std::move(matrix)), target_(std::move(target)), map_(map) {
-    set_num_residuals(static_cast<int>(matrix_.rows()));
-    mutable_parameter_block_sizes()->push_back(parameters);
-  }
-  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
-    const VectorXd p = ConstVector(parameters[0], parameter_block_sizes()[0]);
-    VectorXd c(matrix_.cols());
-    MatrixXd slope(matrix_.cols(), p.size());
-    map_(p, c, slope);
-    Eigen::Map<VectorXd>(residuals, matrix_.rows()) = matrix_ * c - target_;
-    if (jacobians != nullptr && jacobians[0] != nullptr) {
-      Eigen::Map<RowMajor>(jacobians[0], matrix_.rows(), p.size()) = matrix_ * slope;
-    }
-    return true;
-  }
-
-private:
-  MatrixXd matrix_;
-  VectorXd target_;
-  const CoefficientMap& map_;
-};
-
 void keep_nonnegative(ceres::Problem& problem, Eigen::VectorXd& block) {
   for (int i = 0; i < block.size(); ++i) problem.SetParameterLowerBound(block.data(), i, 0.0);
 }
@@ -191,27 +166,6 @@ VectorXd solve_nonnegative(const MatrixXd& matrix, const VectorXd& target, const
     x = next;
   }
   throw Error(ExitCode::numerical, what + ": the non-negative fit did not end");
-}
-
-void solve_mapped(const MatrixXd& matrix, const VectorXd& target, const CoefficientMap& map, VectorXd& p,
-                  const std::string& what) {
-  check_finite(matrix.allFinite() && target.allFinite() && p.allFinite(), what);
-  // As many rows as columns say the same: |A c - y|^2 = |R c - Q' y|^2 + what no c changes.
-  MatrixXd rows = matrix;
-  VectorXd right = target;
-  if (matrix.rows() > matrix.cols()) {
-    const Eigen::HouseholderQR<MatrixXd> qr(matrix);
-    rows = qr.matrixQR().topRows(matrix.cols()).triangularView<Eigen::Upper>();
-    right = (qr.householderQ().adjoint() * target).head(matrix.cols());
-  }
-  ceres::Problem problem;
-  problem.AddResidualBlock(new MappedCost(rows, right, map, static_cast<int>(p.size())), nullptr, p.data());
-  ceres::Solver::Options options = solver_options();
-  options.function_tolerance = 1e-6;
-  options.max_num_iterations = 200;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  if (!summary.IsSolutionUsable()) throw Error(ExitCode::numerical, what + ": the fit failed: " + summary.message);
 }
 
 void solve_product(const ProductProblem& product, VectorXd& x, VectorXd& y, const std::string& what) {

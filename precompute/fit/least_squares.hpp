@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Small least-squares problems: a linear one, the same with x >= 0, a linear one in coefficients that follow from
-// parameters, and a product of two linear factors (both Ceres).
+// Small least-squares problems: a linear one, the same with x >= 0, and a product of two linear factors (Ceres).
 #pragma once
 
 #include <Eigen/Core>
-#include <functional>
 #include <string>
 
 namespace palpate::fit {
@@ -16,16 +14,6 @@ Eigen::VectorXd solve_linear(const Eigen::MatrixXd& matrix, const Eigen::VectorX
 /// when the steps do not end.
 Eigen::VectorXd solve_nonnegative(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& target,
                                   const std::string& what);
-
-/// Coefficients c and dc/dp of parameters p.
-using CoefficientMap = std::function<void(const Eigen::VectorXd& p, Eigen::VectorXd& c, Eigen::MatrixXd& slope)>;
-
-/// Minimises |matrix c(p) - target|^2 from `p` on: constraints on c are kept by how c follows from p. On an edge of
-/// what c may be, where squares of parameters vanish, the last steps are slow: it ends when one gains less than a
-/// millionth, or after 200, since whatever it ends with keeps the constraints and its error is reported. Throws
-/// Error(numerical) "what: ..." when an entry is not finite or Ceres fails.
-void solve_mapped(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& target, const CoefficientMap& map,
-                  Eigen::VectorXd& p, const std::string& what);
 
 /// Residuals (a0 + a x)_i (b y)_i - target_i, and two linear priors x_rows x - x_target, y_rows y; x, y >= 0.
 struct ProductProblem {

@@ -135,6 +135,20 @@ TEST(CoupledFit, SofteningDataGiveAMonotonePush) {
   EXPECT_EQ(coupled::broken_rule(coefs.data(), kinds[0], 10), nullptr);
 }
 
+// The tip of a stem that meets first, then its side: a curve of such bends that the rules bind many coefficients.
+TEST(CoupledFit, APushThatTheRulesBindIsFittedAsWellAsTheyAllow) {
+  const CoupledScales scales{Z, X, {2, 6, 4, 3, 0, 0, 3}};
+  std::vector<Sample> samples = samples_of(known(scales.degrees, 0), scales);
+  const coupled::Law law = make_law(known(scales.degrees, 0), scales);
+  const auto stem = [](double z) { return z / Z / (1 + std::exp((0.55 - std::sqrt(z / Z)) / 0.15)); };
+  for (Sample& s : samples) s.force.z() += stem(s.deflection.z()) - law.at(law.abscissa(s.deflection.z()), false).push;
+  const coupled::Law fitted = make_law(fit_coupled(samples, scales, "pair"), scales);
+  for (const Sample& s : samples) {
+    const Vector3d there = evaluate(fitted, scales, s.deflection);
+    EXPECT_LT((there - s.force).norm(), 0.06 * std::max(s.force.norm(), 0.02 * stem(Z))) << s.deflection.transpose();
+  }
+}
+
 TEST(CoupledFit, WholeNumbersKeepTheRulesAndTheForces) {
   std::mt19937 random(11);
   for (const Degrees& d : kinds) {
