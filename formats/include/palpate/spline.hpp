@@ -170,7 +170,7 @@ inline Basis slope_basis(int count, double u) {
 }
 
 template <class Scalar>
-[[gnu::always_inline]] inline double combine(const Basis& b, const Scalar* coefs) {
+inline double combine(const Basis& b, const Scalar* coefs) {
   const Scalar* c = coefs + b.first;
   // Two sums of two: compilers put them side by side.
   double sum[2];

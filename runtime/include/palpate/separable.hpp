@@ -26,7 +26,7 @@ class SeparableLaw {
 
 public:
   /// Forgets all responses. The basis spans what lies across n(c).
-  [[gnu::always_inline]] void clear(const layout::Meta& meta, const Vec3& basis_x, const Vec3& basis_y) {
+  PALPATE_TICK_INLINE void clear(const layout::Meta& meta, const Vec3& basis_x, const Vec3& basis_y) {
     meta_ = &meta;
     basis_x_ = basis_x;
     basis_y_ = basis_y;
@@ -49,7 +49,7 @@ public:
   }
 
   /// What is added from now on has its sideways curves along x (unit, across n(c)) and along n(c) x x.
-  [[gnu::always_inline]] void begin_body(const Vec3& x) {
+  PALPATE_TICK_INLINE void begin_body(const Vec3& x) {
     cosine_ = dot(x, basis_x_);
     sine_ = dot(x, basis_y_);
   }
@@ -201,7 +201,7 @@ public:
 private:
   /// Adds to the curves that are blended once, or where it is the first, begins them.
   template <bool kFirst>
-  [[gnu::always_inline]] void blend(const View& view, std::uint64_t index, double weight) {
+  PALPATE_TICK_INLINE void blend(const View& view, std::uint64_t index, double weight) {
     const layout::Meta& m = *meta_;
     const float* push = view.normal_coefs(index);
     for (std::uint32_t k = 0; k < m.normal_coefs; ++k) sum<kFirst>(push_[k], weight * push[k]);
