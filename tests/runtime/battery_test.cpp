@@ -44,6 +44,16 @@ TEST(Battery, EveryGoldenFileKeepsThePromises) {
   EXPECT_GT(ticks, 150000U);
 }
 
+// A rod behind old searches is held at a corner that its c cannot leave: what friction bears must not turn round there.
+TEST(Battery, ACornerThatHoldsAContactTurnsNoForceRound) {
+  const runtime::MappedFile bytes(PALPATE_GOLDENS "/grasp.palp");
+  const runtime::OpenResult opened = runtime::View::open(bytes.data(), bytes.size());
+  ASSERT_TRUE(opened) << opened.error;
+  const BatteryCase c{Motion::fast, Driver::late, 1, 22000, 2, 0.25};
+  const BatteryResult r = run_battery(opened.view, c);
+  EXPECT_EQ(broken_promise(c, r), "") << r.step;
+}
+
 TEST(Battery, SameBitsEveryRun) {
   Options options;
   options.coupled = 4;

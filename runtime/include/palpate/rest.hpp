@@ -83,7 +83,10 @@ public:
   void follow(const Pose& pose, const Vec3& q, const Vec3& sideways, double force) {
     anchored_ = rolled_ = {};
     const Projection found = foot(q, sideways);
-    if (!(found.residual > 0.1 * size() && hand_over(pose, q, force))) place(found, pose);
+    if (found.residual > 0.1 * size() && hand_over(pose, q, force)) return;
+    place(found, pose);
+    // What c could not follow, as at a corner, the anchor does: the force would turn round at once.
+    if (!found.converged) anchored_ = deflection(q).sideways - tangential(sideways, found.normal);
   }
 
   /// The tool turned since this was asked last, and its skin is round.
