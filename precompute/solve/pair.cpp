@@ -9,8 +9,6 @@
 #include "precompute/solve/pair_run.hpp"
 #include "precompute/solve/sample_difference.hpp"
 
-#include <algorithm>
-
 namespace palpate {
 namespace {
 
@@ -31,7 +29,6 @@ Attempt attempt(const Body& body, const Tool& tool, const ToolVertex& vertex, co
   try {
     Push push(stress_free(body), mesh, *tool.shape, touching_pose(vertex, frame),
               {body.material.young, normal_penalty(options), options.tolerance}, options.materials);
-    push.limit_factorisations(options.most_factorisations);
     PairRun run{body, tool, vertex, frame, path, options, mesh, last, push, result};
     if (!push.held_anywhere()) {
       run.refuse("support: no node of the mesh is held");
@@ -103,17 +100,13 @@ PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vert
   PairResult result;
   std::string causes;
   bool contact_failed = false;
-  std::uint32_t left = options.most_factorisations;
-  const auto solve = [&](const TetMesh& mesh, PairOptions with, double scale, bool last) {
-    with.most_factorisations = left;
+  const auto solve = [&](const TetMesh& mesh, const PairOptions& with, double scale, bool last) {
     Attempt made = attempt(body, tool, vertex, frame, path, with, mesh, last);
     result = std::move(made.result);
     contact_failed = made.contact_failed;
-    left -= std::min(left, result.outcome.factorisations);
     if (!result.outcome.accepted || !options.check) return;
     PairOptions here = with;
     here.refine *= scale;
-    here.most_factorisations = options.most_factorisations;
     result.check = check_of(result, body, tool, vertex, frame, path, here);
     if (const auto failed = failed_check(*result.check, GateLimits{})) {
       result.outcome.accepted = false;
@@ -136,10 +129,9 @@ PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vert
     }
     if (result.outcome.accepted) break;
     add_cause(causes, "finer", result.outcome.cause);
-    if (left == 0) break;
   }
   for (const Rung& rung : kLastRungs) {
-    if (!contact_failed || left == 0 || options.method != ContactMethod::penalty) break;
+    if (!contact_failed || options.method != ContactMethod::penalty) break;
     PairOptions with = options;
     with.method = rung.method;
     with.penalty *= rung.penalty;

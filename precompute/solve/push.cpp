@@ -103,10 +103,6 @@ void Push::augment() {
 StepResult Push::step(const Vector3d& target, double contact_radius, double work_scale, bool sticking,
                       const std::vector<VectorXd>& starts) {
   StepResult result;
-  if (factorisations_ >= most_factorisations_) {
-    result.cause = "given up after " + std::to_string(factorisations_) + " factorisations";
-    return result;
-  }
   const PushState before = state_;
   contact_.set_translation(target);
   state_.penalty = scale_.penalty * scale_.young / contact_radius;

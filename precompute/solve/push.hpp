@@ -9,7 +9,6 @@
 #include "precompute/solve/in_parts.hpp"
 #include "precompute/solve/settle.hpp"
 
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -63,8 +62,6 @@ public:
   void augment();
   /// Answers with a log barrier from the next step on (ContactEnergy::set_barrier); it stays, restore() or not.
   void set_barrier(double thickness, double floor) { contact_.set_barrier(thickness, floor); }
-  /// No step begins after so many factorisations of this push.
-  void limit_factorisations(std::uint32_t most) { most_factorisations_ = most; }
   /// A further part of the energy, from the next step on; it must outlive the push or be taken out before.
   void add(const EnergyTerm& term) { terms_.push_back(&term); }
   void remove(const EnergyTerm& term) { std::erase(terms_, &term); }
@@ -105,7 +102,7 @@ private:
   Eigen::Vector3d previous_translation_{0, 0, 0};
   bool can_extrapolate_ = false;
   double load_floor_ = 0.0;  // N
-  std::uint32_t factorisations_ = 0, most_factorisations_ = std::numeric_limits<std::uint32_t>::max();
+  std::uint32_t factorisations_ = 0;
 };
 
 }  // namespace palpate

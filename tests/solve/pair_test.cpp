@@ -202,19 +202,6 @@ TEST_F(Pair, AToolThatCannotReachIsRefusedByName) {
   EXPECT_NE(r.outcome.cause.find("first touch"), std::string::npos) << r.outcome.cause;
 }
 
-// What no attempt comes to an end with must not go on for an hour.
-TEST_F(Pair, WhatTakesTooManyFactorisationsIsGivenUp) {
-  scene.friction = 0.3;
-  const Tool tool = make_tool(sphere);
-  PairOptions options = pair_options(scene);
-  options.most_factorisations = 2;
-  const PairResult r = solve_pair(body, tool, tool.vertices[0], ContactFrame{}, bake_path(scene, 0.003), options);
-  EXPECT_FALSE(r.outcome.accepted);
-  EXPECT_NE(r.outcome.cause.find("given up after"), std::string::npos) << r.outcome.cause;
-  EXPECT_EQ(r.outcome.cause.find("log barrier"), std::string::npos) << r.outcome.cause;
-  EXPECT_TRUE(r.samples.empty());
-}
-
 // A curve that only its deepest points resolve is no curve: a finer mesh is tried, then the pair is refused.
 TEST_F(Pair, TooFewResolvedDepthsAreRefusedByName) {
   PairPath path;
