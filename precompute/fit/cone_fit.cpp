@@ -2,7 +2,6 @@
 #include "precompute/fit/cone_fit.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -38,7 +37,7 @@ public:
   [[nodiscard]] double value(const VectorXd& x) const {
     double sum = 0;
     for (const Cone& cone : cones_) {
-      const VectorXd y = cone.rows * x(cone.of);
+      const VectorXd y = image(cone, x);
       const double room = inside(y);
       if (!(room > 0)) return HUGE_VAL;
       sum -= std::log(room);
@@ -48,7 +47,7 @@ public:
 
   void add_slopes(const VectorXd& x, VectorXd& gradient, MatrixXd& hessian) const {
     for (const Cone& cone : cones_) {
-      const VectorXd y = cone.rows * x(cone.of);
+      const VectorXd y = image(cone, x);
       const double room = inside(y);
       VectorXd g(y.size());
       MatrixXd h(y.size(), y.size());
@@ -63,12 +62,25 @@ public:
         h.diagonal().array() += 2 / room;
         h(0, 0) -= 4 / room;
       }
-      gradient(cone.of) += cone.rows.transpose() * g;
-      hessian(cone.of, cone.of) += cone.rows.transpose() * h * cone.rows;
+      const MatrixXd turned = h * cone.rows;
+      for (std::size_t j = 0; j < cone.of.size(); ++j) {
+        const auto column = static_cast<Index>(j);
+        gradient[cone.of[j]] += cone.rows.col(column).dot(g);
+        for (std::size_t i = 0; i < cone.of.size(); ++i) {
+          hessian(cone.of[i], cone.of[j]) += cone.rows.col(static_cast<Index>(i)).dot(turned.col(column));
+        }
+      }
     }
   }
 
 private:
+  // Loops in place of Eigen's indexed views, which take ten seconds to compile.
+  static VectorXd image(const Cone& cone, const VectorXd& x) {
+    VectorXd y = VectorXd::Zero(cone.rows.rows());
+    for (std::size_t j = 0; j < cone.of.size(); ++j) y += x[cone.of[j]] * cone.rows.col(static_cast<Index>(j));
+    return y;
+  }
+
   static double inside(const VectorXd& y) {
     if (y.size() == 1 || !(y[0] > 0)) return y[0];
     const double size = y.tail(y.size() - 1).norm();
@@ -86,17 +98,9 @@ VectorXd solve_in_cones(const MatrixXd& matrix, const VectorXd& target, const st
     throw Error(ExitCode::numerical, what + ": a sample is not a finite number");
   }
   const Barriers barriers(cones);
-  // As many rows as columns say the same: |A x - b|^2 = |R x - Q' b|^2 + what no x changes.
   const Index n = matrix.cols();
-  MatrixXd rows = MatrixXd::Zero(n, n);
-  VectorXd right = VectorXd::Zero(n);
-  const Index most = std::min(n, matrix.rows());
-  const Eigen::HouseholderQR<MatrixXd> qr(matrix);
-  rows.topRows(most) = qr.matrixQR().topRows(most).triangularView<Eigen::Upper>();
-  right.head(most) = (qr.householderQ().adjoint() * target).head(most);
-  const MatrixXd square = rows.transpose() * rows;
-  const double rest = 0.5 * std::max(target.squaredNorm() - right.squaredNorm(), 0.0);
-  const auto residual = [&](const VectorXd& x) { return rest + 0.5 * (rows * x.head(n) - right).squaredNorm(); };
+  const MatrixXd square = matrix.transpose() * matrix;
+  const auto residual = [&](const VectorXd& x) { return 0.5 * (matrix * x.head(n) - target).squaredNorm(); };
   VectorXd x = start;
   if (!std::isfinite(barriers.value(x))) throw Error(ExitCode::numerical, what + ": no start inside the constraints");
   const double floor = kNoResidual * target.squaredNorm();
@@ -106,7 +110,7 @@ VectorXd solve_in_cones(const MatrixXd& matrix, const VectorXd& target, const st
       if (step == kMostSteps) throw Error(ExitCode::numerical, what + ": the fit did not converge");
       VectorXd gradient = VectorXd::Zero(x.size());
       MatrixXd hessian = MatrixXd::Zero(x.size(), x.size());
-      gradient.head(n) = weight * (rows.transpose() * (rows * x.head(n) - right));
+      gradient.head(n) = weight * (matrix.transpose() * (matrix * x.head(n) - target));
       hessian.topLeftCorner(n, n) = weight * square;
       const VectorXd pull = gradient;
       barriers.add_slopes(x, gradient, hessian);
@@ -114,7 +118,8 @@ VectorXd solve_in_cones(const MatrixXd& matrix, const VectorXd& target, const st
       const double fall = -gradient.dot(way);
       if (!(fall > kCentred)) break;
       // As a difference: the residual itself is so much larger that rounding would hide what it falls by.
-      const double slope = pull.dot(way), bend = weight * (rows * way.head(n)).squaredNorm(), here = barriers.value(x);
+      const double slope = pull.dot(way), bend = weight * (matrix * way.head(n)).squaredNorm(),
+                   here = barriers.value(x);
       double share = 1;
       const auto rise = [&] { return share * (slope + 0.5 * share * bend) + barriers.value(x + share * way) - here; };
       while (share > kShortest && !(rise() <= -0.1 * share * fall)) share *= 0.5;
