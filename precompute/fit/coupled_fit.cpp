@@ -31,6 +31,7 @@ constexpr double kUsualError = 0.05;
 // Weak against data (relative errors): they decide only where no data do.
 constexpr double kRidge = 1e-6, kBend = 2e-4, kContinuation = 0.02;
 constexpr int kContinuationPoints = 6;
+
 Vec2 scaled(const Eigen::Vector3d& deflection, double scale) {
   return {deflection.x() / scale, deflection.y() / scale};
 }
@@ -143,7 +144,7 @@ public:
       auto k = x.segment<3>(p_.stiffness + 3 * i);
       k[0] = std::max(k[0], std::hypot(k[1], k[2]) + kInside);
     }
-    x.tail(unknowns_ - p_.limit).setConstant(kInside / 100);  // their factors sum up to 60 at most
+    x.tail(unknowns_ - p_.limit).setConstant(kInside / 100);  // the factors sum up to 48 at most
     return x;
   }
 
@@ -157,31 +158,22 @@ private:
   /// The lengths of margin(i) below unknowns of their own.
   std::vector<Bound> bound_lengths(int i) {
     std::vector<Bound> bounds;
-    const auto bound = [&](double factor, int place, int components, int first, int parts, int degree) {
+    coupled::for_each_harmonic(d_, [&](const coupled::Harmonic& h) {
       Cone cone;
-      cone.rows = MatrixXd::Zero(1 + parts, 1 + parts * (degree + 1));
+      cone.rows = MatrixXd::Zero(1 + h.parts, 1 + h.parts * (h.degree + 1));
       cone.of.push_back(unknowns_++);
       cone.rows(0, 0) = 1;
-      for (int j = 0; j <= degree; ++j) {
-        const VectorXd unit = VectorXd::Unit(degree + 1, j);
-        const double share = coupled::raised(unit.data(), 1, 0, degree, d_.stiffness, i);
-        for (int part = 0; part < parts; ++part) {
+      for (int j = 0; j <= h.degree; ++j) {
+        const VectorXd unit = VectorXd::Unit(h.degree + 1, j);
+        const double share = coupled::raised(unit.data(), 1, 0, h.degree, d_.stiffness, i);
+        for (int part = 0; part < h.parts; ++part) {
           cone.rows(1 + part, static_cast<Index>(cone.of.size())) = share;
-          cone.of.push_back(place + components * j + first + part);
+          cone.of.push_back(h.place + h.components * j + h.first + part);
         }
       }
-      bounds.push_back({cone.of.front(), factor});
+      bounds.push_back({cone.of.front(), h.factor});
       cones_.push_back(std::move(cone));
-    };
-    if (d_.order > 2) {
-      bound(6, p_.cubic, 4, 0, 2, d_.cubic);
-      bound(6, p_.cubic, 4, 2, 2, d_.cubic);
-    }
-    if (d_.order > 3) {
-      bound(12, p_.quartic, 5, 0, 1, d_.quartic);
-      bound(12, p_.quartic, 5, 1, 2, d_.quartic);
-      bound(12, p_.quartic, 5, 3, 2, d_.quartic);
-    }
+    });
     return bounds;
   }
 

@@ -21,8 +21,7 @@ struct VerifyStatistics {
   ErrorStatistics paths;    ///< deeper or less deep under side load, followed by the model's own rule
   ErrorStatistics grasped;  ///< of tools that hold on
   ErrorStatistics turned;   ///< of their torques when they are turned
-  ErrorStatistics
-      spins;  ///< of pushes, straight and sideways, at sampled pairs between their spins; not among the others
+  ErrorStatistics spins;    ///< of pushes at sampled pairs between their spins, which are not among the others
 };
 
 VerifyStatistics summarise(const std::vector<HeldOut>& contacts);

@@ -2,6 +2,7 @@
 // The coupled response of one contact: energy of the sideways deflection, its part in the normal force, anchor rule.
 #pragma once
 
+#include "palpate/coupled_energy.hpp"
 #include "palpate/coupled_layout.hpp"
 
 #include <cmath>
@@ -29,113 +30,6 @@
 ///
 /// on any path, and any path from no contact to no contact takes work >= 0, for W(u, 0) = 0.
 namespace palpate::coupled {
-
-// These are trivial types: what is not asked for costs no instruction.
-struct Vec2 {
-  double x, y;
-};
-inline Vec2 operator+(const Vec2& a, const Vec2& b) { return {a.x + b.x, a.y + b.y}; }
-inline Vec2 operator-(const Vec2& a, const Vec2& b) { return {a.x - b.x, a.y - b.y}; }
-inline Vec2 operator*(double s, const Vec2& a) { return {s * a.x, s * a.y}; }
-inline double dot(const Vec2& a, const Vec2& b) { return a.x * b.x + a.y * b.y; }
-/// As complex numbers.
-inline Vec2 product(const Vec2& a, const Vec2& b) { return {a.x * b.x - a.y * b.y, a.x * b.y + a.y * b.x}; }
-inline Vec2 conjugate(const Vec2& a) { return {a.x, -a.y}; }
-
-/// m I + [[x, y], [y, -x]].
-struct Sym2 {
-  double m, x, y;
-};
-inline Vec2 times(const Sym2& k, const Vec2& u) {
-  return {(k.m + k.x) * u.x + k.y * u.y, k.y * u.x + (k.m - k.x) * u.y};
-}
-/// k^-1 b, k positive; where k resists along one line only, as good as, what lies on that line (k is 2 m v v then).
-inline Vec2 solve(const Sym2& k, const Vec2& b) {
-  const double det = k.m * k.m - k.x * k.x - k.y * k.y;
-  if (!(k.m > 0)) return {};
-  if (!(det > 1e-12 * k.m * k.m)) return (0.25 / (k.m * k.m)) * times(k, b);
-  return {((k.m - k.x) * b.x - k.y * b.y) / det, ((k.m + k.x) * b.y - k.y * b.x) / det};
-}
-
-/// Forms of degree 2 to 4 in u, by harmonics: Re(conj(h) u^n) |u|^(degree - n).
-struct Energy {
-  Sym2 square;  ///< K: u K u / 2
-  Vec2 h1, h3;  ///< C
-  double m;     ///< Q
-  Vec2 h2, h4;
-
-  [[nodiscard]] double value(const Vec2& u, int order) const {
-    const double quadratic = 0.5 * dot(u, times(square, u));
-    if (order < 3) return quadratic;
-    // Beyond |u| = 1 the forms of degree 3 and 4 go on linearly along the ray.
-    const double r = std::sqrt(dot(u, u));
-    if (!(r > 1)) return quadratic + cubic(u) + (order > 3 ? quartic(u) : 0);
-    const Vec2 on = (1 / r) * u;
-    return quadratic + (3 * r - 2) * cubic(on) + (order > 3 ? (4 * r - 3) * quartic(on) : 0);
-  }
-
-  [[nodiscard]] Vec2 gradient(const Vec2& u, int order) const {
-    const Vec2 linear = times(square, u);
-    if (order < 3) return linear;
-    const double r = std::sqrt(dot(u, u));
-    if (!(r > 1)) return linear + cubic_gradient(u) + (order > 3 ? quartic_gradient(u) : Vec2{});
-    const Vec2 on = (1 / r) * u;
-    const auto outside = [&](double degree, double form, const Vec2& slope) {
-      const Vec2 radial = degree * form * on;
-      return radial + ((degree * r - degree + 1) / r) * (slope - radial);
-    };
-    Vec2 sum = linear + outside(3, cubic(on), cubic_gradient(on));
-    if (order > 3) sum = sum + outside(4, quartic(on), quartic_gradient(on));
-    return sum;
-  }
-
-  /// Of all forms inside |u| <= 1, of the square alone outside.
-  [[nodiscard]] Sym2 hessian(const Vec2& u, int order) const {
-    Sym2 sum = square;
-    if (order < 3 || dot(u, u) > 1) return sum;
-    const auto outer = [&](double scale, const Vec2& a, const Vec2& b) {  // scale (a b + b a)
-      sum.m += scale * (a.x * b.x + a.y * b.y);
-      sum.x += scale * (a.x * b.x - a.y * b.y);
-      sum.y += scale * (a.x * b.y + a.y * b.x);
-    };
-    const auto turn = [&](double scale, const Vec2& w) {
-      sum.x += scale * w.x;
-      sum.y += scale * w.y;
-    };
-    const Vec2 c = conjugate(u);
-    sum.m += 2 * dot(h1, u);
-    outer(2, h1, u);
-    turn(6, product(h3, c));
-    if (order < 4) return sum;
-    const double r2 = dot(u, u);
-    const Vec2 p = product(h2, c);
-    sum.m += 4 * m * r2 + 2 * dot(p, u);
-    outer(4 * m, u, u);
-    outer(4, u, p);
-    turn(2 * r2, h2);
-    turn(12, product(h4, product(c, c)));
-    return sum;
-  }
-
-private:
-  [[nodiscard]] double cubic(const Vec2& u) const {
-    return dot(h1, u) * dot(u, u) + dot(h3, product(u, product(u, u)));
-  }
-  [[nodiscard]] Vec2 cubic_gradient(const Vec2& u) const {
-    const Vec2 c = conjugate(u);
-    return dot(u, u) * h1 + 2 * dot(h1, u) * u + 3 * product(h3, product(c, c));
-  }
-  [[nodiscard]] double quartic(const Vec2& u) const {
-    const double r2 = dot(u, u);
-    const Vec2 square2 = product(u, u);
-    return r2 * (m * r2 + dot(h2, square2)) + dot(h4, product(square2, square2));
-  }
-  [[nodiscard]] Vec2 quartic_gradient(const Vec2& u) const {
-    const double r2 = dot(u, u);
-    const Vec2 c = conjugate(u), p = product(h2, c);
-    return (4 * m * r2 + 2 * dot(p, u)) * u + 2 * r2 * p + 4 * product(h4, product(c, product(c, c)));
-  }
-};
 
 /// Everything at one depth.
 struct AtDepth {
@@ -309,8 +203,10 @@ public:
   [[nodiscard]] double coupling(const AtDepth& d, const Vec2& u) const {
     const double plain = plain_coupling(d, u);
     if (!careful() || (u.x == 0 && u.y == 0)) return plain;
-    const double all = loss(d, u), least = least_loss(d, u);
-    return all > least ? plain + ratio_ * (all - least) / (2 * d.s) : plain;
+    const double all = loss(d, u);
+    const LeastLoss least = least_loss(d, u, push(d, u));
+    // Mostly r is a half of |T| h: seen without a root or a division.
+    return least.covers(all) ? plain : plain + ratio_ * (all - least.value()) / (2 * d.s);
   }
 
   /// W less the integral of F (N, times X it is J).
@@ -379,10 +275,14 @@ private:
     return d.rate.value(u, order()) - d.s * dot(u, times(d.coupling, u));
   }
   /// |T| h.
-  [[nodiscard]] double least_loss(const AtDepth& d, const Vec2& u) const { return least_loss(d, u, push(d, u)); }
-  [[nodiscard]] double least_loss(const AtDepth& d, const Vec2& u, const Vec2& force) const {
-    const Vec2 moved = solve(d.energy.square, times(d.rate.square, u));
-    return std::sqrt(dot(force, force) * dot(moved, moved));
+  struct LeastLoss {
+    double square, by;  // of it, times by
+    [[nodiscard]] bool covers(double loss) const { return !(loss > 0) || loss * by * (loss * by) <= square; }
+    [[nodiscard]] double value() const { return std::sqrt(square) / by; }
+  };
+  [[nodiscard]] LeastLoss least_loss(const AtDepth& d, const Vec2& u, const Vec2& force) const {
+    const Quotient moved = quotient(d.energy.square, times(d.rate.square, u));
+    return {dot(force, force) * dot(moved.of, moved.of), moved.by};
   }
 
   /// What the anchor rule asks for at one depth and deflection.
@@ -399,7 +299,9 @@ private:
 
   [[nodiscard]] Load load_at(const AtDepth& d, const Vec2& u) const {
     const Vec2 force = push(d, u);
-    const double all = loss(d, u), least = least_loss(d, u, force), more = all > least ? all - least : 0;
+    const double all = loss(d, u);
+    const LeastLoss least = least_loss(d, u, force);
+    const double more = least.covers(all) ? 0 : all - least.value();
     return {force, energy(d, u), d.s * (2 * dot(d.slope, u) + dot(u, times(d.coupling, u))) + more, all - more};
   }
 

@@ -27,22 +27,39 @@ double raised(const Scalar* family, int components, int component, int from, int
   return sum / binomial(to, index);
 }
 
+/// A harmonic of the cubic or quartic part, of one or two parts from `first` on in a family of `components`.
+struct Harmonic {
+  double factor;  ///< of its length in margin
+  int place, components, first, parts, degree;
+};
+
+/// Those of a law, each for use(harmonic).
+template <class Use>
+void for_each_harmonic(const Degrees& d, const Use& use) {
+  const Places p = places(d);
+  if (d.order > 2) {
+    use(Harmonic{6, p.cubic, 4, 0, 2, d.cubic});
+    use(Harmonic{6, p.cubic, 4, 2, 2, d.cubic});
+  }
+  if (d.order > 3) {
+    use(Harmonic{12, p.quartic, 5, 0, 1, d.quartic});
+    use(Harmonic{12, p.quartic, 5, 1, 2, d.quartic});
+    use(Harmonic{12, p.quartic, 5, 3, 2, d.quartic});
+  }
+}
+
 /// What the smallest eigenvalue of K' +- A must reach at coefficient `index` of the stiffness for the cubic and quartic
 /// parts: 6 (|h1| + |h3|) + 12 (|m| + |h2| + |h4|), which bounds their Hessians, and with that keeps V convex in
 /// |u| <= 1 and a lift passive at every u.
 template <class Scalar>
 double margin(const Scalar* coefs, const Degrees& d, int index) {
-  const Places p = places(d);
   double sum = 0;
-  const auto size = [&](int place, int components, int first, int degree) {
-    return detail::length(raised(coefs + place, components, first, degree, d.stiffness, index),
-                          raised(coefs + place, components, first + 1, degree, d.stiffness, index));
-  };
-  if (d.order > 2) sum += 6 * (size(p.cubic, 4, 0, d.cubic) + size(p.cubic, 4, 2, d.cubic));
-  if (d.order > 3) {
-    const double mean = raised(coefs + p.quartic, 5, 0, d.quartic, d.stiffness, index);
-    sum += 12 * (std::fabs(mean) + size(p.quartic, 5, 1, d.quartic) + size(p.quartic, 5, 3, d.quartic));
-  }
+  for_each_harmonic(d, [&](const Harmonic& h) {
+    const auto part = [&](int k) {
+      return raised(coefs + h.place, h.components, h.first + k, h.degree, d.stiffness, index);
+    };
+    sum += h.factor * (h.parts > 1 ? detail::length(part(0), part(1)) : std::fabs(part(0)));
+  });
   return sum;
 }
 

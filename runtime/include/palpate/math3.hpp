@@ -14,6 +14,8 @@
 
 namespace palpate::runtime {
 
+inline constexpr double kFullTurn = 6.283185307179586;  ///< rad
+
 struct Vec3 {
   double x = 0, y = 0, z = 0;
 };

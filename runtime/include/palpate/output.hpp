@@ -41,8 +41,7 @@ struct RateLimit {
 struct LowPass {
   double frequency;
   Vec3 operator()(const Vec3& force, double seconds) {
-    constexpr double kTwoPi = 6.283185307179586;
-    last = last + (1 - std::exp(-kTwoPi * frequency * seconds)) * (force - last);
+    last = last + (1 - std::exp(-kFullTurn * frequency * seconds)) * (force - last);
     return last;
   }
   void reset() { last = {}; }

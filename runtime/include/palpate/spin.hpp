@@ -50,19 +50,18 @@ inline LaidVertex laid_vertex(const View& view, const layout::ToolRecord& tool, 
 template <class Use>
 void for_each_spin(const View& view, const layout::ToolRecord& tool, std::uint32_t vertex, const Spin& spin,
                    const Vec3& x0, const Vec3& n, const Use& use) {
-  constexpr double kTurn = 6.283185307179586;
   const std::uint32_t spins = view.spins[vertex];
   if (spins == 1 || spin.pose == nullptr) return use(spin.sample < spins ? spin.sample : 0u, 1.0, x0);
   const LaidVertex laid = laid_vertex(view, tool, vertex, *spin.pose, n, x0);
   double angle = std::atan2(dot(cross(x0, laid.x), n), dot(x0, laid.x));
-  if (angle < 0) angle += kTurn;
-  const double at = angle * (spins / kTurn);
+  if (angle < 0) angle += kFullTurn;
+  const double at = angle * (spins / kFullTurn);
   const auto below = static_cast<std::uint32_t>(at);  // `spins` where a negative angle was rounded away
   const double share = at - below;
   const Vec3 y = cross(n, laid.x);
   for (std::uint32_t k = 0; k < 2; ++k) {
     const std::uint32_t sample = (below + k) % spins;
-    const double weight = laid.sure * (k == 0 ? 1 - share : share), back = sample * (kTurn / spins);
+    const double weight = laid.sure * (k == 0 ? 1 - share : share), back = sample * (kFullTurn / spins);
     if (weight > 0) use(sample, weight, std::cos(back) * laid.x - std::sin(back) * y);
   }
   if (laid.sure < 1) use(0u, 1 - laid.sure, x0);

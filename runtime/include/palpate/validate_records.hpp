@@ -39,7 +39,7 @@ inline bool check_spins(const View& v, Fault& fault) {
       several = several || spins > 1;
       for (std::uint32_t k = 1; k < spins; ++k) {
         if (v.spins[first + k] != 0) return fault.say("SPINS: vertex %: belongs to the one before", first + k);
-        if (!is_spin(v.tool_vertices[first], v.tool_vertices[first + k], 6.283185307179586 * k / spins)) {
+        if (!is_spin(v.tool_vertices[first], v.tool_vertices[first + k], kFullTurn * k / spins)) {
           return fault.say("SPINS: vertex %: is not vertex % turned about its normal", first + k, first);
         }
       }
