@@ -201,10 +201,15 @@ public:
 
   /// f_z - F (N).
   [[nodiscard]] double coupling(const AtDepth& d, const Vec2& u) const {
+    return coupling(d, u, [&] { return push(d, u); });
+  }
+  /// The same for a caller that has T, which it gives by a call where it is needed.
+  template <class Push>
+  [[nodiscard]] double coupling(const AtDepth& d, const Vec2& u, const Push& push) const {
     const double plain = plain_coupling(d, u);
     if (!careful() || (u.x == 0 && u.y == 0)) return plain;
     const double all = loss(d, u);
-    const LeastLoss least = least_loss(d, u, push(d, u));
+    const LeastLoss least = least_loss(d, u, push());
     // Mostly r is a half of |T| h: seen without a root or a division.
     return least.covers(all) ? plain : plain + ratio_ * (all - least.value()) / (2 * d.s);
   }

@@ -119,11 +119,14 @@ public:
     return terms.depth > 0 ? separable_.sideways(terms, deflection, part) : Vec3{};
   }
 
-  /// Adds what a sideways deflection does to the normal force; the limit stays that of the straight push. Of a part of
-  /// the contact: its share, and how many times as much it bears of the straight push's sideways force.
-  void couple(DepthTerms& terms, const Vec3& deflection, double share = 1, double lean = 1) const {
+  /// Adds what a sideways deflection does to the normal force; the limit stays that of the straight push. `across` is the
+  /// whole force across n(c) there. Of a part of the contact: its own of these, its share, and how many times as much it
+  /// bears of the straight push's sideways force.
+  void couple(DepthTerms& terms, const Vec3& deflection, const Vec3& across, double share = 1, double lean = 1) const {
     if constexpr (kCoupled) {
-      if (is_coupled()) terms.normal_force += share * coupling(terms, deflection, lean);
+      if (!is_coupled()) return;
+      terms.normal_force +=
+          share * (lean == 1 ? coupling(terms, deflection, across) : leaning_coupling(terms, deflection, across, lean));
     }
   }
 
@@ -183,17 +186,20 @@ public:
   /// Force of a whole deflection p - c (m, body frame), sticking. Zero where its depth is not positive.
   [[nodiscard]] FieldForce force(const Vec3& deflection) const {
     DepthTerms terms = at_depth(-dot(deflection, normal_));
-    couple(terms, deflection);
     FieldForce result;
-    result.normal = terms.normal_force;
     result.limit = terms.limit;
     result.depth = terms.depth;
     result.beyond = terms.beyond;
     if (!(terms.depth > 0)) return result;
     result.tangential = terms.straight + sideways(terms, tangential(deflection, normal_));
+    couple(terms, deflection, result.tangential);
+    result.normal = terms.normal_force;
     result.force = result.normal * normal_ + result.tangential;
     return result;
   }
+
+  /// The file's responses are of the coupled model.
+  [[nodiscard]] bool is_coupled() const { return kCoupled && view_->coupled_laws != nullptr; }
 
 private:
   /// Calls each(index, tool vertex, weight, x axis) for the responses of a contact, of the first spins.
@@ -232,13 +238,9 @@ private:
     }
   }
 
-  /// The file's responses are of the coupled model.
-  [[nodiscard]] bool is_coupled() const { return kCoupled && view_->coupled_laws != nullptr; }
-
   /// u of a deflection (m).
-  [[nodiscard]] coupled::Vec2 in_basis(const Vec3& deflection) const {
-    return {per_scale_ * dot(deflection, basis_x_), per_scale_ * dot(deflection, basis_y_)};
-  }
+  [[nodiscard]] coupled::Vec2 in_basis(const Vec3& deflection) const { return per_scale_ * in_plane(deflection); }
+  [[nodiscard]] coupled::Vec2 in_plane(const Vec3& v) const { return {dot(v, basis_x_), dot(v, basis_y_)}; }
 
   // What only the coupled model needs stays out of line: inlined into a tick it would slow the others by a tenth.
   [[nodiscard, gnu::noinline]] Vec3 coupled_sideways(const DepthTerms& terms, const Vec3& deflection) const {
@@ -247,10 +249,15 @@ private:
     return -push.x * basis_x_ - push.y * basis_y_;
   }
 
-  [[nodiscard, gnu::noinline]] double coupling(const DepthTerms& terms, const Vec3& deflection, double lean) const {
+  [[nodiscard, gnu::noinline]] double coupling(const DepthTerms& terms, const Vec3& deflection,
+                                               const Vec3& across) const {
     if (!(terms.depth > 0)) return 0;
-    const coupled::Vec2 u = in_basis(deflection);
-    return lean == 1 ? law_.coupling(terms.coupled, u) : law_.coupling(terms.coupled.leaning(lean), u);
+    return law_.coupling(terms.coupled, in_basis(deflection), [&] { return -1 * in_plane(across); });
+  }
+  [[nodiscard, gnu::noinline]] double leaning_coupling(const DepthTerms& terms, const Vec3& deflection,
+                                                       const Vec3& across, double lean) const {
+    if (!(terms.depth > 0)) return 0;
+    return law_.coupling(terms.coupled.leaning(lean), in_basis(deflection), [&] { return -1 * in_plane(across); });
   }
 
   [[gnu::noinline]] void coupled_at(double z, DepthTerms& terms) const {

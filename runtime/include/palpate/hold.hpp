@@ -60,7 +60,7 @@ public:
         return slide(pose, d, slipped(d, terms, core), terms, -dot(pull, way));
       }
       if (!rolled) {
-        couple(terms, d);
+        if (field().is_coupled()) couple(terms, d, core);
         return output(State::stick, pose, q, terms, pull);
       }
       roll_on(pose, d, terms);
@@ -150,11 +150,12 @@ private:
     return slip(field(), terms, slips(Part::core, terms), d.sideways, pull).deflection;
   }
 
-  /// Adds what the sideways deflections do to the normal force.
-  void couple(DepthTerms& terms, const Deflection& d) const {
-    if (!rim_.present()) return field().couple(terms, d.sideways);
-    field().couple(terms, d.sideways, 1 - rim_.share(), rim_.core_limit());
-    field().couple(terms, rim_deflection(d), rim_.share(), rim_.limit());
+  /// Adds what the sideways deflections do to the normal force; `core` is core_force().
+  void couple(DepthTerms& terms, const Deflection& d, const Vec3& core) const {
+    if (!rim_.present()) return field().couple(terms, d.sideways, core);
+    const Vec3 e = rim_deflection(d), rim = rim_.limit() * terms.straight + field().sideways(terms, e);
+    field().couple(terms, d.sideways, core, 1 - rim_.share(), rim_.core_limit());
+    field().couple(terms, e, rim, rim_.share(), rim_.limit());
   }
 
   /// J in the present field.
@@ -244,7 +245,7 @@ private:
     if (size > terms.limit) pull = (terms.limit / size) * pull;
     depth_ = d.depth;
     field().remember(terms);
-    couple(terms, d);
+    if (field().is_coupled()) couple(terms, d, core_force(d, terms));
     return output(State::slide, pose, last_, terms, pull);
   }
 
