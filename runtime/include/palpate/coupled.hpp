@@ -61,6 +61,7 @@ public:
   void clear(const Degrees& degrees, double depth_scale, double sideways_scale) {
     degrees_ = degrees;
     depth_scale_ = depth_scale;
+    per_depth_ = 1 / depth_scale;
     ratio_ = sideways_scale / depth_scale;
     const int all = count(degrees);
     for (int k = 0; k < all; ++k) coefs_[k] = 0;
@@ -131,7 +132,7 @@ public:
 
   /// t of a depth z > 0 (m).
   [[nodiscard]] double abscissa(double z) const {
-    const double share = z / depth_scale_;
+    const double share = z * per_depth_;
     return share < 1 ? std::sqrt(share) : 0.5 * (share + 1);
   }
 
@@ -383,7 +384,7 @@ private:
   }
 
   Degrees degrees_;
-  double depth_scale_ = 1, ratio_ = 1;
+  double depth_scale_ = 1, per_depth_ = 1, ratio_ = 1;
   double coefs_[kMostCoefs] = {};
 };
 

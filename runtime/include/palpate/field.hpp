@@ -185,16 +185,18 @@ public:
 
   /// Force of a whole deflection p - c (m, body frame), sticking. Zero where its depth is not positive.
   [[nodiscard]] FieldForce force(const Vec3& deflection) const {
-    DepthTerms terms = at_depth(-dot(deflection, normal_));
+    if constexpr (kCoupled) {
+      if (is_coupled()) return coupled_force(deflection);
+    }
+    const DepthTerms terms = at_depth(-dot(deflection, normal_));
     FieldForce result;
+    if (!(terms.depth > 0)) return result;
+    result.tangential = terms.straight + sideways(terms, tangential(deflection, normal_));
+    result.normal = terms.normal_force;
+    result.force = result.normal * normal_ + result.tangential;
     result.limit = terms.limit;
     result.depth = terms.depth;
     result.beyond = terms.beyond;
-    if (!(terms.depth > 0)) return result;
-    result.tangential = terms.straight + sideways(terms, tangential(deflection, normal_));
-    couple(terms, deflection, result.tangential);
-    result.normal = terms.normal_force;
-    result.force = result.normal * normal_ + result.tangential;
     return result;
   }
 
@@ -258,6 +260,22 @@ private:
                                                        const Vec3& across, double lean) const {
     if (!(terms.depth > 0)) return 0;
     return law_.coupling(terms.coupled.leaning(lean), in_basis(deflection), [&] { return -1 * in_plane(across); });
+  }
+
+  [[nodiscard, gnu::noinline]] FieldForce coupled_force(const Vec3& deflection) const {
+    FieldForce result;
+    const double depth = -dot(deflection, normal_);
+    if (!(depth > 0)) return result;
+    coupled::AtDepth at;
+    law_.set_at(law_.abscissa(depth), false, at);
+    const coupled::Vec2 u = in_basis(deflection), push = law_.push(at, u);
+    result.tangential = -push.x * basis_x_ - push.y * basis_y_;
+    result.normal = at.push + law_.coupling(at, u, [&] { return push; });
+    result.force = result.normal * normal_ + result.tangential;
+    result.limit = at.limit * at.push;
+    result.depth = depth;
+    result.beyond = depth > limit_ * kLimitSlack;
+    return result;
   }
 
   [[gnu::noinline]] void coupled_at(double z, DepthTerms& terms) const {
