@@ -41,17 +41,6 @@ struct AtDepth {
   Energy energy;  ///< V (N)
   Sym2 coupling;  ///< A / (2 s) (N)
   Energy rate;    ///< V' = dV/dt; only where it is needed: g, C or Q are there, or an anchor moves
-
-  /// Of a part of the contact, with g times `share`.
-  [[nodiscard]] AtDepth leaning(double share) const {
-    AtDepth d = *this;
-    d.lean(share);
-    return d;
-  }
-  void lean(double share) {
-    straight = share * straight;
-    slope = share * slope;
-  }
 };
 
 /// A response whose coefficients are blended, ready to be evaluated. Fixed size.
@@ -196,18 +185,19 @@ public:
   [[nodiscard]] Vec2 push(const AtDepth& d, const Vec2& u) const { return d.straight + d.energy.gradient(u, order()); }
 
   /// f_z - F (N), without the term that only the anchor rule's loss asks for: linear in the coefficients.
-  [[nodiscard]] double plain_coupling(const AtDepth& d, const Vec2& u) const {
-    return ratio_ * (dot(d.slope, u) + 0.5 * dot(u, times(d.coupling, u)));
+  [[nodiscard]] double plain_coupling(const AtDepth& d, const Vec2& u, double lean = 1) const {
+    return ratio_ * (lean * dot(d.slope, u) + 0.5 * dot(u, times(d.coupling, u)));
   }
 
   /// f_z - F (N).
   [[nodiscard]] double coupling(const AtDepth& d, const Vec2& u) const {
     return coupling(d, u, [&] { return push(d, u); });
   }
-  /// The same for a caller that has T, which it gives by a call where it is needed.
+  /// The same for a caller that has T, which it gives by a call where it is needed. Of a part of the contact that bears
+  /// `lean` times the straight push's sideways force.
   template <class Push>
-  [[nodiscard]] double coupling(const AtDepth& d, const Vec2& u, const Push& push) const {
-    const double plain = plain_coupling(d, u);
+  [[nodiscard]] double coupling(const AtDepth& d, const Vec2& u, const Push& push, double lean = 1) const {
+    const double plain = plain_coupling(d, u, lean);
     if (!careful() || (u.x == 0 && u.y == 0)) return plain;
     const double all = loss(d, u);
     const LeastLoss least = least_loss(d, u, push());
@@ -240,7 +230,7 @@ public:
 
   /// The same for a caller that has everything at t0 and t1. In one step where the rule's own loss covers what is owed,
   /// else in steps of kStep t0, kMostSteps of them at most. Of a part of the contact that bears `lean` times the
-  /// straight push's sideways force, as `from` and `to` must then (AtDepth::leaning).
+  /// straight push's sideways force.
   [[nodiscard]] Vec2 deepen(double t0, const AtDepth& from, double t1, const AtDepth& to, const Vec2& u,
                             double lean = 1) const {
     if (u.x == 0 && u.y == 0) return u;
@@ -250,21 +240,18 @@ public:
     const double wanted = (t1 - t0) / (kStep * t0);
     const int steps = wanted < kMostSteps ? 1 + static_cast<int>(wanted) : kMostSteps;
     const double step = (t1 - t0) / steps;
-    Anchor last{u, load_at(from, u)};
+    Anchor last{u, load_at(from, u, lean)};
     if (steps > 1 && settled(from, last)) {
-      const Anchor end = held(from, to, last);
+      const Anchor end = held(from, to, last, lean);
       if (!(missing(t1 - t0, last, end) > 0) && settled(to, end)) return end.u;
     }
     AtDepth between[2];
     const AtDepth* before = &from;
     for (int k = 1; k <= steps; ++k) {
-      if (k < steps) {
-        set_at(t0 + k * step, true, between[k % 2]);
-        between[k % 2].lean(lean);
-      }
+      if (k < steps) set_at(t0 + k * step, true, between[k % 2]);
       const AtDepth& d = k < steps ? between[k % 2] : to;
-      Anchor next = held(*before, d, last);
-      give_way(d, step, last, next);
+      Anchor next = held(*before, d, last, lean);
+      give_way(d, step, last, next, lean);
       last = next;
       before = &d;
     }
@@ -303,12 +290,13 @@ private:
     Load load;
   };
 
-  [[nodiscard]] Load load_at(const AtDepth& d, const Vec2& u) const {
-    const Vec2 force = push(d, u);
+  [[nodiscard]] Load load_at(const AtDepth& d, const Vec2& u, double lean) const {
+    const Vec2 force = lean * d.straight + d.energy.gradient(u, order());
     const double all = loss(d, u);
     const LeastLoss least = least_loss(d, u, force);
     const double more = least.covers(all) ? 0 : all - least.value();
-    return {force, energy(d, u), d.s * (2 * dot(d.slope, u) + dot(u, times(d.coupling, u))) + more, all - more};
+    const double power = d.s * (2 * lean * dot(d.slope, u) + dot(u, times(d.coupling, u))) + more;
+    return {force, lean * dot(d.straight, u) + d.energy.value(u, order()), power, all - more};
   }
 
   /// The rule's own loss covers what is owed here.
@@ -317,12 +305,12 @@ private:
   }
 
   /// The anchor at another depth such that T - g stays.
-  [[nodiscard]] Anchor held(const AtDepth& from, const AtDepth& to, Anchor a) const {
-    const Vec2 force = a.load.force - from.straight;
+  [[nodiscard]] Anchor held(const AtDepth& from, const AtDepth& to, Anchor a, double lean) const {
+    const Vec2 force = a.load.force - lean * from.straight;
     for (int round = 0; round < 2; ++round) {
       a.u = a.u - solve(to.energy.hessian(a.u, order()), to.energy.gradient(a.u, order()) - force);
     }
-    a.load = load_at(to, a.u);
+    a.load = load_at(to, a.u, lean);
     return a;
   }
 
@@ -332,7 +320,7 @@ private:
   }
 
   /// Moves the anchor on until none is, along the mean of T, which errs by the step's square only.
-  void give_way(const AtDepth& d, double step, const Anchor& from, Anchor& to) const {
+  void give_way(const AtDepth& d, double step, const Anchor& from, Anchor& to, double lean) const {
     for (int round = 0; round < 3; ++round) {
       const double lacks = missing(step, from, to), size = dot(to.load.force, to.load.force);
       if (!(lacks > 0 && size > 0)) return;
@@ -342,7 +330,7 @@ private:
       const double slope = dot(along, to.load.force), bend = dot(along, times(d.energy.square, along));
       const double rest = slope * slope - 2 * bend * lacks;
       to.u = to.u - (rest > 0 ? 2 * lacks / (slope + std::sqrt(rest)) : slope / bend) * along;
-      to.load = load_at(d, to.u);
+      to.load = load_at(d, to.u, lean);
     }
   }
 

@@ -124,9 +124,7 @@ public:
   /// bears of the straight push's sideways force.
   void couple(DepthTerms& terms, const Vec3& deflection, const Vec3& across, double share = 1, double lean = 1) const {
     if constexpr (kCoupled) {
-      if (!is_coupled()) return;
-      terms.normal_force +=
-          share * (lean == 1 ? coupling(terms, deflection, across) : leaning_coupling(terms, deflection, across, lean));
+      if (is_coupled()) terms.normal_force += share * coupling(terms, deflection, across, lean);
     }
   }
 
@@ -148,9 +146,7 @@ public:
           law_.set_at(t0, true, known_.terms);
         }
         const coupled::Vec2 held = in_basis(deflection);
-        const coupled::AtDepth &from = known_.terms, &to = at_z1.coupled;
-        const coupled::Vec2 u = lean == 1 ? law_.deepen(t0, from, t1, to, held)
-                                          : law_.deepen(t0, from.leaning(lean), t1, to.leaning(lean), held, lean);
+        const coupled::Vec2 u = law_.deepen(t0, known_.terms, t1, at_z1.coupled, held, lean);
         return view_->meta->sideways_scale * (u.x * basis_x_ + u.y * basis_y_);
       }
     }
@@ -251,15 +247,11 @@ private:
     return -push.x * basis_x_ - push.y * basis_y_;
   }
 
-  [[nodiscard, gnu::noinline]] double coupling(const DepthTerms& terms, const Vec3& deflection,
-                                               const Vec3& across) const {
+  [[nodiscard, gnu::noinline]] double coupling(const DepthTerms& terms, const Vec3& deflection, const Vec3& across,
+                                               double lean) const {
     if (!(terms.depth > 0)) return 0;
-    return law_.coupling(terms.coupled, in_basis(deflection), [&] { return -1 * in_plane(across); });
-  }
-  [[nodiscard, gnu::noinline]] double leaning_coupling(const DepthTerms& terms, const Vec3& deflection,
-                                                       const Vec3& across, double lean) const {
-    if (!(terms.depth > 0)) return 0;
-    return law_.coupling(terms.coupled.leaning(lean), in_basis(deflection), [&] { return -1 * in_plane(across); });
+    const auto push = [&] { return -1 * in_plane(across); };
+    return law_.coupling(terms.coupled, in_basis(deflection), push, lean);
   }
 
   [[nodiscard, gnu::noinline]] FieldForce coupled_force(const Vec3& deflection) const {
