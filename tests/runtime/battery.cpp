@@ -270,9 +270,9 @@ std::string broken_promise(const BatteryCase& c, const BatteryResult& r) {
   const bool fast = c.motion == Motion::fast;
   if (r.broken > 0) return "a force that is not finite, or without depth, or a fault at a good pose";
   if (r.force > 1.2) return "a force beyond what the stiffest place answers with";
-  if (r.step > (fast ? (c.driver == Driver::animated ? 6 : 2.5) : 2))
-    return "a force that changed by more than its bound a metre";
-  if (r.begin > (fast ? 0.25 : 5e-3)) return "a contact that began or ended with a force";
+  if (r.step > (fast ? 2.5 : 2)) return "a force that changed by more than its bound a metre";
+  if (r.begin > (fast && c.driver == Driver::animated ? 0.25 : 5e-3))
+    return "a contact that began or ended with a force";
   if (r.gain > 0.03) return "a contact that gave back more than it took";
   if (r.drag > 1e-3) return "a friction that drove";
   return {};

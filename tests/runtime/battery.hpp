@@ -54,9 +54,10 @@ struct BatteryResult {
 
 /// The bounds that every result is held to; empty, or which of them does not hold. Per metre that the tool's skin
 /// (against the surface) and c move (where the body is animated, in the tick before, too), the force changes by at most
-/// twice the stiffness, six times in fast motions. A contact begins and ends with less than 0.5 % of stiffness * depth
-/// scale; in fast motions c may leave over an edge with a quarter of it. A contact gives back at most 3 % of what went
-/// through it more than it took: the error of the sum at sharp corners, a tenth of a per cent elsewhere.
+/// twice the stiffness, two and a half times in fast motions. A contact begins and ends with less than 0.5 % of
+/// stiffness * depth scale, in fast motions of a body that is animated with a quarter of it. A contact gives back at
+/// most 3 % of what went through it more than it took: the error of the sum at sharp corners, a tenth of a per cent
+/// elsewhere.
 std::string broken_promise(const BatteryCase& c, const BatteryResult& result);
 
 /// Newtons a metre that no push of the tool, straight or sideways, exceeds within the depth scale; a tenth of margin.

@@ -54,6 +54,19 @@ TEST(Battery, ACornerThatHoldsAContactTurnsNoForceRound) {
   EXPECT_EQ(broken_promise(c, r), "") << r.step;
 }
 
+// A ball rolls over the edge of a body that swells and turns, to where the surface that c would go to is not touched: 4
+// N must not end there at once.
+TEST(Battery, AContactThatIsDrawnOffTheBodyLetsGoAsTheToolMoves) {
+  const runtime::MappedFile bytes(PALPATE_GOLDENS "/coupled_2.palp");
+  const runtime::OpenResult opened = runtime::View::open(bytes.data(), bytes.size());
+  ASSERT_TRUE(opened) << opened.error;
+  const BatteryCase c{Motion::fast, Driver::animated, 0, 39000, 1, 0.25};
+  const BatteryResult r = run_battery(opened.view, c);
+  EXPECT_EQ(broken_promise(c, r), "");
+  EXPECT_LT(r.begin, 5e-3);
+  EXPECT_GT(r.force, 0.5);  // it pressed hard
+}
+
 TEST(Battery, SameBitsEveryRun) {
   Options options;
   options.coupled = 4;

@@ -25,8 +25,8 @@ struct Sym2 {
 inline Vec2 times(const Sym2& k, const Vec2& u) {
   return {(k.m + k.x) * u.x + k.y * u.y, k.y * u.x + (k.m - k.x) * u.y};
 }
-/// k^-1 b, k positive, as a vector and the number >= 0 that it is to be divided by; where k resists along one line only,
-/// as good as, what lies on that line (k is 2 m v v then).
+/// k^-1 b, k positive, as a vector and the number >= 0 that it is to be divided by; where k resists along one line
+/// only, as good as, what lies on that line (k is 2 m v v then).
 struct Quotient {
   Vec2 of;
   double by;

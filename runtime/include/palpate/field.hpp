@@ -119,9 +119,9 @@ public:
     return terms.depth > 0 ? separable_.sideways(terms, deflection, part) : Vec3{};
   }
 
-  /// Adds what a sideways deflection does to the normal force; the limit stays that of the straight push. `across` is the
-  /// whole force across n(c) there. Of a part of the contact: its own of these, its share, and how many times as much it
-  /// bears of the straight push's sideways force.
+  /// Adds what a sideways deflection does to the normal force; the limit stays that of the straight push. `across` is
+  /// the whole force across n(c) there. Of a part of the contact: its own of these, its share, and how many times as
+  /// much it bears of the straight push's sideways force.
   void couple(DepthTerms& terms, const Vec3& deflection, const Vec3& across, double share = 1, double lean = 1) const {
     if constexpr (kCoupled) {
       if (is_coupled()) terms.normal_force += share * coupling(terms, deflection, across, lean);

@@ -53,11 +53,11 @@ public:
       if (!(d.depth > 0)) return release(d);
       if (friction) deepen(d, terms);
       if (account_.owed() > 0 && !pay(d, terms)) return release(d);
-      if (!kFriction || !friction) return slide(pose, d, {}, terms, 0);
+      if (!kFriction || !friction) return slide(pose, d, {}, terms, way, 0);
       const Vec3 core = straight_of_core(terms) + field().sideways(terms, d.sideways);
       const Vec3 pull = rim_.present() ? with_rim_alone(core, d, terms) : core;
       if (length(core) > rim_.core_limit() * terms.limit * (1 + 1e-9)) {
-        return slide(pose, d, slipped(d, terms, core), terms, -dot(pull, way));
+        return slide(pose, d, slipped(d, terms, core), terms, way, -dot(pull, way));
       }
       if (!rolled) {
         if (field().is_coupled()) couple(terms, d, core);
@@ -221,19 +221,19 @@ private:
   }
 
   /// Moves c over the surface until the core's sideways deflection is `wanted`; the rim's anchor stays where it is. In
-  /// this tick the hand did the work `rubbed` (J) against the sideways force.
-  Tick slide(const Pose& pose, Deflection d, const Vec3& wanted, DepthTerms& terms, double rubbed) {
+  /// this tick the tool went `way` (m), and the hand did the work `rubbed` (J) against the sideways force.
+  Tick slide(const Pose& pose, Deflection d, const Vec3& wanted, DepthTerms& terms, const Vec3& way, double rubbed) {
     Vec3 pull;
     // c rests while the tool moves along n(c): 0.1 nm on a contact of 10 mm.
     if (length(d.sideways - wanted) > 1e-8 * rest_.size()) {
       const double held = stored(terms, d);
       const Vec3 rim = rim_deflection(d);
-      rest_.follow(pose, last_, wanted, terms.normal_force);
+      const bool went = rest_.follow(pose, last_, wanted, terms.normal_force, length(way));
       d = rest_.deflection(last_);
       if (!(d.depth > 0)) return release(d);
       rim_.leave(d.sideways, rim);
       field().set_depth(d.depth, terms);
-      pull = give_way(d, terms);
+      pull = give_way(d, terms, went);
       if (replaced(held, rubbed, d, terms)) {
         if (!(d.depth > 0)) return release(d);
         pull = force_at_rest(d, terms);
@@ -249,12 +249,13 @@ private:
     return output(State::slide, pose, last_, terms, pull);
   }
 
-  /// Where a new place holds clearly less than friction held at the old one, the rest gives way without c. Returns the
-  /// sideways force.
-  Vec3 give_way(Deflection& d, const DepthTerms& terms) {
+  /// Where a new place holds clearly less than friction held at the old one, the rest gives way without c; where c
+  /// stayed all of it, for nothing else does. Returns the sideways force.
+  Vec3 give_way(Deflection& d, const DepthTerms& terms, bool went) {
     Vec3 core = core_force(d, terms);
     if constexpr (kFriction) {
-      if (length(core) > rim_.core_limit() * terms.limit * 1.001) {
+      const double most = rim_.core_limit() * terms.limit * (went ? 1.001 : 1 + 1e-9);
+      for (int turn = 0; turn < 8 && length(core) > most; ++turn) {  // once, but after a leap
         const Vec3 rim = rim_deflection(d);
         rest_.leave(d, slipped(d, terms, core));
         rim_.leave(d.sideways, rim);

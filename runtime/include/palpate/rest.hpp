@@ -79,14 +79,25 @@ public:
     d.sideways = kept;
   }
 
-  /// Moves c over the surface until the tool at q is deflected by `sideways` (m) from it.
-  void follow(const Pose& pose, const Vec3& q, const Vec3& sideways, double force) {
+  /// Moves c over the surface until the tool at q, which went `moved` (m), is deflected by `sideways` (m) from it.
+  /// False where c stays, for the tool is off the body wherever it would go, as beyond the lip of a fold: to end there
+  /// would drop the force at once, so the contact lets go as the tool moves.
+  bool follow(const Pose& pose, const Vec3& q, const Vec3& sideways, double force, double moved) {
     anchored_ = rolled_ = {};
     const Projection found = foot(q, sideways);
-    if (found.residual > 0.1 * size() && hand_over(pose, q, force)) return;
-    place(found, pose);
+    if (found.residual > 0.1 * size() && hand_over(pose, q, force)) return true;
+    const double before = deflection(q).depth, there = overlap(found, q);
+    const bool goes = there > 0;
+    if (goes) {
+      place(found, pose);
+      // What is subtracted is that of the old place: the tool touches here as well.
+      if (!(there > subtracted_)) subtracted_ = std::fmax(0, there - before);
+    } else {
+      subtract(moved);
+    }
     // What c could not follow, as at a corner, the anchor does: the force would turn round at once.
-    if (!found.converged) anchored_ = deflection(q).sideways - tangential(sideways, found.normal);
+    if (!goes || !found.converged) anchored_ = deflection(q).sideways - tangential(sideways, field_.normal());
+    return goes;
   }
 
   /// The tool turned since this was asked last, and its skin is round.
@@ -135,7 +146,7 @@ public:
     if (std::fabs(there.z - anchor_.z) > 1e-9 * probe_) {
       const Vec3 q = pose.apply(there);
       const Projection to = foot(q, d.sideways);
-      const double gained = probe_ - dot(q - to.point, to.normal) - subtracted_ - d.depth;
+      const double gained = overlap(to, q) - subtracted_ - d.depth;
       if (to.converged && gained >= 0) {
         anchor_ = there;
         subtract(gained);
@@ -159,6 +170,11 @@ private:
   /// Where c rests when the tool at q is to be deflected by `sideways` from the anchor.
   [[nodiscard]] Projection foot(const Vec3& q, const Vec3& sideways) const {
     return project(*view_, at_, q - offset_ - anchored_ - sideways);
+  }
+
+  /// m, of the skin at q with the body at a point of its surface.
+  [[nodiscard]] double overlap(const Projection& there, const Vec3& q) const {
+    return probe_ - dot(q - there.point, there.normal);
   }
 
   /// Rests the contact at a point of the surface and blends its responses.
@@ -216,17 +232,18 @@ private:
     const Location nearest = locate<kFeatures>(*view_, q);
     const Projection found = project(*view_, nearest.at, q);
     // Decided before anything changes: a contact that stays must not lose depth tick by tick.
-    if (!found.converged || found.at.triangle == at_.triangle) return false;
+    const double there = overlap(found, q);
+    if (!found.converged || found.at.triangle == at_.triangle || !(there > 0)) return false;
     place(found, pose);
     offset_ = {};
-    const double depth = std::fmax(0, deflection(q).depth);
-    if (field_.at_depth(depth).normal_force > force) {
-      double low = 0, high = depth;
+    subtracted_ = 0;
+    if (field_.at_depth(there).normal_force > force) {
+      double low = 0, high = there;
       for (int i = 0; i < 40; ++i) {
         const double middle = 0.5 * (low + high);
         (field_.at_depth(middle).normal_force > force ? high : low) = middle;
       }
-      subtract(depth - low);
+      subtract(there - low);
     }
     return true;
   }
