@@ -9,6 +9,8 @@
 #include "precompute/solve/pair_run.hpp"
 #include "precompute/solve/sample_difference.hpp"
 
+#include <cstdio>
+
 namespace palpate {
 namespace {
 
@@ -18,6 +20,7 @@ const Body& stress_free(const Body& body) { return body.stress_free ? *body.stre
 struct Attempt {
   PairResult result;
   bool contact_failed = false;  // see PairRun
+  double lost = 0.0;            // see PairOptions
 };
 
 // `last`: no finer mesh is to come, and a sideways push keeps what it answered before it failed.
@@ -39,6 +42,7 @@ Attempt attempt(const Body& body, const Tool& tool, const ToolVertex& vertex, co
     }
     made.contact_failed = run.contact_failed;
     result.outcome.factorisations = push.factorisations();
+    made.lost = static_cast<double>(mesh.nodes.size()) * push.lost_factorisations();
   } catch (const Error& e) {
     result.samples.clear();
     result.outcome.cause = e.what();
@@ -100,10 +104,12 @@ PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vert
   PairResult result;
   std::string causes;
   bool contact_failed = false;
+  double lost = 0.0;
   const auto solve = [&](const TetMesh& mesh, const PairOptions& with, double scale, bool last) {
     Attempt made = attempt(body, tool, vertex, frame, path, with, mesh, last);
     result = std::move(made.result);
     contact_failed = made.contact_failed;
+    lost += made.lost;
     if (!result.outcome.accepted || !options.check) return;
     PairOptions here = with;
     here.refine *= scale;
@@ -129,16 +135,24 @@ PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vert
     }
     if (result.outcome.accepted) break;
     add_cause(causes, "finer", result.outcome.cause);
+    if (lost > options.most_lost) break;
   }
   for (const Rung& rung : kLastRungs) {
-    if (!contact_failed || options.method != ContactMethod::penalty) break;
+    if (!contact_failed || options.method != ContactMethod::penalty || lost > options.most_lost) break;
     PairOptions with = options;
     with.method = rung.method;
     with.penalty *= rung.penalty;
     solve(mesh.mesh, with, 0.6, true);
     if (!result.outcome.accepted) add_cause(causes, rung.name, result.outcome.cause);
   }
-  if (!result.outcome.accepted) result.outcome.cause = causes;
+  if (!result.outcome.accepted) {
+    if (lost > options.most_lost) {
+      char text[80];
+      std::snprintf(text, sizeof text, "%.3g nodes times factorisations without an equilibrium", lost);
+      add_cause(causes, "given up", text);
+    }
+    result.outcome.cause = causes;
+  }
   // Samples leave only with a pair that passed: a journal never holds points of an abandoned attempt.
   if (sink) {
     for (const Sample& s : result.samples) sink(s);

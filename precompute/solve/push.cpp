@@ -129,6 +129,7 @@ StepResult Push::step(const Vector3d& target, double contact_radius, double work
   MinimiserOptions rough = options;
   rough.energy_tolerance *= kRoughEnergy;
   rough.residual_tolerance *= kRoughResidual;
+  const std::uint32_t factorisations_before = factorisations_;
   bool settling = sticking;
   for (int round = 0; round < kRounds; ++round) {
     const MinimiserResult m = minimiser_.minimise(*this, x, settling ? rough : options);
@@ -146,6 +147,7 @@ StepResult Push::step(const Vector3d& target, double contact_radius, double work
     result.cause = "contact points keep letting go";
   }
   if (!result.converged) {
+    lost_factorisations_ += factorisations_ - factorisations_before;
     restore(before);
     minimiser_.drop_factor();
     return result;

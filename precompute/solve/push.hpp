@@ -72,6 +72,8 @@ public:
   [[nodiscard]] double elastic_energy() const { return body_.value(state_.x) - settled_energy_; }
   [[nodiscard]] double min_jacobian() const { return body_.min_jacobian(state_.x); }
   [[nodiscard]] std::uint32_t factorisations() const { return factorisations_; }
+  /// Of these, in steps that found no equilibrium.
+  [[nodiscard]] std::uint32_t lost_factorisations() const { return lost_factorisations_; }
   [[nodiscard]] const std::vector<char>& fixed() const { return body_.fixed(); }  ///< per node
   [[nodiscard]] bool held_anywhere() const { return body_.held_anywhere(); }
   /// Smallest signed distance of the surface, before any contact, to the tool at a translation (m).
@@ -102,7 +104,7 @@ private:
   Eigen::Vector3d previous_translation_{0, 0, 0};
   bool can_extrapolate_ = false;
   double load_floor_ = 0.0;  // N
-  std::uint32_t factorisations_ = 0;
+  std::uint32_t factorisations_ = 0, lost_factorisations_ = 0;
 };
 
 }  // namespace palpate

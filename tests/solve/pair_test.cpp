@@ -202,6 +202,25 @@ TEST_F(Pair, AToolThatCannotReachIsRefusedByName) {
   EXPECT_NE(r.outcome.cause.find("first touch"), std::string::npos) << r.outcome.cause;
 }
 
+// What no attempt comes to an end with must not go on for a quarter of an hour: in two steps twice its radius deep into
+// rubber, a sphere finds no equilibrium and is not tried in five more ways.
+TEST_F(Pair, WhatLosesTooMuchIsGivenUp) {
+  body = test::block_body(0.03, 5e3, 0.4999);
+  scene.solver.mesh_size = 1.0;
+  sphere.radius = 0.005;
+  const Tool tool = make_tool(sphere);
+  PairOptions options = pair_options(scene);
+  options.most_lost = 1.0;
+  PairPath path;
+  path.normal_depths = {0.0025, 0.01};
+  const PairResult r = solve_pair(body, tool, tool.vertices[0], ContactFrame{}, path, options);
+  EXPECT_FALSE(r.outcome.accepted);
+  EXPECT_NE(r.outcome.cause.find("no convergence"), std::string::npos) << r.outcome.cause;
+  EXPECT_NE(r.outcome.cause.find("; given up"), std::string::npos) << r.outcome.cause;
+  EXPECT_EQ(r.outcome.cause.find("finer"), std::string::npos) << r.outcome.cause;
+  EXPECT_TRUE(r.samples.empty());
+}
+
 // A curve that only its deepest points resolve is no curve: a finer mesh is tried, then the pair is refused.
 TEST_F(Pair, TooFewResolvedDepthsAreRefusedByName) {
   PairPath path;
