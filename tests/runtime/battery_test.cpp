@@ -44,25 +44,24 @@ TEST(Battery, EveryGoldenFileKeepsThePromises) {
   EXPECT_GT(ticks, 150000U);
 }
 
+BatteryResult run_golden(const char* file, const BatteryCase& c) {
+  const runtime::MappedFile bytes((PALPATE_GOLDENS + std::string("/") + file).c_str());
+  const runtime::OpenResult opened = runtime::View::open(bytes.data(), bytes.size());
+  EXPECT_TRUE(opened) << opened.error;
+  const BatteryResult r = opened ? run_battery(opened.view, c) : BatteryResult{};
+  EXPECT_EQ(broken_promise(c, r), "") << "step " << r.step;
+  return r;
+}
+
 // A rod behind old searches is held at a corner that its c cannot leave: what friction bears must not turn round there.
 TEST(Battery, ACornerThatHoldsAContactTurnsNoForceRound) {
-  const runtime::MappedFile bytes(PALPATE_GOLDENS "/grasp.palp");
-  const runtime::OpenResult opened = runtime::View::open(bytes.data(), bytes.size());
-  ASSERT_TRUE(opened) << opened.error;
-  const BatteryCase c{Motion::fast, Driver::late, 1, 22000, 2, 0.25};
-  const BatteryResult r = run_battery(opened.view, c);
-  EXPECT_EQ(broken_promise(c, r), "") << r.step;
+  EXPECT_GT(run_golden("grasp.palp", {Motion::fast, Driver::late, 1, 22000, 2, 0.25}).touching, 5000U);
 }
 
 // A ball rolls over the edge of a body that swells and turns, to where the surface that c would go to is not touched: 4
 // N must not end there at once.
 TEST(Battery, AContactThatIsDrawnOffTheBodyLetsGoAsTheToolMoves) {
-  const runtime::MappedFile bytes(PALPATE_GOLDENS "/coupled_2.palp");
-  const runtime::OpenResult opened = runtime::View::open(bytes.data(), bytes.size());
-  ASSERT_TRUE(opened) << opened.error;
-  const BatteryCase c{Motion::fast, Driver::animated, 0, 39000, 1, 0.25};
-  const BatteryResult r = run_battery(opened.view, c);
-  EXPECT_EQ(broken_promise(c, r), "");
+  const BatteryResult r = run_golden("coupled_2.palp", {Motion::fast, Driver::animated, 0, 39000, 1, 0.25});
   EXPECT_LT(r.begin, 5e-3);
   EXPECT_GT(r.force, 0.5);  // it pressed hard
 }
