@@ -105,6 +105,7 @@ PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vert
   std::string causes;
   bool contact_failed = false;
   double lost = 0.0;
+  const auto lost_too_much = [&] { return lost > options.most_lost; };
   const auto solve = [&](const TetMesh& mesh, const PairOptions& with, double scale, bool last) {
     Attempt made = attempt(body, tool, vertex, frame, path, with, mesh, last);
     result = std::move(made.result);
@@ -135,10 +136,10 @@ PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vert
     }
     if (result.outcome.accepted) break;
     add_cause(causes, "finer", result.outcome.cause);
-    if (lost > options.most_lost) break;
+    if (lost_too_much()) break;
   }
   for (const Rung& rung : kLastRungs) {
-    if (!contact_failed || options.method != ContactMethod::penalty || lost > options.most_lost) break;
+    if (!contact_failed || options.method != ContactMethod::penalty || lost_too_much()) break;
     PairOptions with = options;
     with.method = rung.method;
     with.penalty *= rung.penalty;
@@ -146,7 +147,7 @@ PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vert
     if (!result.outcome.accepted) add_cause(causes, rung.name, result.outcome.cause);
   }
   if (!result.outcome.accepted) {
-    if (lost > options.most_lost) {
+    if (lost_too_much()) {
       char text[80];
       std::snprintf(text, sizeof text, "%.3g nodes times factorisations without an equilibrium", lost);
       add_cause(causes, "given up", text);

@@ -269,7 +269,7 @@ private:
   }
   /// |T| h.
   struct LeastLoss {
-    double square, by;  // of it, times by
+    double square, by;  // (|T| h by)^2, and what to divide by (> 0)
     [[nodiscard]] bool covers(double loss) const { return !(loss > 0) || loss * by * (loss * by) <= square; }
     [[nodiscard]] double value() const { return std::sqrt(square) / by; }
   };

@@ -25,12 +25,12 @@ struct Sym2 {
 inline Vec2 times(const Sym2& k, const Vec2& u) {
   return {(k.m + k.x) * u.x + k.y * u.y, k.y * u.x + (k.m - k.x) * u.y};
 }
-/// k^-1 b, k positive, as a vector and the number >= 0 that it is to be divided by; where k resists along one line
-/// only, as good as, what lies on that line (k is 2 m v v then).
+/// A vector that is still to be divided.
 struct Quotient {
   Vec2 of;
-  double by;
+  double by;  ///< above 0
 };
+/// k^-1 b, k positive; where k resists along one line only, as good as, what lies on that line (k is 2 m v v then).
 inline Quotient quotient(const Sym2& k, const Vec2& b) {
   const double det = k.m * k.m - k.x * k.x - k.y * k.y;
   if (!(k.m > 0)) return {{}, 1};

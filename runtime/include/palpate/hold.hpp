@@ -113,7 +113,7 @@ private:
     }
     if (length(pull) > rim.limit) {
       // Once, but after a leap: where the force across its line is more than friction holds, it goes on that way.
-      for (int turn = 0; turn < 8 && length(pull) > rim.limit; ++turn) {
+      for (int turn = 0; turn < kMostSlips && length(pull) > rim.limit; ++turn) {
         const Slipped to = slip(field(), terms, rim, e, pull);
         e = to.holds ? to.deflection : d.sideways;
         pull = rim.straight + field().sideways(terms, e, Part::rim);
@@ -255,7 +255,7 @@ private:
     Vec3 core = core_force(d, terms);
     if constexpr (kFriction) {
       const double most = rim_.core_limit() * terms.limit * (went ? 1.001 : 1 + 1e-9);
-      for (int turn = 0; turn < 8 && length(core) > most; ++turn) {  // once, but after a leap
+      for (int turn = 0; turn < kMostSlips && length(core) > most; ++turn) {  // once, but after a leap
         const Vec3 rim = rim_deflection(d);
         rest_.leave(d, slipped(d, terms, core));
         rim_.leave(d.sideways, rim);
@@ -308,6 +308,8 @@ private:
             terms.beyond, rest_.c(),      tool_point,
             rest_.at(),   rest_.on_tool()};
   }
+
+  static constexpr int kMostSlips = 8;  // of one part in a tick
 
   const View* view_;
   bool lasts_ = false, left_ = false;
