@@ -63,7 +63,8 @@ SiteCurves blend_coupled(const ContactFrame& frame, double depth, const std::vec
   }
   SiteCurves result;
   result.depth = std::min(depth, mean_depth / total);
-  result.curves.coupled = Eigen::Map<const Eigen::VectorXd>(law.coefs(), coupled::count(*scales.coupled));
+  result.curves.coupled.resize(coupled::count(*scales.coupled));
+  law.copy(result.curves.coupled.data());
   return result;
 }
 

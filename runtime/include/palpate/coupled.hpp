@@ -2,8 +2,7 @@
 // The coupled response of one contact: energy of the sideways deflection, its part in the normal force, anchor rule.
 #pragma once
 
-#include "palpate/coupled_energy.hpp"
-#include "palpate/coupled_layout.hpp"
+#include "palpate/coupled_rows.hpp"
 
 #include <cmath>
 
@@ -48,76 +47,21 @@ class Law {
 public:
   /// Forgets everything. Depth scale Z and sideways scale X in m.
   void clear(const Degrees& degrees, double depth_scale, double sideways_scale) {
-    degrees_ = degrees;
+    rows_.clear(degrees);
     depth_scale_ = depth_scale;
     per_depth_ = 1 / depth_scale;
     ratio_ = sideways_scale / depth_scale;
-    const int all = count(degrees);
-    for (int k = 0; k < all; ++k) coefs_[k] = 0;
   }
-
-  /// Adds a response's coefficients (count(degrees) of them, in the file's order), `unit` the N of one and `limit_unit`
-  /// that of mu, with a weight; (cosine, sine) of the angle of its x axis in this law's frame.
+  /// As Rows does.
   template <class Scalar>
   void add(const Scalar* coefs, double unit, double limit_unit, double weight, const Vec2& turned = {1, 0}) {
-    const Vec2 second = product(turned, turned), third = product(second, turned), fourth = product(second, second);
-    const double factor = weight * unit;
-    double* to = coefs_;
-    const auto scalars = [&](int n, double f) {
-      for (int k = 0; k < n; ++k) *to++ += f * static_cast<double>(*coefs++);
-    };
-    const auto pair = [&](const Vec2& turn) {
-      const Vec2 h = product({static_cast<double>(coefs[0]), static_cast<double>(coefs[1])}, turn);
-      to[0] += factor * h.x;
-      to[1] += factor * h.y;
-      to += 2;
-      coefs += 2;
-    };
-    scalars(degrees_.push - 1, factor);
-    for (int k = 2; k <= degrees_.straight; ++k) pair(turned);
-    for (int k = 0; k <= degrees_.stiffness + from_square(degrees_.stiffness); ++k) {  // stiffness, then coupling
-      scalars(1, factor);
-      pair(second);
-    }
-    for (int k = 0; degrees_.order > 2 && k <= degrees_.cubic; ++k) {
-      pair(turned);
-      pair(third);
-    }
-    for (int k = 0; degrees_.order > 3 && k <= degrees_.quartic; ++k) {
-      scalars(1, factor);
-      pair(second);
-      pair(fourth);
-    }
-    scalars(degrees_.limit + 1, weight * limit_unit);
+    rows_.add(coefs, unit, limit_unit, weight, turned);
   }
+  void finish() { rows_.finish(); }
+  /// What was added, in the file's order and basis; not after finish().
+  void copy(double* to) const { rows_.copy(to); }
 
-  /// From Bernstein's basis to powers of s, once all responses are added.
-  void finish() {
-    double* at = coefs_;
-    const auto convert = [&](int components, int first, int degree) {
-      for (int k = degree; k >= first; --k) {
-        for (int c = 0; c < components; ++c) {
-          double sum = 0;
-          for (int i = first; i <= k; ++i) {
-            sum += alternating_binomial(k, i) * at[(i - first) * components + c];
-          }
-          at[(k - first) * components + c] = binomial(degree, k) * sum;
-        }
-      }
-      if (degree >= first) at += components * (degree - first + 1);
-    };
-    convert(1, 2, degrees_.push);
-    if (degrees_.straight > 0) convert(2, 2, degrees_.straight);
-    convert(3, 0, degrees_.stiffness);
-    convert(3, 2, degrees_.stiffness);
-    if (degrees_.order > 2) convert(4, 0, degrees_.cubic);
-    if (degrees_.order > 3) convert(5, 0, degrees_.quartic);
-    convert(1, 0, degrees_.limit);
-  }
-
-  [[nodiscard]] const Degrees& degrees() const { return degrees_; }
-  /// count(degrees()) of them; before finish() in the file's basis.
-  [[nodiscard]] const double* coefs() const { return coefs_; }
+  [[nodiscard]] const Degrees& degrees() const { return rows_.degrees(); }
 
   /// t of a depth z > 0 (m).
   [[nodiscard]] double abscissa(double z) const {
@@ -134,51 +78,21 @@ public:
   /// The same in place. What the degrees have not is left as it is.
   void set_at(double t, bool rates, AtDepth& d) const {
     const double s = t < 1 ? t : 1, beyond = t - s;
-    const double* from = coefs_;
-    double value[5], slope[5];
+    const auto sums = rows_.sum(s);
+    const auto part = [&](int column) { return sums.integral(column, s, beyond); };
+    const auto rate = [&](int column) { return sums.rate(column, s); };
+    const auto coupled = [&](int column) { return 0.5 * s * sums.value[column]; };
+    constexpr int kF = Rows::kPush, kG = Rows::kStraight, kK = Rows::kStiffness, kA = Rows::kCoupling;
+    const Vec2 value{sums.value[kG], sums.value[kG + 1]}, rise{sums.rise(kG, s), sums.rise(kG + 1, s)};
     d.s = s;
-    powers<1>(from, degrees_.push - 1, s, value, slope);
-    d.push = s * s * value[0] + beyond * (2 * value[0] + slope[0]);
-    from += degrees_.push - 1;
-    if (degrees_.straight > 0) {
-      powers<2>(from, degrees_.straight - 1, s, value, slope);
-      from += 2 * (degrees_.straight - 1);
-      const Vec2 end{2 * value[0] + s * slope[0], 2 * value[1] + s * slope[1]};  // dg/dt / s
-      d.straight = s * s * Vec2{value[0], value[1]} + beyond * end;
-      d.slope = 0.5 * end;
-    } else {
-      d.straight = d.slope = {0, 0};
-    }
-    const bool more = rates || careful();
-    double* const rate = slope;
-    double* const integral = value;
-    integrate<3>(from, degrees_.stiffness + 1, s, beyond, integral, rate);
-    from += 3 * (degrees_.stiffness + 1);
-    d.energy.square = {integral[0], integral[1], integral[2]};
-    if (more) d.rate.square = {rate[0], rate[1], rate[2]};
-    powers<3>(from, from_square(degrees_.stiffness), s, value, slope);
-    from += 3 * from_square(degrees_.stiffness);
-    d.coupling = {0.5 * s * value[0], 0.5 * s * value[1], 0.5 * s * value[2]};
-    if (degrees_.order > 2) {
-      integrate<4>(from, degrees_.cubic + 1, s, beyond, integral, rate);
-      from += 4 * (degrees_.cubic + 1);
-      d.energy.h1 = {integral[0], integral[1]};
-      d.energy.h3 = {integral[2], integral[3]};
-      d.rate.h1 = {rate[0], rate[1]};
-      d.rate.h3 = {rate[2], rate[3]};
-    }
-    if (degrees_.order > 3) {
-      integrate<5>(from, degrees_.quartic + 1, s, beyond, integral, rate);
-      from += 5 * (degrees_.quartic + 1);
-      d.energy.m = integral[0];
-      d.energy.h2 = {integral[1], integral[2]};
-      d.energy.h4 = {integral[3], integral[4]};
-      d.rate.m = rate[0];
-      d.rate.h2 = {rate[1], rate[2]};
-      d.rate.h4 = {rate[3], rate[4]};
-    }
-    powers<1>(from, degrees_.limit + 1, s, value, slope);
-    d.limit = value[0];
+    d.push = s * s * sums.value[kF] + beyond * sums.rise(kF, s);
+    d.straight = s * s * value + beyond * rise;
+    d.slope = 0.5 * rise;
+    d.energy.square = {part(kK), part(kK + 1), part(kK + 2)};
+    if (rates || careful()) d.rate.square = {rate(kK), rate(kK + 1), rate(kK + 2)};
+    d.coupling = {coupled(kA), coupled(kA + 1), coupled(kA + 2)};
+    d.limit = sums.value[Rows::kLimit];
+    if (order() > 2) set_forms(s, beyond, d);
   }
 
   /// T (N): the hand's sideways push; the force on the tool is -T.
@@ -214,10 +128,10 @@ public:
   [[nodiscard]] double pushed(double t) const {
     const double s = t < 1 ? t : 1, further = 2 * depth_scale_ * (t - s);  // dz = 2 Z s ds, and 2 Z dt beyond
     double sum = 0, value = 0, slope = 0;
-    for (int k = degrees_.push - 2; k >= 0; --k) {
-      sum = sum * s + coefs_[k] / (k + 4);
+    for (int k = degrees().push - 2; k >= 0; --k) {
+      sum = sum * s + rows_.push(k) / (k + 4);
       slope = slope * s + value;
-      value = value * s + coefs_[k];
+      value = value * s + rows_.push(k);
     }
     const double s2 = s * s;
     return 2 * depth_scale_ * s2 * s2 * sum + further * (value + 0.5 * (t - s) * (2 * value + slope));
@@ -259,9 +173,25 @@ public:
   }
 
 private:
-  [[nodiscard]] int order() const { return degrees_.order; }
+  [[nodiscard]] int order() const { return degrees().order; }
   /// The rule's own loss is not known beforehand to cover what is owed.
-  [[nodiscard]] bool careful() const { return degrees_.straight > 0 || degrees_.order > 2; }
+  [[nodiscard]] bool careful() const { return degrees().straight > 0 || order() > 2; }
+
+  /// What is of degree 3 and 4 in u.
+  void set_forms(double s, double beyond, AtDepth& d) const {
+    const auto sums = rows_.sum_more(s);
+    const auto pair = [&](int column) {
+      return Vec2{sums.integral(column, s, beyond), sums.integral(column + 1, s, beyond)};
+    };
+    const auto pair_rate = [&](int column) { return Vec2{sums.rate(column, s), sums.rate(column + 1, s)}; };
+    constexpr int kC = Rows::kCubic, kQ = Rows::kQuartic;
+    d.energy.h1 = pair(kC), d.rate.h1 = pair_rate(kC);
+    d.energy.h3 = pair(kC + 2), d.rate.h3 = pair_rate(kC + 2);
+    if (order() < 4) return;
+    d.energy.m = sums.integral(kQ, s, beyond), d.rate.m = sums.rate(kQ, s);
+    d.energy.h2 = pair(kQ + 1), d.rate.h2 = pair_rate(kQ + 1);
+    d.energy.h4 = pair(kQ + 3), d.rate.h4 = pair_rate(kQ + 3);
+  }
 
   /// r.
   [[nodiscard]] double loss(const AtDepth& d, const Vec2& u) const {
@@ -334,46 +264,8 @@ private:
     }
   }
 
-  /// Sum of c[k] s^k and its derivative, of several polynomials side by side.
-  template <int Components>
-  static void powers(const double* c, int terms, double s, double (&value)[5], double (&slope)[5]) {
-    double sum[Components] = {}, rise[Components] = {};  // in registers
-    for (int k = terms - 1; k >= 0; --k) {
-      for (int i = 0; i < Components; ++i) {
-        rise[i] = rise[i] * s + sum[i];
-        sum[i] = sum[i] * s + c[k * Components + i];
-      }
-    }
-    for (int i = 0; i < Components; ++i) {
-      value[i] = sum[i];
-      slope[i] = rise[i];
-    }
-  }
-
-  /// The same sum, of at least one term, as `rate`, and its integral from 0 to s, continued by `beyond` times its end.
-  template <int Components>
-  static void integrate(const double* c, int terms, double s, double beyond, double* integral, double* rate) {
-    constexpr double kShare[kMaxDegree + 1] = {1, 1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5, 1.0 / 6, 1.0 / 7};
-    double sum[Components], end[Components];  // in registers
-    for (int i = 0; i < Components; ++i) {
-      end[i] = c[(terms - 1) * Components + i];
-      sum[i] = kShare[terms - 1] * end[i];
-    }
-    for (int k = terms - 2; k >= 0; --k) {
-      for (int i = 0; i < Components; ++i) {
-        end[i] = end[i] * s + c[k * Components + i];
-        sum[i] = sum[i] * s + kShare[k] * c[k * Components + i];
-      }
-    }
-    for (int i = 0; i < Components; ++i) {
-      integral[i] = s * sum[i] + beyond * end[i];
-      rate[i] = end[i];
-    }
-  }
-
-  Degrees degrees_;
+  Rows rows_;
   double depth_scale_ = 1, per_depth_ = 1, ratio_ = 1;
-  double coefs_[kMostCoefs] = {};
 };
 
 }  // namespace palpate::coupled

@@ -51,29 +51,11 @@ struct Energy {
 
   [[nodiscard]] double value(const Vec2& u, int order) const {
     const double quadratic = 0.5 * dot(u, times(square, u));
-    if (order < 3) return quadratic;
-    // Beyond |u| = 1 the forms of degree 3 and 4 go on linearly along the ray.
-    const double r2 = dot(u, u);
-    if (!(r2 > 1)) return quadratic + cubic(u) + (order > 3 ? quartic(u) : 0);
-    const double r = std::sqrt(r2);
-    const Vec2 on = (1 / r) * u;
-    return quadratic + (3 * r - 2) * cubic(on) + (order > 3 ? (4 * r - 3) * quartic(on) : 0);
+    return order < 3 ? quadratic : quadratic + forms(u, order);
   }
-
   [[nodiscard]] Vec2 gradient(const Vec2& u, int order) const {
     const Vec2 linear = times(square, u);
-    if (order < 3) return linear;
-    const double r2 = dot(u, u);
-    if (!(r2 > 1)) return linear + cubic_gradient(u) + (order > 3 ? quartic_gradient(u) : Vec2{});
-    const double r = std::sqrt(r2);
-    const Vec2 on = (1 / r) * u;
-    const auto outside = [&](double degree, double form, const Vec2& slope) {
-      const Vec2 radial = degree * form * on;
-      return radial + ((degree * r - degree + 1) / r) * (slope - radial);
-    };
-    Vec2 sum = linear + outside(3, cubic(on), cubic_gradient(on));
-    if (order > 3) sum = sum + outside(4, quartic(on), quartic_gradient(on));
-    return sum;
+    return order < 3 ? linear : linear + forms_gradient(u, order);
   }
 
   /// Of all forms inside |u| <= 1, of the square alone outside.
@@ -105,6 +87,27 @@ struct Energy {
   }
 
 private:
+  /// Those of degree 3 and 4, which beyond |u| = 1 go on linearly along the ray. Out of line: most files have none.
+  [[nodiscard, gnu::noinline]] double forms(const Vec2& u, int order) const {
+    const double r2 = dot(u, u);
+    if (!(r2 > 1)) return cubic(u) + (order > 3 ? quartic(u) : 0);
+    const double r = std::sqrt(r2);
+    const Vec2 on = (1 / r) * u;
+    return (3 * r - 2) * cubic(on) + (order > 3 ? (4 * r - 3) * quartic(on) : 0);
+  }
+  [[nodiscard, gnu::noinline]] Vec2 forms_gradient(const Vec2& u, int order) const {
+    const double r2 = dot(u, u);
+    if (!(r2 > 1)) return order > 3 ? cubic_gradient(u) + quartic_gradient(u) : cubic_gradient(u);
+    const double r = std::sqrt(r2);
+    const Vec2 on = (1 / r) * u;
+    const auto outside = [&](double degree, double form, const Vec2& slope) {
+      const Vec2 radial = degree * form * on;
+      return radial + ((degree * r - degree + 1) / r) * (slope - radial);
+    };
+    const Vec2 sum = outside(3, cubic(on), cubic_gradient(on));
+    return order > 3 ? sum + outside(4, quartic(on), quartic_gradient(on)) : sum;
+  }
+
   [[nodiscard]] double cubic(const Vec2& u) const {
     return dot(h1, u) * dot(u, u) + dot(h3, product(u, product(u, u)));
   }
