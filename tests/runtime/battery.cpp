@@ -117,12 +117,16 @@ public:
   /// n(c) in the world.
   [[nodiscard]] Vec3 normal() const {
     if (animation_) return animation_->contact.frame().rotate(animation_->contact.contact().field().normal());
-    return (adjusted_ ? adjusted_->contact() : contact_).field().normal();
+    return contact().field().normal();
   }
+  /// J that the account of the contact took so far.
+  [[nodiscard]] double lost() const { return animation_ ? animation_->contact.contact().lost() : contact().lost(); }
   /// How the surface at the last tick's c moved in this tick.
   [[nodiscard]] Pose surface_motion() const { return animation_ ? animation_->moved : Pose{}; }
 
 private:
+  [[nodiscard]] const runtime::Contact& contact() const { return adjusted_ ? adjusted_->contact() : contact_; }
+
   const View& view_;
   BatteryCase case_;
   Random random_;
@@ -152,6 +156,8 @@ void BatteryResult::add(const BatteryResult& o) {
   gain = std::max(gain, o.gain);
   gained += o.gained;
   gross += o.gross;
+  acting += o.acting;
+  lost += o.lost;
   drag = std::max(drag, o.drag);
   hash = 31 * hash + o.hash;
 }
@@ -195,7 +201,7 @@ BatteryResult run_battery(const View& view, const BatteryCase& c) {
   Pose before = loop.in_world(asked);
   Tick last = loop.tick(before);
   double before_that = 0;  // m moved in the tick before: where the body is animated, a part is told a tick late
-  double work = 0, gross = 0, worst = 0, taken = 0, given = 0;
+  double work = 0, gross = 0, worst = 0, taken = 0, given = 0, lost = 0;
   const auto close = [&] {
     r.contacts += gross > 0;
     r.gross += gross;
@@ -233,6 +239,11 @@ BatteryResult run_battery(const View& view, const BatteryCase& c) {
     const double moved = length(way) + reach * (length(turn) + length(turned));
     r.touching += touches(tick);
     r.sliding += tick.state == State::slide;
+    if (const double paid = loop.lost(); paid != lost) {  // a contact that begins has paid nothing
+      r.acting += paid > 0;
+      r.lost += paid > lost ? paid - lost : paid;
+      lost = paid;
+    }
     r.force = std::max(r.force, size / (k * std::max(scale, tick.depth)));
     const bool goes_on = touches(tick) && touches(last);
     const double crept = goes_on ? length(tick.body_point - last.body_point) : 0;

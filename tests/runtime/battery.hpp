@@ -46,6 +46,8 @@ struct BatteryResult {
   double gain = 0;           ///< most that any contact had given back beyond what it took, over what went through it
   double gained = 0;         ///< J, sum of that over the contacts
   double gross = 0;          ///< J that hand and surface gave or got
+  std::uint64_t acting = 0;  ///< touching ticks, and their ends, in which the energy account took something
+  double lost = 0;           ///< J that it took
   double drag = 0;           ///< J that sideways forces gave to a sliding contact, over what they took from it
   std::uint64_t hash = 0;    ///< of every force and torque
 

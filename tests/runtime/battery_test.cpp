@@ -105,15 +105,19 @@ TEST(Battery, ALiftAtAHarderPlaceGivesBackWhatTheHandGave) {
   for (double x = -0.012; x < 0.012; x += 5e-6) t = tick(x, 0.003);
   EXPECT_NEAR(t.force.z, hertz(0.003) * 1.7, 1e-3) << "it feels as hard as it is";
   EXPECT_NEAR(contact.stored() - contact.owed(), meter.given() - meter.returned(), 1e-3 * soft);
-  EXPECT_GT(contact.owed(), 0.3 * soft);
-  double last = t.force.z;
+  const double owed = contact.owed();
+  EXPECT_GT(owed, 0.3 * soft);
+  EXPECT_EQ(contact.lost(), 0) << "what is owed is not taken before something comes back";
+  double last = t.force.z, lost = 0;
   for (double z = 0.003; z > -1e-4; z -= 2e-6) {
     t = tick(0.012, z);
+    lost = std::max(lost, contact.lost());  // of one contact: where the force ends early another one begins
     EXPECT_LE(t.force.z, last);
     EXPECT_LT(last - t.force.z, 4e-6 * 2 * 3 * hertz(kDepthScale) / kDepthScale);
     last = t.force.z;
   }
   EXPECT_EQ(last, 0);
+  EXPECT_NEAR(lost, owed, 1e-3 * soft);
   EXPECT_GE(meter.dissipated(0), -1e-3 * soft);
   EXPECT_LT(meter.dissipated(0), 0.02 * soft) << "and no less than it gave";
 }

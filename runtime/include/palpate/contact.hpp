@@ -61,6 +61,9 @@ public:
   /// J that the contact holds, and how much of it the hand did not give (energy.hpp): negative where it gave more.
   [[nodiscard]] double stored() const { return hold_.lasts() ? hold_.stored() : 0; }
   [[nodiscard]] double owed() const { return hold_.lasts() ? hold_.owed() : 0; }
+  /// J that were kept from the hand for what was owed, since this contact (or the last) began. A tick that changes it
+  /// is one in which the account acts.
+  [[nodiscard]] double lost() const { return hold_.lost(); }
 
   /// For a host that multiplies forces: from now on by `ratio` (>= 0, infinite where the factor was 0) times what it
   /// was in the last tick. What is stored more by that is no work of the hand. With a factor of 0 stored() and owed()

@@ -16,7 +16,7 @@ namespace palpate::runtime {
 /// back. All losses follow motions: a hand at rest feels none.
 class EnergyAccount {
 public:
-  void reset() { owed_ = 0; }
+  void reset() { owed_ = lost_ = 0; }
 
   /// Stored energy (J) before and after the field was replaced at one pose; returns what of it is to be lost at once.
   /// With `friction` a loss pays what is owed but buys nothing; so does what was `rubbed` (J) besides, which is owed
@@ -50,12 +50,17 @@ public:
   /// After `lost` (J) of it was paid; `stored` is left.
   void paid(double lost, double stored) {
     owed_ -= lost;
+    lost_ += lost;
     stored_ = stored;
   }
+
+  /// J, all that was paid.
+  [[nodiscard]] double lost() const { return lost_; }
 
 private:
   double owed_ = 0;    ///< J
   double stored_ = 0;  ///< J, in the last tick; kept while something is owed
+  double lost_ = 0;    ///< J
 };
 
 /// Counts the work of the hand on one contact, for a program that wants to see it: add every tick with its pose. Work

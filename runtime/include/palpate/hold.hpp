@@ -57,7 +57,7 @@ public:
       const Vec3 core = straight_of_core(terms) + field().sideways(terms, d.sideways);
       const Vec3 pull = rim_.present() ? with_rim_alone(core, d, terms) : core;
       if (length(core) > rim_.core_limit() * terms.limit * (1 + 1e-9)) {
-        return slide(pose, d, slipped(d, terms, core), terms, way, -dot(pull, way));
+        return slide(pose, d, slipped(d, terms, core, false), terms, way, -dot(pull, way));
       }
       if (!rolled) {
         if (field().is_coupled()) couple(terms, d, core);
@@ -77,6 +77,8 @@ public:
   /// J, in the last tick, and how much of it the hand did not give.
   [[nodiscard]] double stored() const { return stored(rest_.deflection(last_)); }
   [[nodiscard]] double owed() const { return account_.owed(); }
+  /// J that the account took from this contact, or the last.
+  [[nodiscard]] double lost() const { return account_.lost(); }
 
   /// Forces are `ratio` (above 0, infinite where there were none) times what they were in the last tick from now on.
   void rescaled(double ratio) {
@@ -141,13 +143,15 @@ private:
   /// What holds as much of the contact's friction limit bears as much of a straight push.
   [[nodiscard]] Slips slips(Part part, const DepthTerms& terms) const {
     const double limit = part == Part::rim ? rim_.limit() : rim_.core_limit();
-    return {part, limit * terms.straight, limit * terms.limit, view_->meta->sideways_scale};
+    return {part, limit * terms.straight, limit * terms.limit, view_->meta->sideways_scale, part == Part::rim};
   }
   [[nodiscard]] Vec3 rim_deflection(const Deflection& d) const { return rim_.deflection(d.sideways, field().normal()); }
 
   /// The core's sideways deflection (m) at which friction holds, where its `pull` (N) is more than it does.
-  [[nodiscard]] Vec3 slipped(const Deflection& d, const DepthTerms& terms, const Vec3& pull) const {
-    return slip(field(), terms, slips(Part::core, terms), d.sideways, pull).deflection;
+  [[nodiscard]] Vec3 slipped(const Deflection& d, const DepthTerms& terms, const Vec3& pull, bool at_once) const {
+    Slips what = slips(Part::core, terms);
+    what.at_once = at_once;
+    return slip(field(), terms, what, d.sideways, pull).deflection;
   }
 
   /// Adds what the sideways deflections do to the normal force; `core` is core_force().
@@ -257,7 +261,7 @@ private:
       const double most = rim_.core_limit() * terms.limit * (went ? 1.001 : 1 + 1e-9);
       for (int turn = 0; turn < kMostSlips && length(core) > most; ++turn) {  // once, but after a leap
         const Vec3 rim = rim_deflection(d);
-        rest_.leave(d, slipped(d, terms, core));
+        rest_.leave(d, slipped(d, terms, core, true));
         rim_.leave(d.sideways, rim);
         core = core_force(d, terms);
       }

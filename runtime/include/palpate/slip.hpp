@@ -19,12 +19,12 @@ struct Slips {
   Part part;
   Vec3 straight;
   double limit, scale;
+  bool at_once;  ///< what lies across the line counts in the limit: there is no next tick of sliding to come to rest in
 };
 
 /// The sideways deflection at which friction holds: the anchor gives way against the force until then, from the
 /// deflection `from` (m) and its sideways force (N), that of the straight push included. The force along that line
-/// never grows on the way, so the root is bracketed. Of a rim, which has no next tick of sliding to come to rest in,
-/// what lies across that line counts in the limit.
+/// never grows on the way, so the root is bracketed.
 template <class AnyField>
 [[nodiscard]] inline Slipped slip(const AnyField& field, const DepthTerms& terms, const Slips& what, const Vec3& from,
                                   const Vec3& force) {
@@ -33,7 +33,7 @@ template <class AnyField>
   const auto excess = [&](double way) {
     const Vec3 pull = what.straight + field.sideways(terms, from + way * direction, what.part);
     const double along = dot(pull, direction);
-    if (what.part == Part::core) return along - limit;
+    if (!what.at_once) return along - limit;
     const double left = limit * limit - (dot(pull, pull) - along * along);
     return along - (left > 0 ? std::sqrt(left) : 0);
   };
