@@ -49,15 +49,24 @@ public:
 
   /// After `lost` (J) of it was paid; `stored` is left.
   void paid(double lost, double stored) {
-    owed_ -= lost;
-    lost_ += lost;
+    lose(lost);
     stored_ = stored;
+  }
+  /// After `lost` (J) were lost at once. What the motion of this tick changed may still be to be told.
+  void held_back(double lost) {
+    lose(lost);
+    stored_ -= lost;
   }
 
   /// J, all that was paid.
   [[nodiscard]] double lost() const { return lost_; }
 
 private:
+  void lose(double lost) {
+    owed_ -= lost;
+    lost_ += lost;
+  }
+
   double owed_ = 0;    ///< J
   double stored_ = 0;  ///< J, in the last tick; kept while something is owed
   double lost_ = 0;    ///< J

@@ -53,11 +53,11 @@ public:
       if (!(d.depth > 0)) return release(d);
       if (friction) deepen(d, terms);
       if (account_.owed() > 0 && !pay(d, terms)) return release(d);
-      if (!kFriction || !friction) return slide(pose, d, {}, terms, way, 0);
+      if (!kFriction || !friction) return slide(pose, d, {}, terms, way, terms.straight);
       const Vec3 core = straight_of_core(terms) + field().sideways(terms, d.sideways);
       const Vec3 pull = rim_.present() ? with_rim_alone(core, d, terms) : core;
       if (length(core) > rim_.core_limit() * terms.limit * (1 + 1e-9)) {
-        return slide(pose, d, slipped(d, terms, core, false), terms, way, -dot(pull, way));
+        return slide(pose, d, slipped(d, terms, core, false), terms, way, pull);
       }
       if (!rolled) {
         if (field().is_coupled()) couple(terms, d, core);
@@ -184,32 +184,26 @@ private:
 
   /// What a lift loses of what is owed. False where no depth is left.
   [[gnu::noinline]] bool pay(Deflection& d, DepthTerms& terms) {
-    const double left = stored(terms, d);
-    lose(account_.due(left), left, d, terms);
+    const double held = stored(terms, d), due = account_.due(held), left = due > 0 ? lose(due, d, terms) : held;
+    account_.paid(held - left, left);
     return d.depth > 0;
   }
 
-  /// Gives up `due` of the energy `held` (J) by as much depth.
-  void lose(double due, double held, Deflection& d, DepthTerms& terms) {
-    double left = held;
-    if (due > 0) {
-      const double way = std::fmin(d.depth, due / terms.normal_force);
-      rest_.subtract(way);
-      depth_ = d.depth -= way;
-      field().set_depth(d.depth, terms);
-      left = stored(terms, d);
-    }
-    account_.paid(held - left, left);
+  /// Gives up `due` (J) of what is stored by as much depth; returns what is left.
+  double lose(double due, Deflection& d, DepthTerms& terms) {
+    const double way = std::fmin(d.depth, due / terms.normal_force);
+    rest_.subtract(way);
+    depth_ = d.depth -= way;
+    field().set_depth(d.depth, terms);
+    return stored(terms, d);
   }
 
-  /// After c or p went elsewhere while the tool stood still: `held` (J) was stored before, and `rubbed` (J) is what the
-  /// hand did against the sideways force. True where depth was lost.
+  /// After c or p went elsewhere while the tool stood still: `held` (J) was stored before, and `rubbed` (J) is what
+  /// friction took of what is stored sideways and not counted in that. True where depth was lost.
   bool replaced(double held, double rubbed, Deflection& d, DepthTerms& terms) {
     const double now = stored(terms, d);
-    const bool friction = view_->has(layout::feature_friction), coupled = view_->coupled_laws != nullptr;
-    // A coupled response stores what was rubbed until c gives way.
-    const double due = account_.replaced(held, now, friction, coupled ? 0 : rubbed);
-    if (due > 0) lose(due, now, d, terms);
+    const double due = account_.replaced(held, now, view_->has(layout::feature_friction), rubbed);
+    if (due > 0) account_.held_back(now - lose(due, d, terms));
     return due > 0;
   }
   /// The same for the tool at q, with nothing rubbed; sets what is there now.
@@ -225,12 +219,13 @@ private:
   }
 
   /// Moves c over the surface until the core's sideways deflection is `wanted`; the rim's anchor stays where it is. In
-  /// this tick the tool went `way` (m), and the hand did the work `rubbed` (J) against the sideways force.
-  Tick slide(const Pose& pose, Deflection d, const Vec3& wanted, DepthTerms& terms, const Vec3& way, double rubbed) {
+  /// this tick the tool went `way` (m); `before` is the sideways force (N) where c is.
+  Tick slide(const Pose& pose, Deflection d, const Vec3& wanted, DepthTerms& terms, const Vec3& way,
+             const Vec3& before) {
     Vec3 pull;
     // c rests while the tool moves along n(c): 0.1 nm on a contact of 10 mm.
     if (length(d.sideways - wanted) > 1e-8 * rest_.size()) {
-      const double held = stored(terms, d);
+      const double held = stored(terms, d), strained = sideways_strain(terms, d, before);
       const Vec3 rim = rim_deflection(d);
       const bool went = rest_.follow(pose, last_, wanted, terms.normal_force, length(way));
       d = rest_.deflection(last_);
@@ -238,7 +233,7 @@ private:
       rim_.leave(d.sideways, rim);
       field().set_depth(d.depth, terms);
       pull = give_way(d, terms, went);
-      if (replaced(held, rubbed, d, terms)) {
+      if (replaced(held, strained - sideways_strain(terms, d, pull), d, terms)) {
         if (!(d.depth > 0)) return release(d);
         pull = force_at_rest(d, terms);
       }
@@ -251,6 +246,12 @@ private:
     field().remember(terms);
     if (field().is_coupled()) couple(terms, d, core_force(d, terms));
     return output(State::slide, pose, last_, terms, pull);
+  }
+
+  /// J that sideways forces which are no gradient, and so not in stored(), hold about; `pull` (N) is theirs and the
+  /// straight push's.
+  [[nodiscard]] double sideways_strain(const DepthTerms& terms, const Deflection& d, const Vec3& pull) const {
+    return field().is_coupled() ? 0 : 0.5 * dot(terms.straight - pull, d.sideways);
   }
 
   /// Where a new place holds clearly less than friction held at the old one, the rest gives way without c; where c
