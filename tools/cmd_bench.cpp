@@ -33,6 +33,7 @@ struct BenchArguments {
   bool solver = false, models = false, open = false;
   RepeatedSize repeated;
   TickBenchOptions bench;
+  double ticks = 1e6;
 };
 
 Json times_json(const TickTimes& times) {
@@ -67,13 +68,16 @@ private:
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
 };
 
+/// None where the file is taken as it is.
+std::unique_ptr<TemporaryFile> enlarged(const BenchArguments& options, const Globals& globals) {
+  if (!(options.repeated.bytes > 0 || options.repeated.sites > 0)) return nullptr;
+  note(globals, "writing a file of the body many times over");
+  return std::make_unique<TemporaryFile>(repeat_body(ResponseInput(options.file).view(), options.repeated));
+}
+
 void run_open(const BenchArguments& options, const Globals& globals) {
   constexpr int kRounds = 7;
-  std::unique_ptr<TemporaryFile> large;
-  if (options.repeated.bytes > 0 || options.repeated.sites > 0) {
-    note(globals, "writing a file of the body many times over");
-    large = std::make_unique<TemporaryFile>(repeat_body(ResponseInput(options.file).view(), options.repeated));
-  }
+  const std::unique_ptr<TemporaryFile> large = enlarged(options, globals);
   const OpenBench bench = bench_open(large ? large->path() : std::filesystem::path(options.file), kRounds);
   if (globals.json) {
     Json parts = Json::array();
@@ -104,6 +108,57 @@ void run_open(const BenchArguments& options, const Globals& globals) {
   print(out + text);
 }
 
+/// One row of the times, as it is called on screen and in JSON.
+struct TickRow {
+  const char* name;
+  const TickTimes& times;
+};
+
+void run_ticks(BenchArguments options, const Globals& globals) {
+  const std::unique_ptr<TemporaryFile> large = enlarged(options, globals);
+  const ResponseInput input(large ? large->path().string() : options.file);
+  const runtime::View& view = input.view();
+  options.bench.tool = input.tool(options.tool);
+  const std::string tool = view.tools[options.bench.tool].name;
+  note(globals, "timing " + std::to_string(options.bench.contacts) + " random contacts of the tool '" + tool + "'");
+  const TickBench bench = bench_ticks(view, options.bench);
+  const LatencyBench latency = bench_latency(view, options.bench, static_cast<std::uint64_t>(options.ticks));
+  const TickRow states[] = {
+      {"press", bench.press}, {"field", bench.field}, {"slide", bench.slide}, {"free", bench.free}};
+  const TickRow beside[] = {{"locate", bench.locate}, {"blend", latency.blend}, {"random", latency.random},
+                            {"five", latency.five},   {"plain", latency.plain}, {"network", latency.network}};
+  const double most = latency.every.quantile(0.999);
+  if (globals.json) {
+    Json ticks, others;
+    for (const TickRow& row : states) ticks[row.name] = times_json(row.times);
+    for (const TickRow& row : beside) others[std::string(row.name) + "_ns"] = times_json(row.times);
+    Json all = {{"file", options.file},
+                {"machine", machine_name()},
+                {"tool", tool},
+                {"contacts", bench.contacts},
+                {"sites", view.meta->site_count},
+                {"bytes_per_response", bytes_per_response(view)},
+                {"tick_ns", ticks}};
+    all.update(others);
+    all["every_ns"] = {{"ticks", latency.every.nanoseconds.size()},
+                       {"median", latency.every.quantile(0.5)},
+                       {"p99.9", most},
+                       {"worst", latency.every.quantile(1)}};
+    print_json(all);
+    return;
+  }
+  char line[200];
+  std::snprintf(line, sizeof line, "%s\n%d contacts of the tool '%s', %.0f bytes a response\n", machine_name().c_str(),
+                bench.contacts, tool.c_str(), bytes_per_response(view));
+  std::string out = line;
+  for (const TickRow& row : states) out += times_text(row.name, row.times);
+  for (const TickRow& row : beside) out += times_text(row.name, row.times);
+  std::snprintf(line, sizeof line, "every   median %7.1f ns   99.9 %% %14.1f ns   worst %7.1f ns, of %.3g ticks\n",
+                latency.every.quantile(0.5), most, latency.every.quantile(1),
+                static_cast<double>(latency.every.nanoseconds.size()));
+  print(out + line);
+}
+
 void run_bench(BenchArguments options, const Globals& globals) {
 #ifdef PALPATE_SOLVER_BENCH
   if (options.solver && options.models) throw Error(ExitCode::usage, "--solver and --models exclude each other");
@@ -115,30 +170,7 @@ void run_bench(BenchArguments options, const Globals& globals) {
 #endif
   if (options.file.empty()) throw Error(ExitCode::usage, "bench needs a response file");
   if (options.open) return run_open(options, globals);
-  const ResponseInput input(options.file);
-  options.bench.tool = input.tool(options.tool);
-  const std::string tool = input.view().tools[options.bench.tool].name;
-  note(globals, "timing " + std::to_string(options.bench.contacts) + " random contacts of the tool '" + tool + "'");
-  const TickBench bench = bench_ticks(input.view(), options.bench);
-  if (globals.json) {
-    print_json({{"file", options.file},
-                {"machine", machine_name()},
-                {"tool", tool},
-                {"contacts", bench.contacts},
-                {"bytes_per_response", bytes_per_response(input.view())},
-                {"tick_ns",
-                 {{"press", times_json(bench.press)},
-                  {"field", times_json(bench.field)},
-                  {"slide", times_json(bench.slide)},
-                  {"free", times_json(bench.free)}}},
-                {"locate_ns", times_json(bench.locate)}});
-    return;
-  }
-  char head[200];
-  std::snprintf(head, sizeof head, "%s\n%d contacts of the tool '%s', %.0f bytes a response\n", machine_name().c_str(),
-                bench.contacts, tool.c_str(), bytes_per_response(input.view()));
-  print(head + times_text("press", bench.press) + times_text("field", bench.field) + times_text("slide", bench.slide) +
-        times_text("free", bench.free) + times_text("locate", bench.locate));
+  run_ticks(std::move(options), globals);
 }
 
 }  // namespace
@@ -160,12 +192,9 @@ void add_bench(CLI::App& app, Globals& globals) {
                "ticks");
   command
       .option("--bytes", options->repeated.bytes,
-              "With --open: of a temporary file of at least so many bytes, in which the body is repeated")
-      .check(number_in(1, 4e9))
-      .needs("--open");
-  command.option("--sites", options->repeated.sites, "The same, of at least so many sites")
-      .check(number_in(1, 1e8))
-      .needs("--open");
+              "Of a temporary file of at least so many bytes, in which the body is repeated")
+      .check(number_in(1, 4e9));
+  command.option("--sites", options->repeated.sites, "The same, of at least so many sites").check(number_in(1, 1e8));
   command.option("--tool", options->tool, "Name of the tool; default: the file's first");
   command
       .option("--contacts", options->bench.contacts,
@@ -173,6 +202,7 @@ void add_bench(CLI::App& app, Globals& globals) {
       .check(whole_in(1, 10000))
       .shows_default();
   command.option("--seed", options->bench.seed, "Of the random contacts").shows_default();
+  command.option("--ticks", options->ticks, "Of strokes, each timed alone").check(number_in(1000, 1e9)).shows_default();
   command.option("--seconds", options->bench.seconds, "Measured for each contact and state")
       .check(number_in(0.001, 10.0))
       .shows_default();

@@ -10,7 +10,7 @@ if(TARGET palpate_device)
 endif()
 if(PALPATE_BENCH)
   find_package(benchmark REQUIRED)
-  add_library(palpate_tick_bench STATIC open_bench.cpp tick_bench.cpp)
+  add_library(palpate_tick_bench STATIC open_bench.cpp tick_bench.cpp tick_cases.cpp)
   target_link_libraries(palpate_tick_bench PUBLIC palpate_runtime PRIVATE palpate_formats benchmark::benchmark
                                                                          palpate_settings)
 endif()

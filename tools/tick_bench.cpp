@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Random contacts and their timing.
 #include "tools/tick_bench.hpp"
 
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <functional>
@@ -12,129 +12,29 @@
 #include <random>
 #include <thread>
 
-#include "formats/error.hpp"
+#include "tools/tick_cases.hpp"
 
 namespace palpate::cli {
 namespace {
 
 using runtime::BodyPoint;
 using runtime::Contact;
+using runtime::Field;
+using runtime::FieldForce;
 using runtime::Pose;
-using runtime::State;
 using runtime::Tick;
+using runtime::ToolPoint;
 using runtime::Vec3;
+using runtime::View;
 
-// A contact that was made, and poses that keep it in a state.
-struct Case {
-  std::unique_ptr<Contact> contact;
-  std::vector<Pose> poses;
-};
-
-// Uniform over the area of the sampled part of the contact surface: patches of three sampled sites, or where there are
-// none of one.
-class RandomPoints {
-public:
-  explicit RandomPoints(const runtime::View& view) : view_(view) {
-    sum_areas(3);
-    if (empty()) sum_areas(1);
-  }
-  [[nodiscard]] bool empty() const { return !(sums_.back() > 0); }
-  template <class Random>
-  BodyPoint draw(Random& random) const {
-    std::uniform_real_distribution<double> unit(0, 1);
-    const auto at = std::upper_bound(sums_.begin(), sums_.end(), unit(random) * sums_.back());
-    const auto index = std::min<std::ptrdiff_t>(at - sums_.begin(), static_cast<std::ptrdiff_t>(sums_.size()) - 1);
-    double a = unit(random), b = unit(random);
-    if (a + b > 1) {
-      a = 1 - a;
-      b = 1 - b;
-    }
-    return {static_cast<std::uint32_t>(index), {a, b, 1 - a - b}};
-  }
-
-private:
-  void sum_areas(int least) {
-    sums_.clear();
-    double sum = 0;
-    for (std::uint32_t t = 0; t < view_.meta->triangle_count; ++t) {
-      int sampled = 0;
-      for (const std::uint32_t site : view_.patches[view_.triangles[t].patch].vertex) {
-        sampled += (view_.sites[site].flags & layout::site_outside) == 0 ? 1 : 0;
-      }
-      if (sampled >= least) sum += length(runtime::face_normal(view_, t));
-      sums_.push_back(sum);
-    }
-  }
-
-  const runtime::View& view_;
-  std::vector<double> sums_;
-};
-
-// Rotation that takes the tool's direction `from` to `to` (unit): turns about the line between them.
-Pose turned(const Vec3& from, const Vec3& to) {
-  const Vec3 half = unit(from + to, runtime::any_orthogonal(from));
-  return Pose::from_quaternion(0, half.x, half.y, half.z, {});
+// What is measured is never inlined, so that an instruction counter finds it by name.
+[[gnu::noinline]] Tick tick_once(Contact& contact, const Pose& pose) { return contact.tick(pose); }
+[[gnu::noinline]] FieldForce field_once(const Field& field, const Vec3& deflection) { return field.force(deflection); }
+[[gnu::noinline]] FieldForce blend_once(const View& view, std::uint32_t tool, const BodyPoint& at, const ToolPoint& on,
+                                        Field& field) {
+  field.build(view, tool, at, on);
+  return field.force((-0.5 * view.meta->depth_scale) * field.normal());
 }
-
-// A tool point that can touch and the outward direction there: the tip's rounding, or a vertex of the tool.
-struct Feeler {
-  Vec3 anchor, outward;
-};
-
-template <class Random>
-Feeler draw_feeler(const runtime::View& view, std::uint32_t tool, Random& random) {
-  const layout::ToolRecord& record = view.tools[tool];
-  if (record.vertex_count == 1 || view.tool_vertices == nullptr) return {{0, 0, 0}, {0, 0, -1}};
-  const std::uint32_t vertex = record.first_vertex + static_cast<std::uint32_t>(random() % record.vertex_count);
-  const layout::ToolVertexRecord& v = view.tool_vertices[vertex];
-  const Vec3 outward = unit(runtime::to_vec(v.normal), {0, 0, -1});
-  return {runtime::to_vec(v.point) - static_cast<double>(record.probe_radius) * outward, outward};
-}
-
-// Presses in at a random place; false when something else touches first.
-class Maker {
-public:
-  Maker(const runtime::View& view, const TickBenchOptions& options)
-      : view_(view), options_(options), points_(view), random_(options.seed) {
-    if (points_.empty()) throw Error(ExitCode::bad_input, "the response file has no sampled patch to press on");
-  }
-
-  // Empty cases where this attempt made no contact.
-  void make(Case& press, Case& slide, Case& free) {
-    const BodyPoint at = points_.draw(random_);
-    const Vec3 c = position(view_, at), n = normal(view_, at);
-    const Feeler feeler = draw_feeler(view_, options_.tool, random_);
-    Pose pose = turned(feeler.outward, -n);
-    const double probe = view_.tools[options_.tool].probe_radius, scale = view_.meta->depth_scale;
-    const double depth = std::uniform_real_distribution<double>(0.2, 0.9)(random_) * scale;
-    const auto at_height = [&](double height, const Vec3& aside) {
-      pose.translation = c + (probe + height) * n + aside - pose.rotate(feeler.anchor);
-      return pose;
-    };
-    auto contact = std::make_unique<Contact>(view_, options_.tool);
-    Tick tick;
-    for (double height = 0.5 * scale; height > -depth; height -= 0.01 * scale)
-      tick = contact->tick(at_height(height, {}));
-    if (tick.depth < 0.5 * depth || length(tick.body_point - c) > 0.5 * scale) return;
-    const Vec3 aside = runtime::any_orthogonal(n);
-    for (int i = 0; i < 16; ++i) press.poses.push_back(at_height(-depth + 1e-3 * scale * std::abs(i - 8), {}));
-    for (int i = 0; i < 256; ++i) {
-      slide.poses.push_back(at_height(-depth, 0.02 * scale * (i < 128 ? i : 256 - i) * aside));
-    }
-    for (int i = 0; i < 16; ++i) free.poses.push_back(at_height(4 * scale, 1e-3 * scale * i * aside));
-    slide.contact = std::make_unique<Contact>(*contact);
-    free.contact = std::make_unique<Contact>(view_, options_.tool);
-    press.contact = std::move(contact);
-  }
-
-  BodyPoint point() { return points_.draw(random_); }
-
-private:
-  const runtime::View& view_;
-  TickBenchOptions options_;
-  RandomPoints points_;
-  std::mt19937 random_;
-};
 
 // Keeps the times instead of printing them: processor time, for other programs must not count.
 class Collector : public benchmark::BenchmarkReporter {
@@ -148,11 +48,19 @@ public:
   std::vector<double> nanoseconds;
 };
 
-// Times `body` over its indices 0 .. count - 1.
-TickTimes timed(std::size_t count, double seconds, const std::function<void(std::size_t, benchmark::State&)>& body) {
+// Times once(i, k) over the indices i = 0 .. count - 1, each for k = 0, 1, ...
+template <class Once>
+TickTimes timed(std::size_t count, double seconds, const Once& once) {
   benchmark::ClearRegisteredBenchmarks();
   for (std::size_t i = 0; i < count; ++i) {
-    benchmark::RegisterBenchmark("tick", [&body, i](benchmark::State& state) { body(i, state); })->MinTime(seconds);
+    benchmark::RegisterBenchmark("tick", [&once, i](benchmark::State& state) {
+      std::size_t k = 0;
+      for (const auto _ : state) {
+        benchmark::DoNotOptimize(_);
+        const auto answer = once(i, k++);
+        benchmark::DoNotOptimize(answer);
+      }
+    })->MinTime(seconds);
   }
   Collector collector;
   if (count > 0) benchmark::RunSpecifiedBenchmarks(&collector);
@@ -161,18 +69,105 @@ TickTimes timed(std::size_t count, double seconds, const std::function<void(std:
   return {collector.nanoseconds};
 }
 
-TickTimes timed(std::vector<Case>& cases, double seconds) {
-  return timed(cases.size(), seconds, [&](std::size_t i, benchmark::State& state) {
-    Contact& contact = *cases[i].contact;
-    const std::vector<Pose>& poses = cases[i].poses;
-    std::size_t k = 0;
-    for (const auto _ : state) {
-      benchmark::DoNotOptimize(_);
-      const Tick tick = contact.tick(poses[k]);
-      benchmark::DoNotOptimize(tick);
-      k = k + 1 < poses.size() ? k + 1 : 0;
+Tick next_tick(TickCase& of, std::size_t k) { return tick_once(*of.contact, of.poses[k % of.poses.size()]); }
+
+// Deflections about half the depth scale, a little aside.
+std::vector<Vec3> deflections(const View& view, const Vec3& n) {
+  std::vector<Vec3> all;
+  const double scale = view.meta->depth_scale;
+  for (int k = 0; k < 16; ++k) {
+    all.push_back(4e-3 * scale * runtime::any_orthogonal(n) - (0.5 + 1e-3 * std::abs(k - 8)) * scale * n);
+  }
+  return all;
+}
+
+// F = sum over the patches' corners of weight times force: Mahvash and Hayward, IEEE CG&A 24(2), 2004.
+class Plain {
+public:
+  Plain(const View& view, std::uint32_t tool, const Tick& touched) {
+    double body[3];
+    runtime::patch_weights(view, touched.at, body);
+    const layout::Patch& patch = view.patches[view.triangles[touched.at.triangle].patch];
+    for (int k = 0; k < 3; ++k) {
+      const BodyPoint site = locate(view, runtime::to_vec(view.sites[patch.vertex[k]].position)).at;
+      for (int l = 0; l < 3; ++l) {
+        if (!(touched.on_tool.weights[l] > 0)) continue;
+        ToolPoint vertex = touched.on_tool;
+        for (int m = 0; m < 3; ++m) vertex.weights[m] = m == l ? 1 : 0;
+        responses_.emplace_back(view, tool, site, vertex);
+        weights_.push_back(body[k] * touched.on_tool.weights[l]);
+      }
     }
-  });
+  }
+  [[nodiscard]] Vec3 force(const Vec3& deflection) const {
+    Vec3 sum;
+    for (std::size_t i = 0; i < weights_.size(); ++i) sum = sum + weights_[i] * responses_[i].force(deflection).force;
+    return sum;
+  }
+
+private:
+  std::vector<Field> responses_;
+  std::vector<double> weights_;
+};
+
+// F = sum of weights phi(|q - centre|), the multiquadric (Hardy 1971), in the 32-bit numbers of a file.
+class Network {
+public:
+  explicit Network(std::uint32_t seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<float> draw(-1, 1);
+    for (Centre& c : centres_) {
+      for (float* value : {&c.x, &c.y, &c.z, &c.fx, &c.fy, &c.fz}) *value = draw(random);
+    }
+  }
+  [[nodiscard]] Vec3 force(const Vec3& q) const {
+    constexpr float kBreadth2 = 0.01F;
+    const auto x = static_cast<float>(q.x), y = static_cast<float>(q.y), z = static_cast<float>(q.z);
+    float fx = 0, fy = 0, fz = 0;
+    for (const Centre& c : centres_) {
+      const float phi = std::sqrt((x - c.x) * (x - c.x) + (y - c.y) * (y - c.y) + (z - c.z) * (z - c.z) + kBreadth2);
+      fx += phi * c.fx;
+      fy += phi * c.fy;
+      fz += phi * c.fz;
+    }
+    return {fx, fy, fz};
+  }
+
+private:
+  struct Centre {
+    float x, y, z, fx, fy, fz;
+  };
+  std::vector<Centre> centres_ = std::vector<Centre>(1000);
+};
+
+// Strokes of one contact after the other until so many ticks are timed, one by one.
+TickTimes every_tick(std::vector<TickCases>& cases, std::uint64_t ticks) {
+  TickTimes times;
+  times.nanoseconds.reserve(ticks);
+  for (std::size_t i = 0; times.nanoseconds.size() < ticks; i = (i + 1) % cases.size()) {
+    const Pose in = cases[i].slide.poses.front(), out = cases[i].free.poses.front();
+    Contact& contact = *cases[i].free.contact;
+    const auto timed_tick = [&](const Pose& pose) {
+      if (times.nanoseconds.size() == ticks) return;
+      const auto begun = std::chrono::steady_clock::now();
+      const Tick tick = tick_once(contact, pose);
+      benchmark::DoNotOptimize(tick);
+      const std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - begun;
+      times.nanoseconds.push_back(took.count());
+    };
+    constexpr int kApproach = 256;
+    Pose pose = in;
+    const auto approach = [&](double share) {
+      pose.translation = out.translation + share * (in.translation - out.translation);
+      timed_tick(pose);
+    };
+    for (int k = 0; k < kApproach; ++k) approach(static_cast<double>(k) / kApproach);
+    for (const Pose& aside : cases[i].slide.poses) timed_tick(aside);
+    for (int k = kApproach; k > 0; --k) approach(static_cast<double>(k) / kApproach);
+    timed_tick(out);
+  }
+  std::sort(times.nanoseconds.begin(), times.nanoseconds.end());
+  return times;
 }
 
 }  // namespace
@@ -182,55 +177,67 @@ double TickTimes::quantile(double share) const {
   return nanoseconds[static_cast<std::size_t>(std::lround(share * last))];
 }
 
-TickBench bench_ticks(const runtime::View& view, const TickBenchOptions& options) {
-  Maker maker(view, options);
-  std::vector<Case> press, slide, free;
+TickBench bench_ticks(const View& view, const TickBenchOptions& options) {
+  std::vector<TickCases> cases = random_contacts(view, options.tool, options.contacts, options.seed);
+  std::vector<std::vector<Vec3>> pushed;
+  for (const TickCases& c : cases) pushed.push_back(deflections(view, c.press.contact->field().normal()));
+  const RandomPoints points(view);
+  std::mt19937 random(options.seed);
   std::vector<Vec3> near;
-  const auto keep = [](std::vector<Case>& to, Case& made) {
-    if (made.contact) to.push_back(std::move(made));
-  };
-  for (int tries = 0; tries < 20 * options.contacts && static_cast<int>(free.size()) < options.contacts; ++tries) {
-    Case a, b, c;
-    maker.make(a, b, c);
-    keep(press, a);
-    keep(slide, b);
-    keep(free, c);
-  }
-  if (free.empty()) throw Error(ExitCode::bad_input, "the tool makes no contact with the sampled part of the body");
   for (int i = 0; i < 256; ++i) {
-    const BodyPoint at = maker.point();
+    const BodyPoint at = points.draw(random);
     near.push_back(position(view, at) + view.meta->depth_scale * normal(view, at));
   }
+  const auto each = [&](const auto& once) { return timed(cases.size(), options.seconds, once); };
   TickBench result;
-  result.contacts = static_cast<int>(free.size());
-  result.press = timed(press, options.seconds);
-  result.field = timed(press.size(), options.seconds, [&](std::size_t i, benchmark::State& state) {
-    const runtime::Field& field = press[i].contact->field();
-    std::vector<Vec3> deflections;
-    const double scale = view.meta->depth_scale;
-    const Vec3 aside = runtime::any_orthogonal(field.normal());
-    for (int k = 0; k < 16; ++k) {
-      deflections.push_back(4e-3 * scale * aside - (0.5 + 1e-3 * std::abs(k - 8)) * scale * field.normal());
-    }
-    std::size_t k = 0;
-    for (const auto _ : state) {
-      benchmark::DoNotOptimize(_);
-      const runtime::FieldForce force = field.force(deflections[k]);
-      benchmark::DoNotOptimize(force);
-      k = k + 1 < deflections.size() ? k + 1 : 0;
-    }
+  result.contacts = static_cast<int>(cases.size());
+  result.press = each([&](std::size_t i, std::size_t k) { return next_tick(cases[i].press, k); });
+  result.field = each([&](std::size_t i, std::size_t k) {
+    return field_once(cases[i].press.contact->field(), pushed[i][k % pushed[i].size()]);
   });
-  result.slide = timed(slide, options.seconds);
-  result.free = timed(free, options.seconds);
-  result.locate = timed(16, options.seconds, [&](std::size_t i, benchmark::State& state) {
-    std::size_t k = i;
-    for (const auto _ : state) {
-      benchmark::DoNotOptimize(_);
-      const runtime::Location found = locate(view, near[k]);
-      benchmark::DoNotOptimize(found);
-      k = (k + 1) % near.size();
-    }
+  result.slide = each([&](std::size_t i, std::size_t k) { return next_tick(cases[i].slide, k); });
+  result.free = each([&](std::size_t i, std::size_t k) { return next_tick(cases[i].free, k); });
+  result.locate = timed(16, options.seconds,
+                        [&](std::size_t i, std::size_t k) { return locate(view, near[(i + k) % near.size()]); });
+  return result;
+}
+
+LatencyBench bench_latency(const View& view, const TickBenchOptions& options, std::uint64_t ticks) {
+  std::vector<TickCases> cases = random_contacts(view, options.tool, options.contacts, options.seed);
+  std::vector<Tick> touched;
+  std::vector<Plain> plain;
+  std::vector<std::vector<Vec3>> pushed;
+  for (TickCases& c : cases) {
+    touched.push_back(next_tick(c.press, 0));
+    plain.emplace_back(view, options.tool, touched.back());
+    pushed.push_back(deflections(view, c.press.contact->field().normal()));
+  }
+  constexpr std::size_t kPlaces = 1U << 17;  // far more than a cache holds of a large file
+  const RandomPoints points(view);
+  std::mt19937 random(options.seed);
+  std::vector<BodyPoint> places(kPlaces);
+  for (BodyPoint& place : places) place = points.draw(random);
+  const Network network(options.seed);
+  Field field;
+  const auto each = [&](const auto& once) { return timed(cases.size(), options.seconds, once); };
+  LatencyBench result;
+  result.blend = each([&](std::size_t i, std::size_t) {
+    return blend_once(view, options.tool, touched[i].at, touched[i].on_tool, field);
   });
+  result.random = each([&](std::size_t i, std::size_t k) {
+    return blend_once(view, options.tool, places[(i * kPlaces / cases.size() + k) % kPlaces], touched[i].on_tool,
+                      field);
+  });
+  result.five = each([&](std::size_t i, std::size_t k) {
+    Vec3 sum;
+    for (std::size_t finger = 0; finger < 5; ++finger) {
+      sum = sum + next_tick(cases[(i + finger) % cases.size()].press, k).force;
+    }
+    return sum;
+  });
+  result.plain = each([&](std::size_t i, std::size_t k) { return plain[i].force(pushed[i][k % pushed[i].size()]); });
+  result.network = each([&](std::size_t i, std::size_t k) { return network.force(pushed[i][k % pushed[i].size()]); });
+  result.every = every_tick(cases, ticks);
   return result;
 }
 

@@ -10,9 +10,9 @@
 
 namespace palpate::cli {
 
-/// Processor time over the contacts, each the mean of many ticks.
+/// Processor time, ascending, of each contact the mean of many ticks or of each tick.
 struct TickTimes {
-  std::vector<double> nanoseconds;  ///< ascending, one a contact; not empty
+  std::vector<double> nanoseconds;  ///< not empty
   /// share in [0, 1].
   [[nodiscard]] double quantile(double share) const;
 };
@@ -33,9 +33,21 @@ struct TickBench {
   TickTimes locate;  ///< one search for the nearest point of the body
 };
 
-/// Draws contact points uniformly over the body's area (without what was not sampled), presses the tool in along
-/// n(c) to a random depth and times ticks there. Throws Error(bad_input) when no contact can be made.
+/// Throws as random_contacts does.
 TickBench bench_ticks(const runtime::View& view, const TickBenchOptions& options);
+
+/// What stands beside them: the parts of a tick that are not warm or not alone, and other ways to the same force.
+struct LatencyBench {
+  TickTimes blend;    ///< the responses of a contact interpolated and evaluated (full double interpolation), warm
+  TickTimes random;   ///< the same at places of the body in random order
+  TickTimes five;     ///< five of the pressed contacts, a tick each
+  TickTimes every;    ///< each tick of strokes (in, aside, back, out), with the clock's own time; by the clock
+  TickTimes plain;    ///< the formula as the paper writes it: every response evaluated, then the forces summed
+  TickTimes network;  ///< a radial-basis network with 1000 centres
+};
+
+/// `ticks`: how many of `every`, at least 1. Throws as random_contacts does.
+LatencyBench bench_latency(const runtime::View& view, const TickBenchOptions& options, std::uint64_t ticks);
 
 /// Processor and number of processors, as the system names them.
 std::string machine_name();
