@@ -116,13 +116,15 @@ struct TickRow {
 
 void run_ticks(BenchArguments options, const Globals& globals) {
   const std::unique_ptr<TemporaryFile> large = enlarged(options, globals);
-  const ResponseInput input(large ? large->path().string() : options.file);
+  const ResponseInput input(options.file);
+  const std::unique_ptr<ResponseInput> repeated = large ? std::make_unique<ResponseInput>(large->path()) : nullptr;
   const runtime::View& view = input.view();
   options.bench.tool = input.tool(options.tool);
   const std::string tool = view.tools[options.bench.tool].name;
   note(globals, "timing " + std::to_string(options.bench.contacts) + " random contacts of the tool '" + tool + "'");
   const TickBench bench = bench_ticks(view, options.bench);
-  const LatencyBench latency = bench_latency(view, options.bench, static_cast<std::uint64_t>(options.ticks));
+  const LatencyBench latency =
+      bench_latency(view, repeated ? repeated->view() : view, options.bench, static_cast<std::uint64_t>(options.ticks));
   const TickRow states[] = {
       {"press", bench.press}, {"field", bench.field}, {"slide", bench.slide}, {"free", bench.free}};
   const TickRow beside[] = {{"locate", bench.locate}, {"blend", latency.blend}, {"random", latency.random},
@@ -136,7 +138,7 @@ void run_ticks(BenchArguments options, const Globals& globals) {
                 {"machine", machine_name()},
                 {"tool", tool},
                 {"contacts", bench.contacts},
-                {"sites", view.meta->site_count},
+                {"random_among_responses", (repeated ? repeated->view() : view).meta->response_count},
                 {"bytes_per_response", bytes_per_response(view)},
                 {"tick_ns", ticks}};
     all.update(others);
@@ -192,7 +194,8 @@ void add_bench(CLI::App& app, Globals& globals) {
                "ticks");
   command
       .option("--bytes", options->repeated.bytes,
-              "Of a temporary file of at least so many bytes, in which the body is repeated")
+              "Opens a temporary file of at least so many bytes, in which the body is repeated; without --open, "
+              "random places are of it")
       .check(number_in(1, 4e9));
   command.option("--sites", options->repeated.sites, "The same, of at least so many sites").check(number_in(1, 1e8));
   command.option("--tool", options->tool, "Name of the tool; default: the file's first");

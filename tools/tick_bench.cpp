@@ -202,7 +202,7 @@ TickBench bench_ticks(const View& view, const TickBenchOptions& options) {
   return result;
 }
 
-LatencyBench bench_latency(const View& view, const TickBenchOptions& options, std::uint64_t ticks) {
+LatencyBench bench_latency(const View& view, const View& large, const TickBenchOptions& options, std::uint64_t ticks) {
   std::vector<TickCases> cases = random_contacts(view, options.tool, options.contacts, options.seed);
   std::vector<Tick> touched;
   std::vector<Plain> plain;
@@ -212,8 +212,8 @@ LatencyBench bench_latency(const View& view, const TickBenchOptions& options, st
     plain.emplace_back(view, options.tool, touched.back());
     pushed.push_back(deflections(view, c.press.contact->field().normal()));
   }
-  constexpr std::size_t kPlaces = 1U << 17;  // far more than a cache holds of a large file
-  const RandomPoints points(view);
+  constexpr std::size_t kPlaces = 1U << 19;  // far more than a cache holds of a large file
+  const RandomPoints points(large);
   std::mt19937 random(options.seed);
   std::vector<BodyPoint> places(kPlaces);
   for (BodyPoint& place : places) place = points.draw(random);
@@ -225,7 +225,7 @@ LatencyBench bench_latency(const View& view, const TickBenchOptions& options, st
     return blend_once(view, options.tool, touched[i].at, touched[i].on_tool, field);
   });
   result.random = each([&](std::size_t i, std::size_t k) {
-    return blend_once(view, options.tool, places[(i * kPlaces / cases.size() + k) % kPlaces], touched[i].on_tool,
+    return blend_once(large, options.tool, places[(i * kPlaces / cases.size() + k) % kPlaces], touched[i].on_tool,
                       field);
   });
   result.five = each([&](std::size_t i, std::size_t k) {

@@ -39,15 +39,17 @@ TickBench bench_ticks(const runtime::View& view, const TickBenchOptions& options
 /// What stands beside them: the parts of a tick that are not warm or not alone, and other ways to the same force.
 struct LatencyBench {
   TickTimes blend;    ///< the responses of a contact interpolated and evaluated (full double interpolation), warm
-  TickTimes random;   ///< the same at places of the body in random order
+  TickTimes random;   ///< the same at places in random order of the body, or of a large one
   TickTimes five;     ///< five of the pressed contacts, a tick each
   TickTimes every;    ///< each tick of strokes (in, aside, back, out), with the clock's own time; by the clock
   TickTimes plain;    ///< the formula as the paper writes it: every response evaluated, then the forces summed
   TickTimes network;  ///< a radial-basis network with 1000 centres
 };
 
-/// `ticks`: how many of `every`, at least 1. Throws as random_contacts does.
-LatencyBench bench_latency(const runtime::View& view, const TickBenchOptions& options, std::uint64_t ticks);
+/// `large`: the body many times over (it has the tools of `view`), or `view` itself. `ticks`: how many of `every`, at
+/// least 1. Throws as random_contacts does.
+LatencyBench bench_latency(const runtime::View& view, const runtime::View& large, const TickBenchOptions& options,
+                           std::uint64_t ticks);
 
 /// Processor and number of processors, as the system names them.
 std::string machine_name();

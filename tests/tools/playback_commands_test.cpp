@@ -110,7 +110,8 @@ TEST_F(Playback, InspectListsSectionsFeaturesAndProvenance) {
 
 TEST_F(Playback, BenchNamesTheMachineAndTimesEveryState) {
   if (listed_commands().count("bench") == 0) GTEST_SKIP() << "built without Google Benchmark";
-  const RunResult result = run({"bench", "box.palp", "--json", "--contacts", "3", "--seconds", "0.002"});
+  const RunResult result = run(
+      {"bench", "box.palp", "--json", "--contacts", "3", "--seconds", "0.002", "--ticks", "5000", "--sites", "1e4"});
   ASSERT_EQ(result.exit_code, 0) << result.error;
   const Json json = Json::parse(result.out);
   EXPECT_FALSE(json["machine"].get<std::string>().empty());
@@ -119,6 +120,12 @@ TEST_F(Playback, BenchNamesTheMachineAndTimesEveryState) {
     EXPECT_GT(json["tick_ns"][state]["median"].get<double>(), 1) << state;
     EXPECT_LT(json["tick_ns"][state]["median"].get<double>(), 1e6) << state;
   }
+  for (const char* part : {"locate_ns", "blend_ns", "random_ns", "five_ns", "plain_ns", "network_ns", "every_ns"}) {
+    EXPECT_GT(json[part]["median"].get<double>(), 1) << part;
+    EXPECT_GE(json[part]["worst"], json[part]["median"]) << part;
+  }
+  EXPECT_GE(json["random_among_responses"], 1e4);
+  EXPECT_EQ(json["every_ns"]["ticks"], 5000);
 }
 
 TEST_F(Playback, BenchOpensTheFileAndALargerOneOfTheSameBody) {
@@ -180,7 +187,7 @@ TEST_F(Playback, BadInputsEndWithTheirCodeAndCause) {
       {{"play", "box.palp"}, 1, {"motion"}},
       {{"bench", "none.palp", "--open"}, 4, {"none.palp", "No such file"}},
       {{"bench", "damaged.palp", "--open"}, 2, {"damaged.palp", "checksum"}},
-      {{"bench", "box.palp", "--bytes", "1e6"}, 1, {"--open"}},
+      {{"bench", "box.palp", "--ticks", "10"}, 1, {"--ticks"}},
       {{"bench", "box.palp", "--open", "--bytes", "1e10"}, 1, {"--bytes"}},
   };
   for (const Case& bad : cases) {
