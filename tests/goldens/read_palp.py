@@ -470,11 +470,11 @@ class File:
         if count == 1 or rotation is None:
             return [(1, frame, 0)]
         turn = lambda v: tuple(dot(rotation[3 * i:3 * i + 3], v) for i in range(3))
-        leans = 0
+        lost = False
         if tool["kind"] == 1:
             h = turn((0, 0, 1))
             cosine = dot(h, n)
-            leans = self.tool_vertices[vertex]["tangent"][2]
+            lost = self.tool_vertices[vertex]["tangent"][2] > 0.9
         else:
             m, h = turn(self.tool_vertices[vertex]["normal"]), turn(self.tool_vertices[vertex]["tangent"])
             cosine = -dot(m, n)
@@ -482,9 +482,7 @@ class File:
                 h = add(h, mul(dot(h, n) / (1 + cosine), sub(m, n)))
         h = sub(h, mul(dot(h, n), n))
         h = unit(h) if dot(h, h) > 1e-24 else frame[0]
-        most = 1 / 2 if cosine < 0 or leans > 0.9 else leans / 8
-        sine = math.sqrt(max(0, 1 - cosine * cosine))
-        sure = sine / most if sine < most else 1
+        sure = min(1, 2 * math.sqrt(max(0, 1 - cosine * cosine))) if lost or cosine < 0 else 1
         at = math.atan2(dot(h, frame[1]), dot(h, frame[0])) / (2 * math.pi) % 1 * count
         below = math.floor(at)
         result = [(1 - sure, frame, 0)]

@@ -122,5 +122,20 @@ TEST(Battery, ALiftAtAHarderPlaceGivesBackWhatTheHandGave) {
   EXPECT_LT(meter.dissipated(0), 0.02 * soft) << "and no less than it gave";
 }
 
+// The field is replaced (a rod lies otherwise) before the lift of the same tick is told: half of what that lift took
+// out of the store still has to be paid.
+TEST(EnergyAccount, HoldingBackHidesNoMotion) {
+  runtime::EnergyAccount account;
+  EXPECT_EQ(account.replaced(1, 2, false, 0), 0) << "half of what is stored may be owed";
+  EXPECT_EQ(account.owed(), 1);
+  // A lift to 1.5 J, and there to a place that is harder.
+  EXPECT_EQ(account.replaced(1.5, 2, false, 0), 1);
+  account.held_back(1);
+  EXPECT_EQ(account.owed(), 0.5);
+  EXPECT_EQ(account.due(1), 0.25);
+  account.paid(0.25, 0.75);
+  EXPECT_EQ(account.lost(), 1.25);
+}
+
 }  // namespace
 }  // namespace palpate

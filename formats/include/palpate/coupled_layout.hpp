@@ -82,13 +82,19 @@ inline void unpack(const unsigned char* from, std::uint32_t bits, int count, std
     for (int k = 0; k < count; ++k) to[k] = static_cast<signed char>(from[k]);
     return;
   }
-  for (int k = 0; k < count; k += 2, from += 3) {
-    const std::uint32_t two = from[0] | static_cast<std::uint32_t>(from[1]) << 8 |
-                              (k + 1 < count ? static_cast<std::uint32_t>(from[2]) << 16 : 0);
-    // To the top of a word and back, which brings the sign.
-    to[k] = static_cast<std::int16_t>(static_cast<std::int32_t>(two << 20) >> 20);
-    if (k + 1 < count) to[k + 1] = static_cast<std::int16_t>(static_cast<std::int32_t>(two << 8) >> 20);
+  // To the top of a word and back, which brings the sign.
+  const auto low = [&] {
+    return static_cast<std::int16_t>(
+        static_cast<std::int32_t>((from[0] | static_cast<std::uint32_t>(from[1]) << 8) << 20) >> 20);
+  };
+  int k = 0;
+  for (; k + 1 < count; k += 2, from += 3) {
+    to[k] = low();
+    to[k + 1] = static_cast<std::int16_t>(static_cast<std::int32_t>(static_cast<std::uint32_t>(from[1]) << 16 |
+                                                                    static_cast<std::uint32_t>(from[2]) << 24) >>
+                                          20);
   }
+  if (k < count) to[k] = low();
 }
 
 inline constexpr int kMostCoefs = count({4, kMaxDegree, kMaxDegree, kMaxDegree, kMaxDegree, kMaxDegree, kMaxDegree});

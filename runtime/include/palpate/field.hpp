@@ -41,6 +41,7 @@ public:
 
   /// Of responses that it has already it keeps what it remembers: a field is built again for the same file only.
   void build(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point) {
+    fetch(view, tool, body_point, tool_point);
     build(view, tool, body_point, tool_point, runtime::normal(view, body_point));
   }
 
@@ -200,6 +201,17 @@ public:
   [[nodiscard]] bool is_coupled() const { return kCoupled && view_->coupled_laws != nullptr; }
 
 private:
+  /// The responses are far apart in a large file: they come while the normal is made.
+  void fetch(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point) const {
+    const layout::Patch& patch = view.patches[view.triangles[body_point.triangle].patch];
+    std::uint32_t corner[3];
+    double weight[3];
+    const int corners = tool_corners<kFeatures>(view, tool, tool_point, corner, weight);
+    for (const std::uint32_t site : patch.vertex) {
+      for (int l = 0; l < corners; ++l) view.prefetch(layout::response_index(*view.meta, site, corner[l]));
+    }
+  }
+
   /// Calls each(index, tool vertex, weight, x axis) for the responses of a contact, of the first spins.
   template <class Each>
   void blend(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point,

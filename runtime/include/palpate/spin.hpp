@@ -22,28 +22,24 @@ struct LaidVertex {
 };
 
 /// Of a profile the tangent runs up the tool's axis, whichever side of it touches; it is lost where the tool points
-/// into the body, and where what is to lie on the body stands upright: of the cap the sooner the nearer a vertex is to
-/// the pole, so that one is sure where it touches. Of a mesh it is carried from the vertex' own normal to the contact's
-/// by the smallest rotation; it is lost where these are opposed.
+/// into the body, and where the stem that is to lie on the body stands upright. Of a mesh it is carried from the
+/// vertex' own normal to the contact's by the smallest rotation; it is lost where these are opposed.
 inline LaidVertex laid_vertex(const View& view, const layout::ToolRecord& tool, std::uint32_t vertex, const Pose& pose,
                               const Vec3& n, const Vec3& otherwise) {
   const layout::ToolVertexRecord& record = view.tool_vertices[vertex];
   Vec3 along = pose.rotate({0, 0, 1});
   double cosine = dot(along, n);
-  double leans = static_cast<double>(record.tangent[2]);  // of a profile, the sine of the tilt at which it touches
+  bool lost = record.tangent[2] > 0.9f;
   if (tool.kind != static_cast<std::uint32_t>(layout::ToolKind::profile)) {
     const Vec3 own = pose.rotate(to_vec(record.normal));
     cosine = -dot(own, n);
     along = pose.rotate(to_vec(record.tangent));
     if (1 + cosine > 1e-9) along = along + (dot(along, n) / (1 + cosine)) * (own - n);
-    leans = 0;
+    lost = false;
   }
   LaidVertex laid;
   laid.x = unit(tangential(along, n), otherwise);
-  // Of a cap's vertex within an eighth of the tilt at which it touches only: it has next to no weight there.
-  const double most = cosine < 0 || leans > 0.9 ? 0.5 : 0.125 * leans,
-               sine = std::sqrt(std::fmax(0, 1 - cosine * cosine));
-  if (sine < most) laid.sure = sine / most;
+  if (lost || cosine < 0) laid.sure = std::fmin(1, 2 * std::sqrt(std::fmax(0, 1 - cosine * cosine)));
   return laid;
 }
 

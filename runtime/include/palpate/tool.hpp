@@ -149,12 +149,12 @@ inline Search search(const View& view, std::uint32_t tool, const Pose& pose) {
 }
 
 /// Where on its profile a tool touches: arc length from the tip's pole (m), for an axis point `along` (m) and
-/// the cosine between the body's normal and the tool's z axis. Continuous in both: p may be on the stem still while the
-/// tip turns to the body.
+/// the cosine between the body's normal and the tool's z axis.
 inline double profile_meridian(const layout::ToolRecord& tool, double along, double cosine) {
   constexpr double kQuarter = 1.5707963267948966;
-  const double angle = cosine > 0 ? std::acos(cosine < 1 ? cosine : 1) : kQuarter;
-  return tool.probe_radius * angle + along;
+  if (along > 0) return tool.probe_radius * kQuarter + along;
+  const double angle = std::acos(cosine > 1 ? 1 : cosine > 0 ? cosine : 0);
+  return tool.probe_radius * (angle < kQuarter ? angle : kQuarter);
 }
 
 /// The segment of a profile that holds a meridian; beyond the ends, the end.

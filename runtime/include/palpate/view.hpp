@@ -98,6 +98,13 @@ struct View {
   [[nodiscard]] const unsigned char* coupled_law(std::uint64_t index) const {
     return coupled_laws + index * coupled_size;
   }
+  /// Asks for a response's memory, for a caller that has something else to do before it reads it.
+  void prefetch(std::uint64_t index) const {
+    __builtin_prefetch(responses + index * layout::response_size(*meta));
+    if (coupled_laws != nullptr) return __builtin_prefetch(coupled_law(index));
+    if (lateral != nullptr) __builtin_prefetch(lateral_coefs(index));
+    if (friction != nullptr) __builtin_prefetch(friction_coefs(index));
+  }
   [[nodiscard]] const layout::GraspHead& grasp_head(std::uint64_t index) const {
     return *reinterpret_cast<const layout::GraspHead*>(grasps + index * layout::grasp_size(grasp_coefs));
   }
