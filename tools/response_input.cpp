@@ -7,7 +7,9 @@
 
 namespace palpate::cli {
 
-ResponseInput::ResponseInput(const std::filesystem::path& path) : path_(path), bytes_(read_bytes(path)) {
+ResponseInput::ResponseInput(const std::filesystem::path& path) : path_(path) {
+  const std::vector<std::byte> read = read_bytes(path);
+  bytes_.assign(read.begin(), read.end());
   const runtime::OpenResult opened = runtime::View::open(bytes_.data(), bytes_.size());
   if (!opened) throw Error(ExitCode::bad_input, path.string() + ": " + opened.error);
   view_ = opened.view;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "palpate/runtime.hpp"
+#include "tools/large_pages.hpp"
 
 namespace palpate::cli {
 
@@ -24,7 +25,7 @@ public:
 
 private:
   std::filesystem::path path_;
-  std::vector<std::byte> bytes_;
+  std::vector<std::byte, LargePages<std::byte>> bytes_;
   runtime::View view_;
 };
 
