@@ -171,9 +171,9 @@ void add_tools(Sections& sections, const ResponseFileContent& c, layout::Meta& m
 
 void add_coupled(Sections& sections, const ResponseFileContent& c) {
   const std::uint32_t bits = c.coupled_bits;
-  const std::size_t size = layout::coupled_size(*c.coupled, bits),
-                    limit = layout::coupled_limit_offset(*c.coupled, bits);
-  const auto before = static_cast<std::size_t>(coupled::places(*c.coupled).limit);
+  const coupled::Places places = coupled::places(*c.coupled);
+  const std::size_t size = layout::coupled_size(*c.coupled, bits), limit = layout::coupled_limit_offset(places, bits);
+  const auto before = static_cast<std::size_t>(places.limit);
   std::vector<std::byte> laws(size * c.responses.size());
   for (std::size_t i = 0; i < c.responses.size(); ++i) {
     const Response& r = c.responses[i];

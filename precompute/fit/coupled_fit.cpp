@@ -224,10 +224,11 @@ VectorXd fit_limit(const std::vector<Sample>& samples, const CoupledScales& scal
 }  // namespace
 
 Law make_law(const VectorXd& coefs, const CoupledScales& scales) {
+  coupled::Blend blend;
+  blend.clear(scales.degrees);
+  blend.add(coefs.data(), 1, 1, 1);
   Law law;
-  law.clear(scales.degrees, scales.depth, scales.sideways);
-  law.add(coefs.data(), 1, 1, 1);
-  law.finish();
+  law.set(blend, scales.depth, scales.sideways);
   return law;
 }
 

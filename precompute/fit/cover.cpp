@@ -55,16 +55,15 @@ SiteCurves blend_coupled(const ContactFrame& frame, double depth, const std::vec
     total += source.weight;
     mean_depth += source.weight * source.site->depth;
   }
-  coupled::Law law;
-  law.clear(*scales.coupled, scales.depth, scales.sideways);
+  coupled::Blend blend;
+  blend.clear(*scales.coupled);
   for (const CoverSource& source : sources) {
     const Eigen::Vector2d turn = turned(frame, source);
-    law.add(source.site->curves.coupled.data(), 1, 1, source.weight / total, {turn.x(), turn.y()});
+    blend.add(source.site->curves.coupled.data(), 1, 1, source.weight / total, {turn.x(), turn.y()});
   }
   SiteCurves result;
   result.depth = std::min(depth, mean_depth / total);
-  result.curves.coupled.resize(coupled::count(*scales.coupled));
-  law.copy(result.curves.coupled.data());
+  result.curves.coupled = Eigen::Map<const Eigen::VectorXd>(blend.coefs(), coupled::count(*scales.coupled));
   return result;
 }
 

@@ -68,10 +68,10 @@ Response response(const View& v, std::uint64_t i) {
     r.friction = list(from, m.friction_coefs);
   }
   if (v.coupled_laws != nullptr) {
-    std::int16_t room[coupled::kMostCoefs];
-    const std::int16_t* from = v.coupled_coefs(i, room);
+    std::int16_t coefs[coupled::kMostCoefs];
+    v.coupled_coefs(i, coefs);
     r.unit = v.coupled_unit(i);
-    r.coupled.assign(from, from + coupled::count(layout::coupled_degrees(m)));
+    r.coupled.assign(coefs, coefs + coupled::count(layout::coupled_degrees(m)));
   }
   if (v.grasps != nullptr) {
     r.grasp_depth = v.grasp_head(i).depth;

@@ -278,7 +278,8 @@ TEST(Damage, BitsOutOfRangeAndPackedPaddingAreRefused) {
   EXPECT_NE(message(bits, 8), "") << "elements of another size";
   const unsigned char* const law = view.coupled_law(2);
   ASSERT_NE(packed % 16, 0U);
-  EXPECT_EQ(message(law + layout::coupled_limit_offset(d, 12) - 1, 0x80), "COUPLED: response 2: padding is not zero");
+  EXPECT_EQ(message(law + layout::coupled_limit_offset(coupled::places(d), 12) - 1, 0x80),
+            "COUPLED: response 2: padding is not zero");
   EXPECT_EQ(message(law + 5, 8), "COUPLED: response 2: the normal force must start at zero and not decrease");
 }
 

@@ -57,10 +57,11 @@ std::vector<double> random_coefs(const Degrees& d, Random& random) {
 }
 
 Law law_of(const std::vector<double>& coefs, const Degrees& d) {
+  Blend blend;
+  blend.clear(d);
+  blend.add(coefs.data(), 1, 1, 1);
   Law law;
-  law.clear(d, Z, X);
-  law.add(coefs.data(), 1, 1, 1);
-  law.finish();
+  law.set(blend, Z, X);
   return law;
 }
 
@@ -159,11 +160,12 @@ TEST(Coupled, BlendsTurnWithTheirFrames) {
     const Law own = law_of(coefs, d);
     const double angle = 0.8;
     const Vec2 turned{std::cos(angle), std::sin(angle)};
+    Blend blend;
+    blend.clear(d);
+    blend.add(coefs.data(), 0.25, 0.25, 1, turned);
+    blend.add(coefs.data(), 1, 1, 0.75, turned);
     Law law;
-    law.clear(d, Z, X);
-    law.add(coefs.data(), 0.25, 0.25, 1, turned);
-    law.add(coefs.data(), 1, 1, 0.75, turned);
-    law.finish();
+    law.set(blend, Z, X);
     for (const double t : {0.3, 0.9, 1.2}) {
       const AtDepth a = own.at(t, true), b = law.at(t, true);
       const Vec2 u = disc(random, 1.5), v = product(u, turned);

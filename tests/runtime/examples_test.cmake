@@ -27,7 +27,7 @@ function(example name most_lines pattern)
 endfunction()
 
 # Both press: the one that strokes slides and its force stays behind.
-example(two_tools 30 "left  800 ms: 0\\.[1-9][0-9]+ N, right  800 ms: 0\\.0[1-9]+ N .slides" ${file})
+example(two_tools 30 "left  800 ms: 0\\.[1-9][0-9]+ N, right  800 ms: 0\\.0[1-9][0-9]+ N .slides" ${file})
 # Felt while the body is up, and the same on its way down as on its way up.
 example(moving_body 30 "   0 ms: [^\n]*force 0.000 N.*1000 ms: [^\n]* (force 0\\.[0-9]+ N)\n.*3000 ms: [^\n]* \\1.*4000 ms: [^\n]*force 0.000 N"
         ${file})

@@ -68,6 +68,13 @@ std::vector<Pair> pairs(const View& view) {
   return all;
 }
 
+/// The x axis of a site's frame at a point with normal n.
+Vec3 carried_x(const layout::Site& site, const Vec3& n) {
+  const Vec3 x = runtime::any_orthogonal(n), y = cross(n, x);
+  const runtime::Across carried = runtime::carried_axis(site, n, x, y);
+  return carried.cosine * x + carried.sine * y;
+}
+
 Vec3 aside(const Vec3& n, const Vec3& x, double angle) {
   return 0.0008 * std::cos(angle) * x + 0.0008 * std::sin(angle) * cross(n, x) - 0.002 * n;
 }
@@ -80,7 +87,7 @@ TEST(Spin, ASampleAnswersAsItWasBaked) {
       for (std::uint32_t triangle = 0; triangle < 40; triangle += 7) {
         const BodyPoint at{triangle, {1, 0, 0}};
         const std::uint32_t site = ball.view.patches[ball.view.triangles[triangle].patch].vertex[0];
-        const Vec3 n = normal(ball.view, at), x = runtime::carried_tangent(ball.view.sites[site], n, {1, 0, 0});
+        const Vec3 n = normal(ball.view, at), x = carried_x(ball.view.sites[site], n);
         for (std::uint32_t k = 0; k < 5; ++k) {
           // Of a profile the pose is that of a vertex whose normal is the contact's: as the runtime would find it.
           const Pose pose = laid(pair.vertex, n, x, kCircle * k / 5);
@@ -260,7 +267,7 @@ TEST(Spin, AGraspIsOfItsSpin) {
   const Pair pair = pairs(ball.view).front();
   const BodyPoint at{0, {1, 0, 0}};
   const std::uint32_t site = ball.view.patches[ball.view.triangles[0].patch].vertex[0];
-  const Vec3 n = normal(ball.view, at), x = runtime::carried_tangent(ball.view.sites[site], n, {1, 0, 0});
+  const Vec3 n = normal(ball.view, at), x = carried_x(ball.view.sites[site], n);
   for (std::uint32_t k = 0; k < 5; ++k) {
     const Pose pose = laid(pair.vertex, n, x, kCircle * k / 5);
     const runtime::TurnField turned(ball.view, 0, at, pair.on_tool, {&pose, 0});

@@ -125,10 +125,11 @@ TEST_F(Export, CurvesOfACoupledFileAreItsLaw) {
   ASSERT_EQ(table.size(), content_.responses.size() * 63);
   for (const auto& row : table) {
     const Response& r = content_.responses[std::stoul(row.at("site"))];
+    coupled::Blend blend;
+    blend.clear(*content_.coupled);
+    blend.add(r.coupled.data(), static_cast<double>(r.unit), layout::kLimitUnit, 1);
     coupled::Law law;
-    law.clear(*content_.coupled, kDepthScale, kSidewaysScale);
-    law.add(r.coupled.data(), static_cast<double>(r.unit), layout::kLimitUnit, 1);
-    law.finish();
+    law.set(blend, kDepthScale, kSidewaysScale);
     const double z = number(row, "depth_m");
     if (!(z > 0)) continue;
     const coupled::AtDepth d = law.at(law.abscissa(z), false);

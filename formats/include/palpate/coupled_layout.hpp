@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 
 namespace palpate::coupled {
 
@@ -76,25 +77,46 @@ constexpr Places places(const Degrees& d) {
 }
 constexpr int count(const Degrees& d) { return places(d).end; }
 
-/// `count` whole numbers of `bits` (8 or 12) each, two's complement, the lowest bits first, without gaps.
-inline void unpack(const unsigned char* from, std::uint32_t bits, int count, std::int16_t* to) {
+/// `count` whole numbers of `bits` (8, 12 or 16) each, two's complement, the lowest bits first, without gaps. The byte
+/// before them must be readable.
+template <class Integer>
+inline void unpack(const unsigned char* from, std::uint32_t bits, int count, Integer* to) {
+  if (bits == 16) {
+    for (int k = 0; k < count; ++k) {
+      std::int16_t number;
+      std::memcpy(&number, from + 2 * k, sizeof number);
+      to[k] = number;
+    }
+    return;
+  }
   if (bits == 8) {
     for (int k = 0; k < count; ++k) to[k] = static_cast<signed char>(from[k]);
     return;
   }
-  // To the top of a word and back, which brings the sign.
-  const auto low = [&] {
-    return static_cast<std::int16_t>(
-        static_cast<std::int32_t>((from[0] | static_cast<std::uint32_t>(from[1]) << 8) << 20) >> 20);
+  // Two are three bytes. Read with the byte before them they are moved to the top of a word and back, which brings the
+  // sign.
+  const auto word = [](const unsigned char* at) {
+    std::uint32_t bytes;
+    std::memcpy(&bytes, at, sizeof bytes);
+    return bytes;
   };
-  int k = 0;
-  for (; k + 1 < count; k += 2, from += 3) {
-    to[k] = low();
-    to[k + 1] = static_cast<std::int16_t>(static_cast<std::int32_t>(static_cast<std::uint32_t>(from[1]) << 16 |
-                                                                    static_cast<std::uint32_t>(from[2]) << 24) >>
-                                          20);
+  const auto top = [](std::uint32_t bits_at_top) {
+    return static_cast<Integer>(static_cast<std::int32_t>(bits_at_top) >> 20);
+  };
+  const auto two = [&](const unsigned char* at, Integer* numbers) {
+    const std::uint32_t bytes = word(at - 1);
+    numbers[0] = top(bytes << 12);
+    numbers[1] = top(bytes);
+  };
+  for (; count > 3; count -= 4, from += 6, to += 4) {
+    two(from, to);
+    two(from + 3, to + 2);
   }
-  if (k < count) to[k] = low();
+  if (count > 1) {
+    two(from, to);
+    count -= 2, from += 3, to += 2;
+  }
+  if (count > 0) to[0] = top((from[0] | static_cast<std::uint32_t>(from[1]) << 8) << 20);
 }
 
 inline constexpr int kMostCoefs = count({4, kMaxDegree, kMaxDegree, kMaxDegree, kMaxDegree, kMaxDegree, kMaxDegree});

@@ -253,22 +253,21 @@ inline constexpr coupled::Degrees coupled_degrees(const Meta& m) {
 inline constexpr std::uint32_t coupled_bits(const Meta& m) { return m.coef_bits == 0 ? 16 : m.coef_bits; }
 
 /// Bytes from the start of an element of COUPLED to the coefficients of the friction limit, which have 16 bits always.
-inline constexpr std::uint32_t coupled_limit_offset(const coupled::Degrees& d, std::uint32_t bits) {
-  return 4 + 2 * ((static_cast<std::uint32_t>(coupled::places(d).limit) * bits + 15) / 16);
+inline constexpr std::uint32_t coupled_limit_offset(const coupled::Places& p, std::uint32_t bits) {
+  return 4 + 2 * ((static_cast<std::uint32_t>(p.limit) * bits + 15) / 16);
 }
 
 /// Bytes of one element of COUPLED, a multiple of 4.
 inline constexpr std::uint32_t coupled_size(const coupled::Degrees& d, std::uint32_t bits) {
-  return (coupled_limit_offset(d, bits) + 2 * (static_cast<std::uint32_t>(d.limit) + 1) + 3) / 4 * 4;
+  return (coupled_limit_offset(coupled::places(d), bits) + 2 * (static_cast<std::uint32_t>(d.limit) + 1) + 3) / 4 * 4;
 }
 inline constexpr std::uint32_t coupled_size(const Meta& m) { return coupled_size(coupled_degrees(m), coupled_bits(m)); }
 
-/// The coefficients of an element of COUPLED that has `bits` (8 or 12) of most.
-inline void unpack_coupled(const unsigned char* law, const coupled::Degrees& d, std::uint32_t bits, std::int16_t* to) {
-  const coupled::Places p = coupled::places(d);
+/// The coefficients of an element of COUPLED, of so many bits but for those of the friction limit.
+template <class Integer>
+inline void unpack_coupled(const unsigned char* law, const coupled::Places& p, std::uint32_t bits, Integer* to) {
   coupled::unpack(law + 4, bits, p.limit, to);
-  std::memcpy(to + p.limit, law + coupled_limit_offset(d, bits),
-              sizeof(std::int16_t) * static_cast<std::size_t>(p.end - p.limit));
+  coupled::unpack(law + coupled_limit_offset(p, bits), 16, p.end - p.limit, to + p.limit);
 }
 
 /// Bytes of one element of RESPONSES, LATERAL and FRICTION.

@@ -2,6 +2,7 @@
 // The coupled response of one contact: energy of the sideways deflection, its part in the normal force, anchor rule.
 #pragma once
 
+#include "palpate/coupled_blend.hpp"
 #include "palpate/coupled_rows.hpp"
 
 #include <cmath>
@@ -45,21 +46,13 @@ struct AtDepth {
 /// A response whose coefficients are blended, ready to be evaluated. Fixed size.
 class Law {
 public:
-  /// Forgets everything. Depth scale Z and sideways scale X in m.
-  void clear(const Degrees& degrees, double depth_scale, double sideways_scale) {
-    rows_.clear(degrees);
+  /// Depth scale Z and sideways scale X in m.
+  void set(const Blend& blend, double depth_scale, double sideways_scale) {
+    rows_.set(blend.degrees(), blend.coefs());
     depth_scale_ = depth_scale;
     per_depth_ = 1 / depth_scale;
     ratio_ = sideways_scale / depth_scale;
   }
-  /// As Rows does.
-  template <class Scalar>
-  void add(const Scalar* coefs, double unit, double limit_unit, double weight, const Vec2& turned = {1, 0}) {
-    rows_.add(coefs, unit, limit_unit, weight, turned);
-  }
-  void finish() { rows_.finish(); }
-  /// What was added, in the file's order and basis; not after finish().
-  void copy(double* to) const { rows_.copy(to); }
 
   [[nodiscard]] const Degrees& degrees() const { return rows_.degrees(); }
 

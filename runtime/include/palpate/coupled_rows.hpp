@@ -5,6 +5,8 @@
 #include "palpate/coupled_energy.hpp"
 #include "palpate/coupled_layout.hpp"
 
+#include <type_traits>
+
 namespace palpate::coupled {
 
 /// What answers a power of s lies side by side: one pass from the highest power down sums every family, without a loop
@@ -34,8 +36,8 @@ public:
 
   [[nodiscard]] const Degrees& degrees() const { return degrees_; }
 
-  /// Forgets everything.
-  void clear(const Degrees& degrees) {
+  /// Of coefficients in the file's order and in Bernstein's basis.
+  void set(const Degrees& degrees, const double* coefs) {
     degrees_ = degrees;
     rows_ = more_rows_ = 1;
     const auto reach = [](int& rows, int needed) { rows = rows < needed ? needed : rows; };
@@ -43,76 +45,36 @@ public:
     reach(rows_, degrees.straight - 1);
     reach(rows_, degrees.stiffness + 1);
     reach(rows_, degrees.limit + 1);
-    reach(more_rows_, degrees.cubic + 1);
-    reach(more_rows_, degrees.quartic + 1);
     for (int k = 0; k < rows_; ++k) at_[k] = {};
-    for (int k = 0; degrees.order > 2 && k < more_rows_; ++k) more_[k] = {};
-  }
-
-  /// Adds a response's coefficients (count(degrees) of them, in the file's order), `unit` the N of one and `limit_unit`
-  /// that of mu, with a weight; (cosine, sine) of the angle of its x axis in this law's frame.
-  template <class Scalar>
-  void add(const Scalar* coefs, double unit, double limit_unit, double weight, const Vec2& turned) {
-    const Vec2 second = product(turned, turned), third = product(second, turned), fourth = product(second, second);
-    const double factor = weight * unit;
-    const auto scalar = [&](double& to, double by) { to += by * static_cast<double>(*coefs++); };
-    const auto pair = [&](double* to, const Vec2& turn) {
-      const Vec2 h = product({static_cast<double>(coefs[0]), static_cast<double>(coefs[1])}, turn);
-      to[0] += factor * h.x;
-      to[1] += factor * h.y;
-      coefs += 2;
+    const auto take = [&](Row* rows, int column, int components, int first, int degree, bool energy) {
+      int c = 0;
+      for (; c + kAtOnce <= components; c += kAtOnce) {
+        to_powers<kAtOnce>(coefs + c, components, rows->of + column + c, first, degree, energy);
+      }
+      for (; c < components; ++c) {
+        to_powers<1>(coefs + c, components, rows->of + column + c, first, degree, energy);
+      }
+      coefs += components * (degree + 1 - first);
     };
-    for (int k = 0; k < from_square(degrees_.push); ++k) scalar(at_[k].of[kPush], factor);
-    for (int k = 0; k < from_square(degrees_.straight); ++k) pair(at_[k].of + kStraight, turned);
-    const auto square = [&](int rows, Column column) {
-      for (int k = 0; k < rows; ++k) {
-        scalar(at_[k].of[column], factor);
-        pair(at_[k].of + column + 1, second);
-      }
-    };
-    square(degrees_.stiffness + 1, kStiffness);
-    square(from_square(degrees_.stiffness), kCoupling);
-    for (int k = 0; degrees_.order > 2 && k <= degrees_.cubic; ++k) {
-      pair(more_[k].of + kCubic, turned);
-      pair(more_[k].of + kCubic + 2, third);
+    take(at_, kPush, 1, 2, degrees.push, false);
+    if (degrees.straight > 0) take(at_, kStraight, 2, 2, degrees.straight, false);
+    take(at_, kStiffness, 3, 0, degrees.stiffness, true);
+    if (degrees.stiffness > 0) take(at_, kCoupling, 3, 2, degrees.stiffness, false);
+    if (degrees.order > 2) {
+      reach(more_rows_, degrees.cubic + 1);
+      reach(more_rows_, degrees.quartic + 1);
+      for (int k = 0; k < more_rows_; ++k) more_[k] = {};
+      take(more_, kCubic, 4, 0, degrees.cubic, true);
+      if (degrees.order > 3) take(more_, kQuartic, 5, 0, degrees.quartic, true);
     }
-    for (int k = 0; degrees_.order > 3 && k <= degrees_.quartic; ++k) {
-      scalar(more_[k].of[kQuartic], factor);
-      pair(more_[k].of + kQuartic + 1, second);
-      pair(more_[k].of + kQuartic + 3, fourth);
-    }
-    for (int k = 0; k <= degrees_.limit; ++k) scalar(at_[k].of[kLimit], weight * limit_unit);
+    take(at_, kLimit, 1, 0, degrees.limit, false);
   }
 
-  /// What was added, count(degrees()) coefficients in the file's order and basis; not after finish().
-  void copy(double* to) const {
-    for_each_family(*this, [&](const Row* rows, int column, int components, int first, int degree, bool /*energy*/) {
-      for (int k = first; k <= degree; ++k) {
-        for (int c = 0; c < components; ++c) *to++ = rows[k - first].of[column + c];
-      }
-    });
-  }
-
-  /// From Bernstein's basis to powers of s, once all responses are added.
-  void finish() {
-    for_each_family(*this, [](Row* rows, int column, int components, int first, int degree, bool energy) {
-      constexpr double kIntegral[kMaxDegree + 1] = {1, 1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5, 1.0 / 6, 1.0 / 7};
-      for (int k = degree; k >= first; --k) {
-        const double scale = binomial(degree, k) * (energy ? kIntegral[k] : 1);
-        for (int c = column; c < column + components; ++c) {
-          double sum = 0;
-          for (int i = first; i <= k; ++i) sum += alternating_binomial(k, i) * rows[i - first].of[c];
-          rows[k - first].of[c] = scale * sum;
-        }
-      }
-    });
-  }
-
-  /// At s, after finish().
+  /// At s.
   [[nodiscard]] auto sum(double s) const { return add_up<kSloped>(at_, rows_, s); }
   [[nodiscard]] auto sum_more(double s) const { return add_up<kColumns>(more_, more_rows_, s); }
 
-  /// That of s^(2 + k) in F, k < degrees().push - 1, after finish().
+  /// That of s^(2 + k) in F, k < degrees().push - 1.
   [[nodiscard]] double push(int k) const { return at_[k].of[kPush]; }
 
 private:
@@ -120,19 +82,72 @@ private:
     double of[kColumns];
   };
 
-  /// Calls each(rows, first column, components, lowest power, degree, whether an energy is made of it) in the file's
-  /// order.
-  template <class Self, class Each>
-  static void for_each_family(Self& self, const Each& each) {
-    const Degrees& d = self.degrees_;
-    each(self.at_, kPush, 1, 2, d.push, false);
-    if (d.straight > 0) each(self.at_, kStraight, 2, 2, d.straight, false);
-    each(self.at_, kStiffness, 3, 0, d.stiffness, true);
-    each(self.at_, kCoupling, 3, 2, d.stiffness, false);
-    if (d.order > 2) each(self.more_, kCubic, 4, 0, d.cubic, true);
-    if (d.order > 3) each(self.more_, kQuartic, 5, 0, d.quartic, true);
-    each(self.at_, kLimit, 1, 0, d.limit, false);
+#ifdef __OPTIMIZE_SIZE__
+  static constexpr int kAtOnce = 1;
+#else
+  static constexpr int kAtOnce = 2;
+#endif
+  /// Components of a family, of Bernstein's basis (n over k) s^k (1 - s)^(n - k) with n = `degree` and k from `first`
+  /// (0 or 2) on, as powers s^(k - first), or where an energy is made of it, these integrated over s. Not inlined:
+  /// loops over components that only run time knows are slower than all this.
+  template <int components>
+  [[gnu::noinline]] static void to_powers(const double* from, int stride, double* to, int first, int degree,
+                                          bool energy) {
+    const auto of_degree = [&](auto n) {
+      if (first == 0) return to_powers<components, n, 0>(from, stride, to, energy);
+      to_powers<components, n, 2>(from, stride, to, energy);
+    };
+    switch (degree) {  // known to the compiler, all is in registers
+      case 0:
+        return of_degree(std::integral_constant<int, 0>());
+      case 1:
+        return of_degree(std::integral_constant<int, 1>());
+      case 2:
+        return of_degree(std::integral_constant<int, 2>());
+      case 3:
+        return of_degree(std::integral_constant<int, 3>());
+      case 4:
+        return of_degree(std::integral_constant<int, 4>());
+      case 5:
+        return of_degree(std::integral_constant<int, 5>());
+      default:
+        return of_degree(std::integral_constant<int, kMaxDegree>());
+    }
   }
+  template <int components, int degree, int first>
+  static void to_powers(const double* from, int stride, double* to, bool energy) {
+    constexpr PowerScales<degree> kScales;
+    double b[degree + 1][components] = {};
+#pragma GCC unroll 8
+    for (int k = first; k <= degree; ++k) {
+#pragma GCC unroll 8
+      for (int c = 0; c < components; ++c) b[k][c] = from[(k - first) * stride + c];
+    }
+#pragma GCC unroll 8
+    for (int order = 1; order <= degree; ++order) {  // of differences
+#pragma GCC unroll 8
+      for (int k = degree; k >= order; --k) {
+#pragma GCC unroll 8
+        for (int c = 0; c < components; ++c) b[k][c] -= b[k - 1][c];
+      }
+    }
+#pragma GCC unroll 8
+    for (int k = first; k <= degree; ++k) {
+      const double scale = kScales.of[energy ? 1 : 0][k];
+#pragma GCC unroll 8
+      for (int c = 0; c < components; ++c) to[(k - first) * kColumns + c] = scale * b[k][c];
+    }
+  }
+  template <int degree>
+  struct PowerScales {
+    double of[2][degree + 1] = {};
+    constexpr PowerScales() {
+      for (int k = 0; k <= degree; ++k) {
+        of[0][k] = binomial(degree, k);
+        of[1][k] = binomial(degree, k) / (k + 1);
+      }
+    }
+  };
 
   /// Horner's rule, and of the first columns the derivative's.
   template <int Sloped>

@@ -26,6 +26,7 @@ template <std::uint32_t kFeatures = layout::feature_all>
 class BasicField {
   static constexpr bool kCoupled = (kFeatures & layout::feature_coupled) != 0;
   static constexpr bool kSpin = (kFeatures & layout::feature_spin) != 0;
+  using Sum = detail::If<kCoupled, coupled::Blend>;
 
 public:
   BasicField() = default;
@@ -41,17 +42,17 @@ public:
 
   /// Of responses that it has already it keeps what it remembers: a field is built again for the same file only.
   void build(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point) {
-    fetch(view, tool, body_point, tool_point);
-    build(view, tool, body_point, tool_point, runtime::normal(view, body_point));
+    const Shares shares(view, tool, body_point, tool_point);
+    shares.fetch(view);
+    build(view, shares, runtime::normal(view, body_point, shares.site_weight));
   }
 
   /// The same for a caller that knows n(c) already. Where a tool has spins, of the first.
   void build(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point,
              const Vec3& normal_there) {
-    blend(view, tool, body_point, tool_point, normal_there,
-          [this](std::uint64_t index, std::uint32_t /*vertex*/, double weight, const Vec3& x) {
-            add<false>(index, weight, x);
-          });
+    const Shares shares(view, tool, body_point, tool_point);
+    shares.fetch(view);
+    build(view, shares, normal_there);
   }
 
   /// Of a tool that lies so about n(c). Apart: what it adds would slow the blends of tools without spins.
@@ -59,12 +60,14 @@ public:
                                     const ToolPoint& tool_point, const Vec3& normal_there, const Spin& spin) {
     if constexpr (kSpin) {
       if (view.spins != nullptr) {
-        return blend(view, tool, body_point, tool_point, normal_there,
-                     [&](std::uint64_t index, std::uint32_t vertex, double weight, const Vec3& x) {
-                       for_each_spin(view, view.tools[tool], vertex, spin, x, normal_,
-                                     [&](std::uint32_t sample, double share, const Vec3& along) {
-                                       add<true>(index + sample, weight * share, along);
-                                     });
+        return blend(view, Shares(view, tool, body_point, tool_point), normal_there,
+                     [&](Sum& sum, std::uint64_t index, std::uint32_t vertex, double weight, const Across& axis) {
+                       if (view.spins[vertex] == 1) return add<true>(sum, index, weight, axis);
+                       const Vec3 x = axis.cosine * basis_x_ + axis.sine * basis_y_;
+                       const auto add_sample = [&](std::uint32_t sample, double share, const Vec3& along) {
+                         add<true>(sum, index + sample, weight * share, {dot(along, basis_x_), dot(along, basis_y_)});
+                       };
+                       for_each_spin(view, view.tools[tool], vertex, spin, x, normal_, add_sample);
                      });
       }
     }
@@ -201,50 +204,66 @@ public:
   [[nodiscard]] bool is_coupled() const { return kCoupled && view_->coupled_laws != nullptr; }
 
 private:
-  /// The responses are far apart in a large file: they come while the normal is made.
-  void fetch(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point) const {
-    const layout::Patch& patch = view.patches[view.triangles[body_point.triangle].patch];
-    std::uint32_t corner[3];
-    double weight[3];
-    const int corners = tool_corners<kFeatures>(view, tool, tool_point, corner, weight);
-    for (const std::uint32_t site : patch.vertex) {
-      for (int l = 0; l < corners; ++l) view.prefetch(layout::response_index(*view.meta, site, corner[l]));
+  /// The sites and tool vertices of a contact.
+  struct Shares {
+    Shares(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point)
+        : sites(view.patches[view.triangles[body_point.triangle].patch]) {
+      patch_weights(view, body_point, site_weight);
+      corners = tool_corners<kFeatures>(view, tool, tool_point, corner, corner_weight);
     }
+    /// The responses are far apart in a large file: they come together, and while the
+    /// normal is made.
+    void fetch(const View& view) const {
+      for (const std::uint32_t site : sites.vertex) {
+        for (int l = 0; l < corners; ++l) view.fetch(layout::response_index(*view.meta, site, corner[l]));
+      }
+    }
+    const layout::Patch& sites;
+    double site_weight[3];
+    int corners;
+    std::uint32_t corner[3];
+    double corner_weight[3];
+  };
+
+  void build(const View& view, const Shares& shares, const Vec3& normal_there) {
+    blend(view, shares, normal_there,
+          [this](Sum& sum, std::uint64_t index, std::uint32_t /*vertex*/, double weight, const Across& x) {
+            add<false>(sum, index, weight, x);
+          });
   }
 
-  /// Calls each(index, tool vertex, weight, x axis) for the responses of a contact, of the first spins.
+  /// Calls each(sum, index, tool vertex, weight, x axis) for the responses of a contact, of the first spins.
   template <class Each>
-  void blend(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point,
-             const Vec3& normal_there, const Each& each) {
+  void blend(const View& view, const Shares& shares, const Vec3& normal_there, const Each& each) {
     view_ = &view;
     const layout::Meta& m = *view.meta;
     normal_ = normal_there;
     basis_x_ = any_orthogonal(normal_);
     basis_y_ = cross(normal_, basis_x_);
     covered_ = limit_ = 0;
+    Sum sum;
     if constexpr (kCoupled) {
-      if (is_coupled()) law_.clear(layout::coupled_degrees(m), m.depth_scale, m.sideways_scale);
+      if (is_coupled()) sum.clear(layout::coupled_degrees(m));
       known_.depth = 0;
     }
     if (!is_coupled()) separable_.clear(m, basis_x_, basis_y_);
     per_scale_ = m.sideways_scale > 0 ? 1 / m.sideways_scale : 0;
-    std::uint32_t corner[3];
-    double weight[3];
-    const int corners = tool_corners<kFeatures>(view, tool, tool_point, corner, weight);
-    double weights[3];
-    patch_weights(view, body_point, weights);
-    const layout::Patch& patch = view.patches[view.triangles[body_point.triangle].patch];
+    Across axis[3];  // all at once: each is a long chain of dependent operations
+    for (int k = 0; k < 3; ++k) axis[k] = sideways_axis(shares.sites.vertex[k]);
     for (int k = 0; k < 3; ++k) {
-      if (!(weights[k] > 0)) continue;
-      const Vec3 x = sideways_axis(patch.vertex[k]);
+      const double share = shares.site_weight[k];
+      if (!(share > 0)) continue;
+      const std::uint32_t site = shares.sites.vertex[k];
+      const Across x = axis[k];
       if (!is_coupled()) separable_.begin_body(x);
-      for (int l = 0; l < corners; ++l) {
-        each(layout::response_index(m, patch.vertex[k], corner[l]), corner[l], weights[k] * weight[l], x);
+      for (int l = 0; l < shares.corners; ++l) {
+        const std::uint32_t vertex = shares.corner[l];
+        each(sum, layout::response_index(m, site, vertex), vertex, share * shares.corner_weight[l], x);
       }
     }
     if (!is_coupled()) separable_.finish();
     if constexpr (kCoupled) {
-      if (is_coupled()) law_.finish();
+      if (is_coupled()) law_.set(sum, m.depth_scale, m.sideways_scale);
     }
   }
 
@@ -289,17 +308,17 @@ private:
     terms.straight = -terms.coupled.straight.x * basis_x_ - terms.coupled.straight.y * basis_y_;
   }
 
-  /// The x axis of a site's frame, carried to c; any where nothing lies sideways.
-  [[nodiscard]] Vec3 sideways_axis(std::uint32_t site) const {
+  /// The x axis of a site's frame, carried to c, in the basis; any where nothing lies sideways.
+  [[nodiscard]] Across sideways_axis(std::uint32_t site) const {
     constexpr std::uint32_t kSideways =
         kFeatures & (layout::feature_lateral | layout::feature_friction | layout::feature_spin);
-    if ((view_->features & kSideways) == 0) return basis_x_;
-    return carried_tangent(view_->sites[site], normal_, basis_x_);
+    if ((view_->features & kSideways) == 0) return {};
+    return carried_axis(view_->sites[site], normal_, basis_x_, basis_y_);
   }
 
   /// kSpun: one of up to three spins of a tool vertex at a site, each with an x axis of its own.
   template <bool kSpun>
-  void add(std::uint64_t index, double weight, const Vec3& x) {
+  void add([[maybe_unused]] Sum& sum, std::uint64_t index, double weight, [[maybe_unused]] const Across& x) {
     const layout::ResponseHead& head = view_->response_head(index);
     limit_ += weight * head.depth_limit;
     if ((head.flags & layout::response_covered) != 0) covered_ += weight;
@@ -308,9 +327,18 @@ private:
       if constexpr (kSpun) return separable_.add_spun(*view_, index, weight, x);
     }
     if constexpr (kCoupled) {
-      std::int16_t room[coupled::kMostCoefs];
-      law_.add(view_->coupled_coefs(index, room), static_cast<double>(view_->coupled_unit(index)), layout::kLimitUnit,
-               weight, {dot(x, basis_x_), dot(x, basis_y_)});
+      const unsigned char* law = view_->coupled_law(index);
+      const std::uint32_t bits = layout::coupled_bits(*view_->meta);
+      const auto* limits =
+          reinterpret_cast<const std::int16_t*>(law + layout::coupled_limit_offset(sum.places(), bits));
+      const auto add_coefs = [&](const auto* coefs) {
+        sum.add(coefs, limits, static_cast<double>(view_->coupled_unit(index)), layout::kLimitUnit, weight,
+                {x.cosine, x.sine});
+      };
+      if (bits == 16) return add_coefs(reinterpret_cast<const std::int16_t*>(law + sizeof(float)));
+      std::int32_t room[coupled::kMostCoefs];
+      coupled::unpack(law + sizeof(float), bits, sum.places().limit, room);
+      add_coefs(room);
     }
   }
 

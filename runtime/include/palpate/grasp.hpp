@@ -21,7 +21,8 @@ void for_each_share(const View& view, std::uint32_t tool, const BodyPoint& body_
   const layout::Patch& patch = view.patches[view.triangles[body_point.triangle].patch];
   for (int k = 0; k < 3; ++k) {
     if (!(sites[k] > 0)) continue;
-    const Vec3 x = carried_tangent(view.sites[patch.vertex[k]], normal, basis_x);
+    const Across carried = carried_axis(view.sites[patch.vertex[k]], normal, basis_x, basis_y);
+    const Vec3 x = carried.cosine * basis_x + carried.sine * basis_y;
     for (int l = 0; l < corners; ++l) {
       const std::uint64_t index = layout::response_index(*view.meta, patch.vertex[k], corner[l]);
       const auto use_sample = [&](std::uint32_t sample, double share, const Vec3& along) {

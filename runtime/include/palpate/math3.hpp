@@ -42,10 +42,10 @@ PALPATE_TICK_INLINE Vec3 unit(const Vec3& v, const Vec3& otherwise) {
   return size > 1e-12 ? (1.0 / size) * v : otherwise;
 }
 
-/// Some unit vector orthogonal to the unit vector n.
+/// Some unit vector orthogonal to the unit vector n, without a root (Duff and others, JCGT 6(1), 2017).
 inline Vec3 any_orthogonal(const Vec3& n) {
-  const Vec3 axis = std::fabs(n.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
-  return unit(tangential(axis, n), {0, 0, 1});
+  const double sign = std::copysign(1.0, n.z), a = n.x / (sign + n.z);
+  return {1 - sign * n.x * a, -sign * n.y * a, -sign * n.x};
 }
 
 /// The tool's frame in the body's: a tool point a lies at rotation * a + translation (m).

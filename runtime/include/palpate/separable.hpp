@@ -3,6 +3,7 @@
 #pragma once
 
 #include "palpate/depth_terms.hpp"
+#include "palpate/surface.hpp"
 #include "palpate/triple.hpp"
 #include "palpate/view.hpp"
 
@@ -48,10 +49,10 @@ public:
     }
   }
 
-  /// What is added from now on has its sideways curves along x (unit, across n(c)) and along n(c) x x.
-  PALPATE_TICK_INLINE void begin_body(const Vec3& x) {
-    cosine_ = dot(x, basis_x_);
-    sine_ = dot(x, basis_y_);
+  /// What is added from now on has its sideways curves along x and along n(c) x x.
+  PALPATE_TICK_INLINE void begin_body(const Across& x) {
+    cosine_ = x.cosine;
+    sine_ = x.sine;
   }
 
   /// One response of the view, by its index.
@@ -67,7 +68,7 @@ public:
   }
 
   /// The same, with sideways curves of its own x axis: one of up to three spins.
-  void add_spun(const View& view, std::uint64_t index, double weight, const Vec3& x) {
+  void add_spun(const View& view, std::uint64_t index, double weight, const Across& x) {
     begin_body(x);
     if (responses_ < kNear) return add(view, index, weight);
     blend<false>(view, index, weight);

@@ -58,24 +58,37 @@ inline Vec3 corner_normal(const View& view, const layout::SurfaceTriangle& t, in
          (1 - a - b) * to_vec(view.sites[p.vertex[2]].normal);
 }
 
-/// n(c): the unit normal that all responses at the point share.
-inline Vec3 normal(const View& view, const BodyPoint& at) {
-  const layout::SurfaceTriangle& t = view.triangles[at.triangle];
-  const Vec3 sum = at.bary[0] * corner_normal(view, t, 0) + at.bary[1] * corner_normal(view, t, 1) +
-                   at.bary[2] * corner_normal(view, t, 2);
+/// n(c) for a caller that has the weights of the patch's sites: the unit normal that all responses at the point share.
+inline Vec3 normal(const View& view, const BodyPoint& at, const double (&weights)[3]) {
+  const layout::Patch& patch = view.patches[view.triangles[at.triangle].patch];
+  Vec3 sum;
+  for (int k = 0; k < 3; ++k) sum = sum + weights[k] * to_vec(view.sites[patch.vertex[k]].normal);
   // Opposed normals of a knife edge may cancel: there the triangle's own normal stands in.
   if (dot(sum, sum) > 1e-12) return unit(sum, sum);
-  return unit(face_normal(view, at.triangle), to_vec(view.sites[view.patches[t.patch].vertex[0]].normal));
+  return unit(face_normal(view, at.triangle), to_vec(view.sites[patch.vertex[0]].normal));
+}
+/// n(c).
+inline Vec3 normal(const View& view, const BodyPoint& at) {
+  double weights[3];
+  patch_weights(view, at, weights);
+  return normal(view, at, weights);
 }
 
+/// A direction across n(c), in a basis x, n(c) x x there.
+struct Across {
+  double cosine = 1, sine = 0;
+};
 /// The x axis of a site's frame, carried to a point with unit normal `n` by the smallest rotation between the normals;
-/// `otherwise` where they are opposed.
-inline Vec3 carried_tangent(const layout::Site& site, const Vec3& n, const Vec3& otherwise) {
+/// `x` where they are opposed. `y` is n x x.
+inline Across carried_axis(const layout::Site& site, const Vec3& n, const Vec3& x, const Vec3& y) {
   const Vec3 own = to_vec(site.normal), t = to_vec(site.tangent);
-  const double cosine = dot(own, n);
-  Vec3 carried = t;
-  if (cosine > -0.999) carried = t - (dot(t, n) / (1 + cosine)) * (own + n);
-  return unit(tangential(carried, n), otherwise);
+  const double cosine = dot(own, n), along = cosine > -0.999 ? dot(t, n) / (1 + cosine) : 0;
+  const Across carried{dot(t, x) - along * dot(own, x), dot(t, y) - along * dot(own, y)};
+  const double square = carried.cosine * carried.cosine + carried.sine * carried.sine, off = square - 1;
+  if (!(square > 1e-24)) return {};
+  // As short as floats leave it, its series is as good as a root, and sooner there.
+  const double scale = std::fabs(off) < 1e-5 ? 1 - off * (0.5 - 0.375 * off) : 1 / std::sqrt(square);
+  return {scale * carried.cosine, scale * carried.sine};
 }
 
 /// Distinct vertices, numbered over all tools, of a tool point with their weights; returns how many.

@@ -28,8 +28,9 @@ inline bool is_sideways(const float* c, std::uint32_t count, float high) {
 /// What no coefficient takes of an element of COUPLED is zero.
 inline bool is_padded(const View& v, std::uint32_t i, const coupled::Degrees& degrees) {
   const unsigned char* law = v.coupled_law(i);
-  const std::uint32_t bits = layout::coupled_bits(*v.meta), limit = layout::coupled_limit_offset(degrees, bits);
-  const std::uint32_t used = static_cast<std::uint32_t>(coupled::places(degrees).limit) * bits;
+  const coupled::Places p = coupled::places(degrees);
+  const std::uint32_t bits = layout::coupled_bits(*v.meta), limit = layout::coupled_limit_offset(p, bits);
+  const std::uint32_t used = static_cast<std::uint32_t>(p.limit) * bits;
   if (used % 8 != 0 && law[4 + used / 8] >> used % 8 != 0) return false;
   for (std::uint32_t k = 4 + (used + 7) / 8; k < limit; ++k) {
     if (law[k] != 0) return false;
@@ -44,8 +45,8 @@ inline bool is_padded(const View& v, std::uint32_t i, const coupled::Degrees& de
 inline bool check_coupled(const View& v, std::uint32_t i, float largest, Fault& fault) {
   const coupled::Degrees degrees = layout::coupled_degrees(*v.meta);
   const float unit = v.coupled_unit(i);
-  std::int16_t room[coupled::kMostCoefs];
-  const std::int16_t* coefs = v.coupled_coefs(i, room);
+  std::int16_t coefs[coupled::kMostCoefs];
+  v.coupled_coefs(i, coefs);
   if (!(unit >= 0 && unit <= largest / 32768)) return fault.say("COUPLED: response %: the unit is out of range", i);
   if (const char* broken = coupled::broken_rule(coefs, degrees, 10 / layout::kLimitUnit)) {
     return fault.say("COUPLED: response %: %", i, broken);

@@ -19,6 +19,10 @@ struct Nothing {};
 template <bool kept, class T>
 using If = std::conditional_t<kept, T, Nothing>;
 
+/// Reads a byte for nothing but that its neighbours come with it. Processors may ignore a prefetch of a page whose
+/// address they do not know, which in a large file is most.
+inline void touch(const void* byte) { static_cast<void>(*static_cast<const volatile unsigned char*>(byte)); }
+
 }  // namespace detail
 
 /// Pointers into the bytes of a response file. Copyable; the bytes must outlive it and stay as they are.
@@ -82,28 +86,28 @@ struct View {
   [[nodiscard]] const float* friction_coefs(std::uint64_t index) const {
     return friction + index * (layout::friction_size(*meta) / sizeof(float));
   }
-  /// N of one unit of a coupled response's coefficients, and these.
+  /// N of one unit of a coupled response's coefficients.
   [[nodiscard]] float coupled_unit(std::uint64_t index) const {
     return *reinterpret_cast<const float*>(coupled_law(index));
   }
-  /// In place, or unpacked into `room`.
-  [[nodiscard]] const std::int16_t* coupled_coefs(std::uint64_t index,
-                                                  std::int16_t (&room)[coupled::kMostCoefs]) const {
-    const unsigned char* law = coupled_law(index);
-    if (meta->coef_bits == 0) return reinterpret_cast<const std::int16_t*>(law + sizeof(float));
-    layout::unpack_coupled(law, layout::coupled_degrees(*meta), meta->coef_bits, room);
-    return room;
+  /// count(degrees) of them, as whole numbers.
+  void coupled_coefs(std::uint64_t index, std::int16_t* to) const {
+    layout::unpack_coupled(coupled_law(index), coupled::places(layout::coupled_degrees(*meta)),
+                           layout::coupled_bits(*meta), to);
   }
   /// An element of COUPLED.
   [[nodiscard]] const unsigned char* coupled_law(std::uint64_t index) const {
     return coupled_laws + index * coupled_size;
   }
-  /// Asks for a response's memory, for a caller that has something else to do before it reads it.
-  void prefetch(std::uint64_t index) const {
-    __builtin_prefetch(responses + index * layout::response_size(*meta));
-    if (coupled_laws != nullptr) return __builtin_prefetch(coupled_law(index));
-    if (lateral != nullptr) __builtin_prefetch(lateral_coefs(index));
-    if (friction != nullptr) __builtin_prefetch(friction_coefs(index));
+  /// Has a response's memory brought, for a caller that has something else to do before it reads it.
+  void fetch(std::uint64_t index) const {
+    detail::touch(responses + index * layout::response_size(*meta));
+    if (coupled_laws != nullptr) {
+      detail::touch(coupled_law(index));  // most lie across two lines of a cache
+      return detail::touch(coupled_law(index) + coupled_size - 1);
+    }
+    if (lateral != nullptr) detail::touch(lateral_coefs(index));
+    if (friction != nullptr) detail::touch(friction_coefs(index));
   }
   [[nodiscard]] const layout::GraspHead& grasp_head(std::uint64_t index) const {
     return *reinterpret_cast<const layout::GraspHead*>(grasps + index * layout::grasp_size(grasp_coefs));
