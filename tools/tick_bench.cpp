@@ -27,11 +27,26 @@ using runtime::ToolPoint;
 using runtime::Vec3;
 using runtime::View;
 
-// What is measured is never inlined, so that an instruction counter finds it by name.
-[[gnu::noinline]] Tick tick_once(Contact& contact, const Pose& pose) { return contact.tick(pose); }
-[[gnu::noinline]] FieldForce field_once(const Field& field, const Vec3& deflection) { return field.force(deflection); }
-[[gnu::noinline]] FieldForce blend_once(const View& view, std::uint32_t tool, const BodyPoint& at, const ToolPoint& on,
-                                        Field& field) {
+// What is measured for a row is never inlined and bears the row's name: tools/instructions.sh finds it by that.
+namespace row {
+struct press {};
+struct field {};
+struct slide {};
+struct free {};
+struct locate {};
+struct blend {};
+struct random {};
+struct five {};
+struct plain {};
+struct network {};
+}  // namespace row
+template <class Row, class Once>
+[[gnu::noinline]] auto measured(const Once& once, std::size_t i, std::size_t k) {
+  return once(i, k);
+}
+
+FieldForce build_and_push(const View& view, std::uint32_t tool, const BodyPoint& at, const ToolPoint& on,
+                          Field& field) {
   field.build(view, tool, at, on);
   return field.force((-0.5 * view.meta->depth_scale) * field.normal());
 }
@@ -49,15 +64,15 @@ public:
 };
 
 // Times once(i, k) over the indices i = 0 .. count - 1, each for k = 0, 1, ...
-template <class Once>
-TickTimes timed(std::size_t count, double seconds, const Once& once) {
+template <class Row, class Once>
+TickTimes timed(Row /*row*/, std::size_t count, double seconds, const Once& once) {
   benchmark::ClearRegisteredBenchmarks();
   for (std::size_t i = 0; i < count; ++i) {
     benchmark::RegisterBenchmark("tick", [&once, i](benchmark::State& state) {
       std::size_t k = 0;
       for (const auto _ : state) {
         benchmark::DoNotOptimize(_);
-        const auto answer = once(i, k++);
+        const auto answer = measured<Row>(once, i, k++);
         benchmark::DoNotOptimize(answer);
       }
     })->MinTime(seconds);
@@ -69,7 +84,7 @@ TickTimes timed(std::size_t count, double seconds, const Once& once) {
   return {collector.nanoseconds};
 }
 
-Tick next_tick(TickCase& of, std::size_t k) { return tick_once(*of.contact, of.poses[k % of.poses.size()]); }
+Tick next_tick(TickCase& of, std::size_t k) { return of.contact->tick(of.poses[k % of.poses.size()]); }
 
 // Deflections about half the depth scale, a little aside.
 std::vector<Vec3> deflections(const View& view, const Vec3& n) {
@@ -150,7 +165,7 @@ TickTimes every_tick(std::vector<TickCases>& cases, std::uint64_t ticks) {
     const auto timed_tick = [&](const Pose& pose) {
       if (times.nanoseconds.size() == ticks) return;
       const auto begun = std::chrono::steady_clock::now();
-      const Tick tick = tick_once(contact, pose);
+      const Tick tick = contact.tick(pose);
       benchmark::DoNotOptimize(tick);
       const std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - begun;
       times.nanoseconds.push_back(took.count());
@@ -188,16 +203,16 @@ TickBench bench_ticks(const View& view, const TickBenchOptions& options) {
     const BodyPoint at = points.draw(random);
     near.push_back(position(view, at) + view.meta->depth_scale * normal(view, at));
   }
-  const auto each = [&](const auto& once) { return timed(cases.size(), options.seconds, once); };
+  const auto each = [&](auto row, const auto& once) { return timed(row, cases.size(), options.seconds, once); };
   TickBench result;
   result.contacts = static_cast<int>(cases.size());
-  result.press = each([&](std::size_t i, std::size_t k) { return next_tick(cases[i].press, k); });
-  result.field = each([&](std::size_t i, std::size_t k) {
-    return field_once(cases[i].press.contact->field(), pushed[i][k % pushed[i].size()]);
+  result.press = each(row::press(), [&](std::size_t i, std::size_t k) { return next_tick(cases[i].press, k); });
+  result.field = each(row::field(), [&](std::size_t i, std::size_t k) {
+    return cases[i].press.contact->field().force(pushed[i][k % pushed[i].size()]);
   });
-  result.slide = each([&](std::size_t i, std::size_t k) { return next_tick(cases[i].slide, k); });
-  result.free = each([&](std::size_t i, std::size_t k) { return next_tick(cases[i].free, k); });
-  result.locate = timed(16, options.seconds,
+  result.slide = each(row::slide(), [&](std::size_t i, std::size_t k) { return next_tick(cases[i].slide, k); });
+  result.free = each(row::free(), [&](std::size_t i, std::size_t k) { return next_tick(cases[i].free, k); });
+  result.locate = timed(row::locate(), 16, options.seconds,
                         [&](std::size_t i, std::size_t k) { return locate(view, near[(i + k) % near.size()]); });
   return result;
 }
@@ -219,24 +234,24 @@ LatencyBench bench_latency(const View& view, const View& large, const TickBenchO
   for (BodyPoint& place : places) place = points.draw(random);
   const Network network(options.seed);
   Field field;
-  const auto each = [&](const auto& once) { return timed(cases.size(), options.seconds, once); };
+  const auto each = [&](auto row, const auto& once) { return timed(row, cases.size(), options.seconds, once); };
   LatencyBench result;
-  result.blend = each([&](std::size_t i, std::size_t) {
-    return blend_once(view, options.tool, touched[i].at, touched[i].on_tool, field);
+  result.blend = each(row::blend(), [&](std::size_t i, std::size_t) {
+    return build_and_push(view, options.tool, touched[i].at, touched[i].on_tool, field);
   });
-  result.random = each([&](std::size_t i, std::size_t k) {
-    return blend_once(large, options.tool, places[(i * kPlaces / cases.size() + k) % kPlaces], touched[i].on_tool,
+  result.random = each(row::random(), [&](std::size_t i, std::size_t k) {
+    return build_and_push(large, options.tool, places[(i * kPlaces / cases.size() + k) % kPlaces], touched[i].on_tool,
                       field);
   });
-  result.five = each([&](std::size_t i, std::size_t k) {
+  result.five = each(row::five(), [&](std::size_t i, std::size_t k) {
     Vec3 sum;
     for (std::size_t finger = 0; finger < 5; ++finger) {
       sum = sum + next_tick(cases[(i + finger) % cases.size()].press, k).force;
     }
     return sum;
   });
-  result.plain = each([&](std::size_t i, std::size_t k) { return plain[i].force(pushed[i][k % pushed[i].size()]); });
-  result.network = each([&](std::size_t i, std::size_t k) { return network.force(pushed[i][k % pushed[i].size()]); });
+  result.plain = each(row::plain(), [&](std::size_t i, std::size_t k) { return plain[i].force(pushed[i][k % pushed[i].size()]); });
+  result.network = each(row::network(), [&](std::size_t i, std::size_t k) { return network.force(pushed[i][k % pushed[i].size()]); });
   result.every = every_tick(cases, ticks);
   return result;
 }
