@@ -241,7 +241,7 @@ LatencyBench bench_latency(const View& view, const View& large, const TickBenchO
   });
   result.random = each(row::random(), [&](std::size_t i, std::size_t k) {
     return build_and_push(large, options.tool, places[(i * kPlaces / cases.size() + k) % kPlaces], touched[i].on_tool,
-                      field);
+                          field);
   });
   result.five = each(row::five(), [&](std::size_t i, std::size_t k) {
     Vec3 sum;
@@ -250,8 +250,10 @@ LatencyBench bench_latency(const View& view, const View& large, const TickBenchO
     }
     return sum;
   });
-  result.plain = each(row::plain(), [&](std::size_t i, std::size_t k) { return plain[i].force(pushed[i][k % pushed[i].size()]); });
-  result.network = each(row::network(), [&](std::size_t i, std::size_t k) { return network.force(pushed[i][k % pushed[i].size()]); });
+  result.plain =
+      each(row::plain(), [&](std::size_t i, std::size_t k) { return plain[i].force(pushed[i][k % pushed[i].size()]); });
+  result.network = each(row::network(),
+                        [&](std::size_t i, std::size_t k) { return network.force(pushed[i][k % pushed[i].size()]); });
   result.every = every_tick(cases, ticks);
   return result;
 }

@@ -19,9 +19,17 @@ struct Nothing {};
 template <bool kept, class T>
 using If = std::conditional_t<kept, T, Nothing>;
 
-/// Reads a byte for nothing but that its neighbours come with it. Processors may ignore a prefetch of a page whose
-/// address they do not know, which in a large file is most.
-inline void touch(const void* byte) { static_cast<void>(*static_cast<const volatile unsigned char*>(byte)); }
+/// Reads a byte of every line of a cache, for nothing but that the others come with it. Processors may ignore a
+/// prefetch of a page whose address they do not know, which in a large file is most. A microcontroller has no memory
+/// that is far.
+inline void touch([[maybe_unused]] const void* from, [[maybe_unused]] std::uint32_t bytes) {
+#if !defined(__ARM_ARCH_PROFILE) || __ARM_ARCH_PROFILE != 'M'
+  constexpr std::uint32_t kLine = 64;
+  const auto* const at = static_cast<const volatile unsigned char*>(from);
+  for (std::uint32_t k = 0; k < bytes; k += kLine) static_cast<void>(at[k]);
+  static_cast<void>(at[bytes - 1]);
+#endif
+}
 
 }  // namespace detail
 
@@ -101,13 +109,10 @@ struct View {
   }
   /// Has a response's memory brought, for a caller that has something else to do before it reads it.
   void fetch(std::uint64_t index) const {
-    detail::touch(responses + index * layout::response_size(*meta));
-    if (coupled_laws != nullptr) {
-      detail::touch(coupled_law(index));  // most lie across two lines of a cache
-      return detail::touch(coupled_law(index) + coupled_size - 1);
-    }
-    if (lateral != nullptr) detail::touch(lateral_coefs(index));
-    if (friction != nullptr) detail::touch(friction_coefs(index));
+    detail::touch(responses + index * layout::response_size(*meta), layout::response_size(*meta));
+    if (coupled_laws != nullptr) return detail::touch(coupled_law(index), coupled_size);
+    if (lateral != nullptr) detail::touch(lateral_coefs(index), layout::lateral_size(*meta));
+    if (friction != nullptr) detail::touch(friction_coefs(index), layout::friction_size(*meta));
   }
   [[nodiscard]] const layout::GraspHead& grasp_head(std::uint64_t index) const {
     return *reinterpret_cast<const layout::GraspHead*>(grasps + index * layout::grasp_size(grasp_coefs));
