@@ -4,6 +4,7 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -84,7 +85,13 @@ TickTimes timed(Row /*row*/, std::size_t count, double seconds, const Once& once
   return {collector.nanoseconds};
 }
 
-Tick next_tick(TickCase& of, std::size_t k) { return of.contact->tick(of.poses[k % of.poses.size()]); }
+// The k-th of them, round and round. They are a power of two, for a division would be timed as well.
+template <class T>
+const T& around(const std::vector<T>& all, std::size_t k) {
+  return all[k & (all.size() - 1)];
+}
+
+Tick next_tick(TickCase& of, std::size_t k) { return of.contact->tick(around(of.poses, k)); }
 
 // Deflections about half the depth scale, a little aside.
 std::vector<Vec3> deflections(const View& view, const Vec3& n) {
@@ -208,12 +215,12 @@ TickBench bench_ticks(const View& view, const TickBenchOptions& options) {
   result.contacts = static_cast<int>(cases.size());
   result.press = each(row::press(), [&](std::size_t i, std::size_t k) { return next_tick(cases[i].press, k); });
   result.field = each(row::field(), [&](std::size_t i, std::size_t k) {
-    return cases[i].press.contact->field().force(pushed[i][k % pushed[i].size()]);
+    return cases[i].press.contact->field().force(around(pushed[i], k));
   });
   result.slide = each(row::slide(), [&](std::size_t i, std::size_t k) { return next_tick(cases[i].slide, k); });
   result.free = each(row::free(), [&](std::size_t i, std::size_t k) { return next_tick(cases[i].free, k); });
   result.locate = timed(row::locate(), 16, options.seconds,
-                        [&](std::size_t i, std::size_t k) { return locate(view, near[(i + k) % near.size()]); });
+                        [&](std::size_t i, std::size_t k) { return locate(view, around(near, i + k)); });
   return result;
 }
 
@@ -233,6 +240,14 @@ LatencyBench bench_latency(const View& view, const View& large, const TickBenchO
   std::vector<BodyPoint> places(kPlaces);
   for (BodyPoint& place : places) place = points.draw(random);
   const Network network(options.seed);
+  std::vector<std::size_t> first;  // of the places
+  std::vector<std::array<TickCase*, 5>> hands(cases.size());
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    first.push_back(i * kPlaces / cases.size());
+    for (std::size_t finger = 0; finger < hands[i].size(); ++finger) {
+      hands[i][finger] = &cases[(i + finger) % cases.size()].press;
+    }
+  }
   Field field;
   const auto each = [&](auto row, const auto& once) { return timed(row, cases.size(), options.seconds, once); };
   LatencyBench result;
@@ -240,20 +255,16 @@ LatencyBench bench_latency(const View& view, const View& large, const TickBenchO
     return build_and_push(view, options.tool, touched[i].at, touched[i].on_tool, field);
   });
   result.random = each(row::random(), [&](std::size_t i, std::size_t k) {
-    return build_and_push(large, options.tool, places[(i * kPlaces / cases.size() + k) % kPlaces], touched[i].on_tool,
-                          field);
+    return build_and_push(large, options.tool, around(places, first[i] + k), touched[i].on_tool, field);
   });
   result.five = each(row::five(), [&](std::size_t i, std::size_t k) {
     Vec3 sum;
-    for (std::size_t finger = 0; finger < 5; ++finger) {
-      sum = sum + next_tick(cases[(i + finger) % cases.size()].press, k).force;
-    }
+    for (TickCase* finger : hands[i]) sum = sum + next_tick(*finger, k).force;
     return sum;
   });
-  result.plain =
-      each(row::plain(), [&](std::size_t i, std::size_t k) { return plain[i].force(pushed[i][k % pushed[i].size()]); });
-  result.network = each(row::network(),
-                        [&](std::size_t i, std::size_t k) { return network.force(pushed[i][k % pushed[i].size()]); });
+  result.plain = each(row::plain(), [&](std::size_t i, std::size_t k) { return plain[i].force(around(pushed[i], k)); });
+  result.network =
+      each(row::network(), [&](std::size_t i, std::size_t k) { return network.force(around(pushed[i], k)); });
   result.every = every_tick(cases, ticks);
   return result;
 }

@@ -11,7 +11,7 @@
 
 namespace palpate::cli {
 
-/// A contact that was made, and poses that keep it in a state.
+/// A contact that was made, and poses that keep it in a state, a power of two of them.
 struct TickCase {
   std::unique_ptr<runtime::Contact> contact;
   std::vector<runtime::Pose> poses;
