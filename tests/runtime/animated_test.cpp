@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A body whose shape a host changes: shapes that are taken and refused, and contacts that go along.
+#include <fnmatch.h>
+
 #include <cmath>
 #include <limits>
-#include <regex>
 
 #include "tests/runtime/support.hpp"
 
@@ -78,9 +79,9 @@ TEST(AnimatedSurface, WhatIsNoShapeOfTheBodyIsRefusedByNameAndTheLastStays) {
     good = contact.tick(upright({0, 0, kTop + 0.001 + kTipRadius - depth}));
   }
   ASSERT_GT(good.force.z, 0.1);
-  const auto expect_refused = [&](const ShapeResult& set, const std::string& error) {
+  const auto expect_refused = [&](const ShapeResult& set, const char* error) {
     EXPECT_FALSE(set);
-    EXPECT_TRUE(std::regex_match(set.error, std::regex(error))) << set.error;
+    EXPECT_EQ(fnmatch(error, set.error, 0), 0) << set.error;
     const std::uint64_t number = box.surface.number();
     for (int i = 0; i < 40; ++i) box.surface.advance(kFrameTick);
     EXPECT_EQ(box.surface.number(), number);
@@ -90,9 +91,9 @@ TEST(AnimatedSurface, WhatIsNoShapeOfTheBodyIsRefusedByNameAndTheLastStays) {
   const std::uint32_t count = box.body.view.meta->site_count;
   ASSERT_TRUE(box.set(raised));
   for (int i = 0; i < 40; ++i) box.surface.advance(kFrameTick);
-  expect_refused(box.surface.set(box.sites.data(), count - 1, kFrame), "[0-9]+ positions for [0-9]+ sites");
+  expect_refused(box.surface.set(box.sites.data(), count - 1, kFrame), "[0-9]* positions for [0-9]* sites");
   for (const double seconds : {0.0, -1.0, 11.0, std::numeric_limits<double>::quiet_NaN()}) {
-    expect_refused(box.set(raised, seconds), "seconds are not in \\(0, 10\\]");
+    expect_refused(box.set(raised, seconds), "seconds are not in (0, 10]");
   }
   for (const double wrong : {std::numeric_limits<double>::quiet_NaN(), HUGE_VAL, -1e6, 1e300}) {
     const Vec3 third = box.site(3);
@@ -101,8 +102,8 @@ TEST(AnimatedSurface, WhatIsNoShapeOfTheBodyIsRefusedByNameAndTheLastStays) {
     }),
                    "site 3: position is not finite, or beyond 1e5 m");
   }
-  expect_refused(box.set([](const Vec3& x) { return Vec3{x.x, x.y, 0.4 * x.z}; }), "patch [0-9]+: pressed to less.*");
-  expect_refused(box.set([](const Vec3& x) { return Vec3{1.8 * x.x, x.y, x.z}; }), "patch [0-9]+: stretched to more.*");
+  expect_refused(box.set([](const Vec3& x) { return Vec3{x.x, x.y, 0.4 * x.z}; }), "patch [0-9]*: pressed to less*");
+  expect_refused(box.set([](const Vec3& x) { return Vec3{1.8 * x.x, x.y, x.z}; }), "patch [0-9]*: stretched to more*");
   expect_refused(box.set([](const Vec3& x) {
     return Vec3{-x.x, x.y, x.z};
   }),
@@ -112,7 +113,7 @@ TEST(AnimatedSurface, WhatIsNoShapeOfTheBodyIsRefusedByNameAndTheLastStays) {
   const auto& patch = box.body.view.patches[0].vertex;
   const Vec3 a = box.site(patch[0]), b = box.site(patch[1]), c = box.site(patch[2]);
   const Vec3 along = unit(b - a, {}), mirrored = c - 2 * tangential(c - a, along);
-  expect_refused(box.set([&](const Vec3& x) { return distance(x, c) > 0 ? x : mirrored; }), "patch [0-9]+: .*");
+  expect_refused(box.set([&](const Vec3& x) { return distance(x, c) > 0 ? x : mirrored; }), "patch [0-9]*: *");
 }
 
 TEST(AnimatedContact, ABodyThatNobodyMovesAnswersBitForBit) {
