@@ -8,11 +8,9 @@ namespace palpate::device {
 
 /// What a source says to a sample; vectors in the device's frame.
 struct Answer {
-  Vec3 force;        ///< N
-  Vec3 torque;       ///< N m
-  double depth = 0;  ///< m in the scene; for displays and recordings
-  std::uint32_t searched =
-      0;                ///< the tick whose pose the search was made of, where another thread searches; 0: this one
+  Vec3 force;           ///< N
+  Vec3 torque;          ///< N m
+  double depth = 0;     ///< m in the scene; for displays and recordings
   Pulls pull{};         ///< N, of a glove's cables
   bool usable = false;  ///< false: no force is to be made of this (no pose, a tracker that is late or dead)
 };

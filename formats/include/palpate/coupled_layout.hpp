@@ -13,14 +13,12 @@ inline constexpr int kMaxDegree = 6;
 namespace detail {
 struct Binomials {
   double at[kMaxDegree + 1][kMaxDegree + 1] = {};
-  double alternating[kMaxDegree + 1][kMaxDegree + 1] = {};
 };
 constexpr Binomials make_binomials() {
   Binomials b;
   for (int n = 0; n <= kMaxDegree; ++n) {
     b.at[n][0] = 1;
     for (int k = 1; k <= n; ++k) b.at[n][k] = b.at[n - 1][k - 1] + b.at[n - 1][k];
-    for (int k = 0; k <= n; ++k) b.alternating[n][k] = (n - k) % 2 == 0 ? b.at[n][k] : -b.at[n][k];
   }
   return b;
 }
@@ -29,8 +27,6 @@ inline constexpr Binomials kBinomials = make_binomials();
 
 /// Of Bernstein's basis: n over k, both in [0, kMaxDegree].
 constexpr double binomial(int n, int k) { return detail::kBinomials.at[n][k]; }
-/// The same, negative where n - k is odd.
-constexpr double alternating_binomial(int n, int k) { return detail::kBinomials.alternating[n][k]; }
 
 /// Degrees in s of the families of a coupled response, the same all over a file. Each family is in Bernstein's basis;
 /// those that start like s^2 have their first two coefficients 0, and these are not stored.
