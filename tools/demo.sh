@@ -10,7 +10,7 @@ palpate_install
 palpate_build release palpate palpate-tetgen
 palpate=$palpate_root/build/release/bin/palpate
 
-# Small, with few contact sites: the bake takes two or three minutes.
+# Small, with few contact sites: the bake takes half a minute to two.
 "$palpate" synth liver --out "$folder" --seed 1 --scale 0.6 --tool-radius 0.004 --depth 0.002 --spacing 0.018
 "$palpate" build "$folder/scene.toml"
 "$palpate" verify "$folder/scene.toml" --count 10 --report "$folder/verify.json"
