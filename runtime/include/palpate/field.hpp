@@ -211,8 +211,7 @@ private:
       patch_weights(view, body_point, site_weight);
       corners = tool_corners<kFeatures>(view, tool, tool_point, corner, corner_weight);
     }
-    /// The responses are far apart in a large file: they come together, and while the
-    /// normal is made.
+    /// The responses are far apart in a large file: they come together, and while the normal is made.
     void fetch(const View& view) const {
       for (const std::uint32_t site : sites.vertex) {
         for (int l = 0; l < corners; ++l) view.fetch(layout::response_index(*view.meta, site, corner[l]));
