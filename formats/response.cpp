@@ -79,9 +79,9 @@ bool has_tool_patches(const ResponseFileContent& c) {
   return std::any_of(c.tools.begin(), c.tools.end(), [](const ResponseTool& t) { return t.vertices.size() > 1; });
 }
 
-std::vector<layout::Patch> patch_records(const std::vector<std::array<std::uint32_t, 3>>& patches,
-                                         std::uint32_t first) {
-  std::vector<layout::Patch> records;
+std::vector<layout::ToolPatch> patch_records(const std::vector<std::array<std::uint32_t, 3>>& patches,
+                                             std::uint32_t first) {
+  std::vector<layout::ToolPatch> records;
   for (const auto& p : patches) records.push_back({{first + p[0], first + p[1], first + p[2]}});
   return records;
 }
@@ -107,14 +107,13 @@ void add_body(Sections& sections, const ResponseFileContent& c) {
     for (int k = 0; k < 3; ++k) {
       record.vertex[k] = t.vertices[k];
       record.neighbour[k] = across[i][k];
+      record.site[k] = c.patches[t.patch][k];
       record.grid[k][0] = t.grid[k][0];
       record.grid[k][1] = t.grid[k][1];
     }
-    record.patch = t.patch;
     triangles.push_back(record);
   }
   sections.add(Section::sites, sites);
-  sections.add(Section::patches, patch_records(c.patches, 0));
   sections.add(Section::surface_vertices, points);
   sections.add(Section::surface_triangles, triangles);
   sections.add(Section::search, c.search);
@@ -129,7 +128,7 @@ bool has_spins(const ResponseFileContent& c) {
 void add_tools(Sections& sections, const ResponseFileContent& c, layout::Meta& meta) {
   std::vector<layout::ToolRecord> tools;
   std::vector<layout::ToolVertexRecord> vertices;
-  std::vector<layout::Patch> patches;
+  std::vector<layout::ToolPatch> patches;
   std::vector<std::uint32_t> spins;
   const bool patched = has_tool_patches(c);
   for (const ResponseTool& t : c.tools) {
@@ -169,23 +168,17 @@ void add_tools(Sections& sections, const ResponseFileContent& c, layout::Meta& m
   if (has_spins(c)) sections.add(Section::spins, spins);
 }
 
-void add_coupled(Sections& sections, const ResponseFileContent& c) {
+void put_coupled(std::byte* law, const ResponseFileContent& c, const Response& r) {
   const std::uint32_t bits = c.coupled_bits;
   const coupled::Places places = coupled::places(*c.coupled);
-  const std::size_t size = layout::coupled_size(*c.coupled, bits), limit = layout::coupled_limit_offset(places, bits);
   const auto before = static_cast<std::size_t>(places.limit);
-  std::vector<std::byte> laws(size * c.responses.size());
-  for (std::size_t i = 0; i < c.responses.size(); ++i) {
-    const Response& r = c.responses[i];
-    std::byte* const law = laws.data() + i * size;
-    std::memcpy(law, &r.unit, sizeof r.unit);
-    for (std::size_t bit = 0; bit < before * bits; ++bit) {
-      const bool set = (static_cast<std::uint16_t>(r.coupled[bit / bits]) >> bit % bits & 1) != 0;
-      if (set) law[sizeof r.unit + bit / 8] |= std::byte{1} << bit % 8;
-    }
-    std::memcpy(law + limit, r.coupled.data() + before, (r.coupled.size() - before) * sizeof(std::int16_t));
+  std::memcpy(law, &r.unit, sizeof r.unit);
+  for (std::size_t bit = 0; bit < before * bits; ++bit) {
+    const bool set = (static_cast<std::uint16_t>(r.coupled[bit / bits]) >> bit % bits & 1) != 0;
+    if (set) law[sizeof r.unit + bit / 8] |= std::byte{1} << bit % 8;
   }
-  sections.add(Section::coupled, laws.data(), size, c.responses.size());
+  std::memcpy(law + layout::coupled_limit_offset(places, bits), r.coupled.data() + before,
+              (r.coupled.size() - before) * sizeof(std::int16_t));
 }
 
 void add_grasps(Sections& sections, const ResponseFileContent& c) {
@@ -213,31 +206,28 @@ void add_turns(Sections& sections, const ResponseFileContent& c) {
 }
 
 void add_responses(Sections& sections, const ResponseFileContent& c, const layout::Meta& meta) {
-  std::vector<std::byte> heads;
-  std::vector<float> lateral, friction;
-  const auto append = [](std::vector<float>& to, const std::vector<float>& from) {
-    to.insert(to.end(), from.begin(), from.end());
+  const std::size_t size = layout::response_size(meta);
+  std::vector<std::byte> records(size * c.responses.size());
+  std::byte* to = records.data();
+  const auto put = [&to](const void* from, std::size_t bytes) {
+    std::memcpy(to, from, bytes);
+    to += bytes;
   };
-  for (const Response& r : c.responses) {
+  for (std::size_t i = 0; i < c.responses.size(); ++i) {
+    const Response& r = c.responses[i];
     const layout::ResponseHead head{static_cast<float>(r.depth_limit), r.flags};
-    const auto* begin = reinterpret_cast<const std::byte*>(&head);
-    heads.insert(heads.end(), begin, begin + sizeof head);
-    const auto* curve = reinterpret_cast<const std::byte*>(r.normal.data());
-    heads.insert(heads.end(), curve, curve + r.normal.size() * sizeof(float));
-    append(lateral, r.lateral_x);
-    append(lateral, r.lateral_y);
-    for (const auto* family : {&r.growth_x, &r.growth_y, &r.sideways_x, &r.sideways_y, &r.friction}) {
-      append(friction, *family);
+    to = records.data() + i * size;
+    put(&head, sizeof head);
+    if (c.coupled) {
+      put_coupled(to, c, r);
+      continue;
+    }
+    for (const auto* family :
+         {&r.normal, &r.lateral_x, &r.lateral_y, &r.growth_x, &r.growth_y, &r.sideways_x, &r.sideways_y, &r.friction}) {
+      if (!family->empty()) put(family->data(), family->size() * sizeof(float));
     }
   }
-  sections.add(Section::responses, heads.data(), layout::response_size(meta), c.responses.size());
-  if (c.lateral_coefs > 0) {
-    sections.add(Section::lateral, lateral.data(), layout::lateral_size(meta), c.responses.size());
-  }
-  if (c.growth_coefs > 0) {
-    sections.add(Section::friction, friction.data(), layout::friction_size(meta), c.responses.size());
-  }
-  if (c.coupled) add_coupled(sections, c);
+  sections.add(Section::responses, records.data(), size, c.responses.size());
   if (c.grasp_coefs > 0) add_grasps(sections, c);
   if (c.turns) add_turns(sections, c);
 }
@@ -263,10 +253,9 @@ std::vector<std::byte> encode(const ResponseFileContent& c) {
         &meta.cubic_degree, &meta.quartic_degree, &meta.limit_degree};
     const int from[] = {d.order, d.push, d.straight, d.stiffness, d.cubic, d.quartic, d.limit};
     for (int k = 0; k < 7; ++k) *to[k] = static_cast<std::uint32_t>(from[k]);
-    meta.coef_bits = c.coupled_bits == 16 ? 0 : c.coupled_bits;
+    meta.coef_bits = c.coupled_bits;
   }
   meta.site_count = static_cast<std::uint32_t>(c.sites.size());
-  meta.patch_count = static_cast<std::uint32_t>(c.patches.size());
   meta.vertex_count = static_cast<std::uint32_t>(c.surface_vertices.size());
   meta.triangle_count = static_cast<std::uint32_t>(c.surface_triangles.size());
   meta.response_count = static_cast<std::uint32_t>(c.responses.size());
@@ -276,6 +265,7 @@ std::vector<std::byte> encode(const ResponseFileContent& c) {
   meta.growth_coefs = c.growth_coefs;
   meta.sideways_coefs = c.sideways_coefs;
   meta.friction_coefs = c.friction_coefs;
+  meta.grasp_coefs = c.grasp_coefs;
   meta.search_nodes = static_cast<std::uint32_t>(c.search.size());
   meta.rim_share = static_cast<float>(c.rim_share);
   meta.rim_limit = static_cast<float>(c.rim_limit);

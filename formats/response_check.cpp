@@ -85,6 +85,10 @@ void check_content(const ResponseFileContent& c) {
   require(c.coupled_bits == 16 || (c.coupled && (c.coupled_bits == 8 || c.coupled_bits == 12)), "coupled model",
           "its coefficients have 8, 12 or 16 bits");
   require(!c.turns || c.grasp_coefs > 0, "turns", "there are none without grasps");
+  for (std::size_t i = 0; i < c.surface_triangles.size(); ++i) {
+    const std::uint32_t patch = c.surface_triangles[i].patch;
+    require(patch < c.patches.size(), at("contact surface triangle", i), "no patch " + std::to_string(patch));
+  }
   check_tools(c);
   check_responses(c);
 }
@@ -95,8 +99,7 @@ void check_bytes(const std::vector<std::byte>& bytes) {
   const std::string fault = opened.error;
   // Curves come from the fit, all the rest from the scene and its surfaces.
   bool curves = false;
-  for (const char* section : {"RESPONSES: ", "LATERAL: ", "FRICTION: ", "COUPLED: ", "GRASP: ", "TURN: "})
-    curves = curves || fault.rfind(section, 0) == 0;
+  for (const char* section : {"RESPONSES: ", "GRASP: ", "TURN: "}) curves = curves || fault.rfind(section, 0) == 0;
   throw Error(curves ? ExitCode::numerical : ExitCode::bad_input, "response file: " + fault);
 }
 

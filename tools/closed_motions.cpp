@@ -92,7 +92,7 @@ runtime::Field random_field(const runtime::View& view, Draws& draw) {
 }  // namespace
 
 ClosedMotionsReport play_closed_motions(const runtime::View& view, const ClosedMotionsOptions& options) {
-  if (view.coupled_laws == nullptr) {
+  if (!layout::is_coupled(*view.meta)) {
     throw Error(ExitCode::bad_input,
                 "the separable model gives no more back than it takes at one depth only: closed motions are played on "
                 "files of the coupled model or a spring");

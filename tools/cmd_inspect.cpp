@@ -116,7 +116,7 @@ Json describe(const runtime::View& v, const std::string& file) {
   json["sites"] = m.site_count;
   json["sites_held"] = s.held;
   json["sites_outside"] = s.outside;
-  json["patches"] = m.patch_count;
+  json["patches"] = m.triangle_count / (m.subdivision * m.subdivision);
   json["subdivision"] = m.subdivision;
   json["surface_vertices"] = m.vertex_count;
   json["surface_triangles"] = m.triangle_count;
@@ -171,7 +171,8 @@ std::string as_text(const runtime::View& v, const Json& json) {
   }
   const Shares s = count_shares(v);
   append(text, "\n%u sites (%zu held, %zu outside the sampled region), %u patches, %u contact triangles (%u a side)\n",
-         m.site_count, s.held, s.outside, m.patch_count, m.triangle_count, m.subdivision);
+         m.site_count, s.held, s.outside, m.triangle_count / (m.subdivision * m.subdivision), m.triangle_count,
+         m.subdivision);
   append(text,
          "%u responses of %.0f bytes: %zu solved, %zu measured, %zu analytic, %zu covered from neighbours (%.2f %%)\n",
          m.response_count, bytes_per_response(v), s.of(layout::response_solved), s.of(layout::response_measured),

@@ -29,7 +29,7 @@ std::vector<std::optional<BodyPoint>> site_points(const runtime::View& view) {
       if (a != k && b != k && a + b != 0) continue;
       BodyPoint at{t, {0, 0, 0}};
       at.bary[corner] = 1;
-      points[view.patches[triangle.patch].vertex[a == k ? 0 : b == k ? 1 : 2]] = at;
+      points[triangle.site[a == k ? 0 : b == k ? 1 : 2]] = at;
     }
   }
   return points;

@@ -55,28 +55,21 @@ private:
   std::vector<layout::SearchNode> nodes_;
 };
 
-/// One a site, a patch, a point or a triangle of the body, or a response.
-bool of_the_body(const runtime::View& view, const layout::SectionEntry& e) {
+/// One a site, a point or a triangle of the body, or a response.
+bool of_the_body(const layout::SectionEntry& e) {
   const auto id = static_cast<Section>(e.id);
   return (id >= Section::sites && id <= Section::surface_triangles) ||
-         (id >= Section::responses && id != Section::search && id != Section::provenance &&
-          e.count == view.meta->response_count);
+         (id >= Section::responses && id <= Section::turn);
 }
 
 /// The indices of one copy's elements, moved on to that copy's.
 void shift(const layout::Meta& m, Section id, std::byte* data, std::uint32_t copy) {
-  if (id == Section::patches) {
-    auto* patches = reinterpret_cast<layout::Patch*>(data);
-    for (std::uint32_t i = 0; i < m.patch_count; ++i) {
-      for (std::uint32_t& site : patches[i].vertex) site += copy * m.site_count;
-    }
-  } else if (id == Section::surface_triangles) {
-    auto* triangles = reinterpret_cast<layout::SurfaceTriangle*>(data);
-    for (std::uint32_t i = 0; i < m.triangle_count; ++i) {
-      for (std::uint32_t& vertex : triangles[i].vertex) vertex += copy * m.vertex_count;
-      for (std::uint32_t& neighbour : triangles[i].neighbour) neighbour += copy * m.triangle_count;
-      triangles[i].patch += copy * m.patch_count;
-    }
+  if (id != Section::surface_triangles) return;
+  auto* triangles = reinterpret_cast<layout::SurfaceTriangle*>(data);
+  for (std::uint32_t i = 0; i < m.triangle_count; ++i) {
+    for (std::uint32_t& vertex : triangles[i].vertex) vertex += copy * m.vertex_count;
+    for (std::uint32_t& neighbour : triangles[i].neighbour) neighbour += copy * m.triangle_count;
+    for (std::uint32_t& site : triangles[i].site) site += copy * m.site_count;
   }
 }
 
@@ -100,7 +93,7 @@ std::vector<std::byte> repeat_body(const runtime::View& view, const RepeatedSize
   double once = 0, each = 0;
   for (std::uint32_t i = 0; i < sections; ++i) {
     const layout::SectionEntry& e = view.sections()[i];
-    (of_the_body(view, e) || e.id == static_cast<std::uint32_t>(Section::search) ? each : once) +=
+    (of_the_body(e) || e.id == static_cast<std::uint32_t>(Section::search) ? each : once) +=
         static_cast<double>(e.size);
   }
   const double copies = std::max({1.0, (size.bytes - once) / each, size.sites / m.site_count});
@@ -115,7 +108,7 @@ std::vector<std::byte> repeat_body(const runtime::View& view, const RepeatedSize
   std::uint64_t end = aligned(sizeof(layout::FileHeader) + sections * sizeof(layout::SectionEntry));
   for (layout::SectionEntry& e : table) {
     e.offset = end;
-    if (of_the_body(view, e)) e.count *= count;
+    if (of_the_body(e)) e.count *= count;
     if (e.id == static_cast<std::uint32_t>(Section::search)) e.count = nodes.size();
     e.size = e.count * e.element_size;
     end = aligned(end + e.size);
@@ -135,8 +128,7 @@ std::vector<std::byte> repeat_body(const runtime::View& view, const RepeatedSize
     }
     if (id != Section::meta) continue;
     auto* meta = reinterpret_cast<layout::Meta*>(file.data() + to.offset);
-    for (std::uint32_t* n :
-         {&meta->site_count, &meta->patch_count, &meta->vertex_count, &meta->triangle_count, &meta->response_count})
+    for (std::uint32_t* n : {&meta->site_count, &meta->vertex_count, &meta->triangle_count, &meta->response_count})
       *n *= count;
     if (view.search != nullptr) meta->search_nodes = static_cast<std::uint32_t>(nodes.size());
   }

@@ -27,10 +27,9 @@ std::uint32_t ResponseInput::tool(const std::string& name) const {
 
 double bytes_per_response(const runtime::View& view) {
   const layout::Meta& m = *view.meta;
-  const double laws = layout::is_coupled(m) ? layout::coupled_size(m) : 0;
-  const double grasps = view.grasps != nullptr ? layout::grasp_size(view.grasp_coefs) : 0;
-  const double turns = view.turns != nullptr ? layout::turn_size(view.grasp_coefs) : 0;
-  return laws + grasps + turns + layout::response_size(m) + layout::lateral_size(m) + layout::friction_size(m);
+  const double grasps = view.grasps != nullptr ? layout::grasp_size(m.grasp_coefs) : 0;
+  const double turns = view.turns != nullptr ? layout::turn_size(m.grasp_coefs) : 0;
+  return grasps + turns + layout::response_size(m);
 }
 
 }  // namespace palpate::cli

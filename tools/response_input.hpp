@@ -29,7 +29,7 @@ private:
   runtime::View view_;
 };
 
-/// Bytes of RESPONSES, LATERAL and FRICTION for one response.
+/// Bytes of one response, its grasp and its turn.
 double bytes_per_response(const runtime::View& view);
 
 }  // namespace palpate::cli

@@ -109,9 +109,9 @@ public:
   Plain(const View& view, std::uint32_t tool, const Tick& touched) {
     double body[3];
     runtime::patch_weights(view, touched.at, body);
-    const layout::Patch& patch = view.patches[view.triangles[touched.at.triangle].patch];
+    const auto& sites = view.triangles[touched.at.triangle].site;
     for (int k = 0; k < 3; ++k) {
-      const BodyPoint site = locate(view, runtime::to_vec(view.sites[patch.vertex[k]].position)).at;
+      const BodyPoint site = locate(view, runtime::to_vec(view.sites[sites[k]].position)).at;
       for (int l = 0; l < 3; ++l) {
         if (!(touched.on_tool.weights[l] > 0)) continue;
         ToolPoint vertex = touched.on_tool;

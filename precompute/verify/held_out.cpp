@@ -77,10 +77,10 @@ ContactFrame frame_at(const runtime::View& view, const runtime::BodyPoint& at, c
   frame.n = to_eigen(runtime::normal(view, at));
   double weights[3];
   runtime::patch_weights(view, at, weights);
-  const layout::Patch& patch = view.patches[view.triangles[at.triangle].patch];
+  const auto& sites = view.triangles[at.triangle].site;
   Vector3d tangent = Vector3d::Zero();
   for (int k = 0; k < 3; ++k) {
-    const layout::Site& site = view.sites[patch.vertex[k]];
+    const layout::Site& site = view.sites[sites[k]];
     const Vector3d n = to_eigen(runtime::to_vec(site.normal)), t = to_eigen(runtime::to_vec(site.tangent));
     const double cosine = n.dot(frame.n);
     tangent += weights[k] * (cosine > -0.999 ? t - (t.dot(frame.n) / (1 + cosine)) * (n + frame.n) : t);

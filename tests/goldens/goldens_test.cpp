@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Files of version 1 as they were frozen: they open, answer as they did, and are written as they were.
+// Files of version 2 as they were frozen: they open, answer as they did, and are written as they were.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -56,18 +56,18 @@ Response response(const View& v, std::uint64_t i) {
   r.depth_limit = v.response_head(i).depth_limit;
   r.flags = v.response_head(i).flags;
   r.normal = list(v.normal_coefs(i), m.normal_coefs);
-  if (v.lateral != nullptr) {
+  if (m.lateral_coefs > 0) {
     r.lateral_x = list(v.lateral_coefs(i), m.lateral_coefs);
     r.lateral_y = list(v.lateral_coefs(i) + m.lateral_coefs, m.lateral_coefs);
   }
-  if (v.friction != nullptr) {
+  if (m.friction_coefs > 0) {
     const float* from = v.friction_coefs(i);
     for (auto* family : {&r.growth_x, &r.growth_y}) *family = list(from, m.growth_coefs), from += m.growth_coefs;
     for (auto* family : {&r.sideways_x, &r.sideways_y})
       *family = list(from, m.sideways_coefs), from += m.sideways_coefs;
     r.friction = list(from, m.friction_coefs);
   }
-  if (v.coupled_laws != nullptr) {
+  if (layout::is_coupled(m)) {
     std::int16_t coefs[coupled::kMostCoefs];
     v.coupled_coefs(i, coefs);
     r.unit = v.coupled_unit(i);
@@ -76,11 +76,11 @@ Response response(const View& v, std::uint64_t i) {
   if (v.grasps != nullptr) {
     r.grasp_depth = v.grasp_head(i).depth;
     r.grasp_pulled = v.grasp_head(i).pulled;
-    r.grasp = list(v.grasp_curves(i), layout::kGraspCurves * v.grasp_coefs);
+    r.grasp = list(v.grasp_curves(i), layout::kGraspCurves * m.grasp_coefs);
   }
   if (v.turns != nullptr) {
     r.turned = v.turn_head(i).turned;
-    r.turn = list(v.turn_curves(i), layout::kTurnCurves * v.grasp_coefs);
+    r.turn = list(v.turn_curves(i), layout::kTurnCurves * m.grasp_coefs);
   }
   return r;
 }
@@ -116,24 +116,21 @@ ResponseFileContent content(const View& v) {
   c.sideways_coefs = m.sideways_coefs;
   c.friction_coefs = m.friction_coefs;
   if (layout::is_coupled(m)) c.coupled = layout::coupled_degrees(m);
-  c.coupled_bits = layout::coupled_bits(m);
+  if (c.coupled) c.coupled_bits = m.coef_bits;
   c.rim_share = static_cast<double>(v.meta->rim_share);
   c.rim_limit = static_cast<double>(v.meta->rim_limit);
-  c.grasp_coefs = v.grasp_coefs;
+  c.grasp_coefs = m.grasp_coefs;
   c.turns = v.turns != nullptr;
   for (std::uint32_t i = 0; i < m.site_count; ++i) {
     const layout::Site& s = v.sites[i];
     c.sites.push_back({triple(s.position), triple(s.normal), triple(s.tangent), s.depth_limit, s.flags});
   }
-  for (std::uint32_t i = 0; i < m.patch_count; ++i) {
-    const auto& p = v.patches[i].vertex;
-    c.patches.push_back({p[0], p[1], p[2]});
-  }
   c.subdivision = m.subdivision;
   for (std::uint32_t i = 0; i < m.vertex_count; ++i) c.surface_vertices.push_back(triple(v.vertices[i].xyz));
   for (std::uint32_t i = 0; i < m.triangle_count; ++i) {
     const layout::SurfaceTriangle& t = v.triangles[i];
-    ResponseTriangle to{{t.vertex[0], t.vertex[1], t.vertex[2]}, t.patch, {}};
+    ResponseTriangle to{{t.vertex[0], t.vertex[1], t.vertex[2]}, i, {}};
+    c.patches.push_back({t.site[0], t.site[1], t.site[2]});
     for (std::size_t k = 0; k < 3; ++k) to.grid[k] = {t.grid[k][0], t.grid[k][1]};
     c.surface_triangles.push_back(to);
   }
@@ -160,7 +157,7 @@ TEST_P(Golden, AnswersAsItDid) {
   const std::vector<GoldenLine> lines = read_lines(kFolder / (GetParam() + ".forces"));
   ASSERT_GE(lines.size(), 32U);
   const coupled::Degrees degrees = layout::coupled_degrees(*view_.meta);
-  const bool steps = view_.coupled_laws != nullptr && (degrees.order > 2 || degrees.straight > 0);
+  const bool steps = layout::is_coupled(*view_.meta) && (degrees.order > 2 || degrees.straight > 0);
   for (const GoldenLine& line : lines) {
     // An anchor that a reader moves in steps is where the specification says, not to the last bit.
     const double tolerance = steps && line.word == "deepen" ? 0.01 : 1e-10;
@@ -189,7 +186,7 @@ TEST(Goldens, EveryFeatureIsInOneAndLeftOutOfAnother) {
     const std::vector<std::byte> bytes = read_bytes(kFolder / (name + ".palp"));
     const runtime::OpenResult opened = View::open(bytes.data(), bytes.size());
     ASSERT_TRUE(opened) << name << ": " << opened.error;
-    EXPECT_EQ(opened.view.header().version, 1U);
+    EXPECT_EQ(opened.view.header().version, 2U);
     with |= opened.view.features;
     without |= ~opened.view.features;
   }

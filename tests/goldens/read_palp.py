@@ -98,7 +98,7 @@ class File:
         need(len(data) >= 64, "shorter than a header")
         magic, version, count, size, checksum, self.features = struct.unpack_from("<8s2I2QI", data)
         need(magic == b"PALPATE\0", "magic bytes")
-        need(version == 1, "version")
+        need(version == 2, "version")
         need(size == len(data) and size % 64 == 0, "size")
         need(xxh64(data[:24] + bytes(8) + data[32:]) == checksum, "checksum")
         need(count <= 32 and not any(data[36:64]) and self.features < 512, "header")
@@ -108,7 +108,7 @@ class File:
         last, end = 0, 64 + 32 * count
         for i in range(count):
             number, element, offset, size, elements = struct.unpack_from("<2I3Q", data, 64 + 32 * i)
-            need(number > last and number < 18, "section ids")
+            need(number > last and number < 14, "section ids")
             need(offset % 64 == 0 and offset >= end and offset + size <= len(data), "section place")
             need(1 <= elements < 1 << 31 and size == elements * element, "section size")
             self.sections[number] = (element, elements, data[offset:offset + size])
@@ -140,16 +140,17 @@ class File:
     def read_meta(self):
         meta = struct.unpack("<2d23I2fI8s", self.section(1, 128, 1))
         self.Z, self.X, self.model = meta[:3]
-        (self.site_count, self.patch_count, self.vertex_count, self.triangle_count, self.tool_count,
-         self.tool_vertex_count, self.tool_patch_count, self.response_count, self.k) = meta[3:12]
-        self.counts = meta[12:17]  # normal, lateral, growth, sideways, friction
-        self.search_nodes = meta[17]
+        (self.site_count, self.vertex_count, self.triangle_count, self.tool_count, self.tool_vertex_count,
+         self.tool_patch_count, self.response_count, self.k) = meta[3:11]
+        self.counts = meta[11:16]  # normal, lateral, growth, sideways, friction
+        self.grasp_coefs, self.search_nodes = meta[16:18]
         self.degrees = meta[18:25]  # order, push, straight, stiffness, cubic, quartic, limit
         self.rim_share, self.rim_limit = meta[25:27]
         rim = 0 < self.rim_share < 1 and 0 < self.rim_limit < 1
         need(self.features & FRICTION if rim else self.rim_share == self.rim_limit == 0, "META: rim")
-        need(meta[27] in (0, 8, 12) and (meta[27] == 0 or self.model == 2), "META: bits")
-        self.bits = meta[27] or 16
+        self.bits = meta[27]
+        need(self.bits in (8, 12, 16) if self.model == 2 else self.bits == 0, "META: bits")
+        need(self.grasp_coefs == 0 or 4 <= self.grasp_coefs <= 32, "META: grasp")
         need(not any(meta[28]), "META: zero bytes")
         need(1e-9 <= self.Z < 1000 and 1 <= self.k <= 1024, "META: scale or subdivision")
         need(self.response_count == self.site_count * self.tool_vertex_count, "META: responses")
@@ -168,9 +169,9 @@ class File:
         need(1e-9 <= self.X < 1000 if friction or self.model == 2 else self.X == 0, "META: sideways scale")
         need(self.features == (LATERAL * bool(lateral or self.degrees[2]) | FRICTION * bool(friction or self.model == 2)
                                | TOOL_PATCHES * bool(self.tool_patch_count) | SEARCH * bool(self.search_nodes)
-                               | COUPLED * (self.model == 2) | GRASP * (15 in self.sections)
-                               | TURN * (16 in self.sections) | RIM * (self.rim_share > 0)
-                               | SPIN * (17 in self.sections)), "features")
+                               | COUPLED * (self.model == 2) | GRASP * (self.grasp_coefs > 0)
+                               | TURN * (11 in self.sections) | RIM * (self.rim_share > 0)
+                               | SPIN * (8 in self.sections)), "features")
 
     def is_limit(self, depth):
         return 0 < depth <= self.Z * (1 + 1e-5)
@@ -182,16 +183,15 @@ class File:
             need(all(abs(x) < 1e5 for x in r[:3]) and is_unit(r[3:6]) and is_unit(r[6:9])
                  and abs(dot(r[3:6], r[6:9])) < 1e-3 and self.is_limit(r[9]) and r[10] < 4 and r[11] == 0, "SITES")
             self.sites.append(site)
-        self.patches = self.records(3, "<3I", self.patch_count)
-        need(all(len(set(p)) == 3 and max(p) < self.site_count for p in self.patches), "PATCHES")
-        self.vertices = self.records(4, "<3f", self.vertex_count)
+        self.vertices = self.records(3, "<3f", self.vertex_count)
         need(all(abs(x) < 1e5 for v in self.vertices for x in v), "SURFACE_VERTICES")
         self.triangles = []
-        for r in self.records(5, "<7I6H", self.triangle_count):
-            grid = [(r[7 + 2 * i], r[8 + 2 * i], self.k - r[7 + 2 * i] - r[8 + 2 * i]) for i in range(3)]
-            self.triangles.append({"vertex": r[:3], "neighbour": r[3:6], "patch": r[6], "grid": grid})
+        for r in self.records(4, "<9I6H", self.triangle_count):
+            grid = [(r[9 + 2 * i], r[10 + 2 * i], self.k - r[9 + 2 * i] - r[10 + 2 * i]) for i in range(3)]
+            self.triangles.append({"vertex": r[:3], "neighbour": r[3:6], "site": r[6:9], "grid": grid})
             need(len(set(r[:3])) == 3 and max(r[:3]) < self.vertex_count and max(r[3:6]) < self.triangle_count
-                 and r[6] < self.patch_count and min(map(min, grid)) >= 0, "SURFACE_TRIANGLES")
+                 and len(set(r[6:9])) == 3 and max(r[6:9]) < self.site_count and min(map(min, grid)) >= 0,
+                 "SURFACE_TRIANGLES")
         for number, t in enumerate(self.triangles):
             for i in range(3):
                 a, b = (i + 1) % 3, (i + 2) % 3
@@ -205,14 +205,13 @@ class File:
                      and self.weights_at(t, b) == self.weights_at(other, (j + 1) % 3), "SURFACE_TRIANGLES: weights")
 
     def weights_at(self, triangle, corner):
-        sites = self.patches[triangle["patch"]]
-        return {site: weight for site, weight in zip(sites, triangle["grid"][corner]) if weight}
+        return {site: weight for site, weight in zip(triangle["site"], triangle["grid"][corner]) if weight}
 
     def read_tools(self):
         self.tools = []
         patched = bool(self.features & TOOL_PATCHES)
         vertex = patch = 0
-        for r in self.records(6, "<32s5I3f", self.tool_count):
+        for r in self.records(5, "<32s5I3f", self.tool_count):
             tool = dict(zip(("name", "kind", "first_vertex", "vertex_count", "first_patch", "patch_count", "radius",
                              "probe_radius", "axis_length"), (text(r[0]),) + r[1:]))
             need(tool["name"] and tool["kind"] < 3 and tool["vertex_count"] > 0 and all(0 <= x < 1e5 for x in r[6:]),
@@ -229,12 +228,12 @@ class File:
         self.tool_vertices, self.tool_patches = [], []
         if not patched:
             return
-        for r in self.records(7, "<10f24s", self.tool_vertex_count):
+        for r in self.records(6, "<10f24s", self.tool_vertex_count):
             self.tool_vertices.append({"point": r[:3], "normal": r[3:6], "tangent": r[6:9], "meridian": r[9],
                                        "name": text(r[10])})
             need(all(abs(x) < 1e5 for x in r[:3] + r[9:10]) and is_unit(r[3:6]) and is_unit(r[6:9])
                  and abs(dot(r[3:6], r[6:9])) < 1e-3, "TOOL_VERTICES")
-        self.tool_patches = self.records(8, "<3I", self.tool_patch_count)
+        self.tool_patches = self.records(7, "<3I", self.tool_patch_count)
         for tool in self.tools:
             own = range(tool["first_vertex"], tool["first_vertex"] + tool["vertex_count"])
             last = -math.inf
@@ -250,7 +249,7 @@ class File:
         if not self.features & SPIN:
             return
         need(self.tool_patches, "SPINS without TOOL_VERTICES")
-        self.spins = [r[0] for r in self.records(17, "<I", self.tool_vertex_count)]
+        self.spins = [r[0] for r in self.records(8, "<I", self.tool_vertex_count)]
         need(max(self.spins) > 1, "SPINS: none")
         for tool in self.tools:
             first, end = tool["first_vertex"], tool["first_vertex"] + tool["vertex_count"]
@@ -269,47 +268,61 @@ class File:
         need(all(self.spins[v] for p in self.tool_patches for v in p), "TOOL_PATCHES: a later spin")
 
     def read_responses(self):
-        normal, lateral, growth, sideways, friction = self.counts
+        law, before = self.law_size()
+        size = 8 + (law if self.model == 2 else 4 * sum(count for _, count in self.curves()))
+        data = self.section(9, size, self.response_count)
         self.responses = []
-        for r in self.records(9, "<fI%df" % normal, self.response_count):
-            need(self.is_limit(r[0]) and r[1] in (1, 2, 4, 8), "RESPONSES")
-            need(self.model == 2 or r[2:4] == (0, 0) and all(a <= b for a, b in zip(r[2:], r[3:])) and r[-1] <= 1e12,
-                 "RESPONSES: normal force")
-            self.responses.append({"depth_limit": r[0], "flags": r[1], "Fn": r[2:]})
-        if lateral:
-            for to, r in zip(self.responses, self.records(10, "<%df" % (2 * lateral), self.response_count)):
-                to["Fx"], to["Fy"] = r[:lateral], r[lateral:]
-                need(not any(to["Fx"][:2] + to["Fy"][:2]) and all(abs(c) <= 1e12 for c in r), "LATERAL")
-        if friction:
-            size = 2 * growth + 2 * sideways + friction
-            for to, r in zip(self.responses, self.records(11, "<%df" % size, self.response_count)):
-                r = list(r)
-                for name, count in (("gx", growth), ("gy", growth), ("phix", sideways), ("phiy", sideways),
-                                    ("mu", friction)):
-                    to[name], r = tuple(r[:count]), r[count:]
-                for g in (to["gx"], to["gy"]):
-                    need(g[0] == 0 and all(0 <= c <= 1000 for c in g), "FRICTION: growth")
-                for phi in (to["phix"], to["phiy"]):
-                    need(all(a >= b for a, b in zip(phi, phi[1:])) and all(abs(c) <= 1e12 for c in phi)
-                         and abs(spline(phi, 0.5)) <= 2e-5 * max(abs(phi[0]), abs(phi[-1])), "FRICTION: sideways")
-                need(all(0 <= c <= 10 for c in to["mu"]), "FRICTION: limit")
-        if self.model == 2:
-            count = sum(len(indices) * len(parts) for indices, parts in self.families().values())
-            before = count - self.degrees[6] - 1  # all but those of mu
-            packed = (before * self.bits + 15) // 16 * 2
-            size = (4 + packed + 2 * (count - before) + 3) // 4 * 4
-            data = self.section(14, size, self.response_count)
-            for i, to in enumerate(self.responses):
-                element = data[i * size:(i + 1) * size]
-                to["unit"] = struct.unpack("<f", element[:4])[0]
-                stream = int.from_bytes(element[4:4 + packed], "little")
-                coefs = [stream >> self.bits * k & (1 << self.bits) - 1 for k in range(before)]
-                end = 4 + packed + 2 * (count - before)
-                need(0 <= to["unit"] <= 1e12 / 32768 and stream >> self.bits * before == 0 and not any(element[end:]),
-                     "COUPLED")
-                to["coefs"] = [c - (c >> self.bits - 1 << self.bits) for c in coefs] + list(
-                    struct.unpack("<%dh" % (count - before), element[4 + packed:end]))
-                self.check_passive(self.coupled_parts(to))
+        for i in range(self.response_count):
+            element = data[i * size:(i + 1) * size]
+            depth, flags = struct.unpack_from("<fI", element)
+            need(self.is_limit(depth) and flags in (1, 2, 4, 8), "RESPONSES: head")
+            self.responses.append({"depth_limit": depth, "flags": flags})
+            if self.model == 2:
+                self.read_law(self.responses[-1], element[8:], before)
+            else:
+                self.read_curves(self.responses[-1], struct.unpack_from("<%df" % (size // 4 - 2), element, 8))
+
+    def curves(self):
+        """(name, how many coefficients), in the order of a separable response."""
+        normal, lateral, growth, sideways, friction = self.counts
+        return [("Fn", normal), ("Fx", lateral), ("Fy", lateral), ("gx", growth), ("gy", growth), ("phix", sideways),
+                ("phiy", sideways), ("mu", friction)]
+
+    def read_curves(self, to, coefs):
+        for name, count in self.curves():
+            if count:
+                to[name], coefs = coefs[:count], coefs[count:]
+        push = to["Fn"]
+        need(push[:2] == (0, 0) and all(a <= b for a, b in zip(push, push[1:])) and push[-1] <= 1e12, "RESPONSES: Fn")
+        for name in ("Fx", "Fy"):
+            need(name not in to or not any(to[name][:2]) and all(abs(c) <= 1e12 for c in to[name]), "RESPONSES: Fx, Fy")
+        if "mu" not in to:
+            return
+        for g in (to["gx"], to["gy"]):
+            need(g[0] == 0 and all(0 <= c <= 1000 for c in g), "RESPONSES: growth")
+        for phi in (to["phix"], to["phiy"]):
+            need(all(a >= b for a, b in zip(phi, phi[1:])) and all(abs(c) <= 1e12 for c in phi)
+                 and abs(spline(phi, 0.5)) <= 2e-5 * max(abs(phi[0]), abs(phi[-1])), "RESPONSES: sideways")
+        need(all(0 <= c <= 10 for c in to["mu"]), "RESPONSES: limit")
+
+    def law_size(self):
+        """Bytes of a coupled law, and how many coefficients it has before those of mu."""
+        if self.model != 2:
+            return 0, 0
+        limits = self.degrees[6] + 1
+        before = sum(len(indices) * len(parts) for indices, parts in self.families().values()) - limits
+        return (4 + (before * self.bits + 15) // 16 * 2 + 2 * limits + 3) // 4 * 4, before
+
+    def read_law(self, to, law, before):
+        to["unit"] = struct.unpack_from("<f", law)[0]
+        packed, limits = (before * self.bits + 15) // 16 * 2, self.degrees[6] + 1
+        stream = int.from_bytes(law[4:4 + packed], "little")
+        coefs = [stream >> self.bits * k & (1 << self.bits) - 1 for k in range(before)]
+        need(0 <= to["unit"] <= 1e12 / 32768 and stream >> self.bits * before == 0 and not any(law[4 + packed + 2 * limits:]),
+             "RESPONSES: law")
+        to["coefs"] = [c - (c >> self.bits - 1 << self.bits) for c in coefs] + list(
+            struct.unpack_from("<%dh" % limits, law, 4 + packed))
+        self.check_passive(self.coupled_parts(to))
 
     def of_tool(self, key):
         """(responses of a tool, whether the first has `key` above 0), tool by tool."""
@@ -321,11 +334,9 @@ class File:
     def read_grasps(self):
         if not self.features & GRASP:
             return
-        element = self.sections[15][0]
-        n = (element - 8) // 24
-        need(element == 8 + 24 * n and 4 <= n <= 32, "GRASP: size")
+        n = self.grasp_coefs
         curves = lambda r: [r[i * n:i * n + n] for i in range(6)]
-        for to, r in zip(self.responses, self.records(15, "<2f%df" % (6 * n), self.response_count)):
+        for to, r in zip(self.responses, self.records(10, "<2f%df" % (6 * n), self.response_count)):
             to["grasp_depth"], to["pulled"], to["grasp"] = r[0], r[1], curves(r[2:])
         for responses, holds in self.of_tool("grasp_depth"):
             for r in responses:
@@ -343,8 +354,8 @@ class File:
         if not self.features & TURN:
             return
         need(self.features & GRASP, "TURN without GRASP")
-        n = len(self.responses[0]["grasp"][0])
-        for to, r in zip(self.responses, self.records(16, "<f%df" % (15 * n), self.response_count)):
+        n = self.grasp_coefs
+        for to, r in zip(self.responses, self.records(11, "<f%df" % (15 * n), self.response_count)):
             to["turned"], to["turn"] = r[0], [r[1 + i * n:1 + i * n + n] for i in range(15)]
         for responses, turns in self.of_tool("turned"):
             for r in responses:
@@ -395,8 +406,8 @@ class File:
     def check_passive(self, law):
         n = self.degrees[3]
         raised = lambda name, h, i: raise_degree(law[name][h], n)[i] if name in law else 0
-        need(all(a <= b for a, b in zip([0] + law["F"][0], law["F"][0])), "COUPLED: F")
-        need(all(0 <= c <= 10 for c in law["mu"][0]), "COUPLED: mu")
+        need(all(a <= b for a, b in zip([0] + law["F"][0], law["F"][0])), "RESPONSES: law: F")
+        need(all(0 <= c <= 10 for c in law["mu"][0]), "RESPONSES: law: mu")
         largest = max(abs(part) for name in ("K'", "A", "C'", "Q'") if name in law
                       for family in law[name].values() for c in family
                       for part in (complex(c).real, complex(c).imag))
@@ -405,7 +416,7 @@ class File:
                 abs(raised("Q'", h, i)) for h in (0, 2, 4))
             for sign in (1, -1):
                 mean, second = (law["K'"][h][i] + sign * law["A"][h][i] for h in (0, 2))
-                need(mean - abs(second) - margin >= -1e-12 * largest, "COUPLED: inequalities")
+                need(mean - abs(second) - margin >= -1e-12 * largest, "RESPONSES: law: inequalities")
 
     def read_search(self):
         self.search = []
@@ -438,7 +449,7 @@ class File:
     def contact(self, triangle, b):
         """Weights of the patch's sites, n(c), and each site's frame carried to c."""
         t = self.triangles[triangle]
-        numbers = self.patches[t["patch"]]
+        numbers = t["site"]
         a = [sum(b[c] * t["grid"][c][i] for c in range(3)) / self.k for i in range(3)]
         n = add(*(mul(a[i], self.sites[numbers[i]]["normal"]) for i in range(3)))
         if math.sqrt(dot(n, n)) <= 1e-6:

@@ -86,7 +86,7 @@ std::string forces(const View& view) {
     const double z = i == 0 ? 0 : draw.between(0.01, 1.4) * depth;
     const double angle = draw.between(0, 6.28), way = i % 5 == 1 ? 0 : draw.between(0, 1.5) * sideways;
     Vec3 aside = way * std::cos(angle) * x + way * std::sin(angle) * y;
-    if (view.coupled_laws != nullptr && i % 8 == 2) aside = 0.9 * unloaded(view, contact, aside, n, z);
+    if (layout::is_coupled(*view.meta) && i % 8 == 2) aside = 0.9 * unloaded(view, contact, aside, n, z);
     const Vec3 deflection = aside - z * n;
     const auto with = [&](std::initializer_list<double> more) {
       std::vector<double> asked = contact;
@@ -104,7 +104,7 @@ std::string forces(const View& view) {
       asked.insert(asked.end(), pose.rotation, pose.rotation + 9);
       text += as_line(view, "spun", asked);
     }
-    if (view.coupled_laws != nullptr && i % 4 == 2) {
+    if (layout::is_coupled(*view.meta) && i % 4 == 2) {
       const double deeper = z + draw.between(0.05, 0.5) * depth;
       text += as_line(view, "deepen", with({z, deeper, aside.x, aside.y, aside.z}));
     }

@@ -46,8 +46,11 @@ TEST(ResponseFile, ReadsBackWhatWasWritten) {
   }
   ASSERT_EQ(v.meta->triangle_count, content.surface_triangles.size());
   for (std::size_t i = 0; i < content.surface_triangles.size(); ++i) {
-    EXPECT_EQ(v.triangles[i].patch, content.surface_triangles[i].patch);
-    for (int k = 0; k < 3; ++k) EXPECT_EQ(v.triangles[i].vertex[k], content.surface_triangles[i].vertices[k]);
+    const ResponseTriangle& t = content.surface_triangles[i];
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_EQ(v.triangles[i].vertex[k], t.vertices[k]);
+      EXPECT_EQ(v.triangles[i].site[k], content.patches[t.patch][k]);
+    }
   }
   ASSERT_EQ(v.meta->tool_count, 3U);
   EXPECT_EQ(v.find_tool("rod"), 1U);
@@ -78,12 +81,12 @@ TEST(ResponseFile, FrictionlessOneTipFlatFileHasNoSectionItDoesNotUse) {
   const runtime::OpenResult opened = View::open(bytes.data(), bytes.size());
   ASSERT_TRUE(opened) << opened.error;
   EXPECT_EQ(opened.view.features, 0U);
-  for (const Section absent : {Section::tool_vertices, Section::tool_patches, Section::lateral, Section::friction,
-                               Section::search, Section::grasp, Section::turn}) {
+  for (const Section absent : {Section::tool_vertices, Section::tool_patches, Section::spins, Section::search,
+                               Section::grasp, Section::turn}) {
     EXPECT_EQ(opened.view.section_bytes(absent), 0U);
   }
-  EXPECT_EQ(opened.view.header().section_count, 8U);
-  EXPECT_EQ(opened.view.friction, nullptr);
+  EXPECT_EQ(opened.view.header().section_count, 7U);
+  EXPECT_EQ(opened.view.response_size, 8 + 4 * opened.view.meta->normal_coefs);
 }
 
 TEST(ResponseFile, SectionsAreAlignedAndTheFileEndsAligned) {
@@ -129,7 +132,7 @@ TEST(ResponseFile, WrongContentIsRefusedByName) {
              for (Response& r : c.responses) r.normal.resize(3);
            }},
           {"all 0 or none", [](auto& c) { c.friction_coefs = 0; }},
-          {"must not be empty", [](auto& c) { c.patches.clear(); }},
+          {"contact surface triangle 0: no patch 0", [](auto& c) { c.patches.clear(); }},
           {"site 2: position", [](auto& c) { c.sites[2].position[1] = NAN; }},
           {"site 2: position", [](auto& c) { c.sites[2].position[1] = 2e5; }},
           {"site 3: frame",
@@ -138,9 +141,9 @@ TEST(ResponseFile, WrongContentIsRefusedByName) {
            }},
           {"site 4: frame", [](auto& c) { c.sites[4].tangent = c.sites[4].normal; }},
           {"site 5: depth limit", [](auto& c) { c.sites[5].depth_limit = 1; }},
-          {"patch 1", [](auto& c) { c.patches[1][0] = 9999; }},
+          {"its patch must have three different sites", [](auto& c) { c.patches[1][0] = 9999; }},
           {"SURFACE_VERTICES: vertex 7", [](auto& c) { c.surface_vertices[7][2] = 2e5; }},
-          {"SURFACE_TRIANGLES: triangle 0: no patch", [](auto& c) { c.surface_triangles[0].patch = 9999; }},
+          {"contact surface triangle 0: no patch 9999", [](auto& c) { c.surface_triangles[0].patch = 9999; }},
           {"grid",
            [](auto& c) {
              c.surface_triangles[0].grid[0] = std::array<std::uint16_t, 2>{1, 1};
@@ -169,7 +172,7 @@ TEST(ResponseFile, WrongCurvesAreANumericalFailure) {
                       [](auto& c) { c.responses[1].normal[9] = 0; }},
                      {"response 2: normal force must start at zero", [](auto& c) { c.responses[2].normal[1] = 0.1F; }},
                      {"response 2: normal force", [](auto& c) { c.responses[2].normal[9] = 2e12F; }},
-                     {"LATERAL: response 2", [](auto& c) { c.responses[2].lateral_x[5] = -2e12F; }},
+                     {"RESPONSES: response 2: sideways force", [](auto& c) { c.responses[2].lateral_x[5] = -2e12F; }},
                      {"response 3: sideways force must oppose", [](auto& c) { c.responses[3].sideways_x[6] = 9; }},
                      {"response 3: sideways force",
                       [](auto& c) { c.responses[3].sideways_y[0] += 0.1F, c.responses[3].sideways_y[3] += 0.1F; }},

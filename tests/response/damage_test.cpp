@@ -102,6 +102,15 @@ TEST(Damage, ATrustedOpeningReadsNoRecord) {
   EXPECT_FALSE(View::open_trusted(bytes.data(), bytes.size()));
 }
 
+TEST(Damage, AnotherVersionIsRefusedByItsNumber) {
+  std::vector<std::byte> bytes = small_file();
+  const std::uint32_t before = 1;
+  std::memcpy(bytes.data() + offsetof(layout::FileHeader, version), &before, sizeof before);
+  mend(bytes);
+  EXPECT_STREQ(View::open(bytes.data(), bytes.size()).error,
+               "version 1, this reader knows 2: fit its scene again (palpate fit)");
+}
+
 TEST(Damage, TrailingBytesAreRefused) {
   std::vector<std::byte> bytes = small_file();
   bytes.resize(bytes.size() + 8);
@@ -232,9 +241,10 @@ TEST(Damage, CoefficientsThatAreNotPassiveAreRefused) {
     return View::open(bytes.data(), bytes.size()).error;
   };
   EXPECT_EQ(message(p.stiffness, 8000), "");
-  const std::string passive = "COUPLED: response 2: stiffness and coupling break the inequalities that make it passive";
-  EXPECT_EQ(message(0, -1), "COUPLED: response 2: the normal force must start at zero and not decrease");
-  EXPECT_EQ(message(1, 0), "COUPLED: response 2: the normal force must start at zero and not decrease");
+  const std::string passive =
+      "RESPONSES: response 2: stiffness and coupling break the inequalities that make it passive";
+  EXPECT_EQ(message(0, -1), "RESPONSES: response 2: the normal force must start at zero and not decrease");
+  EXPECT_EQ(message(1, 0), "RESPONSES: response 2: the normal force must start at zero and not decrease");
   for (int k = 0; k <= d.stiffness; ++k) {
     EXPECT_EQ(message(p.stiffness + 3 * k, 0), passive) << k;
     EXPECT_EQ(message(p.stiffness + 3 * k + 1, 9000), passive) << k;
@@ -246,11 +256,11 @@ TEST(Damage, CoefficientsThatAreNotPassiveAreRefused) {
   }
   for (int k = p.cubic; k < p.limit; ++k) EXPECT_EQ(message(k, 2000), passive) << k;
   for (int k = p.limit; k < p.end; ++k) {
-    EXPECT_EQ(message(k, -1), "COUPLED: response 2: the friction limit is out of 0 to 10") << k;
-    EXPECT_EQ(message(k, 32001), "COUPLED: response 2: the friction limit is out of 0 to 10") << k;
+    EXPECT_EQ(message(k, -1), "RESPONSES: response 2: the friction limit is out of 0 to 10") << k;
+    EXPECT_EQ(message(k, 32001), "RESPONSES: response 2: the friction limit is out of 0 to 10") << k;
   }
   if (p.end % 2 != 0) {
-    EXPECT_EQ(message(p.end, 1), "COUPLED: response 2: padding is not zero");
+    EXPECT_EQ(message(p.end, 1), "RESPONSES: response 2: padding is not zero");
   }
 }
 
@@ -271,16 +281,16 @@ TEST(Damage, BitsOutOfRangeAndPackedPaddingAreRefused) {
     return View::open(bytes.data(), bytes.size()).error;
   };
   const auto* const bits = reinterpret_cast<const unsigned char*>(&view.meta->coef_bits);
-  for (const int wrong : {1, 10, 16, 32}) {
+  for (const int wrong : {0, 1, 10, 32}) {
     EXPECT_EQ(message(bits, static_cast<unsigned char>(wrong)),
-              "META: " + std::to_string(wrong) + " bits a coefficient, allowed 0 or, in a coupled file, 8 or 12");
+              "META: " + std::to_string(wrong) + " bits a coefficient, allowed 8, 12 or 16 in a coupled file, else 0");
   }
   EXPECT_NE(message(bits, 8), "") << "elements of another size";
   const unsigned char* const law = view.coupled_law(2);
   ASSERT_NE(packed % 16, 0U);
   EXPECT_EQ(message(law + layout::coupled_limit_offset(coupled::places(d), 12) - 1, 0x80),
-            "COUPLED: response 2: padding is not zero");
-  EXPECT_EQ(message(law + 5, 8), "COUPLED: response 2: the normal force must start at zero and not decrease");
+            "RESPONSES: response 2: padding is not zero");
+  EXPECT_EQ(message(law + 5, 8), "RESPONSES: response 2: the normal force must start at zero and not decrease");
 }
 
 }  // namespace

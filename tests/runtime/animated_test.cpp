@@ -102,18 +102,24 @@ TEST(AnimatedSurface, WhatIsNoShapeOfTheBodyIsRefusedByNameAndTheLastStays) {
     }),
                    "site 3: position is not finite, or beyond 1e5 m");
   }
-  expect_refused(box.set([](const Vec3& x) { return Vec3{x.x, x.y, 0.4 * x.z}; }), "patch [0-9]*: pressed to less*");
-  expect_refused(box.set([](const Vec3& x) { return Vec3{1.8 * x.x, x.y, x.z}; }), "patch [0-9]*: stretched to more*");
+  expect_refused(box.set([](const Vec3& x) {
+    return Vec3{x.x, x.y, 0.4 * x.z};
+  }),
+                 "the patch of sites [0-9, and]* is pressed to less*");
+  expect_refused(box.set([](const Vec3& x) {
+    return Vec3{1.8 * x.x, x.y, x.z};
+  }),
+                 "the patch of sites [0-9, and]* is stretched to more*");
   expect_refused(box.set([](const Vec3& x) {
     return Vec3{-x.x, x.y, x.z};
   }),
                  "the body is inside out, or without volume");
   expect_refused(box.set([](const Vec3&) { return Vec3{}; }), "the body is inside out, or without volume");
   // One site of a patch put where its mirror image is.
-  const auto& patch = box.body.view.patches[0].vertex;
+  const auto& patch = box.body.view.triangles[0].site;
   const Vec3 a = box.site(patch[0]), b = box.site(patch[1]), c = box.site(patch[2]);
   const Vec3 along = unit(b - a, {}), mirrored = c - 2 * tangential(c - a, along);
-  expect_refused(box.set([&](const Vec3& x) { return distance(x, c) > 0 ? x : mirrored; }), "patch [0-9]*: *");
+  expect_refused(box.set([&](const Vec3& x) { return distance(x, c) > 0 ? x : mirrored; }), "the patch of sites *");
 }
 
 TEST(AnimatedContact, ABodyThatNobodyMovesAnswersBitForBit) {

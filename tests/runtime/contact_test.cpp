@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A ball tip on a box and a ball: push, stick, slide, release, late detection, faults.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -137,14 +138,15 @@ TEST(Contact, SlidingOverPatchesIsContinuous) {
     for (int i = 0; i <= 1000; ++i) contact.tick(orbit(0, -0.001 + 0.004 * i / 1000));
     Tick last = contact.tick(orbit(0, 0.003));
     ASSERT_GT(length(last.force), 0.1);
-    std::uint32_t patches = 0, patch = 0;
+    std::uint32_t patches = 0;
+    const std::uint32_t* patch = nullptr;  // its sites
     for (double angle = 0; angle < 2.5; angle += kStep / kBallRadius) {
       const Tick tick = contact.tick(orbit(angle, 0.003));
       ASSERT_TRUE(tick.state == State::slide || tick.state == State::stick) << angle;
       ASSERT_LT(distance(tick.force, last.force), kStiffness * 2 * kStep) << angle << " friction " << friction;
-      const std::uint32_t now = body.view.triangles[tick.at.triangle].patch;
-      patches += now != patch;
-      patch = now;
+      const auto& sites = body.view.triangles[tick.at.triangle].site;
+      patches += patch == nullptr || !std::equal(sites, sites + 3, patch) ? 1 : 0;
+      patch = sites;
       last = tick;
     }
     EXPECT_GT(patches, 10U);

@@ -217,7 +217,7 @@ TEST(Field, ReportsCoverageAndDepthLimit) {
     for (int k = 0; k < 3; ++k) {
       BodyPoint at{t, {0, 0, 0}};
       at.bary[k] = 1;
-      const std::uint32_t site = ball.view.patches[ball.view.triangles[t].patch].vertex[k];
+      const std::uint32_t site = ball.view.triangles[t].site[k];
       const Field field(ball.view, 0, at, {});
       EXPECT_EQ(field.covered(), site % 7 == 3 ? 1 : 0);
       EXPECT_FLOAT_EQ(static_cast<float>(field.depth_limit()), ball.view.response_head(site).depth_limit);

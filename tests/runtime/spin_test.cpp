@@ -86,7 +86,7 @@ TEST(Spin, ASampleAnswersAsItWasBaked) {
     for (const Pair& pair : pairs(ball.view)) {
       for (std::uint32_t triangle = 0; triangle < 40; triangle += 7) {
         const BodyPoint at{triangle, {1, 0, 0}};
-        const std::uint32_t site = ball.view.patches[ball.view.triangles[triangle].patch].vertex[0];
+        const std::uint32_t site = ball.view.triangles[triangle].site[0];
         const Vec3 n = normal(ball.view, at), x = carried_x(ball.view.sites[site], n);
         for (std::uint32_t k = 0; k < 5; ++k) {
           // Of a profile the pose is that of a vertex whose normal is the contact's: as the runtime would find it.
@@ -266,7 +266,7 @@ TEST(Spin, AGraspIsOfItsSpin) {
   const Opened ball(ball_content(options));
   const Pair pair = pairs(ball.view).front();
   const BodyPoint at{0, {1, 0, 0}};
-  const std::uint32_t site = ball.view.patches[ball.view.triangles[0].patch].vertex[0];
+  const std::uint32_t site = ball.view.triangles[0].site[0];
   const Vec3 n = normal(ball.view, at), x = carried_x(ball.view.sites[site], n);
   for (std::uint32_t k = 0; k < 5; ++k) {
     const Pose pose = laid(pair.vertex, n, x, kCircle * k / 5);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The bytes of a .palp response file, version 1; the prose specification is formats/response-file.md.
+// The bytes of a .palp response file, version 2; the prose specification is formats/response-file.md.
 #pragma once
 
 #include "palpate/coupled_layout.hpp"
@@ -15,7 +15,7 @@
 namespace palpate::layout {
 
 inline constexpr unsigned char kMagic[8] = {'P', 'A', 'L', 'P', 'A', 'T', 'E', 0};
-inline constexpr std::uint32_t kVersion = 1;
+inline constexpr std::uint32_t kVersion = 2;
 inline constexpr std::uint64_t kAlignment = 64;
 inline constexpr std::uint32_t kMinCoefs = 4;   ///< a cubic needs four
 inline constexpr std::uint32_t kMaxCoefs = 32;  ///< so that a blended response fits a fixed buffer
@@ -28,45 +28,37 @@ inline constexpr std::uint32_t kMaxSpins = 64;          ///< of one point of a t
 enum class Section : std::uint32_t {
   meta = 1,               ///< one Meta
   sites = 2,              ///< Site
-  patches = 3,            ///< Patch: triangles of the haptic mesh
-  surface_vertices = 4,   ///< Point: contact surface
-  surface_triangles = 5,  ///< SurfaceTriangle
-  tools = 6,              ///< ToolRecord
-  tool_vertices = 7,      ///< ToolVertexRecord; absent when every tool has one vertex
-  tool_patches = 8,       ///< Patch over tool vertices; absent with tool_vertices
-  responses = 9,          ///< ResponseHead, then float[normal_coefs]
-  lateral = 10,           ///< float[2 * lateral_coefs]; absent when a straight push has no sideways force
-  friction = 11,          ///< float[2 growth + 2 sideways + 1 friction coefs]; absent when frictionless
+  surface_vertices = 3,   ///< Point: contact surface
+  surface_triangles = 4,  ///< SurfaceTriangle
+  tools = 5,              ///< ToolRecord
+  tool_vertices = 6,      ///< ToolVertexRecord; absent when every tool has one vertex
+  tool_patches = 7,       ///< ToolPatch; absent with tool_vertices
+  spins = 8,              ///< uint32 a tool vertex; absent when every point of a tool has one spin
+  responses = 9,          ///< ResponseHead, then the curves or the coupled law of that response
+  grasp = 10,             ///< GraspHead, then float[6 * coefs]; absent when no tool holds on
+  turn = 11,              ///< TurnHead, then float[15 * coefs]; absent when no tool's turns have a torque
   search = 12,            ///< SearchNode; absent when the contact surface is small
-  provenance = 13,        ///< UTF-8 JSON text
-  coupled = 14,           ///< float unit, then int16[coupled::count]; only in a file of the coupled model
-  grasp = 15,             ///< GraspHead, then float[6 * coefs]; absent when no tool holds on
-  turn = 16,              ///< TurnHead, then float[15 * coefs]; absent when no tool's turns have a torque
-  spins = 17              ///< uint32 a tool vertex; absent when every point of a tool has one spin
+  provenance = 13         ///< UTF-8 JSON text
 };
 
-inline constexpr std::uint32_t kSectionIds = 18;  ///< ids are below this
+inline constexpr std::uint32_t kSectionIds = 14;  ///< ids are below this
 
 /// The section's name as the specification spells it; "?" for an unknown id.
 inline constexpr const char* section_name(std::uint32_t id) {
   constexpr const char* kNames[kSectionIds] = {"?",
                                                "META",
                                                "SITES",
-                                               "PATCHES",
                                                "SURFACE_VERTICES",
                                                "SURFACE_TRIANGLES",
                                                "TOOLS",
                                                "TOOL_VERTICES",
                                                "TOOL_PATCHES",
+                                               "SPINS",
                                                "RESPONSES",
-                                               "LATERAL",
-                                               "FRICTION",
-                                               "SEARCH",
-                                               "PROVENANCE",
-                                               "COUPLED",
                                                "GRASP",
                                                "TURN",
-                                               "SPINS"};
+                                               "SEARCH",
+                                               "PROVENANCE"};
   return id < kSectionIds ? kNames[id] : kNames[0];
 }
 
@@ -120,7 +112,7 @@ inline constexpr const char* source_name(std::uint32_t flags) {
 
 enum class ToolKind : std::uint32_t { point_sphere = 0, profile = 1, mesh = 2 };
 enum class Model : std::uint32_t { separable = 1, coupled = 2 };
-inline constexpr double kLimitUnit = 1.0 / 3200;  ///< of the friction limit's coefficients in COUPLED
+inline constexpr double kLimitUnit = 1.0 / 3200;  ///< of a coupled law's coefficients of the friction limit
 
 struct FileHeader {
   unsigned char magic[8];
@@ -145,18 +137,19 @@ struct Meta {
   double depth_scale;     ///< Z (m)
   double sideways_scale;  ///< X (m); 0 in a frictionless file
   std::uint32_t model;
-  std::uint32_t site_count, patch_count, vertex_count, triangle_count;
+  std::uint32_t site_count, vertex_count, triangle_count;
   std::uint32_t tool_count, tool_vertex_count, tool_patch_count;
   std::uint32_t response_count;  ///< site_count * tool_vertex_count
   std::uint32_t subdivision;     ///< k: each patch is k * k triangles of the contact surface
   std::uint32_t normal_coefs, lateral_coefs, growth_coefs, sideways_coefs, friction_coefs;
+  std::uint32_t grasp_coefs;  ///< of each curve of GRASP and TURN; 0 when no tool holds on
   std::uint32_t search_nodes;
   /// Degrees of the coupled model; all 0 in a file of another.
   std::uint32_t order, push_degree, straight_degree, stiffness_degree, cubic_degree, quartic_degree, limit_degree;
   /// Share of every contact, (0, 1), that slips before all of it does, and its own share of the friction limit, (0, 1)
   /// (palpate/rim.hpp); both 0 where contacts stick as a whole.
   float rim_share, rim_limit;
-  std::uint32_t coef_bits;  ///< of COUPLED's coefficients but those of the friction limit: 8, 12, or 0: 16
+  std::uint32_t coef_bits;  ///< of a coupled law's coefficients but those of the friction limit: 8, 12 or 16; else 0
   std::uint32_t reserved[2];
 };
 
@@ -169,10 +162,6 @@ struct Site {
   std::uint32_t reserved;
 };
 
-struct Patch {
-  std::uint32_t vertex[3];
-};
-
 struct Point {
   float xyz[3];
 };
@@ -180,8 +169,8 @@ struct Point {
 struct SurfaceTriangle {
   std::uint32_t vertex[3];     ///< counter-clockwise seen from outside
   std::uint32_t neighbour[3];  ///< triangle across the edge opposite each corner
-  std::uint32_t patch;
-  std::uint16_t grid[3][2];  ///< per corner: k times its weights of the patch's first two sites
+  std::uint32_t site[3];       ///< of its patch: the triangle of sites whose responses are blended on it
+  std::uint16_t grid[3][2];    ///< per corner: k times its weights of the patch's first two sites
 };
 
 struct ToolRecord {
@@ -200,6 +189,10 @@ struct ToolVertexRecord {
   float tangent[3];
   float meridian;  ///< m, arc length from the tip's pole (profile tools)
   char name[24];
+};
+
+struct ToolPatch {
+  std::uint32_t vertex[3];
 };
 
 struct ResponseHead {
@@ -230,8 +223,8 @@ static_assert(sizeof(float) == 4 && sizeof(double) == 8);
 static_assert(sizeof(FileHeader) == 64 && offsetof(FileHeader, checksum) == 24 && offsetof(FileHeader, features) == 32);
 static_assert(sizeof(SectionEntry) == 32 && offsetof(SectionEntry, offset) == 8);
 static_assert(sizeof(Meta) == 128 && offsetof(Meta, model) == 16);
-static_assert(sizeof(Site) == 48 && sizeof(Patch) == 12 && sizeof(Point) == 12);
-static_assert(sizeof(SurfaceTriangle) == 40 && sizeof(ToolRecord) == 64 && sizeof(ToolVertexRecord) == 64);
+static_assert(sizeof(Site) == 48 && sizeof(ToolPatch) == 12 && sizeof(Point) == 12);
+static_assert(sizeof(SurfaceTriangle) == 48 && sizeof(ToolRecord) == 64 && sizeof(ToolVertexRecord) == 64);
 static_assert(sizeof(ResponseHead) == 8 && sizeof(GraspHead) == 8 && sizeof(TurnHead) == 4 && sizeof(SearchNode) == 32);
 static_assert(std::is_trivially_copyable_v<Meta> && std::is_trivially_copyable_v<ToolRecord>);
 
@@ -249,32 +242,32 @@ inline constexpr coupled::Degrees coupled_degrees(const Meta& m) {
           degree(m.cubic_degree), degree(m.quartic_degree), degree(m.limit_degree)};
 }
 
-/// Bits of a coefficient of COUPLED that is none of the friction limit's.
-inline constexpr std::uint32_t coupled_bits(const Meta& m) { return m.coef_bits == 0 ? 16 : m.coef_bits; }
-
-/// Bytes from the start of an element of COUPLED to the coefficients of the friction limit, which have 16 bits always.
+/// Bytes from the start of a coupled law (float unit, then its coefficients) to the coefficients of the friction limit,
+/// which have 16 bits always.
 inline constexpr std::uint32_t coupled_limit_offset(const coupled::Places& p, std::uint32_t bits) {
   return 4 + 2 * ((static_cast<std::uint32_t>(p.limit) * bits + 15) / 16);
 }
 
-/// Bytes of one element of COUPLED, a multiple of 4.
+/// Bytes of a coupled law, a multiple of 4.
 inline constexpr std::uint32_t coupled_size(const coupled::Degrees& d, std::uint32_t bits) {
   return (coupled_limit_offset(coupled::places(d), bits) + 2 * (static_cast<std::uint32_t>(d.limit) + 1) + 3) / 4 * 4;
 }
-inline constexpr std::uint32_t coupled_size(const Meta& m) { return coupled_size(coupled_degrees(m), coupled_bits(m)); }
+inline constexpr std::uint32_t coupled_size(const Meta& m) { return coupled_size(coupled_degrees(m), m.coef_bits); }
 
-/// The coefficients of an element of COUPLED, of so many bits but for those of the friction limit.
+/// The coefficients of a coupled law, of so many bits but for those of the friction limit.
 template <class Integer>
 inline void unpack_coupled(const unsigned char* law, const coupled::Places& p, std::uint32_t bits, Integer* to) {
   coupled::unpack(law + 4, bits, p.limit, to);
   coupled::unpack(law + coupled_limit_offset(p, bits), 16, p.end - p.limit, to + p.limit);
 }
 
-/// Bytes of one element of RESPONSES, LATERAL and FRICTION.
-inline constexpr std::uint32_t response_size(const Meta& m) { return 8 + 4 * m.normal_coefs; }
-inline constexpr std::uint32_t lateral_size(const Meta& m) { return 8 * m.lateral_coefs; }
-inline constexpr std::uint32_t friction_size(const Meta& m) {
-  return 4 * (2 * m.growth_coefs + 2 * m.sideways_coefs + m.friction_coefs);
+/// Bytes of one element of RESPONSES: all that is asked of a response lies together, in as few lines of a cache as can
+/// be. After the head come, one after the other, float[normal_coefs], float[2 lateral_coefs], float[2 growth_coefs +
+/// 2 sideways_coefs + friction_coefs]; or a coupled law.
+inline constexpr std::uint32_t response_size(const Meta& m) {
+  const std::uint32_t curves = m.normal_coefs + 2 * (m.lateral_coefs + m.growth_coefs + m.sideways_coefs);
+  return static_cast<std::uint32_t>(sizeof(ResponseHead)) + 4 * (curves + m.friction_coefs) +
+         (is_coupled(m) ? coupled_size(m) : 0);
 }
 
 /// GRASP: curves Fx, Fy, Fn, kxx, kxy, kyy of as many coefficients each, over (z / (kGraspRange Z) + 1) / 2.

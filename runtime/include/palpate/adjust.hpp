@@ -92,7 +92,7 @@ private:
     patch_weights(*view_, at, weights);
     for (int k = 0; k < 3; ++k) {
       Corner& corner = corner_[k];
-      corner.site = view_->patches[view_->triangles[at.triangle].patch].vertex[k];
+      corner.site = view_->triangles[at.triangle].site[k];
       corner.scale = scales_->at(corner.site);
       for (const Corner& old : before) {
         if (touching_ && old.site == corner.site) corner.scale = std::fmin(corner.scale, old.scale);

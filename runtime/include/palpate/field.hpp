@@ -201,23 +201,23 @@ public:
   }
 
   /// The file's responses are of the coupled model.
-  [[nodiscard]] bool is_coupled() const { return kCoupled && view_->coupled_laws != nullptr; }
+  [[nodiscard]] bool is_coupled() const { return kCoupled && view_->has(layout::feature_coupled); }
 
 private:
   /// The sites and tool vertices of a contact.
   struct Shares {
     Shares(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point)
-        : sites(view.patches[view.triangles[body_point.triangle].patch]) {
+        : sites(view.triangles[body_point.triangle].site) {
       patch_weights(view, body_point, site_weight);
       corners = tool_corners<kFeatures>(view, tool, tool_point, corner, corner_weight);
     }
     /// The responses are far apart in a large file: they come together, and while the normal is made.
     void fetch(const View& view) const {
-      for (const std::uint32_t site : sites.vertex) {
+      for (const std::uint32_t site : sites) {
         for (int l = 0; l < corners; ++l) view.fetch(layout::response_index(*view.meta, site, corner[l]));
       }
     }
-    const layout::Patch& sites;
+    const std::uint32_t (&sites)[3];
     double site_weight[3];
     int corners;
     std::uint32_t corner[3];
@@ -248,11 +248,11 @@ private:
     if (!is_coupled()) separable_.clear(m, basis_x_, basis_y_);
     per_scale_ = m.sideways_scale > 0 ? 1 / m.sideways_scale : 0;
     Across axis[3];  // all at once: each is a long chain of dependent operations
-    for (int k = 0; k < 3; ++k) axis[k] = sideways_axis(shares.sites.vertex[k]);
+    for (int k = 0; k < 3; ++k) axis[k] = sideways_axis(shares.sites[k]);
     for (int k = 0; k < 3; ++k) {
       const double share = shares.site_weight[k];
       if (!(share > 0)) continue;
-      const std::uint32_t site = shares.sites.vertex[k];
+      const std::uint32_t site = shares.sites[k];
       const Across x = axis[k];
       if (!is_coupled()) separable_.begin_body(x);
       for (int l = 0; l < shares.corners; ++l) {
@@ -327,7 +327,7 @@ private:
     }
     if constexpr (kCoupled) {
       const unsigned char* law = view_->coupled_law(index);
-      const std::uint32_t bits = layout::coupled_bits(*view_->meta);
+      const std::uint32_t bits = view_->meta->coef_bits;
       const auto* limits =
           reinterpret_cast<const std::int16_t*>(law + layout::coupled_limit_offset(sum.places(), bits));
       const auto add_coefs = [&](const auto* coefs) {

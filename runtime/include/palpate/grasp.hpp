@@ -18,13 +18,13 @@ void for_each_share(const View& view, std::uint32_t tool, const BodyPoint& body_
   std::uint32_t corner[3];
   patch_weights(view, body_point, sites);
   const int corners = tool_corners(view, tool, tool_point, corner, weight);
-  const layout::Patch& patch = view.patches[view.triangles[body_point.triangle].patch];
+  const auto& site = view.triangles[body_point.triangle].site;
   for (int k = 0; k < 3; ++k) {
     if (!(sites[k] > 0)) continue;
-    const Across carried = carried_axis(view.sites[patch.vertex[k]], normal, basis_x, basis_y);
+    const Across carried = carried_axis(view.sites[site[k]], normal, basis_x, basis_y);
     const Vec3 x = carried.cosine * basis_x + carried.sine * basis_y;
     for (int l = 0; l < corners; ++l) {
-      const std::uint64_t index = layout::response_index(*view.meta, patch.vertex[k], corner[l]);
+      const std::uint64_t index = layout::response_index(*view.meta, site[k], corner[l]);
       const auto use_sample = [&](std::uint32_t sample, double share, const Vec3& along) {
         use(index + sample, sites[k] * weight[l] * share, dot(along, basis_x), dot(along, basis_y));
       };
@@ -60,7 +60,7 @@ public:
     normal_ = runtime::normal(view, body_point);
     basis_x_ = any_orthogonal(normal_);
     basis_y_ = runtime::cross(normal_, basis_x_);
-    law_.clear(static_cast<int>(view.grasp_coefs), view.meta->depth_scale);
+    law_.clear(static_cast<int>(view.meta->grasp_coefs), view.meta->depth_scale);
     for_each_share(view, tool, body_point, tool_point, spin, normal_, basis_x_, basis_y_,
                    [&](std::uint64_t index, double share, double cosine, double sine) {
                      const layout::GraspHead& head = view.grasp_head(index);

@@ -21,7 +21,9 @@ inline bool check_header(const View& v, bool trusted, Fault& fault) {
     if (h.magic[k] != layout::kMagic[k])
       return fault.say("not a Palpate response file: the first bytes are not PALPATE");
   }
-  if (h.version != layout::kVersion) return fault.say("version %, this reader knows %", h.version, layout::kVersion);
+  if (h.version != layout::kVersion) {
+    return fault.say("version %, this reader knows %: fit its scene again (palpate fit)", h.version, layout::kVersion);
+  }
   if (h.file_size != v.size) {
     return fault.say("%: the header says % bytes, there are %", h.file_size > v.size ? "truncated" : "trailing bytes",
                      h.file_size, v.size);
@@ -89,7 +91,8 @@ inline bool check_meta(const layout::Meta& m, Fault& fault) {
                   {m.lateral_coefs, !coupled && m.lateral_coefs > 0, "lateral"},
                   {m.growth_coefs, !coupled && friction, "growth"},
                   {m.sideways_coefs, !coupled && friction, "sideways"},
-                  {m.friction_coefs, !coupled && friction, "friction"}};
+                  {m.friction_coefs, !coupled && friction, "friction"},
+                  {m.grasp_coefs, m.grasp_coefs > 0, "grasp"}};
   for (const auto& f : families) {
     if (f.wanted ? f.count < layout::kMinCoefs || f.count > layout::kMaxCoefs : f.count != 0) {
       return fault.say("META: % % coefficients, allowed 4 to 32 or, where left out, 0", f.count, f.name);
@@ -104,8 +107,8 @@ inline bool check_meta(const layout::Meta& m, Fault& fault) {
   if (rim ? !friction && !coupled : !(m.rim_share == 0 && m.rim_limit == 0)) {
     return fault.say("META: share and limit of the rim are not both 0 or, in a file with friction, in (0, 1)");
   }
-  if (m.coef_bits != 0 && !(coupled && (m.coef_bits == 8 || m.coef_bits == 12))) {
-    return fault.say("META: % bits a coefficient, allowed 0 or, in a coupled file, 8 or 12", m.coef_bits);
+  if (coupled ? m.coef_bits != 8 && m.coef_bits != 12 && m.coef_bits != 16 : m.coef_bits != 0) {
+    return fault.say("META: % bits a coefficient, allowed 8, 12 or 16 in a coupled file, else 0", m.coef_bits);
   }
   for (const std::uint32_t r : m.reserved) {
     if (r != 0) return fault.say("META: reserved bytes are not zero");
@@ -116,25 +119,25 @@ inline bool check_meta(const layout::Meta& m, Fault& fault) {
 /// Every section that the scales and counts ask for, of the size they ask for; no other.
 inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[layout::kSectionIds], Fault& fault) {
   const layout::Meta& m = *v.meta;
-  const bool patched = v.has(layout::feature_tool_patches), coupled = layout::is_coupled(m);
+  const bool patched = v.has(layout::feature_tool_patches), spun = v.has(layout::feature_spin);
+  const bool held = m.grasp_coefs > 0, turned = v.has(layout::feature_turn);
+  if (spun && !patched) return fault.say("section SPINS without TOOL_VERTICES");
+  if (turned && !held) return fault.say("section TURN without GRASP");
   const struct {
     Section id;
     std::uint64_t element, count;
   } expected[] = {{Section::meta, sizeof(layout::Meta), 1},
                   {Section::sites, sizeof(layout::Site), m.site_count},
-                  {Section::patches, sizeof(layout::Patch), m.patch_count},
                   {Section::surface_vertices, sizeof(layout::Point), m.vertex_count},
                   {Section::surface_triangles, sizeof(layout::SurfaceTriangle), m.triangle_count},
                   {Section::tools, sizeof(layout::ToolRecord), m.tool_count},
                   {Section::tool_vertices, sizeof(layout::ToolVertexRecord), patched ? m.tool_vertex_count : 0},
-                  {Section::tool_patches, sizeof(layout::Patch), m.tool_patch_count},
+                  {Section::tool_patches, sizeof(layout::ToolPatch), m.tool_patch_count},
+                  {Section::spins, sizeof(std::uint32_t), spun ? m.tool_vertex_count : 0},
                   {Section::responses, layout::response_size(m), m.response_count},
-                  {Section::lateral, layout::lateral_size(m), m.lateral_coefs > 0 ? m.response_count : 0},
-                  {Section::friction, layout::friction_size(m), m.friction_coefs > 0 ? m.response_count : 0},
-                  {Section::search, sizeof(layout::SearchNode), m.search_nodes},
-                  {Section::coupled, coupled ? layout::coupled_size(m) : 0, coupled ? m.response_count : 0},
-                  {Section::spins, sizeof(std::uint32_t), v.has(layout::feature_spin) ? m.tool_vertex_count : 0}};
-  if (v.has(layout::feature_spin) && !patched) return fault.say("section SPINS without TOOL_VERTICES");
+                  {Section::grasp, layout::grasp_size(m.grasp_coefs), held ? m.response_count : 0},
+                  {Section::turn, layout::turn_size(m.grasp_coefs), turned ? m.response_count : 0},
+                  {Section::search, sizeof(layout::SearchNode), m.search_nodes}};
   const unsigned char* at[layout::kSectionIds] = {};
   for (const auto& want : expected) {
     const auto id = static_cast<std::uint32_t>(want.id);
@@ -149,61 +152,45 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
     }
     at[id] = v.bytes + e->offset;
   }
-  if (const auto* grasp = entry[static_cast<std::uint32_t>(Section::grasp)]) {
-    // Its coefficients are counted by the size of an element.
-    const std::uint32_t coefs = grasp->element_size > 8 ? (grasp->element_size - 8) / (4 * layout::kGraspCurves) : 0;
-    if (coefs < layout::kMinCoefs || coefs > layout::kMaxCoefs || grasp->element_size != layout::grasp_size(coefs) ||
-        grasp->count != m.response_count) {
-      return fault.say("section GRASP: % elements of % bytes, expected % of 8 and 24 for each of 4 to 32", grasp->count,
-                       grasp->element_size, m.response_count);
-    }
-    v.grasps = v.bytes + grasp->offset;
-    v.grasp_coefs = coefs;
-  }
-  if (const auto* turn = entry[static_cast<std::uint32_t>(Section::turn)]) {
-    if (v.grasps == nullptr) return fault.say("section TURN without GRASP");
-    if (turn->element_size != layout::turn_size(v.grasp_coefs) || turn->count != m.response_count) {
-      return fault.say("section TURN: % elements of % bytes, expected % of %", turn->count, turn->element_size,
-                       m.response_count, layout::turn_size(v.grasp_coefs));
-    }
-    v.turns = v.bytes + turn->offset;
-  }
   const auto* text = entry[static_cast<std::uint32_t>(Section::provenance)];
   if (text == nullptr || text->element_size != 1) return fault.say("section PROVENANCE is missing");
   const struct {
     bool present;
     layout::Feature feature;
   } parts[] = {{m.lateral_coefs + m.straight_degree > 0, layout::feature_lateral},
-               {m.friction_coefs > 0 || coupled, layout::feature_friction},
+               {m.friction_coefs > 0 || layout::is_coupled(m), layout::feature_friction},
                {m.tool_patch_count > 0, layout::feature_tool_patches},
                {m.search_nodes > 0, layout::feature_search},
-               {coupled, layout::feature_coupled},
-               {v.grasps != nullptr, layout::feature_grasp},
-               {v.turns != nullptr, layout::feature_turn},
+               {layout::is_coupled(m), layout::feature_coupled},
+               {held, layout::feature_grasp},
+               {turned, layout::feature_turn},
                {m.rim_share > 0, layout::feature_rim},
-               {at[17] != nullptr, layout::feature_spin}};
+               {spun, layout::feature_spin}};
   std::uint32_t features = 0;
   for (const auto& part : parts)
     if (part.present) features |= part.feature;
   if (features != v.features) return fault.say("feature bits % do not fit the sections present", Bits{v.features});
-  if (at[2] == nullptr || at[3] == nullptr || at[4] == nullptr || at[5] == nullptr || at[6] == nullptr ||
-      at[9] == nullptr) {
-    return fault.say("META: sites, patches, surface, tools and responses must not be empty");
+  for (const Section id :
+       {Section::sites, Section::surface_vertices, Section::surface_triangles, Section::tools, Section::responses}) {
+    if (at[static_cast<std::uint32_t>(id)] == nullptr) {
+      return fault.say("META: sites, surface, tools and responses must not be empty");
+    }
   }
-  v.sites = reinterpret_cast<const layout::Site*>(at[2]);
-  v.patches = reinterpret_cast<const layout::Patch*>(at[3]);
-  v.vertices = reinterpret_cast<const layout::Point*>(at[4]);
-  v.triangles = reinterpret_cast<const layout::SurfaceTriangle*>(at[5]);
-  v.tools = reinterpret_cast<const layout::ToolRecord*>(at[6]);
-  v.tool_vertices = reinterpret_cast<const layout::ToolVertexRecord*>(at[7]);
-  v.tool_patches = reinterpret_cast<const layout::Patch*>(at[8]);
-  v.responses = at[9];
-  v.lateral = reinterpret_cast<const float*>(at[10]);
-  v.friction = reinterpret_cast<const float*>(at[11]);
-  v.search = reinterpret_cast<const layout::SearchNode*>(at[12]);
-  v.coupled_laws = at[14];
-  v.spins = reinterpret_cast<const std::uint32_t*>(at[17]);
-  v.coupled_size = coupled ? layout::coupled_size(m) : 0;
+  const auto bind = [&](auto& to, Section id) {
+    to = reinterpret_cast<std::remove_reference_t<decltype(to)>>(at[static_cast<std::uint32_t>(id)]);
+  };
+  bind(v.sites, Section::sites);
+  bind(v.vertices, Section::surface_vertices);
+  bind(v.triangles, Section::surface_triangles);
+  bind(v.tools, Section::tools);
+  bind(v.tool_vertices, Section::tool_vertices);
+  bind(v.tool_patches, Section::tool_patches);
+  bind(v.spins, Section::spins);
+  bind(v.responses, Section::responses);
+  bind(v.grasps, Section::grasp);
+  bind(v.turns, Section::turn);
+  bind(v.search, Section::search);
+  v.response_size = layout::response_size(m);
   v.provenance = reinterpret_cast<const char*>(v.bytes + text->offset);
   v.provenance_size = static_cast<std::size_t>(text->size);
   return true;

@@ -63,7 +63,7 @@ public:
       blend<false>(view, index, weight);
     }
     if constexpr (kFriction) {
-      if (view.friction != nullptr) add_friction(view.friction_coefs(index), weight);
+      if (meta_->friction_coefs > 0) add_friction(view.friction_coefs(index), weight);
     }
   }
 
@@ -73,7 +73,7 @@ public:
     if (responses_ < kNear) return add(view, index, weight);
     blend<false>(view, index, weight);
     if constexpr (kFriction && kSpin) {
-      if (view.friction != nullptr) {
+      if (meta_->friction_coefs > 0) {
         further_[responses_ - kNear] = {view.friction_coefs(index), weight, cosine_, sine_};
       }
     }
@@ -207,10 +207,10 @@ private:
     const float* push = view.normal_coefs(index);
     for (std::uint32_t k = 0; k < m.normal_coefs; ++k) sum<kFirst>(push_[k], weight * push[k]);
     if constexpr (kLateral) {
-      if (view.lateral != nullptr) blend_lateral<kFirst>(view.lateral_coefs(index), weight * cosine_, weight * sine_);
+      if (m.lateral_coefs > 0) blend_lateral<kFirst>(view.lateral_coefs(index), weight * cosine_, weight * sine_);
     }
     if constexpr (kFriction) {
-      if (view.friction == nullptr) return;
+      if (m.friction_coefs == 0) return;
       const float* mu = view.friction_coefs(index) + 2 * m.growth_coefs + 2 * m.sideways_coefs;
       for (std::uint32_t k = 0; k < m.friction_coefs; ++k) sum<kFirst>(mu_[k], weight * mu[k]);
     }

@@ -53,7 +53,7 @@ struct Shape {
 inline Quaternion turn(const Shape& shape, const BodyPoint& at) {
   double weights[3];
   patch_weights(shape.view, at, weights);
-  const auto& site = shape.view.patches[shape.view.triangles[at.triangle].patch].vertex;
+  const auto& site = shape.view.triangles[at.triangle].site;
   const Quaternion& first = shape.turns[site[0]];
   Quaternion sum{0, 0, 0, 0};
   for (int k = 0; k < 3; ++k) {
@@ -170,6 +170,21 @@ public:
   }
 
 private:
+  using Corners = std::uint32_t[3];
+
+  /// Calls each(sites) for every patch until it says no, and tells whether it did not. A patch is met at the triangle
+  /// that has its first site.
+  template <class Each>
+  bool each_patch(const Each& each) const {
+    for (std::uint32_t i = 0; i < view_->meta->triangle_count; ++i) {
+      const layout::SurfaceTriangle& t = view_->triangles[i];
+      const auto has_first = [&](const std::uint16_t(&weight)[2]) { return weight[0] == view_->meta->subdivision; };
+      if (!has_first(t.grid[0]) && !has_first(t.grid[1]) && !has_first(t.grid[2])) continue;
+      if (!each(t.site)) return false;
+    }
+    return true;
+  }
+
   [[nodiscard]] Vec3 baked(std::uint32_t site) const { return to_vec(view_->sites[site].position); }
 
   bool check_positions(const Vec3* positions, detail::Fault& fault) const {
@@ -188,15 +203,15 @@ private:
 
   void find_turns(const Vec3* positions, const Quaternion* before, Quaternion* turns) {
     for (std::uint32_t i = 0; i < view_->meta->site_count; ++i) work_[i].edges = {};
-    for (std::uint32_t p = 0; p < view_->meta->patch_count; ++p) {
-      const auto& site = view_->patches[p].vertex;
+    each_patch([&](const Corners& site) {
       for (int k = 0; k < 3; ++k) {
         const std::uint32_t i = site[k], j = site[(k + 1) % 3];
         const Vec3 now = positions[j] - positions[i], then = baked(j) - baked(i);
         work_[i].edges.add(now, then);
         work_[j].edges.add(now, then);  // both ways from here: the signs cancel
       }
-    }
+      return true;
+    });
     for (std::uint32_t i = 0; i < view_->meta->site_count; ++i) {
       turns[i] = detail::nearest_rotation(work_[i].edges, before[i]);
       Pose& motion = work_[i].motion;
@@ -207,34 +222,35 @@ private:
 
   bool check_patches(const Vec3* positions, const Quaternion* turns, detail::Fault& fault) const {
     constexpr double kMostApart = 0.70710678;  // cosine of half the largest turn of a site against another
-    for (std::uint32_t p = 0; p < view_->meta->patch_count; ++p) {
-      const auto& s = view_->patches[p].vertex;
+    return each_patch([&](const Corners& s) {
+      const auto is = [&](const char* what) {
+        return fault.say("the patch of sites %, % and % is %", s[0], s[1], s[2], what);
+      };
       const detail::Edges then{baked(s[1]) - baked(s[0]), baked(s[2]) - baked(s[0])};
       const detail::Edges now{positions[s[1]] - positions[s[0]], positions[s[2]] - positions[s[0]]};
       double most = 1, least = 1;
       detail::squared_stretches(then, now, most, least);
-      if (!(least >= kLeastStretch * kLeastStretch)) return fault.say("patch %: pressed to less than half", p);
-      if (!(most <= kMostStretch * kMostStretch)) return fault.say("patch %: stretched to more than 1.75 times", p);
+      if (!(least >= kLeastStretch * kLeastStretch)) return is("pressed to less than half");
+      if (!(most <= kMostStretch * kMostStretch)) return is("stretched to more than 1.75 times");
       for (int k = 0; k < 3; ++k) {
         const Vec3 normal = work_[s[k]].motion.rotate(cross(then.a, then.b));
-        if (dot(normal, cross(now.a, now.b)) < 0) return fault.say("patch %: turned over at site %", p, s[k]);
+        if (dot(normal, cross(now.a, now.b)) < 0) return is("turned over at one of them");
         if (!(std::fabs(dot(turns[s[k]], turns[s[(k + 1) % 3]])) >= kMostApart)) {
-          return fault.say("patch %: sites % and % turned by more than a right angle against each other", p, s[k],
-                           s[(k + 1) % 3]);
+          return is("turned by more than a right angle between two of them");
         }
       }
-    }
-    return true;
+      return true;
+    });
   }
 
   template <class Position>
   [[nodiscard]] double volume(const Position& position) const {
     double six = 0;
     const Vec3 origin = position(0);
-    for (std::uint32_t p = 0; p < view_->meta->patch_count; ++p) {
-      const auto& s = view_->patches[p].vertex;
+    each_patch([&](const Corners& s) {
       six += dot(position(s[0]) - origin, cross(position(s[1]) - origin, position(s[2]) - origin));
-    }
+      return true;
+    });
     return six / 6;
   }
 
@@ -249,7 +265,7 @@ private:
     Vec3 now;
     for (int k = 0; k < 3; ++k) {
       if (!(weights[k] > 0)) continue;
-      now = now + weights[k] * work_[view_->patches[t.patch].vertex[k]].motion.apply(then);
+      now = now + weights[k] * work_[t.site[k]].motion.apply(then);
     }
     out[0] = static_cast<float>(now.x);
     out[1] = static_cast<float>(now.y);

@@ -51,21 +51,20 @@ inline Vec3 face_normal(const View& view, std::uint32_t triangle) {
 
 /// Sum of the sites' normals at corner `k` of a triangle (not normalised: linear inside the patch).
 inline Vec3 corner_normal(const View& view, const layout::SurfaceTriangle& t, int k) {
-  const layout::Patch& p = view.patches[t.patch];
   const double scale = 1.0 / view.meta->subdivision;
   const double a = scale * t.grid[k][0], b = scale * t.grid[k][1];
-  return a * to_vec(view.sites[p.vertex[0]].normal) + b * to_vec(view.sites[p.vertex[1]].normal) +
-         (1 - a - b) * to_vec(view.sites[p.vertex[2]].normal);
+  return a * to_vec(view.sites[t.site[0]].normal) + b * to_vec(view.sites[t.site[1]].normal) +
+         (1 - a - b) * to_vec(view.sites[t.site[2]].normal);
 }
 
 /// n(c) for a caller that has the weights of the patch's sites: the unit normal that all responses at the point share.
 inline Vec3 normal(const View& view, const BodyPoint& at, const double (&weights)[3]) {
-  const layout::Patch& patch = view.patches[view.triangles[at.triangle].patch];
+  const auto& site = view.triangles[at.triangle].site;
   Vec3 sum;
-  for (int k = 0; k < 3; ++k) sum = sum + weights[k] * to_vec(view.sites[patch.vertex[k]].normal);
+  for (int k = 0; k < 3; ++k) sum = sum + weights[k] * to_vec(view.sites[site[k]].normal);
   // Opposed normals of a knife edge may cancel: there the triangle's own normal stands in.
   if (dot(sum, sum) > 1e-12) return unit(sum, sum);
-  return unit(face_normal(view, at.triangle), to_vec(view.sites[patch.vertex[0]].normal));
+  return unit(face_normal(view, at.triangle), to_vec(view.sites[site[0]].normal));
 }
 /// n(c).
 inline Vec3 normal(const View& view, const BodyPoint& at) {
@@ -101,7 +100,7 @@ inline int tool_corners(const View& view, std::uint32_t tool, const ToolPoint& a
     weight[0] = 1;
     return 1;
   }
-  const layout::Patch& patch = view.tool_patches[at.patch];
+  const layout::ToolPatch& patch = view.tool_patches[at.patch];
   int count = 0;
   for (int k = 0; k < 3; ++k) {
     if (!(at.weights[k] > 0)) continue;

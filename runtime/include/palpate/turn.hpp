@@ -69,7 +69,7 @@ public:
             const Spin& spin = {})
       : grasp_(view, tool, body_point, tool_point, spin) {
     if (view.turns == nullptr || !(grasp_.depth() > 0)) return;
-    law_.clear(static_cast<int>(view.grasp_coefs), view.meta->depth_scale);
+    law_.clear(static_cast<int>(view.meta->grasp_coefs), view.meta->depth_scale);
     for_each_share(view, tool, body_point, tool_point, spin, grasp_.normal(), grasp_.basis_x(), grasp_.basis_y(),
                    [&](std::uint64_t index, double share, double cosine, double sine) {
                      turned_ += share * view.turn_head(index).turned;

@@ -25,11 +25,11 @@ inline bool is_sideways(const float* c, std::uint32_t count, float high) {
   return std::fabs(spline::value(c, static_cast<int>(count), 0.5)) <= 2e-5 * size;
 }
 
-/// What no coefficient takes of an element of COUPLED is zero.
+/// What no coefficient takes of a coupled law is zero.
 inline bool is_padded(const View& v, std::uint32_t i, const coupled::Degrees& degrees) {
   const unsigned char* law = v.coupled_law(i);
   const coupled::Places p = coupled::places(degrees);
-  const std::uint32_t bits = layout::coupled_bits(*v.meta), limit = layout::coupled_limit_offset(p, bits);
+  const std::uint32_t bits = v.meta->coef_bits, limit = layout::coupled_limit_offset(p, bits);
   const std::uint32_t used = static_cast<std::uint32_t>(p.limit) * bits;
   if (used % 8 != 0 && law[4 + used / 8] >> used % 8 != 0) return false;
   for (std::uint32_t k = 4 + (used + 7) / 8; k < limit; ++k) {
@@ -47,11 +47,11 @@ inline bool check_coupled(const View& v, std::uint32_t i, float largest, Fault& 
   const float unit = v.coupled_unit(i);
   std::int16_t coefs[coupled::kMostCoefs];
   v.coupled_coefs(i, coefs);
-  if (!(unit >= 0 && unit <= largest / 32768)) return fault.say("COUPLED: response %: the unit is out of range", i);
+  if (!(unit >= 0 && unit <= largest / 32768)) return fault.say("RESPONSES: response %: the unit is out of range", i);
   if (const char* broken = coupled::broken_rule(coefs, degrees, 10 / layout::kLimitUnit)) {
-    return fault.say("COUPLED: response %: %", i, broken);
+    return fault.say("RESPONSES: response %: %", i, broken);
   }
-  if (!is_padded(v, i, degrees)) return fault.say("COUPLED: response %: padding is not zero", i);
+  if (!is_padded(v, i, degrees)) return fault.say("RESPONSES: response %: padding is not zero", i);
   return true;
 }
 
@@ -68,7 +68,7 @@ bool check_responses(const View& v, Fault& fault) {
       return fault.say("RESPONSES: response %: must be one of solved, covered, measured, analytic", i);
     }
     if constexpr ((kFeatures & layout::feature_coupled) != 0) {
-      if (v.coupled_laws != nullptr) {
+      if (layout::is_coupled(m)) {
         if (!check_coupled(v, i, kLargest, fault)) return false;
         continue;
       }
@@ -76,24 +76,25 @@ bool check_responses(const View& v, Fault& fault) {
     if (!is_curve(v.normal_coefs(i), m.normal_coefs, 2, 0, kLargest, 1)) {
       return fault.say("RESPONSES: response %: normal force must start at zero and not decrease", i);
     }
-    for (std::uint32_t axis = 0; v.lateral != nullptr && axis < 2; ++axis) {
+    for (std::uint32_t axis = 0; m.lateral_coefs > 0 && axis < 2; ++axis) {
       if (!is_curve(v.lateral_coefs(i) + axis * m.lateral_coefs, m.lateral_coefs, 2, -kLargest, kLargest, 0)) {
-        return fault.say("LATERAL: response %: must start at zero and be finite", i);
+        return fault.say("RESPONSES: response %: sideways force of a straight push must start at zero and be finite",
+                         i);
       }
     }
-    if (v.friction == nullptr) continue;
+    if (m.friction_coefs == 0) continue;
     const float* growth = v.friction_coefs(i);
     const float* sideways = growth + 2 * m.growth_coefs;
     for (std::uint32_t axis = 0; axis < 2; ++axis) {
       if (!is_curve(growth + axis * m.growth_coefs, m.growth_coefs, 1, 0, 1e3f, 0)) {
-        return fault.say("FRICTION: response %: growth must start at zero and not be negative", i);
+        return fault.say("RESPONSES: response %: growth must start at zero and not be negative", i);
       }
       if (!is_sideways(sideways + axis * m.sideways_coefs, m.sideways_coefs, kLargest)) {
-        return fault.say("FRICTION: response %: sideways force must oppose the deflection and vanish at zero", i);
+        return fault.say("RESPONSES: response %: sideways force must oppose the deflection and vanish at zero", i);
       }
     }
     if (!is_curve(sideways + 2 * m.sideways_coefs, m.friction_coefs, 0, 0, 10, 0)) {
-      return fault.say("FRICTION: response %: friction limit out of 0 to 10", i);
+      return fault.say("RESPONSES: response %: friction limit out of 0 to 10", i);
     }
   }
   return true;
@@ -103,7 +104,7 @@ bool check_responses(const View& v, Fault& fault) {
 inline bool check_grasp(const View& v, std::uint64_t index, bool holds, Fault& fault) {
   constexpr float kLargest = 1e12f;  // N, N/m
   const auto i = static_cast<std::uint32_t>(index);
-  const std::uint32_t n = v.grasp_coefs;
+  const std::uint32_t n = v.meta->grasp_coefs;
   const layout::GraspHead& head = v.grasp_head(index);
   const float* c = v.grasp_curves(index);
   const double most = v.meta->depth_scale;
@@ -137,13 +138,13 @@ inline bool check_turn(const View& v, std::uint64_t index, bool turns, Fault& fa
   const float turned = v.turn_head(index).turned, *curves = v.turn_curves(index);
   if (!turns) {
     if (turned == 0 &&
-        is_curve(curves, layout::kTurnCurves * v.grasp_coefs, layout::kTurnCurves * v.grasp_coefs, 0, 0, 0))
+        is_curve(curves, layout::kTurnCurves * v.meta->grasp_coefs, layout::kTurnCurves * v.meta->grasp_coefs, 0, 0, 0))
       return true;
     return fault.say("TURN: response %: must be zero as the tool's others", i);
   }
   if (!is_limit(turned, layout::kLargestTurn)) return fault.say("TURN: response %: angle out of range", i);
   if (!(v.grasp_head(index).depth > 0)) return fault.say("TURN: response %: has no grasp", i);
-  if (const char* broken = grasp::broken_turn(v.grasp_curves(index), curves, static_cast<int>(v.grasp_coefs))) {
+  if (const char* broken = grasp::broken_turn(v.grasp_curves(index), curves, static_cast<int>(v.meta->grasp_coefs))) {
     return fault.say("TURN: response %: %", i, broken);
   }
   return true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Checks of sites, patches, the contact surface and its search tree.
+// Checks of sites, the contact surface and its search tree.
 #pragma once
 
 #include "palpate/validate_common.hpp"
@@ -14,20 +14,13 @@ inline bool check_sites(const View& v, Fault& fault) {
     if (!is_limit(s.depth_limit, v.meta->depth_scale)) return fault.say("SITES: site %: depth limit out of range", i);
     if ((s.flags & ~layout::site_all) != 0 || s.reserved != 0) return fault.say("SITES: site %: unknown flags", i);
   }
-  for (std::uint32_t i = 0; i < v.meta->patch_count; ++i) {
-    const auto& p = v.patches[i].vertex;
-    if (p[0] >= v.meta->site_count || p[1] >= v.meta->site_count || p[2] >= v.meta->site_count || p[0] == p[1] ||
-        p[1] == p[2] || p[2] == p[0]) {
-      return fault.say("PATCHES: patch %: corners must be three different sites", i);
-    }
-  }
   return true;
 }
 
 /// Corner `k` of triangle `t` as whole-number weights of sites.
 inline void site_weights(const View& v, std::uint32_t t, int k, std::uint32_t (&site)[3], std::uint32_t (&weight)[3]) {
   const layout::SurfaceTriangle& triangle = v.triangles[t];
-  for (int i = 0; i < 3; ++i) site[i] = v.patches[triangle.patch].vertex[i];
+  for (int i = 0; i < 3; ++i) site[i] = triangle.site[i];
   weight[0] = triangle.grid[k][0];
   weight[1] = triangle.grid[k][1];
   weight[2] = v.meta->subdivision - weight[0] - weight[1];
@@ -36,7 +29,8 @@ inline void site_weights(const View& v, std::uint32_t t, int k, std::uint32_t (&
 /// The same weights of the same sites; both sum to the subdivision, so one direction is enough.
 inline bool same_weights(const View& v, std::uint32_t t, int k, std::uint32_t other, int j) {
   const layout::SurfaceTriangle &triangle = v.triangles[t], &neighbour = v.triangles[other];
-  if (triangle.patch == neighbour.patch) {  // its sites are three different ones, in one order
+  const auto &own = triangle.site, &theirs = neighbour.site;
+  if (own[0] == theirs[0] && own[1] == theirs[1] && own[2] == theirs[2]) {  // three different ones, in one order
     return triangle.grid[k][0] == neighbour.grid[j][0] && triangle.grid[k][1] == neighbour.grid[j][1];
   }
   std::uint32_t site_a[3], weight_a[3], site_b[3], weight_b[3];
@@ -69,18 +63,23 @@ inline bool check_edge(const View& v, std::uint32_t t, int corner, Fault& fault)
   return fault.say("SURFACE_TRIANGLES: triangle %: triangle % is not its neighbour", t, other);
 }
 
+inline bool are_different(const std::uint32_t (&corner)[3], std::uint32_t count) {
+  return corner[0] < count && corner[1] < count && corner[2] < count && corner[0] != corner[1] &&
+         corner[1] != corner[2] && corner[2] != corner[0];
+}
+
 inline bool check_surface(const View& v, Fault& fault) {
   for (std::uint32_t i = 0; i < v.meta->vertex_count; ++i) {
     if (!in_range(v.vertices[i].xyz)) return fault.say("SURFACE_VERTICES: vertex % is not finite", i);
   }
   for (std::uint32_t i = 0; i < v.meta->triangle_count; ++i) {
     const layout::SurfaceTriangle& t = v.triangles[i];
-    const auto& c = t.vertex;
-    if (c[0] >= v.meta->vertex_count || c[1] >= v.meta->vertex_count || c[2] >= v.meta->vertex_count || c[0] == c[1] ||
-        c[1] == c[2] || c[2] == c[0]) {
+    if (!are_different(t.vertex, v.meta->vertex_count)) {
       return fault.say("SURFACE_TRIANGLES: triangle %: corners must be three different vertices", i);
     }
-    if (t.patch >= v.meta->patch_count) return fault.say("SURFACE_TRIANGLES: triangle %: no patch %", i, t.patch);
+    if (!are_different(t.site, v.meta->site_count)) {
+      return fault.say("SURFACE_TRIANGLES: triangle %: its patch must have three different sites", i);
+    }
     for (int k = 0; k < 3; ++k) {
       if (std::uint32_t{t.grid[k][0]} + t.grid[k][1] > v.meta->subdivision ||
           t.neighbour[k] >= v.meta->triangle_count) {

@@ -40,24 +40,19 @@ struct View {
   std::uint32_t features = 0;  ///< layout::Feature bits
   const layout::Meta* meta = nullptr;
   const layout::Site* sites = nullptr;
-  const layout::Patch* patches = nullptr;
   const layout::Point* vertices = nullptr;
   const layout::SurfaceTriangle* triangles = nullptr;
   const layout::ToolRecord* tools = nullptr;
   const layout::ToolVertexRecord* tool_vertices = nullptr;  ///< null when every tool has one vertex
-  const layout::Patch* tool_patches = nullptr;              ///< null with tool_vertices
+  const layout::ToolPatch* tool_patches = nullptr;          ///< null with tool_vertices
+  const std::uint32_t* spins = nullptr;  ///< a tool vertex; null when every point of a tool has one spin
   const unsigned char* responses = nullptr;
-  const float* lateral = nullptr;               ///< null without sideways straight push, and in a coupled file
-  const float* friction = nullptr;              ///< null in a frictionless file, and in a coupled one
-  const unsigned char* coupled_laws = nullptr;  ///< null in a file of another model
-  std::uint32_t coupled_size = 0;               ///< bytes of one of these
+  std::uint32_t response_size = 0;        ///< bytes of one of these
+  const unsigned char* grasps = nullptr;  ///< null when no tool holds on
+  const unsigned char* turns = nullptr;   ///< null when no tool's turns have a torque
   const layout::SearchNode* search = nullptr;
   const char* provenance = nullptr;  ///< JSON text, not zero-terminated
   std::size_t provenance_size = 0;
-  const unsigned char* grasps = nullptr;  ///< null when no tool holds on
-  std::uint32_t grasp_coefs = 0;          ///< of each of their curves
-  const unsigned char* turns = nullptr;   ///< null when no tool's turns have a torque
-  const std::uint32_t* spins = nullptr;   ///< a tool vertex; null when every point of a tool has one spin
 
   /// Checks `size` bytes at `data` (aligned to 8) against the specification; defined in open.hpp. `kFeatures`
   /// (layout::Feature bits): what the program can do with a file; one that holds more is refused by name.
@@ -81,18 +76,17 @@ struct View {
     return 0;
   }
   [[nodiscard]] const layout::ResponseHead& response_head(std::uint64_t index) const {
-    return *reinterpret_cast<const layout::ResponseHead*>(responses + index * layout::response_size(*meta));
+    return *reinterpret_cast<const layout::ResponseHead*>(responses + index * response_size);
   }
-  /// Coefficients of Fn; those of Fx then Fy; those of gx, gy, phix, phiy, mu.
+  /// Coefficients of Fn; those of Fx then Fy; those of gx, gy, phix, phiy, mu. Of a separable file.
   [[nodiscard]] const float* normal_coefs(std::uint64_t index) const {
-    return reinterpret_cast<const float*>(responses + index * layout::response_size(*meta) +
-                                          sizeof(layout::ResponseHead));
+    return reinterpret_cast<const float*>(after_head(index));
   }
   [[nodiscard]] const float* lateral_coefs(std::uint64_t index) const {
-    return lateral + index * 2 * meta->lateral_coefs;
+    return normal_coefs(index) + meta->normal_coefs;
   }
   [[nodiscard]] const float* friction_coefs(std::uint64_t index) const {
-    return friction + index * (layout::friction_size(*meta) / sizeof(float));
+    return lateral_coefs(index) + 2 * meta->lateral_coefs;
   }
   /// N of one unit of a coupled response's coefficients.
   [[nodiscard]] float coupled_unit(std::uint64_t index) const {
@@ -100,33 +94,27 @@ struct View {
   }
   /// count(degrees) of them, as whole numbers.
   void coupled_coefs(std::uint64_t index, std::int16_t* to) const {
-    layout::unpack_coupled(coupled_law(index), coupled::places(layout::coupled_degrees(*meta)),
-                           layout::coupled_bits(*meta), to);
+    layout::unpack_coupled(coupled_law(index), coupled::places(layout::coupled_degrees(*meta)), meta->coef_bits, to);
   }
-  /// An element of COUPLED.
-  [[nodiscard]] const unsigned char* coupled_law(std::uint64_t index) const {
-    return coupled_laws + index * coupled_size;
-  }
+  /// Of a coupled file.
+  [[nodiscard]] const unsigned char* coupled_law(std::uint64_t index) const { return after_head(index); }
   /// Has a response's memory brought, for a caller that has something else to do before it reads it.
-  void fetch(std::uint64_t index) const {
-    detail::touch(responses + index * layout::response_size(*meta), layout::response_size(*meta));
-    if (coupled_laws != nullptr) return detail::touch(coupled_law(index), coupled_size);
-    if (lateral != nullptr) detail::touch(lateral_coefs(index), layout::lateral_size(*meta));
-    if (friction != nullptr) detail::touch(friction_coefs(index), layout::friction_size(*meta));
-  }
+  void fetch(std::uint64_t index) const { detail::touch(responses + index * response_size, response_size); }
   [[nodiscard]] const layout::GraspHead& grasp_head(std::uint64_t index) const {
-    return *reinterpret_cast<const layout::GraspHead*>(grasps + index * layout::grasp_size(grasp_coefs));
+    return *reinterpret_cast<const layout::GraspHead*>(grasps + index * layout::grasp_size(meta->grasp_coefs));
   }
   /// Coefficients of Fx, Fy, Fn, kxx, kxy, kyy.
   [[nodiscard]] const float* grasp_curves(std::uint64_t index) const {
-    return reinterpret_cast<const float*>(grasps + index * layout::grasp_size(grasp_coefs) + sizeof(layout::GraspHead));
+    return reinterpret_cast<const float*>(grasps + index * layout::grasp_size(meta->grasp_coefs) +
+                                          sizeof(layout::GraspHead));
   }
   [[nodiscard]] const layout::TurnHead& turn_head(std::uint64_t index) const {
-    return *reinterpret_cast<const layout::TurnHead*>(turns + index * layout::turn_size(grasp_coefs));
+    return *reinterpret_cast<const layout::TurnHead*>(turns + index * layout::turn_size(meta->grasp_coefs));
   }
   /// Coefficients of T, K and C, see layout::kTurnCurves.
   [[nodiscard]] const float* turn_curves(std::uint64_t index) const {
-    return reinterpret_cast<const float*>(turns + index * layout::turn_size(grasp_coefs) + sizeof(layout::TurnHead));
+    return reinterpret_cast<const float*>(turns + index * layout::turn_size(meta->grasp_coefs) +
+                                          sizeof(layout::TurnHead));
   }
   [[nodiscard]] bool has(layout::Feature feature) const { return (features & feature) != 0; }
   /// Index of the tool of that name, or tool_count.
@@ -137,6 +125,11 @@ struct View {
       if (*a == *b) return i;
     }
     return meta->tool_count;
+  }
+
+private:
+  [[nodiscard]] const unsigned char* after_head(std::uint64_t index) const {
+    return responses + index * response_size + sizeof(layout::ResponseHead);
   }
 };
 
