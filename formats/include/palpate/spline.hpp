@@ -103,16 +103,22 @@ struct Cubic {
   double power[4];
 };
 
+/// Of the four coefficients that take part there.
 template <class Scalar>
-inline Cubic cubic(const Scalar* coefs, int count, int interval) {
+inline Cubic cubic_of(const Scalar* four, int count, int interval) {
   const detail::Cubics& of = detail::on_interval(detail::kValues, count, interval);
   Cubic c;
-  for (int p = 0; p < 4; ++p) c.power[p] = of.coef[p][0] * coefs[interval];
+  for (int p = 0; p < 4; ++p) c.power[p] = of.coef[p][0] * four[0];
   for (int k = 1; k < 3; ++k) {
-    for (int p = 0; p < 4; ++p) c.power[p] += of.coef[p][k] * coefs[interval + k];
+    for (int p = 0; p < 4; ++p) c.power[p] += of.coef[p][k] * four[k];
   }
-  c.power[3] += of.coef[3][3] * coefs[interval + 3];  // the last function starts like a cube
+  c.power[3] += of.coef[3][3] * four[3];  // the last function starts like a cube
   return c;
+}
+/// Of all coefficients.
+template <class Scalar>
+inline Cubic cubic(const Scalar* coefs, int count, int interval) {
+  return cubic_of(coefs + interval, count, interval);
 }
 
 /// Integral of t f(t) dt, in knot intervals, of the spline f with these coefficients: from 0 to the start of an

@@ -69,8 +69,8 @@ public:
   [[nodiscard]] const double* coefs() const { return sum_; }
 
 private:
-  Degrees degrees_;
-  Places places_;
+  Degrees degrees_{};
+  Places places_{};
   double sum_[kMostCoefs];
 };
 

@@ -191,7 +191,7 @@ public:
     const DepthTerms terms = at_depth(-dot(deflection, normal_));
     FieldForce result;
     if (!(terms.depth > 0)) return result;
-    result.tangential = terms.straight + sideways(terms, tangential(deflection, normal_));
+    result.tangential = terms.straight + sideways(terms, deflection);
     result.normal = terms.normal_force;
     result.force = result.normal * normal_ + result.tangential;
     result.limit = terms.limit;
@@ -201,7 +201,7 @@ public:
   }
 
   /// The file's responses are of the coupled model.
-  [[nodiscard]] bool is_coupled() const { return kCoupled && view_->has(layout::feature_coupled); }
+  [[nodiscard]] bool is_coupled() const { return kCoupled && view_->coupled; }
 
 private:
   /// The sites and tool vertices of a contact.
@@ -254,7 +254,6 @@ private:
       if (!(share > 0)) continue;
       const std::uint32_t site = shares.sites[k];
       const Across x = axis[k];
-      if (!is_coupled()) separable_.begin_body(x);
       for (int l = 0; l < shares.corners; ++l) {
         const std::uint32_t vertex = shares.corner[l];
         each(sum, layout::response_index(m, site, vertex), vertex, share * shares.corner_weight[l], x);
@@ -322,8 +321,7 @@ private:
     limit_ += weight * head.depth_limit;
     if ((head.flags & layout::response_covered) != 0) covered_ += weight;
     if (!is_coupled()) {
-      if constexpr (!kSpun) return separable_.add(*view_, index, weight);
-      if constexpr (kSpun) return separable_.add_spun(*view_, index, weight, x);
+      return separable_.template add<kSpun>(*view_, index, weight, x);
     }
     if constexpr (kCoupled) {
       const unsigned char* law = view_->coupled_law(index);

@@ -191,6 +191,7 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
   bind(v.turns, Section::turn);
   bind(v.search, Section::search);
   v.response_size = layout::response_size(m);
+  v.coupled = layout::is_coupled(m);
   v.provenance = reinterpret_cast<const char*>(v.bytes + text->offset);
   v.provenance_size = static_cast<std::size_t>(text->size);
   return true;

@@ -36,8 +36,10 @@ public:
   /// The same for a caller that knows the interval.
   template <class Scalar>
   void take(int k, const Scalar* coefs, int count, int interval) const {
-    if (start_[k] == interval) return;
-    const spline::Cubic cubic = spline::cubic(coefs, count, interval);
+    if (start_[k] != interval) set(k, spline::cubic(coefs, count, interval), interval);
+  }
+  /// The same for a caller that knows that curve k has another, and its cubic.
+  void set(int k, const spline::Cubic& cubic, int interval) const {
     for (int p = 0; p < 4; ++p) power_[p][k] = cubic.power[p];
     start_[k] = interval;
   }
@@ -46,10 +48,10 @@ public:
   bool values(const double (&t)[N], double (&value)[N]) const {
     double share[N];
     for (int k = 0; k < N; ++k) share[k] = t[k] - start_[k];
-    bool inside = true;
-    for (int k = 0; k < N; ++k) inside = inside && std::fabs(share[k] - 0.5) < 0.5 + kSlack;
-    if (inside) at(share, value);
-    return inside;
+    at(share, value);
+    int inside = 1;
+    for (int k = 0; k < N; ++k) inside &= std::fabs(share[k] - 0.5) < 0.5 + kSlack ? 1 : 0;
+    return inside != 0;
   }
 
   /// The same for a caller that knows that t is in the intervals.

@@ -11,6 +11,20 @@
 
 namespace palpate::runtime {
 
+namespace detail {
+
+/// 1 / knot intervals, by the number of coefficients.
+struct Reciprocals {
+  double intervals[layout::kMaxCoefs + 1] = {};
+  constexpr Reciprocals() {
+    for (std::uint32_t count = layout::kMinCoefs; count <= layout::kMaxCoefs; ++count)
+      intervals[count] = 1 / (count - 3.0);
+  }
+};
+inline constexpr Reciprocals kReciprocals;
+
+}  // namespace detail
+
 /// Blend of the separable responses of up to three body vertices and three tool vertices (Hayward and Mahvash 2004), or
 /// up to three spins of each of those.
 /// Push, straight sideways force and friction limit are blended once; sideways forces are products, each in the frame
@@ -49,33 +63,21 @@ public:
     }
   }
 
-  /// What is added from now on has its sideways curves along x and along n(c) x x.
-  PALPATE_TICK_INLINE void begin_body(const Across& x) {
-    cosine_ = x.cosine;
-    sine_ = x.sine;
-  }
-
-  /// One response of the view, by its index.
-  void add(const View& view, std::uint64_t index, double weight) {
-    if (responses_++ == 0) {
-      blend<true>(view, index, weight);
+  /// One response of the view, by its index, with its sideways curves along x and along n(c) x x. kSpun: there may be
+  /// more of them than a contact has without spins.
+  template <bool kSpun>
+  void add(const View& view, std::uint64_t index, double weight, const Across& x) {
+    const float* push = view.normal_coefs(index);
+    const std::uint32_t count = meta_->normal_coefs;
+    if (responses_ == 0) {
+      for (std::uint32_t k = 0; k < count; ++k) push_[k] = weight * push[k];
     } else {
-      blend<false>(view, index, weight);
+      for (std::uint32_t k = 0; k < count; ++k) push_[k] += weight * push[k];
     }
+    const From from{push + count, weight, x.cosine, x.sine};
+    if constexpr (kLateral || kFriction) from_[responses_] = from;
     if constexpr (kFriction) {
-      if (meta_->friction_coefs > 0) add_friction(view.friction_coefs(index), weight);
-    }
-  }
-
-  /// The same, with sideways curves of its own x axis: one of up to three spins.
-  void add_spun(const View& view, std::uint64_t index, double weight, const Across& x) {
-    begin_body(x);
-    if (responses_ < kNear) return add(view, index, weight);
-    blend<false>(view, index, weight);
-    if constexpr (kFriction && kSpin) {
-      if (meta_->friction_coefs > 0) {
-        further_[responses_ - kNear] = {view.friction_coefs(index), weight, cosine_, sine_};
-      }
+      if (meta_->friction_coefs > 0 && (!kSpun || responses_ < kNear)) add_friction(from);
     }
     ++responses_;
   }
@@ -119,8 +121,10 @@ public:
       if (count == 0) return {};
       const double share = z * per_depth_;
       if (!(share < 1)) return straight_beyond(0.5 * (share - 1));
-      const spline::Basis basis = spline::basis(count, std::sqrt(share));
-      return spline::combine(basis, lateral_) * basis_x_ + spline::combine(basis, lateral_ + count) * basis_y_;
+      spline::Basis basis = spline::basis(count, std::sqrt(share));
+      const Straight four = blended_straight(basis.first);
+      basis.first = 0;
+      return spline::combine(basis, four.x) * basis_x_ + spline::combine(basis, four.y) * basis_y_;
     }
     return {};
   }
@@ -200,39 +204,45 @@ public:
   }
 
 private:
-  /// Adds to the curves that are blended once, or where it is the first, begins them.
-  template <bool kFirst>
-  PALPATE_TICK_INLINE void blend(const View& view, std::uint64_t index, double weight) {
-    const layout::Meta& m = *meta_;
-    const float* push = view.normal_coefs(index);
-    for (std::uint32_t k = 0; k < m.normal_coefs; ++k) sum<kFirst>(push_[k], weight * push[k]);
-    if constexpr (kLateral) {
-      if (m.lateral_coefs > 0) blend_lateral<kFirst>(view.lateral_coefs(index), weight * cosine_, weight * sine_);
+  /// A response: its curves behind that of the push, and as Triple::set takes it.
+  struct From {
+    const float* coefs;
+    double weight, cosine, sine;
+  };
+
+  /// Four coefficients of the straight push's sideways forces from `first` on, blended, along basis_x_ and basis_y_.
+  struct Straight {
+    double x[4], y[4];
+  };
+  [[nodiscard]] Straight blended_straight(int first) const {
+    Straight sum = {};
+    for (int j = 0; j < responses_; ++j) {
+      const From& from = from_[j];
+      const float *x = from.coefs + first, *y = x + meta_->lateral_coefs;
+      const double cosine = from.weight * from.cosine, sine = from.weight * from.sine;
+      for (int k = 0; k < 4; ++k) sum.x[k] += cosine * x[k] - sine * y[k];
+      for (int k = 0; k < 4; ++k) sum.y[k] += sine * x[k] + cosine * y[k];
     }
-    if constexpr (kFriction) {
-      if (m.friction_coefs == 0) return;
-      const float* mu = view.friction_coefs(index) + 2 * m.growth_coefs + 2 * m.sideways_coefs;
-      for (std::uint32_t k = 0; k < m.friction_coefs; ++k) sum<kFirst>(mu_[k], weight * mu[k]);
-    }
-  }
-  template <bool kFirst>
-  void blend_lateral(const float* x, double cosine, double sine) {
-    const std::uint32_t count = meta_->lateral_coefs;
-    const float* y = x + count;
-    for (std::uint32_t k = 0; k < count; ++k) {
-      sum<kFirst>(lateral_[k], cosine * x[k] - sine * y[k]);
-      sum<kFirst>(lateral_[count + k], sine * x[k] + cosine * y[k]);
-    }
-  }
-  template <bool kFirst>
-  static void sum(double& to, double value) {
-    to = kFirst ? value : to + value;
+    return sum;
   }
 
-  void add_friction(const float* coefs, double weight) {
-    const int slot = (responses_ - 1) % Triple::kResponses;
+  /// The same of the friction limit.
+  struct Limit {
+    double mu[4];
+  };
+  [[nodiscard]] Limit blended_limit(int first) const {
+    Limit sum = {};
+    for (int j = 0; j < responses_; ++j) {
+      const float* mu = friction_of(from_[j]) + 2 * (meta_->growth_coefs + meta_->sideways_coefs) + first;
+      for (int k = 0; k < 4; ++k) sum.mu[k] += from_[j].weight * mu[k];
+    }
+    return sum;
+  }
+
+  void add_friction(const From& from) {
+    const int slot = responses_ % Triple::kResponses;
     if (slot == 0) triple_[triples_++].begin(*meta_);
-    triple_[triples_ - 1].set(slot, coefs, weight, cosine_, sine_);
+    triple_[triples_ - 1].set(slot, friction_of(from), from.weight, from.cosine, from.sine);
   }
 
   /// kTake: the curves need not have been taken where the deflection is.
@@ -255,11 +265,7 @@ private:
     double depth = 0;  ///< m; none where it is 0
     Lanes growth[kTriples];
   };
-  /// A response for which triple_ has no place, as Triple::set takes it: of spins only.
-  struct Further {
-    const float* coefs;
-    double weight, cosine, sine;
-  };
+  [[nodiscard]] const float* friction_of(const From& from) const { return from.coefs + 2 * meta_->lateral_coefs; }
 
   // What follows is rarely called, and long: inlined it would slow every tick.
 
@@ -267,29 +273,43 @@ private:
   [[gnu::noinline]] void take_depth(double s) const {
     low_ = -1;
     high_ = 2;
-    const auto both = [&](int curve, const double* coefs, std::uint32_t count) {
-      narrow(take(curve, coefs, count, s), static_cast<int>(count));
-    };
-    both(kPush, push_, meta_->normal_coefs);
+    narrow(take(kPush, push_, meta_->normal_coefs, s), meta_->normal_coefs);
     if constexpr (kLateral) {
-      const std::uint32_t count = meta_->lateral_coefs;
-      for (int axis = 0; count > 0 && axis < 2; ++axis) both(kStraight + axis, lateral_ + axis * count, count);
+      if (meta_->lateral_coefs > 0) take_straight(s);
     }
     if constexpr (kFriction) {
       if (meta_->friction_coefs == 0) return;
-      both(kMu, mu_, meta_->friction_coefs);
+      take_limit(s);
       for (int j = 0; j < triples_; ++j) {
-        narrow(triple_[j].take_growths(s * growth_intervals_), static_cast<int>(meta_->growth_coefs));
+        narrow(triple_[j].take_growths(s * growth_intervals_), meta_->growth_coefs);
       }
     }
   }
   int take(int curve, const double* coefs, std::uint32_t count, double s) const {
     return depth_curves_.take(curve, coefs, static_cast<int>(count), s * depth_intervals_[curve]);
   }
-  void narrow(int interval, int count) const {
+  void take_straight(double s) const {
+    const int count = static_cast<int>(meta_->lateral_coefs);
+    const int interval = spline::interval_of(count, s * depth_intervals_[kStraight]);
+    narrow(interval, meta_->lateral_coefs);
+    if (depth_curves_.interval(kStraight) == interval) return;
+    const Straight four = blended_straight(interval);
+    depth_curves_.set(kStraight, spline::cubic_of(four.x, count, interval), interval);
+    depth_curves_.set(kStraight + 1, spline::cubic_of(four.y, count, interval), interval);
+  }
+  void take_limit(double s) const {
+    const int count = static_cast<int>(meta_->friction_coefs);
+    const int interval = spline::interval_of(count, s * depth_intervals_[kMu]);
+    narrow(interval, meta_->friction_coefs);
+    if (depth_curves_.interval(kMu) == interval) return;
+    depth_curves_.set(kMu, spline::cubic_of(blended_limit(interval).mu, count, interval), interval);
+  }
+  void narrow(int interval, std::uint32_t count) const {
     constexpr double kSlack = Pieces<kCurves>::kSlack;
-    low_ = std::fmax(low_, (interval - kSlack) / (count - 3));
-    high_ = std::fmin(high_, (interval + 1 + kSlack) / (count - 3));
+    const double low = (interval - kSlack) * detail::kReciprocals.intervals[count],
+                 high = (interval + 1 + kSlack) * detail::kReciprocals.intervals[count];
+    low_ = low > low_ ? low : low_;
+    high_ = high < high_ ? high : high_;
   }
 
   /// What growths have in common at depth z > 0 (m).
@@ -303,9 +323,9 @@ private:
   }
 
   /// Weighted, along axis 0 or 1.
-  [[nodiscard]] double further_growth(const Further& of, int axis, const GrowthBasis& at) const {
+  [[nodiscard]] double further_growth(const From& of, int axis, const GrowthBasis& at) const {
     const int count = static_cast<int>(meta_->growth_coefs);
-    const float* coefs = of.coefs + axis * count;
+    const float* coefs = friction_of(of) + axis * count;
     return of.weight * std::fmax(0, spline::combine(at.basis, coefs) + at.extra * spline::slope_at_1(coefs, count));
   }
 
@@ -315,7 +335,8 @@ private:
     const GrowthBasis before = growth_basis(z0), now = growth_basis(z1);
     for (int k = 0; k < responses_ - kNear; ++k) {
       for (int axis = 0; axis < 2; ++axis) {
-        const double ratio = further_growth(further_[k], axis, before) / further_growth(further_[k], axis, now);
+        const double ratio =
+            further_growth(from_[kNear + k], axis, before) / further_growth(from_[kNear + k], axis, now);
         kept = ratio < kept ? ratio : kept;  // NaN where there is none
       }
     }
@@ -327,11 +348,11 @@ private:
     const int count = static_cast<int>(meta_->sideways_coefs);
     const GrowthBasis at = growth_basis(z);
     for (int k = 0; k < responses_ - kNear; ++k) {
-      const Further& of = further_[k];
+      const From& of = from_[kNear + k];
       const double r[2] = {of.cosine * x + of.sine * y, of.cosine * y - of.sine * x};
       double f[2];
       for (int axis = 0; axis < 2; ++axis) {
-        const float* coefs = of.coefs + 2 * meta_->growth_coefs + axis * count;
+        const float* coefs = friction_of(of) + 2 * meta_->growth_coefs + axis * count;
         const double beyond = std::fabs(r[axis]) - 1;
         double phi = spline::value(coefs, count, 0.5 * (r[axis] + 1));
         if (beyond > 0) phi += 0.5 * beyond * Triple::outward_slope(coefs, count, r[axis] > 0);
@@ -357,15 +378,17 @@ private:
     terms.limit = HUGE_VAL;
     if constexpr (kFriction) {
       if (m.friction_coefs == 0) return;
-      terms.limit = mu_[m.friction_coefs - 1] * terms.normal_force;
+      terms.limit = blended_limit(static_cast<int>(m.friction_coefs) - 4).mu[3] * terms.normal_force;
       for (int j = 0; j < triples_; ++j) triple_[j].growths_beyond(extra, terms.growth[j]);
     }
   }
 
   [[nodiscard]] Vec3 straight_beyond(double extra) const {
     const int count = static_cast<int>(meta_->lateral_coefs);
-    return spline::beyond(lateral_, count, extra) * basis_x_ +
-           spline::beyond(lateral_ + count, count, extra) * basis_y_;
+    const Straight last = blended_straight(count - 4);
+    const double slope = 3.0 * (count - 3) * extra;
+    return (last.x[3] + slope * (last.x[3] - last.x[2])) * basis_x_ +
+           (last.y[3] + slope * (last.y[3] - last.y[2])) * basis_y_;
   }
 
   static double intervals(std::uint32_t coef_count) { return coef_count > 3 ? coef_count - 3.0 : 0.0; }
@@ -377,12 +400,9 @@ private:
   const layout::Meta* meta_ = nullptr;
   Vec3 basis_x_, basis_y_;
   double per_depth_ = 0, per_sideways_ = 0;  ///< 1 / Z, 1 / X (1/m)
-  double cosine_ = 1, sine_ = 0;             ///< of the angle of the present body vertex' frame against the basis
   int responses_ = 0, triples_ = 0;
   detail::If<kFriction, Triple[kTriples]> triple_;
   double push_[layout::kMaxCoefs] = {};
-  detail::If<kLateral, double[2 * layout::kMaxCoefs]> lateral_ = {};  ///< along basis_x_, then along basis_y_
-  detail::If<kFriction, double[layout::kMaxCoefs]> mu_ = {};
   // While low_ < s < high_ the cubics are of the right intervals.
   mutable double low_ = 1, high_ = 0;
   // For the work of a straight push: that to the start of this interval, -1 where none is known.
@@ -392,7 +412,7 @@ private:
   double depth_intervals_[kCurves] = {};
   detail::If<kFriction, double> growth_intervals_ = {};
   mutable detail::If<kFriction, Known> known_;
-  detail::If<kFriction && kSpin, Further[2 * kNear]> further_ = {};  ///< behind what every tick reads
+  detail::If<kLateral || kFriction, From[kSpin ? 3 * kNear : kNear]> from_ = {};  ///< behind what every tick reads
 };
 
 }  // namespace palpate::runtime

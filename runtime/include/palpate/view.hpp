@@ -48,6 +48,7 @@ struct View {
   const std::uint32_t* spins = nullptr;  ///< a tool vertex; null when every point of a tool has one spin
   const unsigned char* responses = nullptr;
   std::uint32_t response_size = 0;        ///< bytes of one of these
+  bool coupled = false;                   ///< they are of the coupled model
   const unsigned char* grasps = nullptr;  ///< null when no tool holds on
   const unsigned char* turns = nullptr;   ///< null when no tool's turns have a torque
   const layout::SearchNode* search = nullptr;
