@@ -127,8 +127,9 @@ void run_ticks(BenchArguments options, const Globals& globals) {
       bench_latency(view, repeated ? repeated->view() : view, options.bench, static_cast<std::uint64_t>(options.ticks));
   const TickRow states[] = {
       {"press", bench.press}, {"field", bench.field}, {"slide", bench.slide}, {"free", bench.free}};
-  const TickRow beside[] = {{"locate", bench.locate}, {"blend", latency.blend}, {"random", latency.random},
-                            {"five", latency.five},   {"plain", latency.plain}, {"network", latency.network}};
+  const TickRow beside[] = {{"locate", bench.locate},    {"blend", latency.blend}, {"anew", latency.anew},
+                            {"random", latency.random},  {"five", latency.five},   {"plain", latency.plain},
+                            {"network", latency.network}};
   const double most = latency.every.quantile(0.999);
   if (globals.json) {
     Json ticks, others;
@@ -140,6 +141,7 @@ void run_ticks(BenchArguments options, const Globals& globals) {
                 {"contacts", bench.contacts},
                 {"random_among_responses", (repeated ? repeated->view() : view).meta->response_count},
                 {"bytes_per_response", bytes_per_response(view)},
+                {"responses_interpolated", latency.responses},
                 {"tick_ns", ticks}};
     all.update(others);
     all["every_ns"] = {{"ticks", latency.every.nanoseconds.size()},
@@ -150,8 +152,8 @@ void run_ticks(BenchArguments options, const Globals& globals) {
     return;
   }
   char line[200];
-  std::snprintf(line, sizeof line, "%s\n%d contacts of the tool '%s', %.0f bytes a response\n", machine_name().c_str(),
-                bench.contacts, tool.c_str(), bytes_per_response(view));
+  std::snprintf(line, sizeof line, "%s\n%d contacts of the tool '%s', %.0f bytes a response, %d interpolated\n",
+                machine_name().c_str(), bench.contacts, tool.c_str(), bytes_per_response(view), latency.responses);
   std::string out = line;
   for (const TickRow& row : states) out += times_text(row.name, row.times);
   for (const TickRow& row : beside) out += times_text(row.name, row.times);

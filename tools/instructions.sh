@@ -34,7 +34,7 @@ awk '
     }
   }
   END {
-    rows = split("press field slide free locate blend random five plain network", order, " ")
+    rows = split("press field slide free locate blend anew random five plain network", order, " ")
     for (k = 1; k <= rows; ++k) {
       if (!(order[k] in times)) {
         print "instructions.sh: no call of " order[k] " was seen; was the program stripped?" > "/dev/stderr"

@@ -36,6 +36,7 @@ struct slide {};
 struct free {};
 struct locate {};
 struct blend {};
+struct anew {};
 struct random {};
 struct five {};
 struct plain {};
@@ -103,21 +104,39 @@ std::vector<Vec3> deflections(const View& view, const Vec3& n) {
   return all;
 }
 
+// A contact's point of its tool, moved to the middle of its patch: all vertices of that are interpolated between.
+ToolPoint amid_patch(const View& view, std::uint32_t tool, ToolPoint on) {
+  if (view.tool_patches == nullptr || view.tools[tool].vertex_count == 1) return on;
+  const bool profile = view.tools[tool].kind == static_cast<std::uint32_t>(layout::ToolKind::profile);
+  for (int l = 0; l < 3; ++l) on.weights[l] = profile ? (l < 2 ? 0.5 : 0) : 1.0 / 3;
+  return on;
+}
+
+// Points of the triangle about its middle, as c passes them.
+std::vector<BodyPoint> within_triangle(std::uint32_t triangle) {
+  std::vector<BodyPoint> all;
+  for (int k = 0; k < 16; ++k) {
+    const double aside = 0.01 * std::abs(k - 8);
+    all.push_back({triangle, {0.3 + aside, 0.36, 0.34 - aside}});
+  }
+  return all;
+}
+
 // F = sum over the patches' corners of weight times force: Mahvash and Hayward, IEEE CG&A 24(2), 2004.
 class Plain {
 public:
-  Plain(const View& view, std::uint32_t tool, const Tick& touched) {
+  Plain(const View& view, std::uint32_t tool, const BodyPoint& at, const ToolPoint& on) {
     double body[3];
-    runtime::patch_weights(view, touched.at, body);
-    const auto& sites = view.triangles[touched.at.triangle].site;
+    runtime::patch_weights(view, at, body);
+    const auto& sites = view.triangles[at.triangle].site;
     for (int k = 0; k < 3; ++k) {
       const BodyPoint site = locate(view, runtime::to_vec(view.sites[sites[k]].position)).at;
       for (int l = 0; l < 3; ++l) {
-        if (!(touched.on_tool.weights[l] > 0)) continue;
-        ToolPoint vertex = touched.on_tool;
+        if (!(on.weights[l] > 0)) continue;
+        ToolPoint vertex = on;
         for (int m = 0; m < 3; ++m) vertex.weights[m] = m == l ? 1 : 0;
         responses_.emplace_back(view, tool, site, vertex);
-        weights_.push_back(body[k] * touched.on_tool.weights[l]);
+        weights_.push_back(body[k] * on.weights[l]);
       }
     }
   }
@@ -202,7 +221,12 @@ double TickTimes::quantile(double share) const {
 TickBench bench_ticks(const View& view, const TickBenchOptions& options) {
   std::vector<TickCases> cases = random_contacts(view, options.tool, options.contacts, options.seed);
   std::vector<std::vector<Vec3>> pushed;
-  for (const TickCases& c : cases) pushed.push_back(deflections(view, c.press.contact->field().normal()));
+  std::vector<Field> fields;
+  for (TickCases& c : cases) {
+    const Tick touched = next_tick(c.press, 0);
+    fields.emplace_back(view, options.tool, touched.at, amid_patch(view, options.tool, touched.on_tool));
+    pushed.push_back(deflections(view, fields.back().normal()));
+  }
   const RandomPoints points(view);
   std::mt19937 random(options.seed);
   std::vector<Vec3> near;
@@ -214,9 +238,8 @@ TickBench bench_ticks(const View& view, const TickBenchOptions& options) {
   TickBench result;
   result.contacts = static_cast<int>(cases.size());
   result.press = each(row::press(), [&](std::size_t i, std::size_t k) { return next_tick(cases[i].press, k); });
-  result.field = each(row::field(), [&](std::size_t i, std::size_t k) {
-    return cases[i].press.contact->field().force(around(pushed[i], k));
-  });
+  result.field =
+      each(row::field(), [&](std::size_t i, std::size_t k) { return fields[i].force(around(pushed[i], k)); });
   result.slide = each(row::slide(), [&](std::size_t i, std::size_t k) { return next_tick(cases[i].slide, k); });
   result.free = each(row::free(), [&](std::size_t i, std::size_t k) { return next_tick(cases[i].free, k); });
   result.locate = timed(row::locate(), 16, options.seconds,
@@ -226,19 +249,26 @@ TickBench bench_ticks(const View& view, const TickBenchOptions& options) {
 
 LatencyBench bench_latency(const View& view, const View& large, const TickBenchOptions& options, std::uint64_t ticks) {
   std::vector<TickCases> cases = random_contacts(view, options.tool, options.contacts, options.seed);
-  std::vector<Tick> touched;
+  std::vector<std::vector<BodyPoint>> sliding;
+  std::vector<ToolPoint> on_tool;
   std::vector<Plain> plain;
   std::vector<std::vector<Vec3>> pushed;
   for (TickCases& c : cases) {
-    touched.push_back(next_tick(c.press, 0));
-    plain.emplace_back(view, options.tool, touched.back());
+    const Tick touched = next_tick(c.press, 0);
+    sliding.push_back(within_triangle(touched.at.triangle));
+    on_tool.push_back(amid_patch(view, options.tool, touched.on_tool));
+    plain.emplace_back(view, options.tool, touched.at, on_tool.back());
     pushed.push_back(deflections(view, c.press.contact->field().normal()));
   }
   constexpr std::size_t kPlaces = 1U << 19;  // far more than a cache holds of a large file
-  const RandomPoints points(large);
   std::mt19937 random(options.seed);
-  std::vector<BodyPoint> places(kPlaces);
-  for (BodyPoint& place : places) place = points.draw(random);
+  const auto drawn = [&](const View& of, std::size_t count) {
+    const RandomPoints points(of);
+    std::vector<BodyPoint> places(count);
+    for (BodyPoint& place : places) place = points.draw(random);
+    return places;
+  };
+  const std::vector<BodyPoint> places = drawn(large, kPlaces), few = drawn(view, 16);
   const Network network(options.seed);
   std::vector<std::size_t> first;  // of the places
   std::vector<std::array<TickCase*, 5>> hands(cases.size());
@@ -251,11 +281,15 @@ LatencyBench bench_latency(const View& view, const View& large, const TickBenchO
   Field field;
   const auto each = [&](auto row, const auto& once) { return timed(row, cases.size(), options.seconds, once); };
   LatencyBench result;
-  result.blend = each(row::blend(), [&](std::size_t i, std::size_t) {
-    return build_and_push(view, options.tool, touched[i].at, touched[i].on_tool, field);
+  result.responses = 3 * runtime::tool_corners(view, options.tool, on_tool.front()).count;
+  result.blend = each(row::blend(), [&](std::size_t i, std::size_t k) {
+    return build_and_push(view, options.tool, around(sliding[i], k), on_tool[i], field);
+  });
+  result.anew = each(row::anew(), [&](std::size_t i, std::size_t k) {
+    return build_and_push(view, options.tool, around(few, k), on_tool[i], field);
   });
   result.random = each(row::random(), [&](std::size_t i, std::size_t k) {
-    return build_and_push(large, options.tool, around(places, first[i] + k), touched[i].on_tool, field);
+    return build_and_push(large, options.tool, around(places, first[i] + k), on_tool[i], field);
   });
   result.five = each(row::five(), [&](std::size_t i, std::size_t k) {
     Vec3 sum;

@@ -27,7 +27,8 @@ struct TickBenchOptions {
 struct TickBench {
   int contacts = 0;  ///< that were made
   TickTimes press;   ///< pushed in and out where it touched: sticking, with friction
-  TickTimes field;   ///< of such a tick the blended responses' force alone, without pose, state and account
+  TickTimes field;   ///< of such a tick the blended responses' force alone, without pose, state and account (p amid a
+                     ///< patch of the tool)
   TickTimes slide;   ///< dragged sideways, 2 % of the depth scale a tick
   TickTimes free;    ///< far from the body
   TickTimes locate;  ///< one search for the nearest point of the body
@@ -38,7 +39,10 @@ TickBench bench_ticks(const runtime::View& view, const TickBenchOptions& options
 
 /// What stands beside them: the parts of a tick that are not warm or not alone, and other ways to the same force.
 struct LatencyBench {
-  TickTimes blend;    ///< the responses of a contact interpolated and evaluated (full double interpolation), warm
+  int responses =
+      0;            ///< that are interpolated: of three sites for each vertex of the tool's patch, in whose middle p is
+  TickTimes blend;  ///< these interpolated and evaluated (full double interpolation), while c slides within its patch
+  TickTimes anew;   ///< the same at 16 places in turn: all of it anew, of memory that is near
   TickTimes random;   ///< the same at places in random order of the body, or of a large one
   TickTimes five;     ///< five of the pressed contacts, a tick each
   TickTimes every;    ///< each tick of strokes (in, aside, back, out), with the clock's own time; by the clock

@@ -118,8 +118,8 @@ TEST(Pieces, AreTheSplinesWhateverWasAskedBefore) {
         if (step % 7 > 2) at = knot + 1e-7 * (unit(random) - 0.5);
         at = std::clamp(at, 0.0, 1.0);
       }
-      const double t[2] = {spline::in_intervals(count, u[0]), spline::in_intervals(count, u[1])};
-      double value[2];
+      const runtime::Lanes<2> t{{runtime::two(spline::in_intervals(count, u[0]), spline::in_intervals(count, u[1]))}};
+      runtime::Lanes<2> value;
       if (!pieces.values(t, value)) {
         for (int k = 0; k < 2; ++k) pieces.take(k, c.data() + k * count, count, t[k]);
         ASSERT_TRUE(pieces.values(t, value));
@@ -136,16 +136,17 @@ TEST(Pieces, AreTheSplinesWhateverWasAskedBefore) {
 TEST(Pieces, ForgetOldCoefficients) {
   const std::vector<double> first = {1, 1, 1, 1, 1}, second = {2, 2, 2, 2, 2};
   runtime::Pieces<1> piece;
-  double value[1];
+  const auto at = [](double t) { return runtime::Lanes<1>{{runtime::two(t, 0)}}; };
+  runtime::Lanes<1> value;
   for (const std::vector<double>* coefs : {&first, &second}) {
     piece.forget();
-    EXPECT_FALSE(piece.values({0.5}, value));
+    EXPECT_FALSE(piece.values(at(0.5), value));
     EXPECT_EQ(piece.take(0, coefs->data(), 5, 0.5), 0);
-    piece.known_values({0.5}, value);
+    piece.known_values(at(0.5), value);
     EXPECT_NEAR(value[0], (*coefs)[0], 1e-15);
   }
-  EXPECT_FALSE(piece.values({1.5}, value));
-  EXPECT_FALSE(piece.values({std::numeric_limits<double>::quiet_NaN()}, value));
+  EXPECT_FALSE(piece.values(at(1.5), value));
+  EXPECT_FALSE(piece.values(at(std::numeric_limits<double>::quiet_NaN()), value));
 }
 
 }  // namespace

@@ -120,7 +120,8 @@ TEST_F(Playback, BenchNamesTheMachineAndTimesEveryState) {
     EXPECT_GT(json["tick_ns"][state]["median"].get<double>(), 1) << state;
     EXPECT_LT(json["tick_ns"][state]["median"].get<double>(), 1e6) << state;
   }
-  for (const char* part : {"locate_ns", "blend_ns", "random_ns", "five_ns", "plain_ns", "network_ns", "every_ns"}) {
+  for (const char* part :
+       {"locate_ns", "blend_ns", "anew_ns", "random_ns", "five_ns", "plain_ns", "network_ns", "every_ns"}) {
     EXPECT_GT(json[part]["median"].get<double>(), 1) << part;
     EXPECT_GE(json[part]["worst"], json[part]["median"]) << part;
   }

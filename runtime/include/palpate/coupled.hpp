@@ -49,9 +49,12 @@ public:
   /// Depth scale Z and sideways scale X in m.
   void set(const Blend& blend, double depth_scale, double sideways_scale) {
     rows_.set(blend.degrees(), blend.coefs());
-    depth_scale_ = depth_scale;
-    per_depth_ = 1 / depth_scale;
-    ratio_ = sideways_scale / depth_scale;
+    set_scales(depth_scale, sideways_scale);
+  }
+  /// Of rows instead.
+  void set(const Rows::Share (&shares)[3], double depth_scale, double sideways_scale) {
+    rows_.blend(shares);
+    set_scales(depth_scale, sideways_scale);
   }
 
   [[nodiscard]] const Degrees& degrees() const { return rows_.degrees(); }
@@ -76,14 +79,15 @@ public:
     const auto rate = [&](int column) { return sums.rate(column, s); };
     const auto coupled = [&](int column) { return 0.5 * s * sums.value[column]; };
     constexpr int kF = Rows::kPush, kG = Rows::kStraight, kK = Rows::kStiffness, kA = Rows::kCoupling;
+    constexpr int kMeanK = Rows::kStiffnessMean, kMeanA = Rows::kCouplingMean;
     const Vec2 value{sums.value[kG], sums.value[kG + 1]}, rise{sums.rise(kG, s), sums.rise(kG + 1, s)};
     d.s = s;
     d.push = s * s * sums.value[kF] + beyond * sums.rise(kF, s);
     d.straight = s * s * value + beyond * rise;
     d.slope = 0.5 * rise;
-    d.energy.square = {part(kK), part(kK + 1), part(kK + 2)};
-    if (rates || careful()) d.rate.square = {rate(kK), rate(kK + 1), rate(kK + 2)};
-    d.coupling = {coupled(kA), coupled(kA + 1), coupled(kA + 2)};
+    d.energy.square = {part(kMeanK), part(kK), part(kK + 1)};
+    if (rates || careful()) d.rate.square = {rate(kMeanK), rate(kK), rate(kK + 1)};
+    d.coupling = {coupled(kMeanA), coupled(kA), coupled(kA + 1)};
     d.limit = sums.value[Rows::kLimit];
     if (order() > 2) set_forms(s, beyond, d);
   }
@@ -166,6 +170,12 @@ public:
   }
 
 private:
+  void set_scales(double depth_scale, double sideways_scale) {
+    depth_scale_ = depth_scale;
+    per_depth_ = 1 / depth_scale;
+    ratio_ = sideways_scale / depth_scale;
+  }
+
   [[nodiscard]] int order() const { return degrees().order; }
   /// The rule's own loss is not known beforehand to cover what is owed.
   [[nodiscard]] bool careful() const { return degrees().straight > 0 || order() > 2; }
@@ -177,13 +187,12 @@ private:
       return Vec2{sums.integral(column, s, beyond), sums.integral(column + 1, s, beyond)};
     };
     const auto pair_rate = [&](int column) { return Vec2{sums.rate(column, s), sums.rate(column + 1, s)}; };
-    constexpr int kC = Rows::kCubic, kQ = Rows::kQuartic;
-    d.energy.h1 = pair(kC), d.rate.h1 = pair_rate(kC);
-    d.energy.h3 = pair(kC + 2), d.rate.h3 = pair_rate(kC + 2);
+    d.energy.h1 = pair(Rows::kFirst), d.rate.h1 = pair_rate(Rows::kFirst);
+    d.energy.h3 = pair(Rows::kThird), d.rate.h3 = pair_rate(Rows::kThird);
     if (order() < 4) return;
-    d.energy.m = sums.integral(kQ, s, beyond), d.rate.m = sums.rate(kQ, s);
-    d.energy.h2 = pair(kQ + 1), d.rate.h2 = pair_rate(kQ + 1);
-    d.energy.h4 = pair(kQ + 3), d.rate.h4 = pair_rate(kQ + 3);
+    d.energy.m = sums.integral(Rows::kMean, s, beyond), d.rate.m = sums.rate(Rows::kMean, s);
+    d.energy.h2 = pair(Rows::kSecond), d.rate.h2 = pair_rate(Rows::kSecond);
+    d.energy.h4 = pair(Rows::kFourth), d.rate.h4 = pair_rate(Rows::kFourth);
   }
 
   /// r.

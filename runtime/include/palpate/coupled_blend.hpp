@@ -18,6 +18,13 @@ public:
     for (int k = 0; k < places_.end; ++k) sum_[k] = 0;
   }
 
+  /// Adds coefficients in the frame of the sum, as below.
+  template <class Scalar, class LimitScalar>
+  void add(const Scalar* coefs, const LimitScalar* limits, double unit, double limit_unit, double weight) {
+    const double factor = weight * unit, limit_factor = weight * limit_unit;
+    for (int k = 0; k < places_.limit; ++k) sum_[k] += factor * static_cast<double>(coefs[k]);
+    for (int k = places_.limit; k < places_.end; ++k) sum_[k] += limit_factor * static_cast<double>(*limits++);
+  }
   /// Adds a response's coefficients (count(degrees) of them), `unit` the N of one and `limit_unit` that of mu, with a
   /// weight; (cosine, sine) of the angle of its x axis in the frame of the sum.
   template <class Scalar>

@@ -13,10 +13,19 @@ namespace palpate::coupled {
 /// of its own for each. Those that an energy is made of are kept as their integrals, divided by s. Fixed size.
 class Rows {
 public:
-  /// Of the forms of degree 2, and with the straight push; with slopes: the first kSloped.
-  enum Column { kStraight = 0, kStiffness = 2, kPush = 5, kCoupling = 6, kLimit = 9 };
-  /// Of the forms of degree 3 and 4, all with slopes.
-  enum MoreColumn { kCubic = 0, kQuartic = 4 };
+  /// Of the forms of degree 2, and with the straight push; with slopes: the first kSloped. Harmonics are pairs of
+  /// columns that begin at even ones, and scalars lie by twos: so they turn side by side.
+  enum Column {
+    kStraight = 0,
+    kStiffness = 2,
+    kStiffnessMean = 4,
+    kPush = 5,
+    kCoupling = 6,
+    kCouplingMean = 8,
+    kLimit = 9
+  };
+  /// Of the forms of degree 3 and 4, all with slopes: the harmonics of C, then those and the mean of Q.
+  enum MoreColumn { kFirst = 0, kThird = 2, kSecond = 4, kFourth = 6, kMean = 8 };
 
   static constexpr int kColumns = 10, kSloped = 6;
   /// Of each column P, a polynomial in s, and dP/ds; columns with slopes alone have rates and integrals.
@@ -38,36 +47,72 @@ public:
 
   /// Of coefficients in the file's order and in Bernstein's basis.
   void set(const Degrees& degrees, const double* coefs) {
-    degrees_ = degrees;
-    rows_ = more_rows_ = 1;
-    const auto reach = [](int& rows, int needed) { rows = rows < needed ? needed : rows; };
-    reach(rows_, degrees.push - 1);
-    reach(rows_, degrees.straight - 1);
-    reach(rows_, degrees.stiffness + 1);
-    reach(rows_, degrees.limit + 1);
-    for (int k = 0; k < rows_; ++k) at_[k] = {};
-    const auto take = [&](Row* rows, int column, int components, int first, int degree, bool energy) {
-      int c = 0;
-      for (; c + kAtOnce <= components; c += kAtOnce) {
-        to_powers<kAtOnce>(coefs + c, components, rows->of + column + c, first, degree, energy);
-      }
-      for (; c < components; ++c) {
-        to_powers<1>(coefs + c, components, rows->of + column + c, first, degree, energy);
-      }
-      coefs += components * (degree + 1 - first);
+    resize(degrees);
+    const auto scalar = [&](Row* rows, int column, int component, int components, int first, int degree, bool energy) {
+      to_powers<1>(coefs + component, components, rows->of + column, first, degree, energy);
     };
-    take(at_, kPush, 1, 2, degrees.push, false);
-    if (degrees.straight > 0) take(at_, kStraight, 2, 2, degrees.straight, false);
-    take(at_, kStiffness, 3, 0, degrees.stiffness, true);
-    if (degrees.stiffness > 0) take(at_, kCoupling, 3, 2, degrees.stiffness, false);
-    if (degrees.order > 2) {
-      reach(more_rows_, degrees.cubic + 1);
-      reach(more_rows_, degrees.quartic + 1);
-      for (int k = 0; k < more_rows_; ++k) more_[k] = {};
-      take(more_, kCubic, 4, 0, degrees.cubic, true);
-      if (degrees.order > 3) take(more_, kQuartic, 5, 0, degrees.quartic, true);
+    const auto pair = [&](Row* rows, int column, int component, int components, int first, int degree, bool energy) {
+      if constexpr (kAtOnce == 2) {
+        to_powers<2>(coefs + component, components, rows->of + column, first, degree, energy);
+      } else {
+        scalar(rows, column, component, components, first, degree, energy);
+        scalar(rows, column + 1, component + 1, components, first, degree, energy);
+      }
+    };
+    const auto done = [&](int components, int first, int degree) { coefs += components * (degree + 1 - first); };
+    scalar(at_, kPush, 0, 1, 2, degrees.push, false);
+    done(1, 2, degrees.push);
+    if (degrees.straight > 0) {
+      pair(at_, kStraight, 0, 2, 2, degrees.straight, false);
+      done(2, 2, degrees.straight);
     }
-    take(at_, kLimit, 1, 0, degrees.limit, false);
+    scalar(at_, kStiffnessMean, 0, 3, 0, degrees.stiffness, true);
+    pair(at_, kStiffness, 1, 3, 0, degrees.stiffness, true);
+    done(3, 0, degrees.stiffness);
+    if (degrees.stiffness > 0) {
+      scalar(at_, kCouplingMean, 0, 3, 2, degrees.stiffness, false);
+      pair(at_, kCoupling, 1, 3, 2, degrees.stiffness, false);
+      done(3, 2, degrees.stiffness);
+    }
+    if (degrees.order > 2) {
+      pair(more_, kFirst, 0, 4, 0, degrees.cubic, true);
+      pair(more_, kThird, 2, 4, 0, degrees.cubic, true);
+      done(4, 0, degrees.cubic);
+    }
+    if (degrees.order > 3) {
+      scalar(more_, kMean, 0, 5, 0, degrees.quartic, true);
+      pair(more_, kSecond, 1, 5, 0, degrees.quartic, true);
+      pair(more_, kFourth, 3, 5, 0, degrees.quartic, true);
+      done(5, 0, degrees.quartic);
+    }
+    scalar(at_, kLimit, 0, 1, 0, degrees.limit, false);
+  }
+
+  /// A part of a blend: rows times a factor; (cosine, sine) of the angle of their x axis in the frame of the blend.
+  struct Share {
+    const Rows* rows;
+    double factor;
+    Vec2 turned;
+  };
+  /// The sum of rows of the same degrees.
+  void blend(const Share (&shares)[3]) {
+    const Rows& first = *shares[0].rows;
+    degrees_ = first.degrees_;
+    rows_ = first.rows_;
+    more_rows_ = first.more_rows_;
+    const Row *from[3], *more_from[3];
+    Turns by[3], more_by[3];
+    for (int i = 0; i < 3; ++i) {
+      const Vec2 one = shares[i].turned, two = product(one, one);
+      const double factor = shares[i].factor;
+      from[i] = shares[i].rows->at_;
+      by[i] = {{factor * one, factor * two, {factor, 0}, factor * two, {factor, 0}}};
+      if (degrees_.order == 2) continue;
+      more_from[i] = shares[i].rows->more_;
+      more_by[i] = {{factor * one, factor * product(two, one), factor * two, factor * product(two, two), {factor, 0}}};
+    }
+    add_turned<false>(from, by, rows_, at_);
+    if (degrees_.order > 2) add_turned<true>(more_from, more_by, more_rows_, more_);
   }
 
   /// At s.
@@ -148,6 +193,46 @@ private:
       }
     }
   };
+
+  /// By what every two columns are multiplied, as complex numbers.
+  struct Turns {
+    Vec2 of[kColumns / 2];
+  };
+  template <bool more>
+  static void add_turned(const Row* const (&from)[3], const Turns (&by)[3], int rows, Row* to) {
+    for (int k = 0; k < rows; ++k) {
+#pragma GCC unroll 8
+      for (int c = 0; c < kColumns; c += 2) {
+        const bool turns = more ? c != kMean : c != kStiffnessMean && c != kCouplingMean;
+        double x = 0, y = 0;
+#pragma GCC unroll 8
+        for (int i = 0; i < 3; ++i) {
+          const double fx = from[i][k].of[c], fy = from[i][k].of[c + 1];
+          const Vec2& turn = by[i].of[c / 2];
+          x += turns ? turn.x * fx - turn.y * fy : turn.x * fx;
+          y += turns ? turn.x * fy + turn.y * fx : turn.x * fy;
+        }
+        to[k].of[c] = x;
+        to[k].of[c + 1] = y;
+      }
+    }
+  }
+
+  /// Rows of no coefficients yet.
+  void resize(const Degrees& degrees) {
+    degrees_ = degrees;
+    rows_ = more_rows_ = 1;
+    const auto reach = [](int& rows, int needed) { rows = rows < needed ? needed : rows; };
+    reach(rows_, degrees.push - 1);
+    reach(rows_, degrees.straight - 1);
+    reach(rows_, degrees.stiffness + 1);
+    reach(rows_, degrees.limit + 1);
+    for (int k = 0; k < rows_; ++k) at_[k] = {};
+    if (degrees.order == 2) return;
+    reach(more_rows_, degrees.cubic + 1);
+    reach(more_rows_, degrees.quartic + 1);
+    for (int k = 0; k < more_rows_; ++k) more_[k] = {};
+  }
 
   /// Horner's rule, and of the first columns the derivative's.
   template <int Sloped>

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "palpate/coupled.hpp"
+#include "palpate/lanes.hpp"
 #include "palpate/math3.hpp"
 
 namespace palpate::runtime {
@@ -17,7 +18,7 @@ struct DepthTerms {
   double limit = 0;         ///< N, largest tangential force: mu(depth) Fn; infinite in a frictionless file
   Vec3 straight;            ///< N, sideways force of the straight push, across n(c)
   union {
-    double growth[3][6];       ///< of the separable model, as many as it has triples (triple.hpp)
+    Lanes<6> growth[3];        ///< N, of the separable model, as many as it has layers (sideways_curves.hpp)
     coupled::AtDepth coupled;  ///< in a file of the coupled model
   };
   bool beyond = false;  ///< deeper than this pair was sampled

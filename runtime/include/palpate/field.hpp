@@ -2,8 +2,8 @@
 // The local force field of one pair (c, p): responses blended once, then evaluated for any deflection.
 #pragma once
 
-#include "palpate/coupled.hpp"
 #include "palpate/separable.hpp"
+#include "palpate/site_laws.hpp"
 #include "palpate/spin.hpp"
 
 #include <cmath>
@@ -43,7 +43,7 @@ public:
   /// Of responses that it has already it keeps what it remembers: a field is built again for the same file only.
   void build(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point) {
     const Shares shares(view, tool, body_point, tool_point);
-    shares.fetch(view);
+    fetch(view, shares);
     build(view, shares, runtime::normal(view, body_point, shares.site_weight));
   }
 
@@ -51,7 +51,7 @@ public:
   void build(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point,
              const Vec3& normal_there) {
     const Shares shares(view, tool, body_point, tool_point);
-    shares.fetch(view);
+    fetch(view, shares);
     build(view, shares, normal_there);
   }
 
@@ -60,15 +60,7 @@ public:
                                     const ToolPoint& tool_point, const Vec3& normal_there, const Spin& spin) {
     if constexpr (kSpin) {
       if (view.spins != nullptr) {
-        return blend(view, Shares(view, tool, body_point, tool_point), normal_there,
-                     [&](Sum& sum, std::uint64_t index, std::uint32_t vertex, double weight, const Across& axis) {
-                       if (view.spins[vertex] == 1) return add<true>(sum, index, weight, axis);
-                       const Vec3 x = axis.cosine * basis_x_ + axis.sine * basis_y_;
-                       const auto add_sample = [&](std::uint32_t sample, double share, const Vec3& along) {
-                         add<true>(sum, index + sample, weight * share, {dot(along, basis_x_), dot(along, basis_y_)});
-                       };
-                       for_each_spin(view, view.tools[tool], vertex, spin, x, normal_, add_sample);
-                     });
+        return blend_spun(view, tool, Shares(view, tool, body_point, tool_point), normal_there, spin);
       }
     }
     build(view, tool, body_point, tool_point, normal_there);
@@ -207,62 +199,110 @@ private:
   /// The sites and tool vertices of a contact.
   struct Shares {
     Shares(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point)
-        : sites(view.triangles[body_point.triangle].site) {
+        : sites(view.triangles[body_point.triangle].site), corners(tool_corners<kFeatures>(view, tool, tool_point)) {
       patch_weights(view, body_point, site_weight);
-      corners = tool_corners<kFeatures>(view, tool, tool_point, corner, corner_weight);
-    }
-    /// The responses are far apart in a large file: they come together, and while the normal is made.
-    void fetch(const View& view) const {
-      for (const std::uint32_t site : sites) {
-        for (int l = 0; l < corners; ++l) view.fetch(layout::response_index(*view.meta, site, corner[l]));
-      }
     }
     const std::uint32_t (&sites)[3];
     double site_weight[3];
-    int corners;
-    std::uint32_t corner[3];
-    double corner_weight[3];
+    ToolCorners corners;
   };
 
-  void build(const View& view, const Shares& shares, const Vec3& normal_there) {
-    blend(view, shares, normal_there,
-          [this](Sum& sum, std::uint64_t index, std::uint32_t /*vertex*/, double weight, const Across& x) {
-            add<false>(sum, index, weight, x);
-          });
+  /// The responses are far apart in a large file: they come together, and while the normal is made. Those that were
+  /// blended last are there.
+  void fetch(const View& view, const Shares& shares) {
+    bool again = view.responses == last_responses_ && shares.corners == last_corners_;
+    for (int k = 0; k < 3; ++k) again = again && shares.sites[k] == last_sites_[k];
+    if constexpr (kCoupled) {
+      if (view.coupled) by_site_ = site_laws_.choose(view, shares.sites, shares.corners, again);
+    }
+    if (again) return;
+    last_responses_ = view.responses;
+    last_corners_ = shares.corners;
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t site = last_sites_[k] = shares.sites[k];
+      for (int l = 0; l < shares.corners.count; ++l) {
+        view.fetch(layout::response_index(*view.meta, site, shares.corners.vertex[l]));
+      }
+    }
   }
 
-  /// Calls each(sum, index, tool vertex, weight, x axis) for the responses of a contact, of the first spins.
-  template <class Each>
-  void blend(const View& view, const Shares& shares, const Vec3& normal_there, const Each& each) {
+  /// Of the first spins.
+  void build(const View& view, const Shares& shares, const Vec3& normal_there) {
+    begin(view, normal_there);
+    Across axis[3];  // all at once: each is a long chain of dependent operations
+    for (int k = 0; k < 3; ++k) axis[k] = sideways_axis(shares.sites[k]);
+    if constexpr (kCoupled) {
+      if (is_coupled() && by_site_) return blend_sites(shares, axis);
+    }
+    Sum sum = begin_sum();
+    for (int l = 0; l < shares.corners.count; ++l) {
+      for (int k = 0; k < 3; ++k) {
+        const std::uint64_t index = layout::response_index(*view.meta, shares.sites[k], shares.corners.vertex[l]);
+        add<false>(sum, index, shares.site_weight[k] * shares.corners.weight[l], axis[k]);
+      }
+    }
+    if constexpr (kCoupled) {
+      if (is_coupled()) law_.set(sum, view.meta->depth_scale, view.meta->sideways_scale);
+    }
+  }
+
+  /// Of a coupled file, by what the sites are known to answer at this point of the tool.
+  void blend_sites(const Shares& shares, const Across (&axis)[3]) {
+    coupled::Rows::Share parts[3];
+    for (int k = 0; k < 3; ++k) {
+      const SiteLaws::SiteLaw& law = site_laws_.look(*view_, shares.sites, k);
+      const double weight = shares.site_weight[k];
+      parts[k] = {&law.rows, weight, {axis[k].cosine, axis[k].sine}};
+      limit_ += weight * law.limit;
+      covered_ += weight * law.covered;
+    }
+    law_.set(parts, view_->meta->depth_scale, view_->meta->sideways_scale);
+  }
+
+  /// Of two spins of each tool vertex, or three, each with an x axis of its own.
+  void blend_spun(const View& view, std::uint32_t tool, const Shares& shares, const Vec3& normal_there,
+                  const Spin& spin) {
+    begin(view, normal_there);
+    const layout::Meta& m = *view.meta;
+    Sum sum = begin_sum();
+    for (int k = 0; k < 3; ++k) {
+      if (!(shares.site_weight[k] > 0)) continue;
+      const std::uint32_t site = shares.sites[k];
+      const Across axis = sideways_axis(site);
+      for (int l = 0; l < shares.corners.count; ++l) {
+        const std::uint32_t vertex = shares.corners.vertex[l];
+        const std::uint64_t first = layout::response_index(m, site, vertex);
+        const double weight = shares.site_weight[k] * shares.corners.weight[l];
+        if (view.spins[vertex] == 1) {
+          add<true>(sum, first, weight, axis);
+          continue;
+        }
+        const Vec3 x = axis.cosine * basis_x_ + axis.sine * basis_y_;
+        const auto add_sample = [&](std::uint32_t sample, double share, const Vec3& along) {
+          add<true>(sum, first + sample, weight * share, {dot(along, basis_x_), dot(along, basis_y_)});
+        };
+        for_each_spin(view, view.tools[tool], vertex, spin, x, normal_, add_sample);
+      }
+    }
+    if constexpr (kCoupled) {
+      if (is_coupled()) return law_.set(sum, m.depth_scale, m.sideways_scale);
+    }
+    separable_.finish_spun();
+  }
+
+  /// Forgets all responses.
+  void begin(const View& view, const Vec3& normal_there) {
     view_ = &view;
     const layout::Meta& m = *view.meta;
     normal_ = normal_there;
     basis_x_ = any_orthogonal(normal_);
     basis_y_ = cross(normal_, basis_x_);
     covered_ = limit_ = 0;
-    Sum sum;
     if constexpr (kCoupled) {
-      if (is_coupled()) sum.clear(layout::coupled_degrees(m));
-      known_.depth = 0;
+      if (is_coupled()) known_.depth = 0;
     }
     if (!is_coupled()) separable_.clear(m, basis_x_, basis_y_);
     per_scale_ = m.sideways_scale > 0 ? 1 / m.sideways_scale : 0;
-    Across axis[3];  // all at once: each is a long chain of dependent operations
-    for (int k = 0; k < 3; ++k) axis[k] = sideways_axis(shares.sites[k]);
-    for (int k = 0; k < 3; ++k) {
-      const double share = shares.site_weight[k];
-      if (!(share > 0)) continue;
-      const std::uint32_t site = shares.sites[k];
-      const Across x = axis[k];
-      for (int l = 0; l < shares.corners; ++l) {
-        const std::uint32_t vertex = shares.corner[l];
-        each(sum, layout::response_index(m, site, vertex), vertex, share * shares.corner_weight[l], x);
-      }
-    }
-    if (!is_coupled()) separable_.finish();
-    if constexpr (kCoupled) {
-      if (is_coupled()) law_.set(sum, m.depth_scale, m.sideways_scale);
-    }
   }
 
   /// u of a deflection (m).
@@ -314,29 +354,28 @@ private:
     return carried_axis(view_->sites[site], normal_, basis_x_, basis_y_);
   }
 
+  [[nodiscard]] Sum begin_sum() const {
+    Sum sum;
+    if constexpr (kCoupled) {
+      if (is_coupled()) sum.clear(layout::coupled_degrees(*view_->meta));
+    }
+    return sum;
+  }
+
   /// kSpun: one of up to three spins of a tool vertex at a site, each with an x axis of its own.
   template <bool kSpun>
-  void add([[maybe_unused]] Sum& sum, std::uint64_t index, double weight, [[maybe_unused]] const Across& x) {
+  void add([[maybe_unused]] Sum& sum, std::uint64_t index, double weight, const Across& x) {
     const layout::ResponseHead& head = view_->response_head(index);
     limit_ += weight * head.depth_limit;
     if ((head.flags & layout::response_covered) != 0) covered_ += weight;
-    if (!is_coupled()) {
-      return separable_.template add<kSpun>(*view_, index, weight, x);
-    }
     if constexpr (kCoupled) {
-      const unsigned char* law = view_->coupled_law(index);
-      const std::uint32_t bits = view_->meta->coef_bits;
-      const auto* limits =
-          reinterpret_cast<const std::int16_t*>(law + layout::coupled_limit_offset(sum.places(), bits));
-      const auto add_coefs = [&](const auto* coefs) {
-        sum.add(coefs, limits, static_cast<double>(view_->coupled_unit(index)), layout::kLimitUnit, weight,
-                {x.cosine, x.sine});
-      };
-      if (bits == 16) return add_coefs(reinterpret_cast<const std::int16_t*>(law + sizeof(float)));
-      std::int32_t room[coupled::kMostCoefs];
-      coupled::unpack(law + sizeof(float), bits, sum.places().limit, room);
-      add_coefs(room);
+      if (is_coupled()) {
+        return with_law(*view_, index, sum.places(), [&](const auto* coefs, const auto* limits, double unit) {
+          sum.add(coefs, limits, unit, layout::kLimitUnit, weight, {x.cosine, x.sine});
+        });
+      }
     }
+    separable_.template add<kSpun>(*view_, index, weight, x);
   }
 
   struct Known {
@@ -353,6 +392,12 @@ private:
   double covered_ = 0, limit_ = 0;
   SeparableLaw<kFeatures> separable_;
   detail::If<kCoupled, coupled::Law> law_;
+  detail::If<kCoupled, SiteLaws> site_laws_;
+  detail::If<kCoupled, bool> by_site_ = {};
+  // What was blended last.
+  const unsigned char* last_responses_ = nullptr;
+  std::uint32_t last_sites_[3] = {};
+  ToolCorners last_corners_;
   mutable detail::If<kCoupled, Known> known_;  ///< what deepened() will ask for
 };
 

@@ -14,24 +14,23 @@ namespace palpate::runtime {
 template <class Use>
 void for_each_share(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point,
                     const Spin& spin, const Vec3& normal, const Vec3& basis_x, const Vec3& basis_y, const Use& use) {
-  double sites[3], weight[3];
-  std::uint32_t corner[3];
+  double sites[3];
   patch_weights(view, body_point, sites);
-  const int corners = tool_corners(view, tool, tool_point, corner, weight);
+  const ToolCorners corners = tool_corners(view, tool, tool_point);
   const auto& site = view.triangles[body_point.triangle].site;
   for (int k = 0; k < 3; ++k) {
     if (!(sites[k] > 0)) continue;
     const Across carried = carried_axis(view.sites[site[k]], normal, basis_x, basis_y);
     const Vec3 x = carried.cosine * basis_x + carried.sine * basis_y;
-    for (int l = 0; l < corners; ++l) {
-      const std::uint64_t index = layout::response_index(*view.meta, site[k], corner[l]);
+    for (int l = 0; l < corners.count; ++l) {
+      const std::uint64_t index = layout::response_index(*view.meta, site[k], corners.vertex[l]);
       const auto use_sample = [&](std::uint32_t sample, double share, const Vec3& along) {
-        use(index + sample, sites[k] * weight[l] * share, dot(along, basis_x), dot(along, basis_y));
+        use(index + sample, sites[k] * corners.weight[l] * share, dot(along, basis_x), dot(along, basis_y));
       };
       if (view.spins == nullptr) {
         use_sample(0, 1, x);
       } else {
-        for_each_spin(view, view.tools[tool], corner[l], spin, x, normal, use_sample);
+        for_each_spin(view, view.tools[tool], corners.vertex[l], spin, x, normal, use_sample);
       }
     }
   }

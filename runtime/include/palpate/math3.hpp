@@ -8,8 +8,10 @@
 /// inline, some 4 % of a tick. Where size is asked for it is left to them.
 #ifdef __OPTIMIZE_SIZE__
 #define PALPATE_TICK_INLINE inline
+#define PALPATE_INLINE_LAMBDA
 #else
 #define PALPATE_TICK_INLINE [[gnu::always_inline]] inline
+#define PALPATE_INLINE_LAMBDA __attribute__((always_inline))
 #endif
 
 namespace palpate::runtime {

@@ -2,6 +2,7 @@
 // Splines that are asked again and again nearly where they were asked before: as a contact asks from tick to tick.
 #pragma once
 
+#include "palpate/lanes.hpp"
 #include "palpate/spline.hpp"
 
 #include <cmath>
@@ -20,10 +21,8 @@ public:
   Pieces() { forget(); }
 
   /// Other coefficients from now on: of all curves, or of curve k.
-  void forget() {
-    for (double& start : start_) start = kNone;
-  }
-  void forget(int k) { start_[k] = kNone; }
+  void forget() { start_.fill(kNone); }
+  void forget(int k) { start_.set(k, kNone); }
 
   /// Makes curve k's cubic that of the interval of t, which is spline::in_intervals of an abscissa. Returns the
   /// interval.
@@ -40,25 +39,41 @@ public:
   }
   /// The same for a caller that knows that curve k has another, and its cubic.
   void set(int k, const spline::Cubic& cubic, int interval) const {
-    for (int p = 0; p < 4; ++p) power_[p][k] = cubic.power[p];
-    start_[k] = interval;
+    for (int p = 0; p < 4; ++p) power_[p].set(k, cubic.power[p]);
+    start_.set(k, interval);
   }
 
   /// Curve k at t[k]. False where one of these is not in the curve's interval, or no number: its cubic is to be taken.
-  bool values(const double (&t)[N], double (&value)[N]) const {
-    double share[N];
-    for (int k = 0; k < N; ++k) share[k] = t[k] - start_[k];
+  bool values(const Lanes<N>& t, Lanes<N>& value) const {
+    Lanes<N> share;
+    const bool inside = shares(t, share);
     at(share, value);
-    int inside = 1;
-    for (int k = 0; k < N; ++k) inside &= std::fabs(share[k] - 0.5) < 0.5 + kSlack ? 1 : 0;
-    return inside != 0;
+    return inside;
   }
 
   /// The same for a caller that knows that t is in the intervals.
-  void known_values(const double (&t)[N], double (&value)[N]) const {
-    double share[N];
-    for (int k = 0; k < N; ++k) share[k] = t[k] - start_[k];
-    at(share, value);
+  void known_values(const Lanes<N>& t, Lanes<N>& value) const {
+    for (int i = 0; i < Lanes<N>::kTwos; ++i) value.of[i] = cubic_at(i, t.of[i] - start_.of[i]);
+  }
+
+  /// In two steps, of which the first does for all that have taken the same intervals: shares of the intervals, false
+  /// as above; the curves there.
+  bool shares(const Lanes<N>& t, Lanes<N>& share) const {
+    constexpr double kReach = 0.5 + kSlack;
+    Lanes<N> off;
+    for (int i = 0; i < Lanes<N>::kTwos; ++i) {
+      share.of[i] = t.of[i] - start_.of[i];
+      off.of[i] = share.of[i] - two(0.5, 0.5);
+    }
+    if constexpr (N % 2 != 0) off.set(N, 0);
+    return off.squares_below(kReach * kReach);
+  }
+  void at(const Lanes<N>& share, Lanes<N>& value) const {
+    for (int i = 0; i < Lanes<N>::kTwos; ++i) value.of[i] = cubic_at(i, share.of[i]);
+  }
+  /// All at one share.
+  void all_at(double share, Lanes<N>& value) const {
+    for (int i = 0; i < Lanes<N>::kTwos; ++i) value.of[i] = cubic_at(i, two(share, share));
   }
 
   /// Of curve k: the interval taken, and what it is there.
@@ -68,15 +83,12 @@ public:
 private:
   static constexpr double kNone = -1e9;  // further than any argument goes
 
-  void at(const double (&share)[N], double (&value)[N]) const {
-    for (int k = 0; k < N; ++k) {
-      const double v = share[k];
-      value[k] = (power_[0][k] + v * power_[1][k]) + v * v * (power_[2][k] + v * power_[3][k]);
-    }
+  [[nodiscard]] Two cubic_at(int i, const Two& v) const {
+    return (power_[0].of[i] + v * power_[1].of[i]) + v * v * (power_[2].of[i] + v * power_[3].of[i]);
   }
 
-  mutable double start_[N];
-  mutable double power_[4][N] = {};  ///< by powers of the share of the interval
+  mutable Lanes<N> start_;
+  mutable Lanes<N> power_[4] = {};  ///< by powers of the share of the interval
 };
 
 }  // namespace palpate::runtime

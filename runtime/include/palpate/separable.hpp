@@ -3,8 +3,8 @@
 #pragma once
 
 #include "palpate/depth_terms.hpp"
+#include "palpate/sideways_curves.hpp"
 #include "palpate/surface.hpp"
-#include "palpate/triple.hpp"
 #include "palpate/view.hpp"
 
 #include <cmath>
@@ -35,9 +35,8 @@ class SeparableLaw {
   static constexpr bool kLateral = (kFeatures & layout::feature_lateral) != 0;
   static constexpr bool kFriction = (kFeatures & layout::feature_friction) != 0;
   static constexpr bool kSpin = (kFeatures & layout::feature_spin) != 0;
-  using Triple = runtime::Triple<(kFeatures & layout::feature_rim) != 0 ? 2 : 1>;
-  using Lanes = double[Triple::kLanes];
-  static constexpr int kTriples = 3, kNear = kTriples * Triple::kResponses;  // without spins there are no more
+  using Curves = SidewaysCurves<(kFeatures & layout::feature_rim) != 0 ? 2 : 1>;
+  static constexpr int kNear = Curves::kLayers * Curves::kSites;  // without spins there are no more
 
 public:
   /// Forgets all responses. The basis spans what lies across n(c).
@@ -47,48 +46,44 @@ public:
     basis_y_ = basis_y;
     per_depth_ = 1 / static_cast<double>(meta.depth_scale);
     per_sideways_ = meta.sideways_scale > 0 ? 1 / static_cast<double>(meta.sideways_scale) : 0;
-    responses_ = triples_ = 0;
+    responses_ = 0;
     low_ = 1;
     high_ = 0;
     pushed_interval_ = -1;
     depth_curves_.forget();
-    depth_intervals_[kPush] = intervals(meta.normal_coefs);
+    depth_intervals_.set(kPush, intervals(meta.normal_coefs));
     if constexpr (kLateral) {
-      depth_intervals_[kStraight] = depth_intervals_[kStraight + 1] = intervals(meta.lateral_coefs);
+      depth_intervals_.set(kStraight, intervals(meta.lateral_coefs));
+      depth_intervals_.set(kStraight + 1, intervals(meta.lateral_coefs));
     }
     if constexpr (kFriction) {
-      depth_intervals_[kMu] = intervals(meta.friction_coefs);
+      depth_intervals_.set(kMu, intervals(meta.friction_coefs));
       growth_intervals_ = intervals(meta.growth_coefs);
       known_.depth = 0;
+      curves_.begin(meta);
     }
   }
 
-  /// One response of the view, by its index, with its sideways curves along x and along n(c) x x. kSpun: there may be
-  /// more of them than a contact has without spins.
+  /// One response of the view, by its index, with its sideways curves along x and along n(c) x x: those of a tool's
+  /// vertex at the three sites of the patch, then the next vertex'. kSpun: in any order, and there may be more of them
+  /// than a contact has without spins; finish_spun() is to follow.
   template <bool kSpun>
   void add(const View& view, std::uint64_t index, double weight, const Across& x) {
-    const float* push = view.normal_coefs(index);
-    const std::uint32_t count = meta_->normal_coefs;
-    if (responses_ == 0) {
-      for (std::uint32_t k = 0; k < count; ++k) push_[k] = weight * push[k];
-    } else {
-      for (std::uint32_t k = 0; k < count; ++k) push_[k] += weight * push[k];
-    }
-    const From from{push + count, weight, x.cosine, x.sine};
-    if constexpr (kLateral || kFriction) from_[responses_] = from;
+    const From& from = from_[responses_] = {view.normal_coefs(index), weight, x.cosine, x.sine};
     if constexpr (kFriction) {
-      if (meta_->friction_coefs > 0 && (!kSpun || responses_ < kNear)) add_friction(from);
+      if (meta_->friction_coefs > 0 && (!kSpun || responses_ < kNear)) {
+        curves_.template set<kSpun>(responses_ / Curves::kSites, responses_ % Curves::kSites, friction_of(from), weight,
+                                    x.cosine, x.sine);
+      }
     }
     ++responses_;
   }
 
   /// All responses have been added.
-  void finish() {
+  void finish_spun() {
     if constexpr (kFriction) {
-      if (triples_ == 0) return;
-      for (int slot = responses_ - Triple::kResponses * (triples_ - 1); slot < Triple::kResponses; ++slot) {
-        triple_[triples_ - 1].leave_empty(slot);
-      }
+      const int last = responses_ < kNear ? responses_ % Curves::kSites : 0;
+      if (meta_->friction_coefs > 0 && last > 0) curves_.leave_empty_from(last);
     }
   }
 
@@ -98,8 +93,8 @@ public:
     if (!(share < 1)) return beyond(0.5 * (share - 1), terms);
     const double s = std::sqrt(share);
     if (!(s > low_ && s < high_)) take_depth(s);
-    double t[kCurves], value[kCurves];
-    for (int k = 0; k < kCurves; ++k) t[k] = s * depth_intervals_[k];
+    Lanes<kCurves> t, value;
+    for (int i = 0; i < t.kTwos; ++i) t.of[i] = two(s, s) * depth_intervals_.of[i];
     depth_curves_.known_values(t, value);
     terms.normal_force = value[kPush];
     if constexpr (kLateral) {
@@ -109,8 +104,7 @@ public:
     if constexpr (kFriction) {
       if (meta_->friction_coefs == 0) return;
       terms.limit = value[kMu] * terms.normal_force;
-      const double at = s * growth_intervals_;
-      for (int j = 0; j < triples_; ++j) triple_[j].growths(at, terms.growth[j]);
+      curves_.growths(s * growth_intervals_, terms.growth);
     }
   }
 
@@ -137,18 +131,19 @@ public:
     if (!(s > low_ && s < high_)) {
       low_ = 1;
       high_ = 0;
-      take(kPush, push_, meta_->normal_coefs, s);
+      take_push(s);
     }
     const int interval = depth_curves_.interval(kPush);
     if (interval != pushed_interval_) {
       pushed_interval_ = interval;
-      pushed_before_ = spline::first_moment(push_, count, interval);
+      pushed_before_ = moment_before(interval);
     }
     const double here = spline::first_moment(depth_curves_.cubic(kPush), interval, s * intervals - interval);
     double work = 2 * scale * (pushed_before_ + here) / (intervals * intervals);  // dz = 2 Z s ds
     if (share > 1) {
       const double further = z - scale;
-      work += further * (push_[count - 1] + 0.25 * further * per_depth_ * spline::slope_at_1(push_, count));
+      const Four last = blended(0, count - 4);
+      work += further * (last.of[3] + 0.75 * further * per_depth_ * intervals * (last.of[3] - last.of[2]));
     }
     return work;
   }
@@ -156,28 +151,25 @@ public:
   /// The share of a sideways deflection that going deeper from z0 > 0 leaves: the least of growth(z0) / growth(z1), so
   /// that no more is stored than before; 1 where none grows.
   [[nodiscard]] double share_kept(double z0, const DepthTerms& at_z1) const {
-    Lanes least = {1, 1, 1, 1, 1, 1};
+    double kept = 1;
     if constexpr (kFriction) {
       if (known_.depth != z0) {
         known_.depth = z0;
         const double share = z0 * per_depth_;
-        for (int j = 0; j < triples_; ++j) {
-          if (share < 1) {
-            triple_[j].growths_once(std::sqrt(share), known_.growth[j]);
-          } else {
-            triple_[j].growths_beyond(0.5 * (share - 1), known_.growth[j]);
-          }
+        if (share < 1) {
+          curves_.growths_once(std::sqrt(share), known_.growth);
+        } else {
+          curves_.growths_beyond(0.5 * (share - 1), known_.growth);
         }
       }
-      for (int j = 0; j < triples_; ++j) {
-        for (int k = 0; k < Triple::kLanes; ++k) {
-          const double ratio = known_.growth[j][k] / at_z1.growth[j][k];  // NaN where there is none
-          least[k] = ratio < least[k] ? ratio : least[k];
+      for (int j = 0; j < curves_.layers(); ++j) {
+        for (int k = 0; k < Curves::kSites; ++k) {
+          const Two ratio = known_.growth[j].of[k] / at_z1.growth[j].of[k];  // no number where there is none
+          kept = ratio[0] < kept ? ratio[0] : kept;
+          kept = ratio[1] < kept ? ratio[1] : kept;
         }
       }
     }
-    double kept = least[0];
-    for (const double each : least) kept = each < kept ? each : kept;
     if constexpr (kFriction && kSpin) {
       if (responses_ > kNear) return further_share_kept(z0, at_z1.depth, kept);
     }
@@ -188,9 +180,7 @@ public:
   void remember(const DepthTerms& terms) const {
     if constexpr (kFriction) {
       known_.depth = terms.depth;
-      for (int j = 0; j < triples_; ++j) {
-        for (int k = 0; k < Triple::kLanes; ++k) known_.growth[j][k] = terms.growth[j][k];
-      }
+      for (int j = 0; j < curves_.layers(); ++j) known_.growth[j] = terms.growth[j];
     }
   }
 
@@ -204,21 +194,38 @@ public:
   }
 
 private:
-  /// A response: its curves behind that of the push, and as Triple::set takes it.
+  /// A response: its coefficients, its weight, the angle of its x axis.
   struct From {
     const float* coefs;
     double weight, cosine, sine;
   };
 
-  /// Four coefficients of the straight push's sideways forces from `first` on, blended, along basis_x_ and basis_y_.
+  /// Of a curve that lies `at` coefficients behind a response's first: four coefficients from `first` on, blended.
+  struct Four {
+    double of[4];
+  };
+  [[nodiscard, gnu::noinline]] Four blended(std::uint32_t at, int first) const {
+    Four sum = {};
+    for (int j = 0; j < responses_; ++j) {
+      const float* four = from_[j].coefs + at + first;
+      for (int k = 0; k < 4; ++k) sum.of[k] += from_[j].weight * four[k];
+    }
+    return sum;
+  }
+  [[nodiscard]] Four blended_limit(int first) const {
+    const layout::Meta& m = *meta_;
+    return blended(m.normal_coefs + 2 * (m.lateral_coefs + m.growth_coefs + m.sideways_coefs), first);
+  }
+
+  /// The same of the straight push's sideways forces, along basis_x_ and basis_y_.
   struct Straight {
     double x[4], y[4];
   };
-  [[nodiscard]] Straight blended_straight(int first) const {
+  [[nodiscard, gnu::noinline]] Straight blended_straight(int first) const {
     Straight sum = {};
     for (int j = 0; j < responses_; ++j) {
       const From& from = from_[j];
-      const float *x = from.coefs + first, *y = x + meta_->lateral_coefs;
+      const float *x = from.coefs + meta_->normal_coefs + first, *y = x + meta_->lateral_coefs;
       const double cosine = from.weight * from.cosine, sine = from.weight * from.sine;
       for (int k = 0; k < 4; ++k) sum.x[k] += cosine * x[k] - sine * y[k];
       for (int k = 0; k < 4; ++k) sum.y[k] += sine * x[k] + cosine * y[k];
@@ -226,34 +233,22 @@ private:
     return sum;
   }
 
-  /// The same of the friction limit.
-  struct Limit {
-    double mu[4];
-  };
-  [[nodiscard]] Limit blended_limit(int first) const {
-    Limit sum = {};
+  /// Of the push: spline::first_moment to the start of an interval.
+  [[nodiscard]] double moment_before(int interval) const {
+    double sum[layout::kMaxCoefs] = {};
     for (int j = 0; j < responses_; ++j) {
-      const float* mu = friction_of(from_[j]) + 2 * (meta_->growth_coefs + meta_->sideways_coefs) + first;
-      for (int k = 0; k < 4; ++k) sum.mu[k] += from_[j].weight * mu[k];
+      for (int k = 0; k < interval + 3; ++k) sum[k] += from_[j].weight * from_[j].coefs[k];
     }
-    return sum;
-  }
-
-  void add_friction(const From& from) {
-    const int slot = responses_ % Triple::kResponses;
-    if (slot == 0) triple_[triples_++].begin(*meta_);
-    triple_[triples_ - 1].set(slot, friction_of(from), from.weight, from.cosine, from.sine);
+    return spline::first_moment(sum, static_cast<int>(meta_->normal_coefs), interval);
   }
 
   /// kTake: the curves need not have been taken where the deflection is.
   template <bool kTake>
   [[nodiscard]] Vec3 sum_sideways(const DepthTerms& terms, const Vec3& deflection, Part part) const {
     const double x = per_sideways_ * dot(deflection, basis_x_), y = per_sideways_ * dot(deflection, basis_y_);
-    double force[2] = {0, 0};
-    for (int j = 0; j < triples_; ++j) {
-      if (!triple_[j].template add_force<kTake>(terms.growth[j], static_cast<int>(part), x, y, force)) {
-        return take_sideways(terms, deflection, part);
-      }
+    Two force;
+    if (!curves_.template set_force<kTake>(terms.growth, static_cast<int>(part), x, y, force)) {
+      return take_sideways(terms, deflection, part);
     }
     if constexpr (kSpin) {
       if (responses_ > kNear) return with_further(terms.depth, x, y, force[0], force[1]);
@@ -263,9 +258,11 @@ private:
 
   struct Known {
     double depth = 0;  ///< m; none where it is 0
-    Lanes growth[kTriples];
+    typename Curves::Growths growth;
   };
-  [[nodiscard]] const float* friction_of(const From& from) const { return from.coefs + 2 * meta_->lateral_coefs; }
+  [[nodiscard]] const float* friction_of(const From& from) const {
+    return from.coefs + meta_->normal_coefs + 2 * meta_->lateral_coefs;
+  }
 
   // What follows is rarely called, and long: inlined it would slow every tick.
 
@@ -273,20 +270,22 @@ private:
   [[gnu::noinline]] void take_depth(double s) const {
     low_ = -1;
     high_ = 2;
-    narrow(take(kPush, push_, meta_->normal_coefs, s), meta_->normal_coefs);
+    take_push(s);
     if constexpr (kLateral) {
       if (meta_->lateral_coefs > 0) take_straight(s);
     }
     if constexpr (kFriction) {
       if (meta_->friction_coefs == 0) return;
       take_limit(s);
-      for (int j = 0; j < triples_; ++j) {
-        narrow(triple_[j].take_growths(s * growth_intervals_), meta_->growth_coefs);
-      }
+      narrow(curves_.take_growths(s * growth_intervals_), meta_->growth_coefs);
     }
   }
-  int take(int curve, const double* coefs, std::uint32_t count, double s) const {
-    return depth_curves_.take(curve, coefs, static_cast<int>(count), s * depth_intervals_[curve]);
+  void take_push(double s) const {
+    const int count = static_cast<int>(meta_->normal_coefs);
+    const int interval = spline::interval_of(count, s * depth_intervals_[kPush]);
+    narrow(interval, meta_->normal_coefs);
+    if (depth_curves_.interval(kPush) == interval) return;
+    depth_curves_.set(kPush, spline::cubic_of(blended(0, interval).of, count, interval), interval);
   }
   void take_straight(double s) const {
     const int count = static_cast<int>(meta_->lateral_coefs);
@@ -302,7 +301,7 @@ private:
     const int interval = spline::interval_of(count, s * depth_intervals_[kMu]);
     narrow(interval, meta_->friction_coefs);
     if (depth_curves_.interval(kMu) == interval) return;
-    depth_curves_.set(kMu, spline::cubic_of(blended_limit(interval).mu, count, interval), interval);
+    depth_curves_.set(kMu, spline::cubic_of(blended_limit(interval).of, count, interval), interval);
   }
   void narrow(int interval, std::uint32_t count) const {
     constexpr double kSlack = Pieces<kCurves>::kSlack;
@@ -355,7 +354,7 @@ private:
         const float* coefs = friction_of(of) + 2 * meta_->growth_coefs + axis * count;
         const double beyond = std::fabs(r[axis]) - 1;
         double phi = spline::value(coefs, count, 0.5 * (r[axis] + 1));
-        if (beyond > 0) phi += 0.5 * beyond * Triple::outward_slope(coefs, count, r[axis] > 0);
+        if (beyond > 0) phi += 0.5 * beyond * Curves::outward_slope(coefs, count, r[axis] > 0);
         f[axis] = further_growth(of, axis, at) * phi;
       }
       force_x += of.cosine * f[0] - of.sine * f[1];
@@ -371,15 +370,16 @@ private:
   /// What at_depth says at Z and deeper: linear in z, ds/dz = 1 / (2 Z); `extra` is s - 1 so.
   [[gnu::noinline]] void beyond(double extra, DepthTerms& terms) const {
     const layout::Meta& m = *meta_;
-    terms.normal_force = spline::beyond(push_, static_cast<int>(m.normal_coefs), extra);
+    const int count = static_cast<int>(m.normal_coefs);
+    terms.normal_force = spline::beyond(blended(0, count - 4).of, 4, extra * (count - 3));
     if constexpr (kLateral) {
       if (m.lateral_coefs > 0) terms.straight = straight_beyond(extra);
     }
     terms.limit = HUGE_VAL;
     if constexpr (kFriction) {
       if (m.friction_coefs == 0) return;
-      terms.limit = blended_limit(static_cast<int>(m.friction_coefs) - 4).mu[3] * terms.normal_force;
-      for (int j = 0; j < triples_; ++j) triple_[j].growths_beyond(extra, terms.growth[j]);
+      terms.limit = blended_limit(static_cast<int>(m.friction_coefs) - 4).of[3] * terms.normal_force;
+      curves_.growths_beyond(extra, terms.growth);
     }
   }
 
@@ -400,19 +400,18 @@ private:
   const layout::Meta* meta_ = nullptr;
   Vec3 basis_x_, basis_y_;
   double per_depth_ = 0, per_sideways_ = 0;  ///< 1 / Z, 1 / X (1/m)
-  int responses_ = 0, triples_ = 0;
-  detail::If<kFriction, Triple[kTriples]> triple_;
-  double push_[layout::kMaxCoefs] = {};
+  int responses_ = 0;
+  detail::If<kFriction, Curves> curves_;
   // While low_ < s < high_ the cubics are of the right intervals.
   mutable double low_ = 1, high_ = 0;
   // For the work of a straight push: that to the start of this interval, -1 where none is known.
   mutable int pushed_interval_ = -1;
   mutable double pushed_before_ = 0;
   Pieces<kCurves> depth_curves_;
-  double depth_intervals_[kCurves] = {};
+  Lanes<kCurves> depth_intervals_ = {};
   detail::If<kFriction, double> growth_intervals_ = {};
   mutable detail::If<kFriction, Known> known_;
-  detail::If<kLateral || kFriction, From[kSpin ? 3 * kNear : kNear]> from_ = {};  ///< behind what every tick reads
+  From from_[kSpin ? 3 * kNear : kNear] = {};  ///< behind what every tick reads
 };
 
 }  // namespace palpate::runtime

@@ -90,29 +90,33 @@ inline Across carried_axis(const layout::Site& site, const Vec3& n, const Vec3& 
   return {scale * carried.cosine, scale * carried.sine};
 }
 
-/// Distinct vertices, numbered over all tools, of a tool point with their weights; returns how many.
+/// Distinct vertices, numbered over all tools, of a tool point, with their weights.
+struct ToolCorners {
+  int count = 0;
+  std::uint32_t vertex[3] = {};
+  double weight[3] = {};
+};
+inline bool operator==(const ToolCorners& a, const ToolCorners& b) {
+  bool same = a.count == b.count;
+  for (int k = 0; k < 3; ++k) same = same && a.vertex[k] == b.vertex[k] && a.weight[k] == b.weight[k];
+  return same;
+}
 template <std::uint32_t kFeatures = layout::feature_all>
-inline int tool_corners(const View& view, std::uint32_t tool, const ToolPoint& at, std::uint32_t (&corner)[3],
-                        double (&weight)[3]) {
+inline ToolCorners tool_corners(const View& view, std::uint32_t tool, const ToolPoint& at) {
   const layout::ToolRecord& record = view.tools[tool];
   if ((kFeatures & layout::feature_tool_patches) == 0 || view.tool_patches == nullptr || record.vertex_count == 1) {
-    corner[0] = record.first_vertex;
-    weight[0] = 1;
-    return 1;
+    return {1, {record.first_vertex}, {1}};
   }
   const layout::ToolPatch& patch = view.tool_patches[at.patch];
-  int count = 0;
+  ToolCorners corners;
   for (int k = 0; k < 3; ++k) {
     if (!(at.weights[k] > 0)) continue;
     int same = 0;
-    while (same < count && corner[same] != patch.vertex[k]) ++same;
-    if (same == count) {
-      corner[count] = patch.vertex[k];
-      weight[count++] = 0;
-    }
-    weight[same] += at.weights[k];
+    while (same < corners.count && corners.vertex[same] != patch.vertex[k]) ++same;
+    if (same == corners.count) corners.vertex[corners.count++] = patch.vertex[k];
+    corners.weight[same] += at.weights[k];
   }
-  return count;
+  return corners;
 }
 
 /// Leaves a triangle across the edge opposite `corner`: the same point seen from the neighbour.

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: MIT
+// Sideways curves of up to nine separable responses side by side: what grows with the depth, what follows a deflection.
+#pragma once
+
+#include "palpate/math3.hpp"
+#include "palpate/pieces.hpp"
+#include "palpate/view.hpp"
+
+namespace palpate::runtime {
+
+/// Sideways forces g(z) phi(r) of up to nine responses, each in its body vertex' frame, in layers of three: a vertex of
+/// the tool at each site of the patch. All that a tick asks for is computed for the six curves of a layer at once
+/// (first x and y of the first site, then of the second, ...), so that compilers use vectors; r, which is the site's,
+/// for all layers. What was asked for last is remembered for kParts deflections, each for itself: those of a contact's
+/// core and rim (rim.hpp). Not for several threads at once.
+template <int kParts>
+class SidewaysCurves {
+public:
+  static constexpr int kSites = 3, kLayers = 3, kLanes = 2 * kSites;
+  using Lanes = runtime::Lanes<kLanes>;
+  using Growths = Lanes[kLayers];
+
+  /// Of which file the responses are that are set from now on.
+  void begin(const layout::Meta& meta) {
+    growth_count_ = static_cast<int>(meta.growth_coefs);
+    sideways_count_ = static_cast<int>(meta.sideways_coefs);
+    layers_ = 0;
+    apart_ = false;
+  }
+
+  /// Response k of a layer, each of them once, layer by layer: its coefficients (gx, gy, phix, phiy), its weight, the
+  /// angle of its x axis. Where it is the one that was there before, as while c slides within a patch, what is
+  /// remembered of its curves stays good. kApart: the axis is the response's own, and not its site's.
+  template <bool kApart>
+  void set(int layer, int k, const float* coefs, double weight, double cosine, double sine) {
+    layers_ = layer + 1;
+    apart_ = kApart;
+    if (coefs_[layer][k] != coefs) take_over(layer, k, coefs);
+    weight_[layer].of[k] = two(weight, weight);
+    if (!kApart && layer > 0) return;
+    cosine_[layer].of[k] = two(cosine, cosine);
+    sine_[layer].of[k] = two(sine, -sine);
+  }
+
+  /// There are only so many responses in the last layer, at least one.
+  void leave_empty_from(int k) {
+    for (; k < kSites; ++k) set<true>(layers_ - 1, k, coefs_[layers_ - 1][0], 0, 0, 0);
+  }
+
+  [[nodiscard]] int layers() const { return layers_; }
+
+  /// Weighted growths where all are on the interval taken; t: in intervals.
+  void growths(double t, Growths& growth) const {
+    const double share = t - growth_interval_;
+    each_layer([&](int j) PALPATE_INLINE_LAMBDA {
+      Lanes g;
+      growth_[j].all_at(share, g);
+      weigh(j, g, growth[j]);
+    });
+  }
+
+  /// Weighted growths at s in [0, 1], where nobody asked before nor is soon to ask again: takes no intervals.
+  void growths_once(double s, Growths& growth) const {
+    const spline::Basis basis = spline::basis(growth_count_, s);
+    for (int j = 0; j < layers_; ++j) {
+      Lanes g;
+      for (int lane = 0; lane < kLanes; ++lane) g.set(lane, spline::combine(basis, growth_coefs(j, lane)));
+      weigh(j, g, growth[j]);
+    }
+  }
+
+  /// Takes the interval at t, which is returned.
+  int take_growths(double t) const {
+    const int interval = spline::interval_of(growth_count_, t);
+    if (interval == growth_interval_) return interval;
+    for (int j = 0; j < layers_; ++j) {
+      for (int lane = 0; lane < kLanes; ++lane) {
+        growth_[j].take(lane, growth_coefs(j, lane), growth_count_, interval);
+      }
+    }
+    growth_interval_ = interval;
+    return interval;
+  }
+
+  /// Weighted growths beyond the depth scale, where the curves go on linearly by `extra`.
+  void growths_beyond(double extra, Growths& growth) const {
+    for (int j = 0; j < layers_; ++j) {
+      Lanes g;
+      for (int lane = 0; lane < kLanes; ++lane) {
+        g.set(lane, spline::beyond(growth_coefs(j, lane), growth_count_, extra));
+      }
+      weigh(j, g, growth[j]);
+    }
+  }
+
+  /// Sets the force (N) at a deflection x, y (of the sideways scale) of a part. False, and nothing of use, where phi is
+  /// to be taken elsewhere (kTake does).
+  template <bool kTake>
+  bool set_force(const Growths& growth, int part, double x, double y, Two& force) const {
+    Lanes r, t, share, f, phi;
+    force = two(0, 0);
+    bool inside = true;
+    turn_in(0, x, y, r, t);
+    if constexpr (!kTake) inside = phi_[part][0].shares(t, share);
+    if (!inside) return false;
+    each_layer([&](int j) PALPATE_INLINE_LAMBDA {
+      if (apart_ && j > 0) {
+        turn_in(j, x, y, r, t);
+        if constexpr (!kTake) inside = phi_[part][j].shares(t, share) && inside;
+      }
+      if constexpr (kTake) {
+        take_phi(part, j, r, t, phi);
+      } else {
+        phi_[part][j].at(share, phi);
+      }
+      for (int k = 0; k < kSites; ++k) phi.of[k] *= growth[j].of[k];
+      if (apart_) return add_turned(j, phi, force);
+      for (int k = 0; k < kSites; ++k) f.of[k] = j == 0 ? phi.of[k] : f.of[k] + phi.of[k];
+    });
+    if (!apart_) add_turned(0, f, force);
+    return inside;
+  }
+
+  /// Of phi with these coefficients, where it goes on along its tangent above 1 (up) or below -1.
+  [[nodiscard]] static double outward_slope(const float* coefs, int count, bool up) {
+    return up ? spline::slope_at_1(coefs, count) : -spline::slope_at_0(coefs, count);
+  }
+
+private:
+  /// Layer by layer: compilers would put two beside each other and take what is left number by number.
+  template <class Each>
+  PALPATE_TICK_INLINE void each_layer(const Each& each) const {
+    each(0);
+    if (layers_ > 1) each(1);
+    if (layers_ > 2) each(2);
+  }
+
+  void take_over(int layer, int k, const float* coefs) {
+    coefs_[layer][k] = coefs;
+    growth_interval_ = -1;
+    for (int lane = 2 * k; lane < 2 * k + 2; ++lane) {
+      growth_[layer].forget(lane);
+      for (auto& phi : phi_) {
+        phi[layer].forget(lane);
+        phi[0].forget(lane);  // which is asked for all
+      }
+    }
+  }
+
+  [[nodiscard]] const float* growth_coefs(int layer, int lane) const {
+    return coefs_[layer][lane / 2] + (lane % 2) * growth_count_;
+  }
+  [[nodiscard]] const float* phi_coefs(int layer, int lane) const {
+    return coefs_[layer][lane / 2] + 2 * growth_count_ + (lane % 2) * sideways_count_;
+  }
+
+  void weigh(int layer, const Lanes& g, Lanes& growth) const {
+    for (int k = 0; k < kSites; ++k) growth.of[k] = weight_[layer].of[k] * positive(g.of[k]);
+  }
+
+  /// A deflection in the frames of a layer, as shares of the scale and in intervals of phi.
+  void turn_in(int layer, double x, double y, Lanes& r, Lanes& t) const {
+    const double half = 0.5 * (sideways_count_ - 3);
+    for (int k = 0; k < kSites; ++k) {
+      r.of[k] = cosine_[layer].of[k] * two(x, y) + sine_[layer].of[k] * two(y, x);
+      t.of[k] = (r.of[k] + two(1, 1)) * two(half, half);
+    }
+  }
+
+  void add_turned(int layer, const Lanes& f, Two& force) const {
+    for (int k = 0; k < kSites; ++k) {
+      force += cosine_[layer].of[k] * f.of[k] - sine_[layer].of[k] * swapped(f.of[k]);
+    }
+  }
+
+  /// phi inside [-1, 1] is the spline, outside its tangent at the end; t: r in intervals.
+  void take_phi(int part, int layer, const Lanes& r, const Lanes& t, Lanes& phi) const {
+    const double last = sideways_count_ - 3;
+    Lanes inside;
+    for (int k = 0; k < kLanes; ++k) {
+      inside.set(k, t[k] > 0 ? (t[k] < last ? t[k] : last) : 0.0);
+      phi_[part][layer].take(k, phi_coefs(layer, k), sideways_count_, inside[k]);
+    }
+    phi_[part][layer].known_values(inside, phi);
+    for (int k = 0; k < kLanes; ++k) {
+      const double beyond = std::fabs(r[k]) - 1;
+      if (!(beyond > 0)) continue;
+      phi.set(k, phi[k] + 0.5 * beyond * outward_slope(phi_coefs(layer, k), sideways_count_, r[k] > 0));
+    }
+  }
+
+  int growth_count_ = 0, sideways_count_ = 0, layers_ = 0;
+  bool apart_ = false;                ///< each response has its own axis
+  mutable int growth_interval_ = -1;  ///< that all growths are taken on; -1 where some are not
+  const float* coefs_[kLayers][kSites] = {};
+  Growths weight_ = {}, cosine_ = {}, sine_ = {};  ///< the sine of each y is the negative
+  Pieces<kLanes> growth_[kLayers], phi_[kParts][kLayers];
+};
+
+}  // namespace palpate::runtime
