@@ -6,7 +6,9 @@ set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 palpate_install
-palpate_install clang-14 libclang-rt-14-dev || echo "palpate: without clang the fuzzer is skipped" >&2
+palpate_install clang clang-14 libclang-rt-14-dev valgrind \
+  gcc-arm-none-eabi libstdc++-arm-none-eabi-newlib qemu-system-arm ||
+  echo "palpate: what needs clang, valgrind, or a Cortex-M7's compiler and emulator is skipped" >&2
 status=0
 
 palpate_build release
