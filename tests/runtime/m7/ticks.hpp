@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The ticks of all tools of a response file along a motion that host and microcontroller make alike.
+// The ticks of all tools of a response file along motions that host and microcontroller make alike.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include "palpate/runtime.hpp"
@@ -9,53 +10,103 @@
 
 namespace palpate::test {
 
+enum class Hand : std::uint32_t {
+  wandering,  ///< as a hand may
+  /// Beyond any motion: at every tick another depth, from a millionth to half of the scale, and another tilt, up to 55
+  /// degrees and mostly much less.
+  leaping
+};
+
 /// What one tick answered, and what it took: as the board writes it.
 struct TickRecord {
   std::uint32_t state;
   float force[3], torque[3];  ///< N, N m
   /// Instructions: of the tick, which was given a search; of the search for later ones; of a tick that searches itself;
-  /// of the first without the features that the file does not hold (as far as `tick_all` knows such programs).
+  /// of the first in a program of fewer features (0 where there is none). The last two are of a wandering hand.
   std::uint32_t tick, search, alone, lean;
 };
 
-template <std::uint32_t kFeatures, class Count, class Keep>
-void tick_tools(const runtime::View& view, const Count& count, const Keep& keep) {
+/// The tick of the one contact of a program with these features, each in a translation unit of its own (program.cpp).
+using ProgramTick = runtime::Tick (*)(const runtime::Pose&, const runtime::Search&);
+/// Begins it anew.
+template <std::uint32_t kFeatures>
+ProgramTick begin_program(const runtime::View& view, std::uint32_t tool);
+
+/// Where a tool is at every tick, over the box of response_samples.hpp.
+class Motion {
+public:
+  Motion(const runtime::View& view, std::uint32_t tool, Hand hand)
+      : hand_(hand),
+        scale_(view.meta->depth_scale),
+        round_(view.tools[tool].probe_radius),
+        corners_(round_ > 0 ? 0 : skeleton_radius(view, tool)),
+        wandering_(tool),
+        random_(tool) {}
+
+  runtime::Pose next() {
+    const runtime::Pose pose = wandering_.next();
+    if (hand_ == Hand::wandering) return pose;
+    const double most = halved(0.3, 7), x = tilt(most), y = tilt(most), z = tilt(most);  // tangents of half an angle
+    const double depth = halved(0.5 * scale_ * (1 - 0.5 * uniform()), 19);
+    runtime::Pose leap = runtime::Pose::from_quaternion(1, x, y, z, pose.translation);
+    double below = 0;  // of a mesh: the sample's is an octahedron
+    for (int k = 0; k < 3; ++k) below = std::fmax(below, std::fabs(leap.rotation[6 + k]));
+    leap.translation.z = kTop + round_ + corners_ * below - depth;
+    return leap;
+  }
+
+private:
+  static constexpr double kTop = 0.015;  // m
+
+  double uniform() {
+    random_ = 1664525u * random_ + 1013904223u;
+    return (random_ >> 8) / 16777216.0;
+  }
+  double tilt(double most) { return most * (2 * uniform() - 1); }
+  /// Fewer than so many times.
+  double halved(double value, int times) { return std::ldexp(value, -static_cast<int>(times * uniform())); }
+
+  Hand hand_;
+  double scale_, round_, corners_;  ///< m
+  Wandering wandering_;
+  std::uint32_t random_;
+};
+
+/// `count(work)` does the work and says how many instructions it took; `lean(view, tool)` begins a ProgramTick or is
+/// null; `keep(record, hand)` is given every tick's.
+template <class Count, class Lean, class Keep>
+void tick_all(const runtime::View& view, const Count& count, const Lean& lean, const Keep& keep) {
   constexpr int kTicks = 1000, kSearchEvery = 20;
-  for (std::uint32_t tool = 0; tool < view.meta->tool_count; ++tool) {
-    Wandering wandering(tool);
-    runtime::Contact contact(view, tool), alone(view, tool);
-    runtime::BasicContact<kFeatures> lean(view, tool);
+  for (std::uint32_t run = 0; run < 2 * view.meta->tool_count; ++run) {
+    const auto hand = static_cast<Hand>(run / view.meta->tool_count);
+    const std::uint32_t tool = run % view.meta->tool_count;
+    Motion motion(view, tool, hand);
+    runtime::Contact alone(view, tool);
+    const ProgramTick full = begin_program<layout::feature_all>(view, tool), fewer = lean(view, tool);
     runtime::Search coming, latest;
     for (int i = 0; i < kTicks; ++i) {
-      const runtime::Pose pose = wandering.next();
+      const runtime::Pose pose = motion.next();
       TickRecord record{};
       // Searches arrive one period late, as those of another thread do.
       if (i % kSearchEvery == 0) {
         latest = i > 0 ? coming : search(view, tool, pose);
         record.search = count([&] { coming = search(view, tool, pose); });
       }
-      runtime::Tick tick;
-      record.tick = count([&] { tick = contact.tick(pose, latest); });
-      record.alone = count([&] { alone.tick(pose); });
-      record.lean = count([&] { lean.tick(pose, latest); });
+      runtime::Tick tick, of_fewer;
+      record.tick = count([&] { tick = full(pose, latest); });
+      if (hand == Hand::wandering) {
+        record.alone = count([&] { alone.tick(pose); });
+        if (fewer != nullptr) record.lean = count([&] { of_fewer = fewer(pose, latest); });
+      }
       record.state = static_cast<std::uint32_t>(tick.state);
       const double answer[] = {tick.force.x, tick.force.y, tick.force.z, tick.torque.x, tick.torque.y, tick.torque.z};
       for (int k = 0; k < 3; ++k) {
         record.force[k] = static_cast<float>(answer[k]);
         record.torque[k] = static_cast<float>(answer[3 + k]);
       }
-      keep(record);
+      keep(record, hand);
     }
   }
-}
-
-/// `count(work)` does the work and says how many instructions it took; `keep(record)` is given every tick's.
-template <class Count, class Keep>
-void tick_all(const runtime::View& view, const Count& count, const Keep& keep) {
-  constexpr std::uint32_t kFriction = layout::feature_friction | layout::feature_lateral;
-  if (view.features == 0) return tick_tools<0>(view, count, keep);
-  if (view.features == kFriction) return tick_tools<kFriction>(view, count, keep);
-  tick_tools<layout::feature_all>(view, count, keep);
 }
 
 }  // namespace palpate::test
