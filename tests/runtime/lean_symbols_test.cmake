@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # A feature that is left out leaves no code: functions of each are in the object with all and not in that with none. Nor
 # does a virtual coupling that nobody names: a tool that is held rigidly is ticked by the same bytes of code. Nor an animated
-# body.
+# body, nor anything else beside a contact: programs that name one such thing have its symbols and no other's.
 include(${CMAKE_CURRENT_LIST_DIR}/../support/run.cmake)
 
 # Sets `functions` to the object's own, and `bytes` to the size of code and constants.
@@ -42,3 +42,51 @@ message(STATUS "${all_bytes} bytes with all features, ${bytes} without")
 if(NOT bytes GREATER 0 OR NOT bytes LESS all_bytes)
   message(FATAL_ERROR "leaving features out saves nothing")
 endif()
+
+# A program of optional.cpp, and all of these symbols that are in it; in another it is a mistake.
+set(table
+  "nothing"
+  "LowPass          Output< output::LowPass::"
+  "RateLimit        Output< output::RateLimit::"
+  "Limit            Output< output::Limit::"
+  "OneAxis          Output< output::OneAxis::"
+  "TwoAxes          Output< output::TwoAxes::"
+  "Passivity        Output< output::Passivity::"
+  "DeviceFrame      DeviceFrame::"
+  "VirtualCoupling  VirtualCoupling::"
+  "SeveralContacts  SeveralContacts< rescaled"
+  "SeveralTools     SeveralTools<"
+  "AdjustedContact  AdjustedContact:: SiteScales:: rescaled"
+  "Grasp            GraspField::"
+  "TurningGrasp     GraspField:: TurnField::"
+  "AnimatedContact  AnimatedContact< AnimatedSurface:: ShapeMaker Exchange:: carried( rebase"
+  "MovingContact    MovingContact:: carried("
+  "Latest           Latest< Exchange::"
+  "EnergyMeter      EnergyMeter::")
+set(optional)
+foreach(row IN LISTS table)
+  separate_arguments(row UNIX_COMMAND "${row}")
+  list(POP_FRONT row)
+  list(APPEND optional ${row})
+endforeach()
+list(REMOVE_DUPLICATES optional)
+foreach(row IN LISTS table)
+  separate_arguments(row UNIX_COMMAND "${row}")
+  list(POP_FRONT row name)
+  run(${LINK} -nostdlib -r -Wl,--gc-sections,--entry=use_${name},--undefined=use_${name} ${OPTIONAL} -o ${FOLDER}/${name}.o)
+  run(${NM} --demangle --defined-only ${FOLDER}/${name}.o)
+  if(NOT output MATCHES " T use_${name}\n")
+    message(FATAL_ERROR "no program ${name}:\n${output}")
+  endif()
+  foreach(symbol IN LISTS optional)
+    list(FIND row "${symbol}" named)
+    string(FIND "${output}" "${symbol}" found)
+    if(found EQUAL -1 AND NOT named EQUAL -1)
+      message(FATAL_ERROR "${symbol} is not even in a program that names ${name}:\n${output}")
+    elseif(named EQUAL -1 AND NOT found EQUAL -1)
+      message(FATAL_ERROR "${symbol} is in a program that names ${name} alone:\n${output}")
+    endif()
+  endforeach()
+endforeach()
+list(LENGTH optional count)
+message(STATUS "${count} symbols of what is optional, each in the programs that name it and in no other")
