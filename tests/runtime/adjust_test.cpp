@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Factors that change while a tool presses: no tear in the force, no energy from nowhere, no race.
+// Factors that change while a tool presses: no tear in the force, no energy from nowhere.
 #include "palpate/adjust.hpp"
 
-#include <atomic>
 #include <cmath>
-#include <thread>
 #include <vector>
 
 #include "tests/runtime/allocation_counter.hpp"
@@ -212,31 +210,6 @@ TEST(Adjust, AllocatesNothing) {
   }
   EXPECT_EQ(allocations(), before);
   EXPECT_GT(sum, 0);
-}
-
-TEST(Adjust, AWriterBesideAForceLoop) {
-  Adjusted a(uniform());
-  std::atomic<bool> done{false};
-  std::thread writer([&] {
-    std::mt19937 random(3);
-    while (!done.load()) {
-      a.scales.set(static_cast<std::uint32_t>(random() % a.file.view.meta->site_count),
-                   static_cast<float>(random() % 200) / 100);
-    }
-  });
-  AdjustedContact contact(a.file.view, 0, a.scales, kRate);
-  contact.tick(at_depth(-0.001), kStep);
-  for (int k = 0; k <= 100; ++k) contact.tick(at_depth(3e-5 * k), kStep);
-  double last = length(contact.tick(at_depth(0.003), kStep).force);
-  bool good = true;
-  for (int k = 0; good && k < 20000; ++k) {
-    const double force = length(contact.tick(at_depth(0.003), kStep).force);
-    good = force >= 0 && force <= last * (1 + 1e-12) && last - force <= 3 * kRate * kStep * hertz(0.003);
-    last = force;
-  }
-  done = true;
-  writer.join();
-  EXPECT_TRUE(good);
 }
 
 }  // namespace

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Searches at a low rate, forces at a high one: in one thread step by step, and in two that race (built with the thread
-// sanitizer).
+// Searches, shapes and factors at a low rate, forces at a high one: in one thread step by step, and in two that race
+// (built with the thread sanitizer).
+#include <atomic>
 #include <cmath>
+#include <random>
 #include <thread>
+#include <vector>
 
 #include "tests/runtime/support.hpp"
 
@@ -190,6 +193,39 @@ TEST(TwoRates, AThreadGivesShapesWhileAnotherMakesForces) {
   EXPECT_EQ(refused, 0);
   EXPECT_GT(surface.number(), 10U);
   EXPECT_GT(most, 0.1);
+}
+
+// Factors come from a thread of their own; every tick's force is between those of whole factors, and what fell stays.
+TEST(TwoRates, AThreadGivesFactorsWhileAnotherMakesForces) {
+  constexpr double kRate = 5;  // 1/s
+  const Opened box(box_content(uniform()));
+  std::vector<runtime::SiteScales::Scale> memory(box.view.meta->site_count);
+  runtime::SiteScales scales(box.view, memory.data());
+  std::atomic<bool> done{false};
+  std::thread writer([&] {
+    std::mt19937 random(3);
+    while (!done.load()) {
+      scales.set(static_cast<std::uint32_t>(random() % box.view.meta->site_count),
+                 static_cast<float>(random() % 200) / 100);
+      std::this_thread::yield();
+    }
+  });
+  runtime::AdjustedContact contact(box.view, 0, scales, kRate);
+  const auto pressed = [&](double depth) {
+    return length(contact.tick(upright({0.004, 0.002, kTop + kTipRadius - depth}), kTick).force);
+  };
+  pressed(-0.001);
+  for (int k = 0; k <= 100; ++k) pressed(3e-5 * k);
+  double last = pressed(0.003);
+  bool good = true;
+  for (int k = 0; good && k < 20000; ++k) {
+    const double force = pressed(0.003);
+    good = force >= 0 && force <= last * (1 + 1e-12) && last - force <= 3 * kRate * kTick * hertz(0.003);
+    last = force;
+  }
+  done = true;
+  writer.join();
+  EXPECT_TRUE(good);
 }
 
 }  // namespace
