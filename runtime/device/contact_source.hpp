@@ -2,7 +2,7 @@
 // Forces of a baked body on a device that holds one of its tools.
 #pragma once
 
-#include "device/force_source.hpp"
+#include "device/scene_answer.hpp"
 #include "palpate/contact.hpp"
 #include "palpate/output.hpp"
 #include "palpate/virtual_coupling.hpp"
@@ -20,12 +20,8 @@ public:
 
   Answer answer(const Sample& sample, double seconds) noexcept override {
     tick_ = tie_.tick(contact_, frame_.to_scene(sample.pose), seconds);
-    Answer answer;
-    if (tick_.state == runtime::State::fault) return answer;
-    answer.force = output_(frame_.to_device(tick_.force), seconds);
-    answer.torque = frame_.to_device(tick_.torque);
-    answer.depth = tick_.depth;
-    answer.usable = true;
+    Answer answer = scene_answer(frame_, tick_);
+    if (answer.usable) answer.force = output_(answer.force, seconds);
     return answer;
   }
 

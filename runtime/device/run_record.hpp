@@ -16,7 +16,7 @@ namespace palpate::device {
 /// First in the file: what the forces were made with. Little-endian, IEEE 754, SI units.
 struct RunHeader {
   static constexpr char kMagic[8] = {'P', 'A', 'L', 'P', 'R', 'U', 'N', 0};
-  static constexpr std::uint32_t kVersion = 3;  ///< version 1 knows no coupling, version 2 no gloves
+  static constexpr std::uint32_t kVersion = 4;  ///< 1 knows no coupling, 2 no gloves, 3 other torques
 
   char magic[8] = {'P', 'A', 'L', 'P', 'R', 'U', 'N', 0};
   std::uint32_t version = kVersion;

@@ -3,7 +3,7 @@
 // late.
 #pragma once
 
-#include "device/force_source.hpp"
+#include "device/scene_answer.hpp"
 #include "palpate/contact.hpp"
 #include "palpate/latest.hpp"
 #include "palpate/output.hpp"
@@ -44,15 +44,8 @@ public:
     const Asked asked{time_, frame_.to_scene(sample.pose)};
     asked_.write(asked);
     fresh_ = found_.read(latest_) || fresh_;
-    Answer answer;
-    if (!fresh_ || !(time_ - latest_.time <= stale_)) return answer;
-    const runtime::Tick tick = contact_.tick(asked.pose, latest_.search);
-    if (tick.state == runtime::State::fault) return answer;
-    answer.force = frame_.to_device(tick.force);
-    answer.torque = frame_.to_device(tick.torque);
-    answer.depth = tick.depth;
-    answer.usable = true;
-    return answer;
+    if (!fresh_ || !(time_ - latest_.time <= stale_)) return {};
+    return scene_answer(frame_, contact_.tick(asked.pose, latest_.search));
   }
 
   void reset() noexcept override { contact_.reset(); }

@@ -51,10 +51,43 @@ TEST(LoopContact, IsTheContactsForceInTheDevicesFrame) {
     ASSERT_NEAR(answer.force.z, 2 * tick.force.x, 1e-12);
     ASSERT_NEAR(answer.force.x, -2 * tick.force.z, 1e-12);
     ASSERT_NEAR(answer.force.y, 2 * tick.force.y, 1e-12);
+    ASSERT_NEAR(answer.torque.z, 4 * tick.torque.x, 1e-12);
+    ASSERT_NEAR(answer.torque.x, -4 * tick.torque.z, 1e-12);
+    ASSERT_NEAR(answer.torque.y, 4 * tick.torque.y, 1e-12);
     largest = std::max(largest, answer.force.z);
   }
   EXPECT_GT(largest, 0.5);
   EXPECT_FALSE(source.answer(sample_at({NAN, 0, 0}), 1e-3).usable);
+}
+
+// A stem that moves and turns on the ball, and as many newtons on the hand as metres of the scene for one of its own.
+TEST(LoopContact, TheHandDoesTheScenesWorkByMovesAndTurns) {
+  ResponseSampleOptions options;
+  options.tools = ResponseSampleOptions::Tools::capsule;
+  const Opened ball(ball_content(options));
+  DeviceFrame frame = sideways();
+  frame.scale = frame.force_scale = 3;
+  ContactSource<> source(ball.view, 0, frame);
+  runtime::EnergyMeter hand, scene;
+  double levered = 0;
+  for (int k = 0; k < 4000; ++k) {
+    const double t = 1e-3 * k;
+    Sample sample;
+    sample.pose = Pose::from_quaternion(1, 0.03 * std::sin(5 * t), 0.04 * std::sin(3 * t), 0,
+                                        {3e-4 * std::sin(7 * t), 0, -0.0015 * std::sin(4 * t)});
+    const device::Answer answer = source.answer(sample, 1e-3);
+    ASSERT_TRUE(answer.usable);
+    Tick felt;
+    felt.force = answer.force;
+    felt.torque = answer.torque;
+    hand.add(sample.pose, felt);
+    scene.add(frame.to_scene(sample.pose), source.tick());
+    levered = std::max(levered, length(answer.torque));
+  }
+  EXPECT_GT(levered, 1e-3);
+  EXPECT_GT(scene.given(), 1e-4);
+  EXPECT_NEAR(hand.given(), scene.given(), 1e-9 * scene.given());
+  EXPECT_NEAR(hand.returned(), scene.returned(), 1e-9 * scene.given());
 }
 
 // Whatever the frame's scales, the hand feels the coupling's newtons a metre: on a body that hardly gives way.

@@ -88,6 +88,7 @@ protected:
 };
 
 TEST_F(Recorded, ReplaysToTheSameBits) {
+  options_.governor.torque_limit = 0.004;
   const RunLog log = read(record("run"));
   ASSERT_TRUE(log.ok) << log.error;
   EXPECT_TRUE(log.complete);
@@ -96,11 +97,12 @@ TEST_F(Recorded, ReplaysToTheSameBits) {
   EXPECT_EQ(log.end.ticks, ticks_);
   EXPECT_EQ(suspensions_, 2U);
   ContactSource<> source(ball_.view, 0, device::device_frame(log.header));
-  std::size_t pressed = 0, limited = 0;
+  std::size_t pressed = 0, limited = 0, turned = 0;
   const Replay replay = device::replay(log, source, [&](const RunRecord& record, const device::TickOutput& out) {
     const Command& sent = device_.commands.at(record.number - 1);
     ASSERT_EQ(std::memcmp(&sent, &out.command, sizeof sent), 0) << record.number;
     pressed += length(sent.force) > 0;
+    turned += length(sent.torque) > 1e-4;
     limited += length(out.answer.force) > 1.5;
   });
   EXPECT_EQ(replay.ticks, ticks_);
@@ -108,6 +110,7 @@ TEST_F(Recorded, ReplaysToTheSameBits) {
   EXPECT_EQ(replay.different, 0U);
   EXPECT_GT(pressed, 500U);
   EXPECT_GT(limited, 50U);
+  EXPECT_GT(turned, 100U);
 }
 
 // The header has the coupling; without it, or with another, other forces come out.
@@ -146,6 +149,30 @@ TEST_F(Recorded, ReadsTheFirstVersion) {
   const RunLog log = read(bytes);
   ASSERT_TRUE(log.ok) << log.error;
   EXPECT_FALSE(device::coupling_options(log.header));
+}
+
+// Torques were made otherwise up to version 3: what they would not replay to is refused, the rest is as it was.
+TEST_F(Recorded, RefusesOldTorquesOfAScaledHand) {
+  options_.seconds = 0.1;
+  std::string bytes = record("run");
+  const auto read_as = [&](std::uint32_t version, double torque_limit, double scale) {
+    RunHeader header;
+    std::memcpy(&header, bytes.data(), sizeof header);
+    header.version = version;
+    header.torque_limit = torque_limit;
+    header.scale = scale;
+    device::seal(header);
+    std::memcpy(bytes.data(), &header, sizeof header);
+    return read(bytes);
+  };
+  for (const std::uint32_t version : {1U, 2U, 3U}) {
+    const RunLog log = read_as(version, 0.1, 0.7);
+    EXPECT_FALSE(log.ok) << version;
+    EXPECT_NE(log.error.find("torques of a scaled hand"), std::string::npos) << log.error;
+    EXPECT_TRUE(read_as(version, 0, 0.7).ok);
+    EXPECT_TRUE(read_as(version, 0.1, 1).ok);
+  }
+  EXPECT_TRUE(read_as(4, 0.1, 0.7).ok);
 }
 
 TEST_F(Recorded, AnotherBodyGivesOtherForces) {
@@ -295,7 +322,7 @@ TEST_F(Recorded, WhatAWriterCannotHaveWrittenIsRefused) {
   refused(
       "rate", [](RunHeader& h) { h.rate = NAN; }, 0, RunHeader());
   refused(
-      "version 4", [](RunHeader& h) { h.version = 4; }, 0, RunHeader());
+      "version 5", [](RunHeader& h) { h.version = 5; }, 0, RunHeader());
   refused(
       "no pose", [](RunHeader& h) { h.rotation[0] = 7; }, 0, RunHeader());
   refused(

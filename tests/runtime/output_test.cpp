@@ -141,10 +141,41 @@ TEST(DeviceFrame, PosesGoToTheSceneAndForcesBackWithTheirWork) {
     ASSERT_NEAR(distance(a.translation, b.translation), 3e-3, 1e-15);
     // The hand's work is the scene's where both have one scale.
     ASSERT_NEAR(dot(frame.to_device(force), step), dot(force, b.translation - a.translation), 1e-15);
+    // So is what a turn does.
+    const Vec3 turn = 1e-3 * random_direction(random), torque = random_direction(random);
+    ASSERT_NEAR(dot(frame.torque_to_device(torque), turn), dot(torque, frame.turn.rotate(turn)), 1e-15);
     // A direction of the tool is turned as the tool is.
     const Vec3 along = frame.turn.rotate(hand.rotate({0, 0, 1}));
     ASSERT_LT(distance(a.rotate({0, 0, 1}), along), 1e-14);
   }
+}
+
+// A spring that pulls a point of the tool, and a hand that comes back to where it was by moves and turns.
+TEST(DeviceFrame, AClosedLoopOfMovesAndTurnsGivesTheHandTheScenesWork) {
+  constexpr double kStiffness = 200;            // N/m
+  const Vec3 lever{0.03, -0.01, 0.05}, home{};  // m, of the tool, and in the scene
+  const DeviceFrame frame{turned(0.7, unit(Vec3{1, -2, 1}, {}), {0.1, 0, -0.2}), 3, 3};
+  constexpr int kSteps = 20000;
+  const auto hand = [](int step) {
+    const double phase = 2 * kPi * step / kSteps;
+    return turned(0.5 * std::sin(phase), unit(Vec3{1, 1, 3}, {}),
+                  {0.01 * std::cos(phase), 0.004, 0.02 * std::sin(phase)});
+  };
+  double scene = 0, felt = 0, old = 0, gross = 0;
+  for (int step = 0; step < kSteps; ++step) {
+    const Pose now = hand(step), next = hand(step + 1), tool = frame.to_scene(now), moved = frame.to_scene(next);
+    const Vec3 arm = tool.rotate(lever), force = -kStiffness * (tool.translation + arm - home);
+    const Vec3 torque = cross(arm, force), way = moved.translation - tool.translation;
+    const Vec3 hand_way = next.translation - now.translation, hand_turn = small_turn(next * inverse(now));
+    const double work = dot(force, way) + dot(torque, small_turn(moved * inverse(tool)));
+    scene += work;
+    gross += std::fabs(work);
+    felt += dot(frame.to_device(force), hand_way) + dot(frame.torque_to_device(torque), hand_turn);
+    old += dot(frame.to_device(force), hand_way) + dot(frame.to_device(torque), hand_turn);
+  }
+  EXPECT_NEAR(felt, scene, 1e-12 * gross);
+  EXPECT_LT(std::fabs(scene), 1e-3 * gross);  // a spring's
+  EXPECT_GT(std::fabs(old), 0.05 * gross);    // with torques as forces are scaled it would be a motor
 }
 
 }  // namespace

@@ -142,6 +142,13 @@ struct DeviceFrame {
 
   /// A force of the scene (N) in the device's frame. With force_scale = scale the hand does the scene's work.
   [[nodiscard]] Vec3 to_device(const Vec3& force) const { return force_scale * inverse(turn).rotate(force); }
+
+  /// A torque of the scene (N m) in the device's frame. Angles are the hand's and a lever in its metres is `scale`
+  /// times as short, so this is the torque of to_device's forces: else moves and turns one after the other would make
+  /// energy.
+  [[nodiscard]] Vec3 torque_to_device(const Vec3& torque) const {
+    return (force_scale / scale) * inverse(turn).rotate(torque);
+  }
 };
 
 }  // namespace palpate::runtime
