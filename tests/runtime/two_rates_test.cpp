@@ -129,6 +129,81 @@ TEST(TwoRates, ABodyMetBehindAStoppedSearchBeginsAtZero) {
   EXPECT_LT(length(seen.force), 0.02);
 }
 
+/// The view of a body whose search tree is a trap: whoever searches there finds the same triangle always.
+struct Trap {
+  runtime::View view;
+  layout::SearchNode leaf{};
+  explicit Trap(const runtime::View& good) : view(good) {
+    leaf.count = 1;
+    view.search = &leaf;
+  }
+  Trap(const Trap&) = delete;
+  Trap& operator=(const Trap&) = delete;
+};
+
+/// Searches of a body that come every 5 ticks, of the pose 5 ticks before.
+struct Served {
+  const runtime::View& view;
+  Search latest, coming;
+  int ticks = 0;
+  const Search& at(const Pose& pose) {
+    if (ticks++ % 5 == 0) {
+      latest = ticks == 1 ? runtime::search(view, 0, pose) : coming;
+      coming = runtime::search(view, 0, pose);
+    }
+    return latest;
+  }
+};
+
+// Deep in a box and round its edge: c leaps to the other side, where the search saw it and not by one of its own.
+TEST(TwoRates, AServedContactNeverSearches) {
+  Options options = uniform();
+  options.lateral = options.friction = false;
+  options.subdivision = 3;
+  options.search = true;
+  const Opened box(box_content(options));
+  const Trap trap(box.view);
+  ASSERT_NE(box.view.search, nullptr);
+  for (const double depth : {0.012, 0.013}) {
+    Contact alone(box.view, 0), served(box.view, 0), trapped(trap.view, 0), searching(trap.view, 0), stale(box.view, 0);
+    Served searches{box.view, {}, {}};
+    const Search old = runtime::search(box.view, 0, upright({0, 0, kTop + kTipRadius + 0.001}));
+    Tick last_alone, last, last_stale;
+    int leaps = 0, leaps_alone = 0, leaps_stale = 0, fell = 0;
+    double apart = 0;
+    const auto leapt = [](const Tick& tick, Tick& before) {
+      const bool touched = before.state == State::slide && tick.state == State::slide;
+      const bool leap = touched && distance(tick.body_point, before.body_point) > 1e-3;
+      before = tick;
+      return leap;
+    };
+    const auto go = [&](const Vec3& at, double most) {
+      const Pose pose = upright(at);
+      const Search& latest = searches.at(pose);
+      const Tick a = alone.tick(pose), b = served.tick(pose, latest), t = trapped.tick(pose, latest);
+      ASSERT_EQ(b.state, t.state) << at.x;
+      ASSERT_EQ(distance(b.force, t.force) + distance(b.body_point, t.body_point), 0) << at.x;
+      ASSERT_LT(length(b.force), length(last.force) + most) << at.x;
+      const bool leap = leapt(a, last_alone);
+      const bool stale_leapt = leapt(stale.tick(pose, old), last_stale);
+      const Tick s = searching.tick_found(pose, latest);
+      if (leap) fell += distance(s.body_point, a.body_point) > 1e-3;
+      leaps_alone += leap;
+      leaps_stale += leap && stale_leapt;
+      leaps += leapt(b, last);
+      apart = std::fmax(apart, distance(a.force, b.force));
+    };
+    for (double in = -0.001; in < depth; in += 1e-5) go({0, 0, kTop + kTipRadius - in}, 0.1);
+    const double pressed = length(last.force);
+    for (double x = 0; x < 0.04; x += 2e-6) go({x, 0, kTop + kTipRadius - depth}, 3000 * 2 * 2e-6);
+    EXPECT_EQ(leaps_alone, 1) << depth;
+    EXPECT_EQ(leaps, 1) << depth;
+    EXPECT_EQ(fell, 1) << "one that searches is caught";
+    EXPECT_EQ(leaps_stale, 0) << "a search of another place says nothing";
+    EXPECT_LT(apart, 0.05 * pressed) << depth;
+  }
+}
+
 // The real thing: a thread that searches, and a loop that only makes forces.
 TEST(TwoRates, AThreadSearchesWhileAnotherMakesForces) {
   const Opened ball(ball_content({}));

@@ -203,7 +203,7 @@ public:
     share_ = surface_->share();
     const Pose body = frame();
     search_.pose = inverse(body) * tool;
-    Tick tick = contact_.tick(search_.pose, search_);
+    Tick tick = contact_.tick_found(search_.pose, search_);
     const bool touched = touches_;
     touches_ = tick.state == State::stick || tick.state == State::slide;
     if (touched && !touches_) safe_ = -1;

@@ -46,11 +46,17 @@ public:
 
   /// The same in a force loop whose searches are made elsewhere, at a lower rate: `latest` is the last that arrived.
   /// Beyond what that search knew to be free, the surface near its nearest point is looked at; a body met elsewhere is
-  /// felt from the first search that sees it on, without force at first.
-  Tick tick(const Pose& pose, const Search& latest) {
-    if (!fits() || !pose.valid() || !latest.pose.valid()) return fault();
-    if (const Vec3 q = hold_.rest().point(pose); keeps(q)) return keep(pose, q);
-    search_ = latest;
+  /// felt from the first search that sees it on, without force at first. No tick searches, so its bound has nothing to
+  /// do with how large the body is: where c cannot follow the tool, it goes to where the search saw the body if p has
+  /// not gone half a contact's size since.
+  Tick tick(const Pose& pose, const Search& latest) { return tick_found(pose, latest, &latest); }
+
+  /// As tick(pose), with `found` instead of the search for a contact that it would make: for hosts that search within
+  /// their ticks. `served`, if not null, is asked where c may go, else that is searched for.
+  Tick tick_found(const Pose& pose, const Search& found, const Search* served = nullptr) {
+    if (!fits() || !pose.valid() || !found.pose.valid()) return fault();
+    if (const Vec3 q = hold_.rest().point(pose); keeps(q)) return keep(pose, q, served);
+    search_ = found;
     return motion_since_search(pose) < search_.touch.safe ? free(pose) : meet(pose);
   }
 
@@ -104,8 +110,8 @@ private:
     return {};
   }
 
-  Tick keep(const Pose& pose, const Vec3& q) {
-    Tick tick = hold_.tick(pose, q);
+  Tick keep(const Pose& pose, const Vec3& q, const Search* served = nullptr) {
+    Tick tick = hold_.tick(pose, q, served);
     if (!hold_.lasts()) let_go(pose);
     return tick;
   }

@@ -39,8 +39,8 @@ public:
     return depth_ > 0 ? tick(pose, last_) : output(State::stick, pose, last_, field().at_depth(depth_), {});
   }
 
-  /// Force of a contact that lasts; `before`: where the pose takes p.
-  Tick tick(const Pose& pose, const Vec3& before) {
+  /// Force of a contact that lasts; `before`: where the pose takes p. `served`: a tracker's latest search, or null.
+  Tick tick(const Pose& pose, const Vec3& before, const Search* served = nullptr) {
     const bool friction = kFriction && view_->has(layout::feature_friction);
     bool rolled = friction && rest_.probe() > 0 && rest_.turned(pose) && rest_.roll(pose);
     Vec3 q = before;
@@ -53,11 +53,11 @@ public:
       if (!(d.depth > 0)) return release(d);
       if (friction) deepen(d, terms);
       if (account_.owed() > 0 && !pay(d, terms)) return release(d);
-      if (!kFriction || !friction) return slide(pose, d, {}, terms, way, terms.straight);
+      if (!kFriction || !friction) return slide(pose, d, {}, terms, way, terms.straight, served);
       const Vec3 core = straight_of_core(terms) + field().sideways(terms, d.sideways);
       const Vec3 pull = rim_.present() ? with_rim_alone(core, d, terms) : core;
       if (length(core) > rim_.core_limit() * terms.limit * (1 + 1e-9)) {
-        return slide(pose, d, slipped(d, terms, core, false), terms, way, pull);
+        return slide(pose, d, slipped(d, terms, core, false), terms, way, pull, served);
       }
       if (!rolled) {
         if (field().is_coupled()) couple(terms, d, core);
@@ -220,14 +220,14 @@ private:
 
   /// Moves c over the surface until the core's sideways deflection is `wanted`; the rim's anchor stays where it is. In
   /// this tick the tool went `way` (m); `before` is the sideways force (N) where c is.
-  Tick slide(const Pose& pose, Deflection d, const Vec3& wanted, DepthTerms& terms, const Vec3& way,
-             const Vec3& before) {
+  Tick slide(const Pose& pose, Deflection d, const Vec3& wanted, DepthTerms& terms, const Vec3& way, const Vec3& before,
+             const Search* served) {
     Vec3 pull;
     // c rests while the tool moves along n(c): 0.1 nm on a contact of 10 mm.
     if (length(d.sideways - wanted) > 1e-8 * rest_.size()) {
       const double held = stored(terms, d), strained = sideways_strain(terms, d, before);
       const Vec3 rim = rim_deflection(d);
-      const bool went = rest_.follow(pose, last_, wanted, terms.normal_force, length(way));
+      const bool went = rest_.follow(pose, last_, wanted, terms.normal_force, length(way), served);
       d = rest_.deflection(last_);
       if (!(d.depth > 0)) return release(d);
       rim_.leave(d.sideways, rim);

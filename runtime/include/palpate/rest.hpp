@@ -81,11 +81,12 @@ public:
 
   /// Moves c over the surface until the tool at q, which went `moved` (m), is deflected by `sideways` (m) from it.
   /// False where c stays, for the tool is off the body wherever it would go, as beyond the lip of a fold: to end there
-  /// would drop the force at once, so the contact lets go as the tool moves.
-  bool follow(const Pose& pose, const Vec3& q, const Vec3& sideways, double force, double moved) {
+  /// would drop the force at once, so the contact lets go as the tool moves. `served`: see hand_over().
+  bool follow(const Pose& pose, const Vec3& q, const Vec3& sideways, double force, double moved,
+              const Search* served = nullptr) {
     anchored_ = rolled_ = {};
     const Projection found = foot(q, sideways);
-    if (found.residual > 0.1 * size() && hand_over(pose, q, force)) return true;
+    if (found.residual > 0.1 * size() && hand_over(pose, q, force, served)) return true;
     const double before = deflection(q).depth, there = overlap(found, q);
     const bool goes = there > 0;
     if (goes) {
@@ -227,10 +228,12 @@ private:
   }
 
   /// c cannot follow along the surface (the tool straddles a fissure or left over an edge): takes the point
-  /// nearest to the tool instead, at a depth that answers with no more than the present force (N).
-  [[gnu::noinline]] bool hand_over(const Pose& pose, const Vec3& q, double force) {
-    const Location nearest = locate<kFeatures>(*view_, q);
-    const Projection found = project(*view_, nearest.at, q);
+  /// nearest to the tool instead, at a depth that answers with no more than the present force (N). Where that is, a
+  /// tracker's latest search says if there is one: nothing is searched then, and a search that saw nothing, or p
+  /// half a contact's size away, says nothing.
+  [[gnu::noinline]] bool hand_over(const Pose& pose, const Vec3& q, double force, const Search* served) {
+    if (served && !(served->touch.clearance < HUGE_VAL && length(q - point(served->pose)) < 0.5 * size())) return false;
+    const Projection found = project(*view_, served ? served->touch.body.at : locate<kFeatures>(*view_, q).at, q);
     // Decided before anything changes: a contact that stays must not lose depth tick by tick.
     const double there = overlap(found, q);
     if (!found.converged || found.at.triangle == at_.triangle || !(there > 0)) return false;

@@ -97,7 +97,7 @@ public:
     SeveralTick<Most> sum;
     sum.each[0] = contacts_[0].tick(pose);
     for (int k = 1; k < Most; ++k) {
-      if (touches(last_[k])) sum.each[k] = contacts_[k].tick(pose, none(pose));
+      if (touches(last_[k])) sum.each[k] = contacts_[k].tick_found(pose, none(pose));
     }
     if (sum.each[0].state == State::fault) {
       reset();
@@ -219,7 +219,7 @@ private:
     const auto at = static_cast<std::size_t>(k);
     contacts_[at].reset();
     share_[at] = 1;
-    sum.each[at] = contacts_[at].tick(pose, search);
+    sum.each[at] = contacts_[at].tick_found(pose, search);
   }
 
   /// Keeps an anchor's touch if it is nearer to the body than the one kept so far, and apart from all contacts.
