@@ -88,6 +88,33 @@ TEST(Several, ATipBetweenTwoLobesTouchesBoth) {
   }
 }
 
+// Pressed into one lobe, a tip comes to the other one: felt there from a tenth of a millimetre on, whatever else of the
+// first is near (its own rim, which a look turns down).
+TEST(Several, ThePlaceBesideAPressedOneIsMetInTime) {
+  const Opened body(two_lobes(smooth(false)));
+  SeveralContacts<> several(body.view, 0);
+  int both = 0, missed = 0;
+  double late = 0;
+  for (double t = 0; t < 1.4; t += 1e-4) {
+    const Pose pose =
+        upright({0.0015 * std::sin(5 * t), 0.002 * std::sin(3 * t), between() + 0.002 * std::cos(8 * t) - 0.001});
+    double shallower = HUGE_VAL;
+    for (const int side : {-1, 1}) {
+      runtime::Location found;
+      locate_where(
+          body.view, pose.translation, [&](const Vec3& p) { return p.x * side > 0; }, found);
+      shallower = std::fmin(shallower, kTipRadius - found.signed_distance);
+    }
+    const SeveralTick<2> tick = several.tick(pose);
+    both += shallower > 0;
+    missed += shallower > 0 && tick.touching < 2;
+    if (tick.touching < 2) late = std::fmax(late, shallower);
+  }
+  EXPECT_GT(both, 1000);
+  EXPECT_LT(missed, 0.15 * both);
+  EXPECT_LT(late, 0.02 * kDepthScale);
+}
+
 // In and out sideways: the second contact comes, and either may be the one that is left.
 TEST(Several, ContactsComeAndGoWithoutAStepAndGiveNoEnergy) {
   for (const bool friction : {false, true}) {

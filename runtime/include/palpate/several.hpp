@@ -194,7 +194,7 @@ private:
     before_ = 0;
     Search search;
     search.pose = pose;
-    search.touch.clearance = HUGE_VAL;
+    search.touch.clearance = search.touch.safe = HUGE_VAL;
     const layout::ToolRecord& record = view_->tools[tool_];
     const bool mesh =
         record.kind == static_cast<std::uint32_t>(layout::ToolKind::mesh) && view_->tool_patches != nullptr;
@@ -214,7 +214,7 @@ private:
       for (int i = 0; i < samples; ++i) try_anchor(pose, {0, 0, i * spacing}, {}, sum, search.touch);
     }
     // A look is at samples: between them as much may be missed as a contact begins late, at zero force.
-    free_ = std::fmax(0.02 * view_->meta->depth_scale, std::fmin(search.touch.clearance, 0.25 * gap_));
+    free_ = std::fmax(0.02 * view_->meta->depth_scale, std::fmin(search.touch.safe, 0.25 * gap_));
     if (!(search.touch.clearance < 0)) return;
     const auto at = static_cast<std::size_t>(k);
     contacts_[at].reset();
@@ -235,6 +235,7 @@ private:
     Location found;
     if (!locate_where<kFeatures>(*view_, q, apart, found)) return;
     const double clearance = found.signed_distance - probe_;
+    best.safe = std::fmin(best.safe, std::fmax(0, clearance));  // of what is turned down here, too
     if (clearance >= best.clearance) return;
     if (clearance < 0) {
       // Its own foot, not the rim of a contact that is there; and a hollow between.
@@ -252,7 +253,6 @@ private:
     best.tool_point = on_tool;
     best.body = found;
     best.clearance = clearance;
-    best.safe = 0;
   }
 
   /// How far skin and c may have come since the last look (m).
