@@ -10,8 +10,6 @@ namespace {
 
 using namespace runtime;
 
-bool touches(const Tick& tick) { return tick.state == State::stick || tick.state == State::slide; }
-
 template <class Held>
 void hold_on(const View& view, std::uint32_t tool, const Pose& pose, const Tick& tick, EveryTick& sum) {
   Held grasp(view, tool, pose, tick);
@@ -52,8 +50,14 @@ EveryTick every_tick(const void* bytes, std::size_t size, int ticks, void (*half
     Contact tied(view, tool);
     VirtualCoupling tie(CouplingOptions{300, 0.1});
     AdjustedContact adjusted(view, tool, scales);
+    MovingContact served_moving(view, tool);
+    AdjustedContact served_adjusted(view, tool, scales);
+    SeveralContacts<> served_several(view, tool);
+    SeveralTools<2> served_tools(view, {tool, tool});
     Latest<Search> searches;
     Search latest;
+    SeveralSearch<2> seen;
+    Places<2> places;
     Output<output::LowPass, output::RateLimit, output::Limit> out({200}, {500}, {3});
     const DeviceFrame device{Pose::from_quaternion(1, 0.1, 0.2, 0.3, {0.1, 0.2, 0.3}), 2, 0.5};
     for (int i = 0; i < ticks; ++i) {
@@ -61,6 +65,10 @@ EveryTick every_tick(const void* bytes, std::size_t size, int ticks, void (*half
       const Pose pose = wandering.next();
       if (i % 20 == 0) searches.write(search(view, tool, pose));
       searches.read(latest);
+      places.pose = pose;
+      if (i % 20 == 0) seen = search(view, tool, places);
+      const SeveralTick<2> at_several = served_several.tick(pose, seen);
+      places = Places<2>::of(pose, at_several);
       if (i % 100 == 0) scales.set(static_cast<std::uint32_t>(i / 100) % view.meta->site_count, 0.5f);
       for (std::uint32_t k = 0; k < view.meta->site_count && i % 16 == 0; ++k) {
         sites[k] = (1 + 0.1 * std::sin(0.006 * i)) * to_vec(view.sites[k].position);
@@ -68,15 +76,23 @@ EveryTick every_tick(const void* bytes, std::size_t size, int ticks, void (*half
       if (i % 16 == 0) sum.finite = surface.set(sites, view.meta->site_count, 0.016) && sum.finite;
       surface.advance(1e-3);
       const Pose breathing = Pose::from_quaternion(1, 0, 0, 1e-6 * i, {0, 0, 1e-7 * i});
-      const Tick answers[] = {
-          alone.tick(pose),           served.tick(pose, latest),  moving.tick(breathing, breathing * pose),
-          adjusted.tick(pose, 1e-3),  several.tick(pose).each[0], tools.tick({pose, pose})[1],
-          tie.tick(tied, pose, 1e-3), animated.tick(pose)};
+      const Tick answers[] = {alone.tick(pose),
+                              served.tick(pose, latest),
+                              moving.tick(breathing, breathing * pose),
+                              adjusted.tick(pose, 1e-3),
+                              several.tick(pose).each[0],
+                              tools.tick({pose, pose})[1],
+                              tie.tick(tied, pose, 1e-3),
+                              animated.tick(pose),
+                              at_several.each[0],
+                              served_moving.tick(breathing, breathing * pose, latest),
+                              served_adjusted.tick(pose, 1e-3, latest),
+                              served_tools.tick({pose, pose}, {latest, latest})[1]};
       for (const Tick& tick : answers) {
-        sum.touching += touches(tick);
+        sum.touching += tick.touches();
         sum.finite = sum.finite && std::isfinite(length(device.to_device(out(tick.force, 1e-3))));
       }
-      if (i % 50 != 0 || !touches(answers[0])) continue;
+      if (i % 50 != 0 || !answers[0].touches()) continue;
       hold_on<Grasp>(view, tool, pose, answers[0], sum);
       hold_on<TurningGrasp>(view, tool, pose, answers[0], sum);
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Features that a program leaves out: the same forces without them, a file that needs them refused by name.
 #include <string>
+#include <vector>
 
 #include "tests/runtime/support.hpp"
 
@@ -8,7 +9,9 @@ namespace palpate {
 namespace {
 
 using namespace test;
+using runtime::BasicAdjustedContact;
 using runtime::BasicContact;
+using runtime::BasicMovingContact;
 using runtime::Contact;
 using runtime::View;
 
@@ -24,15 +27,26 @@ template <std::uint32_t kFeatures>
 void expect_the_same(const Options& options) {
   const Opened box(box_content(options));
   ASSERT_EQ(box.view.features, kFeatures);
+  std::vector<runtime::SiteScales::Scale> factors(box.view.meta->site_count);
+  runtime::SiteScales scales(box.view, factors.data());
+  for (std::uint32_t i = 0; i < factors.size(); i += 2) scales.set(i, 0.5F);
   Contact full(box.view, 0);
+  runtime::MovingContact full_moving(box.view, 0);
+  runtime::AdjustedContact full_adjusted(box.view, 0, scales);
   BasicContact<kFeatures> lean(box.view, 0);
+  BasicMovingContact<kFeatures> moving(box.view, 0);
+  BasicAdjustedContact<kFeatures> adjusted(box.view, 0, scales);
   int touched = 0;
   for (int i = 0; i < 2000; ++i) {
-    const Tick a = full.tick(stroking(i)), b = lean.tick(stroking(i));
-    ASSERT_EQ(a.state, b.state) << i;
-    ASSERT_EQ(distance(a.force, b.force), 0) << i;
-    ASSERT_EQ(distance(a.torque, b.torque), 0) << i;
-    touched += length(b.force) > 0;
+    const Pose body = turned(1e-4 * i, {0, 0, 1}, {1e-5 * i, 0, 0}), pose = stroking(i), tool = body * pose;
+    const Tick a[] = {full.tick(pose), full_moving.tick(body, tool), full_adjusted.tick(pose, 1e-3)};
+    const Tick b[] = {lean.tick(pose), moving.tick(body, tool), adjusted.tick(pose, 1e-3)};
+    for (std::size_t k = 0; k < 3; ++k) {
+      ASSERT_EQ(a[k].state, b[k].state) << k << ' ' << i;
+      ASSERT_EQ(distance(a[k].force, b[k].force), 0) << k << ' ' << i;
+      ASSERT_EQ(distance(a[k].torque, b[k].torque), 0) << k << ' ' << i;
+    }
+    touched += length(b[0].force) > 0;
   }
   EXPECT_GT(touched, 500);
 }
@@ -54,6 +68,8 @@ TEST(LeftOut, GivesTheSameForces) {
 TEST(LeftOut, TakesNoMemory) {
   static_assert(sizeof(BasicContact<0>) < sizeof(BasicContact<kPlain>));
   static_assert(sizeof(BasicContact<kPlain>) + sizeof(coupled::Law) < sizeof(Contact) + 16);
+  static_assert(sizeof(BasicMovingContact<0>) == sizeof(BasicContact<0>));
+  static_assert(sizeof(BasicAdjustedContact<0>) < sizeof(BasicAdjustedContact<kPlain>));
 }
 
 // What a file holds and a program left out.
@@ -91,6 +107,7 @@ TEST(LeftOut, IsAFaultWhereAViewOfMoreIsTicked) {
   BasicContact<layout::feature_lateral> contact(box.view, 0);
   EXPECT_EQ(contact.tick(stroking(200)).state, State::fault);
   EXPECT_EQ(contact.tick(stroking(200), runtime::search(box.view, 0, stroking(200))).state, State::fault);
+  EXPECT_EQ(BasicMovingContact<layout::feature_lateral>(box.view, 0).tick(Pose(), stroking(200)).state, State::fault);
   // Grasps are no matter of a contact.
   Options holding;
   holding.grasp = true;

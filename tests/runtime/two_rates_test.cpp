@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "tests/runtime/support.hpp"
+#include "tests/runtime/two_lobes.hpp"
 
 namespace palpate {
 namespace {
@@ -15,7 +15,11 @@ namespace {
 using namespace test;
 using runtime::Contact;
 using runtime::Latest;
+using runtime::Places;
 using runtime::Search;
+using runtime::SeveralContacts;
+using runtime::SeveralSearch;
+using runtime::SeveralTick;
 
 constexpr double kTick = 1e-3;  // s
 
@@ -76,6 +80,61 @@ TEST(TwoRates, FreshSearchesGiveTheSameForces) {
     ASSERT_EQ(a.state, b.state) << t;
     ASSERT_EQ(distance(a.force, b.force), 0) << t;
   }
+}
+
+// So it is for a body that moves, one whose factors change, and several tools.
+TEST(TwoRates, FreshSearchesGiveTheSameForcesOfEveryKind) {
+  const Opened ball(ball_content({}));
+  runtime::MovingContact moving(ball.view, 0), served_moving(ball.view, 0);
+  std::vector<runtime::SiteScales::Scale> factors(ball.view.meta->site_count);
+  runtime::SiteScales scales(ball.view, factors.data());
+  runtime::AdjustedContact adjusted(ball.view, 0, scales), served_adjusted(ball.view, 0, scales);
+  runtime::SeveralTools<2> tools(ball.view, {0, 0}), served_tools(ball.view, {0, 0});
+  std::mt19937 random(5);
+  int touched = 0;
+  for (double t = 0; t < 4; t += kTick) {
+    const Pose body = turned(0.4 * std::sin(3 * t), unit(Vec3{1, 2, -1}, {}), {0.02 * std::sin(7 * t), 0.5, 0.01 * t});
+    const Pose pose = dipping(t), tool = body * pose, other = dipping(t + 0.3);
+    scales.set(static_cast<std::uint32_t>(random() % factors.size()), 0.5F + static_cast<float>(random() % 100) / 50);
+    const Search latest = runtime::search(ball.view, 0, pose);
+    const auto pair = tools.tick({pose, other});
+    const auto served_pair = served_tools.tick({pose, other}, {latest, runtime::search(ball.view, 0, other)});
+    const Tick alone[] = {moving.tick(body, tool), adjusted.tick(pose, kTick), pair[0], pair[1]};
+    const Tick served[] = {served_moving.tick(body, tool, runtime::search(ball.view, 0, body, tool)),
+                           served_adjusted.tick(pose, kTick, latest), served_pair[0], served_pair[1]};
+    for (std::size_t k = 0; k < 4; ++k) {
+      ASSERT_EQ(alone[k].state, served[k].state) << k << ' ' << t;
+      ASSERT_EQ(distance(alone[k].force, served[k].force), 0) << k << ' ' << t;
+      touched += served[k].touches();
+    }
+    ASSERT_EQ(tools.overlap().error, served_tools.overlap().error);
+  }
+  EXPECT_GT(touched, 1000);
+}
+
+// The tracker's poses are of one time: how the body went on since is motion of the tool against it.
+TEST(TwoRates, StaleSearchesOfAMovingBodyLoseLittle) {
+  Options options;
+  options.subdivision = 3;
+  const Opened ball(ball_content(options));
+  runtime::MovingContact alone(ball.view, 0), served(ball.view, 0);
+  Search latest, coming;
+  double most = 0, worst = 0;
+  int tick = 0;
+  for (double t = 0; t < 8; t += kTick, ++tick) {
+    const Pose body = turned(0.2 * std::sin(2 * t), {0, 0, 1}, {0.01 * std::sin(3 * t), 0, 0}),
+               tool = body * dipping(t);
+    if (tick % 40 == 0) {
+      latest = tick > 0 ? coming : runtime::search(ball.view, 0, body, tool);
+      coming = runtime::search(ball.view, 0, body, tool);
+    }
+    const Tick a = alone.tick(body, tool), b = served.tick(body, tool, latest);
+    most = std::fmax(most, length(a.force));
+    worst = std::fmax(worst, distance(a.force, b.force));
+  }
+  EXPECT_GT(most, 0.3);
+  EXPECT_LT(worst, 0.05 * most);
+  EXPECT_EQ(served.tick(Pose{{}, {}}, Pose(), latest).state, State::fault);
 }
 
 // Searches that are 5 to 40 ticks old: contacts begin where the surface near the old nearest point is met.
@@ -193,14 +252,58 @@ TEST(TwoRates, AServedContactNeverSearches) {
       leaps += leapt(b, last);
       apart = std::fmax(apart, distance(a.force, b.force));
     };
-    for (double in = -0.001; in < depth; in += 1e-5) go({0, 0, kTop + kTipRadius - in}, 0.1);
+    for (double in = -0.001; in < depth; in += 1e-5) go({0.015, 0, kTop + kTipRadius - in}, 0.1);
     const double pressed = length(last.force);
-    for (double x = 0; x < 0.04; x += 2e-6) go({x, 0, kTop + kTipRadius - depth}, 3000 * 2 * 2e-6);
+    for (double x = 0.015; x < 0.035; x += 2e-6) go({x, 0, kTop + kTipRadius - depth}, 3000 * 2 * 2e-6);
     EXPECT_EQ(leaps_alone, 1) << depth;
     EXPECT_EQ(leaps, 1) << depth;
     EXPECT_EQ(fell, 1) << "one that searches is caught";
     EXPECT_EQ(leaps_stale, 0) << "a search of another place says nothing";
     EXPECT_LT(apart, 0.05 * pressed) << depth;
+  }
+}
+
+/// Down between two lobes, to and fro, and out, at up to 0.05 m/s.
+Pose between_lobes(double t) {
+  const double depth = 0.002 * (1 - std::cos(8 * t)) - 0.001;
+  return upright({0.0015 * std::sin(5 * t), 0.002 * std::sin(3 * t), between() - depth});
+}
+
+// Other places are looked for by the tracker, too: both lobes push as if the loop had looked, and nothing tears.
+TEST(TwoRates, AServedToolTouchesBothLobesAndNeverLooks) {
+  for (const bool friction : {false, true}) {
+    const Opened body(two_lobes(smooth(friction)));
+    const Trap trap(body.view);
+    for (const int every : {1, 5, 40}) {
+      SeveralContacts<> alone(body.view, 0), served(body.view, 0), trapped(trap.view, 0);
+      Places<2> places;
+      SeveralSearch<2> latest, coming;
+      Vec3 last;
+      Vec3 seen_at;
+      double most = 0, worst = 0, largest = 0;
+      int twice = 0, tick = 0;
+      for (double t = 0; t < 4; t += kTick, ++tick) {
+        const Pose pose = between_lobes(t);
+        places.pose = pose;
+        if (tick % every == 0) {
+          latest = tick > 0 ? coming : runtime::search(body.view, 0, places);
+          coming = runtime::search(body.view, 0, places);
+        }
+        const SeveralTick<2> a = alone.tick(pose), b = served.tick(pose, latest), c = trapped.tick(pose, latest);
+        places = Places<2>::of(pose, b);
+        ASSERT_EQ(b.touching, c.touching) << t;
+        ASSERT_EQ(distance(b.force, c.force) + distance(b.torque, c.torque), 0) << t;
+        largest = std::fmax(largest, distance(b.force, last) / (1e-9 + distance(pose.translation, seen_at)));
+        last = b.force;
+        seen_at = pose.translation;
+        most = std::fmax(most, length(a.force));
+        worst = std::fmax(worst, distance(a.force, b.force));
+        twice += b.touching == 2;
+      }
+      EXPECT_GT(twice, 400);
+      EXPECT_LT(largest, 2 * 3000) << every << ' ' << friction;  // N/m, above any slope of two sample curves
+      EXPECT_LT(worst, (every > 5 ? 0.15 : 0.03) * most) << every << ' ' << friction;
+    }
   }
 }
 
@@ -235,6 +338,37 @@ TEST(TwoRates, AThreadSearchesWhileAnotherMakesForces) {
   searcher.join();
   EXPECT_GT(answered, 10);
   EXPECT_GT(most, 0.1);
+}
+
+TEST(TwoRates, AThreadLooksForOtherPlacesWhileAnotherMakesForces) {
+  const Opened body(two_lobes(smooth(true)));
+  Latest<Places<2>> asked;
+  Latest<SeveralSearch<2>> searches;
+  std::atomic<bool> stop{false};
+  std::thread searcher([&] {
+    Places<2> places;
+    while (!stop.load(std::memory_order_relaxed)) {
+      if (asked.read(places)) searches.write(runtime::search(body.view, 0, places));
+      std::this_thread::yield();
+    }
+  });
+  SeveralContacts<> contact(body.view, 0);
+  Places<2> places;
+  places.pose = between_lobes(0);
+  SeveralSearch<2> latest = runtime::search(body.view, 0, places);
+  int twice = 0;
+  for (double t = 0; t < 2; t += 0.5 * kTick) {
+    const SeveralTick<2> tick = contact.tick(between_lobes(t), latest);
+    asked.write(Places<2>::of(between_lobes(t), tick));
+    searches.read(latest);
+    ASSERT_TRUE(std::isfinite(length(tick.force)));
+    ASSERT_LT(length(tick.force), 4 * kHertzForce);
+    twice += tick.touching == 2;
+    std::this_thread::yield();
+  }
+  stop = true;
+  searcher.join();
+  EXPECT_GT(twice, 100);
 }
 
 // Shapes come from a thread of their own; every tick lies between two whole ones.

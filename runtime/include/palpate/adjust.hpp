@@ -44,11 +44,13 @@ private:
 /// Sliding to places of higher factors is as over a body baked so: the force grows along the way, and lifting there
 /// gives back what the hand gave, not what the higher stiffness would have stored (energy.hpp).
 /// Slip and stick stay those of the file, for the friction limit has the same factor. Grasps have no factors.
-class AdjustedContact {
+/// kFeatures as those of BasicContact.
+template <std::uint32_t kFeatures = layout::feature_all>
+class BasicAdjustedContact {
 public:
   /// `rate` (1/s, above 0): 10 lets a factor go from 1 to nothing in 0.1 s.
-  AdjustedContact(const View& view, std::uint32_t tool, const SiteScales& scales, double rate = 10,
-                  const ContactSettings& settings = {})
+  BasicAdjustedContact(const View& view, std::uint32_t tool, const SiteScales& scales, double rate = 10,
+                       const ContactSettings& settings = {})
       : view_(&view), scales_(&scales), contact_(view, tool, settings), rate_(rate) {}
 
   void reset() {
@@ -57,9 +59,23 @@ public:
   }
 
   /// Contact::tick, `seconds` after the one before.
-  Tick tick(const Pose& pose, double seconds) {
-    Tick tick = contact_.tick(pose);
-    if (tick.state != State::stick && tick.state != State::slide) {
+  Tick tick(const Pose& pose, double seconds) { return scaled(contact_.tick(pose), seconds); }
+  Tick tick(const Pose& pose, double seconds, const Search& latest) {
+    return scaled(contact_.tick(pose, latest), seconds);
+  }
+
+  /// The factor of the last tick in contact.
+  [[nodiscard]] double scale() const { return scale_; }
+  [[nodiscard]] const BasicContact<kFeatures>& contact() const { return contact_; }
+
+private:
+  struct Corner {
+    std::uint32_t site = 0;
+    double scale = 1;
+  };
+
+  Tick scaled(Tick tick, double seconds) {
+    if (!tick.touches()) {
       touching_ = false;
       return tick;
     }
@@ -74,16 +90,6 @@ public:
     if (std::isfinite(tick.friction_limit)) tick.friction_limit *= scale_;
     return tick;
   }
-
-  /// The factor of the last tick in contact.
-  [[nodiscard]] double scale() const { return scale_; }
-  [[nodiscard]] const Contact& contact() const { return contact_; }
-
-private:
-  struct Corner {
-    std::uint32_t site = 0;
-    double scale = 1;
-  };
 
   // Corners that c keeps have the least factor since it came to them.
   double blend(const BodyPoint& at) {
@@ -104,11 +110,13 @@ private:
 
   const View* view_;
   const SiteScales* scales_;
-  Contact contact_;
+  BasicContact<kFeatures> contact_;
   double rate_;
   bool touching_ = false;
   Corner corner_[3];
   double scale_ = 1;
 };
+
+using AdjustedContact = BasicAdjustedContact<>;
 
 }  // namespace palpate::runtime

@@ -174,7 +174,10 @@ private:
 /// Responses are those that were baked for the place on the body: what stretching, a changed wall or the animation's
 /// own muscle does to stiffness is not felt, nor inertia. The energy account is that of the motion of the tool against
 /// the surface, so a surface that presses itself on a tool at rest does the work.
-/// kFeatures as those of BasicContact. The surface must outlive it.
+/// It searches for itself, the present surface, once tool and surface have moved by what was free. There is no tick
+/// with a Search of another thread's: that thread would have to keep a shape from being written anew while it looks, so
+/// every shape would need another slot, and say how far the surface has come since. kFeatures as those of BasicContact.
+/// The surface must outlive it.
 template <std::uint32_t kFeatures = layout::feature_all>
 class BasicAnimatedContact {
 public:
@@ -205,7 +208,7 @@ public:
     search_.pose = inverse(body) * tool;
     Tick tick = contact_.tick_found(search_.pose, search_);
     const bool touched = touches_;
-    touches_ = tick.state == State::stick || tick.state == State::slide;
+    touches_ = tick.touches();
     if (touched && !touches_) safe_ = -1;
     if (!touches_) return tick;
     const Vec3 c = tick.body_point;

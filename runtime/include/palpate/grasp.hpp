@@ -137,7 +137,7 @@ public:
   /// From the last tick of a contact of this tool, and its pose. holds() says whether there is a grasp: the file must
   /// have one for this tool, the tick a contact, and the grasp a deflection that answers with the contact's force.
   BasicGrasp(const View& view, std::uint32_t tool, const Pose& pose, const Tick& tick) {
-    const bool touching = tick.state == State::stick || tick.state == State::slide;
+    const bool touching = tick.touches();
     if (tool >= view.meta->tool_count || !touching || !pose.valid()) return;
     field_ = Answer(view, tool, tick.at, tick.on_tool, {&pose, 0});
     Vec3 deflection, rotation;

@@ -15,29 +15,47 @@ inline Tick carried(const Pose& body, Tick tick) {
   return tick;
 }
 
+/// A tool as it lies against a body that moves, both poses to the world. No pose where either is none.
+inline Pose seen_from(const Pose& body, const Pose& tool) {
+  return body.valid() && tool.valid() ? inverse(body) * tool : Pose{{}, {HUGE_VAL, 0, 0}};
+}
+
+/// For a thread that searches while another one makes forces (MovingContact::tick with a Search): where body and tool
+/// were at one time.
+template <std::uint32_t kFeatures = layout::feature_all>
+inline Search search(const View& view, std::uint32_t index, const Pose& body, const Pose& tool) {
+  return search<kFeatures>(view, index, seen_from(body, tool));
+}
+
 /// A Contact whose body has a pose of its own in the world. The response is that of the body at rest: what it does to
 /// inertia or to supports that move with it is not felt. Whether the tool or the body moves makes no difference, so the
 /// force is as continuous as the two motions are, and a body that presses itself on a tool at rest does the work.
-class MovingContact {
+/// kFeatures as those of BasicContact.
+template <std::uint32_t kFeatures = layout::feature_all>
+class BasicMovingContact {
 public:
-  MovingContact(const View& view, std::uint32_t tool, const ContactSettings& settings = {})
+  BasicMovingContact(const View& view, std::uint32_t tool, const ContactSettings& settings = {})
       : contact_(view, tool, settings) {}
 
   void reset() { contact_.reset(); }
 
   /// Both poses to the world; so are force, torque (about the origin of the tool's frame) and the two points of the
   /// tick. A pose of the body that is no pose is a fault, as one of the tool is.
-  Tick tick(const Pose& body, const Pose& tool) {
-    const Tick tick = contact_.tick(body.valid() && tool.valid() ? inverse(body) * tool : no_pose());
-    return tick.state == State::stick || tick.state == State::slide ? carried(body, tick) : tick;
+  Tick tick(const Pose& body, const Pose& tool) { return in_world(body, contact_.tick(seen_from(body, tool))); }
+
+  /// The same with searches that are made elsewhere: search() of both poses.
+  Tick tick(const Pose& body, const Pose& tool, const Search& latest) {
+    return in_world(body, contact_.tick(seen_from(body, tool), latest));
   }
 
-  [[nodiscard]] const Contact& contact() const { return contact_; }
+  [[nodiscard]] const BasicContact<kFeatures>& contact() const { return contact_; }
 
 private:
-  static Pose no_pose() { return {{}, {HUGE_VAL, 0, 0}}; }
+  static Tick in_world(const Pose& body, const Tick& tick) { return tick.touches() ? carried(body, tick) : tick; }
 
-  Contact contact_;
+  BasicContact<kFeatures> contact_;
 };
+
+using MovingContact = BasicMovingContact<>;
 
 }  // namespace palpate::runtime

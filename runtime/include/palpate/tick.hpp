@@ -28,6 +28,8 @@ struct Tick {
   Vec3 body_point, tool_point;  ///< c and p (m); only in contact
   BodyPoint at;                 ///< c again
   ToolPoint on_tool;            ///< p again
+
+  [[nodiscard]] bool touches() const { return state == State::stick || state == State::slide; }
 };
 
 }  // namespace palpate::runtime

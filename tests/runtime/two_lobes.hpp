@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Two balls side by side, between which a tool touches both.
+#pragma once
+
+#include <cmath>
+
+#include "tests/runtime/support.hpp"
+
+namespace palpate::test {
+
+inline constexpr double kApart = 0.032;  // m, of the middle from each lobe's
+
+/// Two balls side by side along x.
+inline ResponseFileContent two_lobes(Options options) {
+  options.search = false;
+  ResponseFileContent content = ball_content(options);
+  const ResponseFileContent one = content;
+  const auto sites = static_cast<std::uint32_t>(one.sites.size());
+  const auto vertices = static_cast<std::uint32_t>(one.surface_vertices.size());
+  const auto patches = static_cast<std::uint32_t>(one.patches.size());
+  for (ResponseSite& s : content.sites) s.position[0] -= kApart;
+  for (Triple& v : content.surface_vertices) v[0] -= kApart;
+  for (ResponseSite s : one.sites) {
+    s.position[0] += kApart;
+    content.sites.push_back(s);
+  }
+  for (Triple v : one.surface_vertices) content.surface_vertices.push_back({v[0] + kApart, v[1], v[2]});
+  for (auto p : one.patches) content.patches.push_back({p[0] + sites, p[1] + sites, p[2] + sites});
+  for (ResponseTriangle t : one.surface_triangles) {
+    t.patch += patches;
+    for (std::uint32_t& v : t.vertices) v += vertices;
+    content.surface_triangles.push_back(t);
+  }
+  content.responses.insert(content.responses.end(), one.responses.begin(), one.responses.end());
+  add_search(content);
+  return content;
+}
+
+inline Options smooth(bool friction, Options::Tools tools = Options::Tools::sphere) {
+  Options options = uniform();
+  options.friction = friction;
+  options.lateral = false;
+  options.subdivision = 3;
+  options.search = true;
+  options.tools = tools;
+  return options;
+}
+
+/// Height of a tip over the lobes' middles (m) at which it touches both.
+inline double between() { return std::sqrt(std::pow(kBallRadius + kTipRadius, 2) - kApart * kApart); }
+
+}  // namespace palpate::test
