@@ -284,15 +284,15 @@ TEST(Contact, AtRestUnderARotationThatIsNotQuiteOneNothingMoves) {
   }
 }
 
-TEST(Contact, AJumpIntoTheBodyKeepsOnlyTheAllowedDepth) {
+// Up to a contact's size a tick counts as a motion, as of a tool that touches already.
+TEST(Contact, AJumpIntoTheBodyBeginsAtZero) {
   const Opened box(box_content(flat()));
-  Contact contact(box.view, 0);
-  EXPECT_EQ(contact.tick(upright(centre(-0.01))).state, State::free);
-  const Tick tick = contact.tick(upright(centre(0.003)));
-  EXPECT_NEAR(tick.depth, 0.02 * kDepthScale, 1e-9);
-  Contact generous(box.view, 0, {0.01});
-  generous.tick(upright(centre(-0.01)));
-  EXPECT_NEAR(generous.tick(upright(centre(0.003))).depth, 0.003, 1e-8);
+  Contact contact(box.view, 0), moved(box.view, 0);
+  const double size = contact.size();
+  EXPECT_EQ(contact.tick(upright(centre(0.003 - 1.01 * size))).state, State::free);
+  EXPECT_EQ(length(contact.tick(upright(centre(0.003))).force), 0);
+  EXPECT_EQ(moved.tick(upright(centre(0.003 - 0.99 * size))).state, State::free);
+  EXPECT_NEAR(moved.tick(upright(centre(0.003))).depth, 0.003, 1e-8);
 }
 
 // A dropped packet, a host that moves the tool by hand: what it finds inside the body is no work of the hand.

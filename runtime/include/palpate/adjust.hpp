@@ -49,9 +49,8 @@ template <std::uint32_t kFeatures = layout::feature_all>
 class BasicAdjustedContact {
 public:
   /// `rate` (1/s, above 0): 10 lets a factor go from 1 to nothing in 0.1 s.
-  BasicAdjustedContact(const View& view, std::uint32_t tool, const SiteScales& scales, double rate = 10,
-                       const ContactSettings& settings = {})
-      : view_(&view), scales_(&scales), contact_(view, tool, settings), rate_(rate) {}
+  BasicAdjustedContact(const View& view, std::uint32_t tool, const SiteScales& scales, double rate = 10)
+      : view_(&view), scales_(&scales), contact_(view, tool), rate_(rate) {}
 
   void reset() {
     contact_.reset();
@@ -80,7 +79,7 @@ private:
       return tick;
     }
     const double wanted = blend(tick.at), most = rate_ > 0 && seconds > 0 ? rate_ * seconds : 0;
-    // A contact begins without force, whatever its factor.
+    // A contact begins with the factor of its place.
     const double before = touching_ ? scale_ : wanted;
     scale_ = touching_ ? std::fmin(std::fmax(wanted, before - most), before + most) : wanted;
     touching_ = true;

@@ -181,12 +181,12 @@ private:
 template <std::uint32_t kFeatures = layout::feature_all>
 class BasicAnimatedContact {
 public:
-  BasicAnimatedContact(const AnimatedSurface& surface, std::uint32_t tool, const ContactSettings& settings = {})
+  BasicAnimatedContact(const AnimatedSurface& surface, std::uint32_t tool)
       : surface_(&surface),
         tool_(tool),
         reach_(skeleton_radius<kFeatures>(surface.baked(), tool)),
         motion_(surface, {}),
-        contact_(surface.baked(), tool, settings) {}
+        contact_(surface.baked(), tool) {}
 
   void reset() {
     contact_.reset();

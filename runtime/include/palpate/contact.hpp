@@ -2,17 +2,12 @@
 // One tool against the body: free, sticking, sliding, released; one force a tick.
 #pragma once
 
+#include "palpate/first_touch.hpp"
 #include "palpate/hold.hpp"
 
 #include <cmath>
 
 namespace palpate::runtime {
-
-struct ContactSettings {
-  /// Depth (m) that a contact may have when it is first seen; what is deeper is subtracted for as long as it
-  /// lasts, so that lag or a start inside the body cannot release energy. Negative: 2 % of the depth scale.
-  double late_depth = -1;
-};
 
 /// Follows one tool. Every tick takes bounded time, allocates nothing and throws nothing. Not for several
 /// threads at once; any number of contacts may share a view, which must outlive them.
@@ -22,22 +17,23 @@ template <std::uint32_t kFeatures = layout::feature_all>
 class BasicContact {
 public:
   /// `tool`: an index below view.meta->tool_count.
-  BasicContact(const View& view, std::uint32_t tool, const ContactSettings& settings = {})
+  BasicContact(const View& view, std::uint32_t tool)
       : view_(&view),
         tool_(tool),
         reach_(skeleton_radius<kFeatures>(view, tool)),
         probe_(view.tools[tool].probe_radius),
-        late_(settings.late_depth >= 0 ? settings.late_depth : 0.02 * view.meta->depth_scale),
         hold_(view, tool) {}
 
-  /// Forgets the contact. The next tick must be outside the body, else the contact starts at zero force.
+  /// Forgets the contact. The next tick must be outside the body, else the contact starts at zero force, and what it is
+  /// deep then is subtracted for as long as it lasts.
   void reset() {
     hold_.end();
     was_free_ = false;
     search_.touch.safe = -1;
   }
 
-  /// Force at `pose`. Ticks are meant to follow a motion: what happens between two is not seen.
+  /// Force at `pose`. Ticks are meant to follow a motion. Between a free one and one that touches the tool counts as
+  /// having gone straight: the contact begins where it first touched on that way (first_touch.hpp).
   Tick tick(const Pose& pose) {
     if (!fits() || !pose.valid()) return fault();
     if (const Vec3 q = hold_.rest().point(pose); keeps(q)) return keep(pose, q);
@@ -57,7 +53,7 @@ public:
     if (!fits() || !pose.valid() || !found.pose.valid()) return fault();
     if (const Vec3 q = hold_.rest().point(pose); keeps(q)) return keep(pose, q, served);
     search_ = found;
-    return motion_since_search(pose) < search_.touch.safe ? free(pose) : meet(pose);
+    return motion_since_search(pose) < search_.touch.safe ? free(pose) : meet(pose, false);
   }
 
   [[nodiscard]] const BasicField<kFeatures>& field() const { return hold_.rest().field(); }
@@ -81,7 +77,7 @@ public:
   /// For a host whose body changes its shape: what the tool did up to here was, in the body's frame, done at `by` times
   /// the poses that were told. The contact stays where it is on the body.
   void rebase(const Pose& by) {
-    free_at_ = by.apply(free_at_);
+    free_at_ = by * free_at_;
     hold_.rebase(by);
   }
 
@@ -104,9 +100,10 @@ private:
     return tick;
   }
 
-  Tick free(const Pose& pose) {
+  /// Out of line, for it is called in many places and copies a pose.
+  [[gnu::noinline]] Tick free(const Pose& pose) {
     was_free_ = true;
-    free_at_ = pose.translation;
+    free_at_ = pose;
     return {};
   }
 
@@ -118,18 +115,19 @@ private:
 
   void let_go(const Pose& pose) {
     was_free_ = hold_.left();
-    free_at_ = pose.translation;
+    free_at_ = pose;
     search_.touch.safe = -1;
   }
 
   Tick seek(const Pose& pose) {
     if (search_.touch.safe > 0 && motion_since_search(pose) < search_.touch.safe) return free(pose);
     search_ = search<kFeatures>(*view_, tool_, pose);
-    return search_.touch.clearance >= 0 ? free(pose) : meet(pose);
+    return search_.touch.clearance >= 0 ? free(pose) : meet(pose, was_free_);
   }
 
-  /// Begins a contact where the last search saw the body, if the tool overlaps it there.
-  Tick meet(const Pose& pose) {
+  /// Begins a contact where the last search saw the body, if the tool overlaps it there. `clear`: a tick ago it did so
+  /// nowhere.
+  Tick meet(const Pose& pose, bool clear) {
     const Vec3 q = pose.apply(search_.touch.anchor);
     const double size = hold_.rest().size();
     const bool seen = search_.touch.clearance < 0 && motion_since_search(pose) < 0.5 * size;
@@ -141,11 +139,37 @@ private:
       return {};
     }
     if (!(depth > 0)) return free(pose);
-    // Met behind an old search, the body was not pressed by as much as it is deep.
-    const double came = was_free_ ? std::fmin(late_, length(pose.translation - free_at_)) : 0;
-    Tick tick = hold_.begin(search_.touch, found, came, pose);
+    FirstTouch first{found, q, depth};
+    // Farther it did not move, it was put elsewhere.
+    if (const Vec3 from = free_at_.apply(search_.touch.anchor); was_free_ && length(q - from) <= size) {
+      first = first_touch(*view_, found, depth, probe_, from, q);
+      if (first.late && clear) {
+        look_between(pose);
+        return meet(pose, false);
+      }
+    }
+    Tick tick = hold_.begin(search_.touch, first, pose);
     if (!hold_.lasts()) let_go(pose);
     return tick;
+  }
+
+  /// The tool was clear of all, yet not of the surface that is nearest now: it came in by another, past the middle of
+  /// something thin. Looks for the place where it came in on the way between.
+  [[gnu::noinline]] void look_between(const Pose& pose) {
+    constexpr int kLooks = 4;
+    Vec3 from = free_at_.translation, to = pose.translation;
+    for (int i = 0; i < kLooks; ++i) {
+      Pose between = pose;
+      between.translation = 0.5 * (from + to);
+      const ToolTouch touch = find_touch<kFeatures>(*view_, tool_, between);
+      if (touch.clearance < 0) {
+        search_.touch = touch;
+        to = between.translation;
+      } else {
+        free_at_ = between;
+        from = between.translation;
+      }
+    }
   }
 
   /// Most that any skeleton point can have moved since the last search.
@@ -168,10 +192,10 @@ private:
 
   const View* view_;
   std::uint32_t tool_;
-  double reach_, probe_, late_;  ///< m
+  double reach_, probe_;  ///< m
 
   bool was_free_ = false;  ///< the last tick saw no overlap
-  Vec3 free_at_;           ///< m, the tool then
+  Pose free_at_;           ///< the tool then
   Search search_;          ///< the last one; free until the tool has moved by touch.safe from its pose
   BasicHold<kFeatures> hold_;
 };

@@ -28,15 +28,21 @@ public:
   [[nodiscard]] const BasicRest<kFeatures>& rest() const { return rest_; }
 
   /// Begins as BasicRest does.
-  Tick begin(const ToolTouch& touch, const Projection& found, double most, const Pose& pose) {
-    rest_.begin(touch, found, most, pose);
+  Tick begin(const ToolTouch& touch, const FirstTouch& first, const Pose& pose) {
+    rest_.begin(touch, first, pose);
     rim_.leave({}, {});
     account_.reset();
     lasts_ = true;
-    last_ = rest_.point(pose);
-    depth_ = rest_.deflection(last_).depth;
+    last_ = first.at;
+    const Vec3 q = rest_.point(pose);
+    depth_ = rest_.deflection(q).depth;
+    // What went sideways since the first touch did so on the way down: 2/3 of it are kept where the sideways stiffness
+    // grows with the root of the depth, as under a round tip.
+    if (const Vec3 way = q - first.at; dot(way, way) > 0) depth_ *= 4.0 / 9;
+    if (depth_ > 0) return tick(pose, q);
     // At zero depth there is no force yet, but the contact has begun: from here on the tool may push.
-    return depth_ > 0 ? tick(pose, last_) : output(State::stick, pose, last_, field().at_depth(depth_), {});
+    last_ = q;
+    return output(State::stick, pose, q, field().at_depth(0), {});
   }
 
   /// Force of a contact that lasts; `before`: where the pose takes p. `served`: a tracker's latest search, or null.

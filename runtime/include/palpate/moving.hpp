@@ -34,8 +34,7 @@ inline Search search(const View& view, std::uint32_t index, const Pose& body, co
 template <std::uint32_t kFeatures = layout::feature_all>
 class BasicMovingContact {
 public:
-  BasicMovingContact(const View& view, std::uint32_t tool, const ContactSettings& settings = {})
-      : contact_(view, tool, settings) {}
+  BasicMovingContact(const View& view, std::uint32_t tool) : contact_(view, tool) {}
 
   void reset() { contact_.reset(); }
 

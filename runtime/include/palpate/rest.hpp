@@ -3,6 +3,7 @@
 #pragma once
 
 #include "palpate/field.hpp"
+#include "palpate/first_touch.hpp"
 #include "palpate/project.hpp"
 #include "palpate/tool.hpp"
 
@@ -35,17 +36,14 @@ public:
     lies_ = lies_ || profile_;
   }
 
-  /// Where a tool's point of a search meets the body, without sideways deflection and with a depth of at most `most`
-  /// (m): what is deeper is subtracted.
-  void begin(const ToolTouch& touch, const Projection& found, double most, const Pose& pose) {
+  /// Where a tool's point of a search met the body: deflected by what it went since then.
+  void begin(const ToolTouch& touch, const FirstTouch& first, const Pose& pose) {
     anchor_ = touch.anchor;
     tool_point_ = touch.tool_point;
-    subtracted_ = 0;
-    offset_ = anchored_ = rolled_ = {};
-    place(found, pose);
-    const Deflection d = deflection(point(pose));
-    subtracted_ = std::fmax(0, d.depth - most);
-    offset_ = d.sideways;
+    subtracted_ = first.already;
+    anchored_ = rolled_ = {};
+    place(first.foot, pose);
+    offset_ = tangential(first.at - c_, field_.normal());
   }
 
   [[nodiscard]] const BasicField<kFeatures>& field() const { return field_; }

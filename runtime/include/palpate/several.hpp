@@ -209,8 +209,8 @@ class SeveralContacts {
   static_assert(Most >= 2);
 
 public:
-  SeveralContacts(const View& view, std::uint32_t tool, const ContactSettings& settings = {})
-      : SeveralContacts(view, tool, settings, std::make_index_sequence<Most>()) {}
+  SeveralContacts(const View& view, std::uint32_t tool)
+      : SeveralContacts(view, tool, std::make_index_sequence<Most>()) {}
 
   void reset() {
     for (BasicContact<kFeatures>& contact : contacts_) contact.reset();
@@ -229,12 +229,12 @@ public:
 
 private:
   template <std::size_t... K>
-  SeveralContacts(const View& view, std::uint32_t tool, const ContactSettings& settings, std::index_sequence<K...>)
+  SeveralContacts(const View& view, std::uint32_t tool, std::index_sequence<K...>)
       : view_(&view),
         reach_(skeleton_radius<kFeatures>(view, tool)),
         tip_(view, tool),
         finder_(view, tool),
-        contacts_{((void)K, BasicContact<kFeatures>(view, tool, settings))...} {
+        contacts_{((void)K, BasicContact<kFeatures>(view, tool))...} {
     share_.fill(1);
   }
 
@@ -389,8 +389,8 @@ template <int Count, std::uint32_t kFeatures = layout::feature_all>
 class SeveralTools {
 public:
   /// `tools`: indices into the file's tools, which may repeat.
-  SeveralTools(const View& view, const std::array<std::uint32_t, Count>& tools, const ContactSettings& settings = {})
-      : SeveralTools(view, tools, settings, std::make_index_sequence<Count>()) {}
+  SeveralTools(const View& view, const std::array<std::uint32_t, Count>& tools)
+      : SeveralTools(view, tools, std::make_index_sequence<Count>()) {}
 
   void reset() {
     for (BasicContact<kFeatures>& contact : contacts_) contact.reset();
@@ -412,9 +412,8 @@ public:
 
 private:
   template <std::size_t... K>
-  SeveralTools(const View& view, const std::array<std::uint32_t, Count>& tools, const ContactSettings& settings,
-               std::index_sequence<K...>)
-      : contacts_{BasicContact<kFeatures>(view, tools[K], settings)...}, tips_{Tip(view, tools[K])...} {}
+  SeveralTools(const View& view, const std::array<std::uint32_t, Count>& tools, std::index_sequence<K...>)
+      : contacts_{BasicContact<kFeatures>(view, tools[K])...}, tips_{Tip(view, tools[K])...} {}
 
   template <class TickOf>
   std::array<Tick, Count> together(const TickOf& tick_of) {

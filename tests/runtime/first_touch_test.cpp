@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Tools that come in fast: a contact begins where they first touched, whatever tick sees it first.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "tests/runtime/support.hpp"
+
+namespace palpate {
+namespace {
+
+using namespace test;
+using runtime::Contact;
+
+constexpr int kOffsets = 7;         // of the first tick, over the way of a tick
+constexpr double kFastStep = 5e-4;  // m, 0.5 m/s at 1 kHz
+
+using Path = std::function<Pose(double)>;  // by the way gone (m)
+
+Path onward(const Vec3& from, const Vec3& direction) {
+  return [=](double way) { return upright(from + way * direction); };
+}
+
+// A tick every `step` of the path, the last at its end.
+std::vector<Tick> ticks_of(const runtime::View& view, const Path& path, double end, double step) {
+  Contact contact(view, 0);
+  std::vector<Tick> ticks;
+  for (int i = static_cast<int>(end / step + 1e-6); i >= 0; --i) ticks.push_back(contact.tick(path(end - i * step)));
+  return ticks;
+}
+
+bool in_touch(const Tick& tick) { return tick.state == State::stick || tick.state == State::slide; }
+
+// How far a run is from one of a hundred times finer ticks.
+struct Apart {
+  double force = 0;   // largest difference, of the peak
+  double point = 0;   // of c in the first tick that touches, of the way of a tick
+  double begins = 0;  // of the force in that tick, of its own
+};
+
+Apart finely_apart(const runtime::View& view, const Path& path, double end, double step) {
+  constexpr std::size_t kFiner = 100;
+  const std::vector<Tick> ticks = ticks_of(view, path, end, step), fine = ticks_of(view, path, end, step / kFiner);
+  double peak = 0;
+  for (const Tick& tick : fine) peak = std::max(peak, length(tick.force));
+  EXPECT_GT(peak, 0.1);
+  Apart result;
+  for (std::size_t back = 0; back < ticks.size(); ++back) {
+    const Tick &a = ticks[ticks.size() - 1 - back], &b = fine[fine.size() - 1 - kFiner * back];
+    result.force = std::max(result.force, distance(a.force, b.force) / peak);
+    if (!in_touch(a) || !in_touch(b)) break;
+    result.point = distance(a.body_point, b.body_point) / step;
+    result.begins = distance(a.force, b.force) / length(b.force);
+  }
+  return result;
+}
+
+// The worst of several offsets, of paths that touch 4 mm and more after they begin and go `in` (m) from there.
+Apart worst_apart(const runtime::View& view, const std::function<Path(double)>& before, double in, double step) {
+  Apart most;
+  for (int k = 0; k < kOffsets; ++k) {
+    const double out = 0.004 + step * k / kOffsets;
+    const Apart one = finely_apart(view, before(out), out + in, step);
+    most = {std::max(most.force, one.force), std::max(most.point, one.point), std::max(most.begins, one.begins)};
+  }
+  return most;
+}
+
+// From where a ball touches the box or the ball of the samples, so far back against its direction.
+std::function<Path(double)> onto(const Vec3& touch, const Vec3& direction) {
+  return [=](double out) { return onward(touch - out * direction, direction); };
+}
+
+const Vec3 kOnBox{0.001, 0.002, kTop + kTipRadius};
+const Vec3 kUp = unit(Vec3{0.3, 0.2, 0.9}, {}), kOnBall = (kBallRadius + kTipRadius) * kUp;
+// 60 degrees from the normals there.
+const Vec3 kAskewOnBox = unit(Vec3{1.7, 0.3, -1}, {});
+const Vec3 kAskewOnBall = unit(Vec3{1.7, 0, 0} - dot(Vec3{1.7, 0, 0}, kUp) * kUp - kUp, {});
+
+Options alike(bool friction) {
+  Options options = uniform();
+  options.lateral = false;
+  options.friction = friction;
+  options.subdivision = 4;
+  options.search = true;
+  return options;
+}
+
+// Nothing slips on it.
+ResponseFileContent rough(ResponseFileContent content) {
+  for (Response& r : content.responses) std::fill(r.friction.begin(), r.friction.end(), 9.0f);
+  return content;
+}
+
+TEST(FirstTouch, PressedStraightTheForceIsTheSameAtAnySpeed) {
+  constexpr double kIn = 0.003;
+  for (const int order : {-1, 0, 4}) {  // frictionless, separable, coupled
+    Options options = alike(order >= 0);
+    options.coupled = std::max(order, 0);
+    const Opened box(box_content(options)), ball(ball_content(options));
+    const double on_ball =
+        length(ticks_of(ball.view, onward(kOnBall + 0.001 * kUp, -kUp), 0.001 + kIn, 1e-5).back().force);
+    for (const double step : {1e-5, 1e-4, kFastStep, 1e-3}) {
+      for (int k = 0; k < kOffsets; ++k) {
+        const double out = 0.001 + step * k / kOffsets;
+        const Tick there = ticks_of(box.view, onward(kOnBox + Vec3{0, 0, out}, {0, 0, -1}), out + kIn, step).back();
+        EXPECT_NEAR(there.depth, kIn, 1e-3 * step) << step << ' ' << k;
+        EXPECT_NEAR(length(there.force), hertz(kIn), 1e-3 * hertz(kIn)) << step << ' ' << k << ' ' << order;
+        const Tick round = ticks_of(ball.view, onward(kOnBall + out * kUp, -kUp), out + kIn, step).back();
+        EXPECT_NEAR(length(round.force), on_ball, 5e-3 * on_ball) << step << ' ' << k << ' ' << order;
+      }
+    }
+  }
+}
+
+TEST(FirstTouch, ObliquelyTheContactIsWhereItTouchedFirst) {
+  const Opened box(rough(box_content(alike(true)))), ball(rough(ball_content(alike(true))));
+  const Apart flat = worst_apart(box.view, onto(kOnBox, kAskewOnBox), 0.003, kFastStep);
+  const Apart round = worst_apart(ball.view, onto(kOnBall, kAskewOnBall), 0.003, kFastStep);
+  EXPECT_LT(flat.point, 0.02);
+  EXPECT_LT(round.point, 0.02);
+  EXPECT_LT(flat.begins, 0.05);
+  EXPECT_LT(round.begins, 0.05);
+}
+
+TEST(FirstTouch, ObliquelyTheForceIsThatOfAFinerMotion) {
+  for (const bool friction : {false, true}) {
+    const Opened box(box_content(alike(friction))), ball(ball_content(alike(friction)));
+    const Apart flat = worst_apart(box.view, onto(kOnBox, kAskewOnBox), 0.006, kFastStep);
+    const Apart round = worst_apart(ball.view, onto(kOnBall, kAskewOnBall), 0.006, kFastStep);
+    EXPECT_LT(flat.force, 0.02) << friction;
+    EXPECT_LT(round.force, 0.02) << friction;
+  }
+}
+
+// A stem that comes down leaning, and one that swings down about its far end; the corner of a mesh.
+TEST(FirstTouch, CapsulesAndMeshesToo) {
+  Options options = alike(false);
+  options.tools = Options::Tools::capsule;
+  const Opened rods(box_content(options));
+  options.tools = Options::Tools::mesh;
+  const Opened gems(box_content(options));
+  const auto leaning = [](double angle, double height) {
+    return turned(angle, {0, 1, 0}, {-0.01, 0.001, kTop + height});
+  };
+  const double down = 0.003;
+  const auto fall = [&](double out) -> Path {
+    return [=](double way) { return leaning(0.7, kTipRadius + out - way); };
+  };
+  const auto swing = [&](double out) -> Path {
+    return [=](double way) {
+      const Pose lying = turned(std::numbers::pi / 2 - (way - out) / kStemLength, {0, 1, 0}, {});
+      const Vec3 far{0.02, 0.001, kTop + kTipRadius + 0.001};
+      Pose pose = lying;
+      pose.translation = far - lying.rotate({0, 0, kStemLength});
+      return pose;
+    };
+  };
+  const auto corner = [&](double out) -> Path {
+    return [=](double way) { return upright({0.001 + 0.3 * way, 0.002, kTop + 0.004 + out - way}); };
+  };
+  EXPECT_LT(worst_apart(rods.view, fall, down, kFastStep).force, 0.02);
+  EXPECT_LT(worst_apart(rods.view, swing, down, kFastStep).force, 0.02);
+  EXPECT_LT(worst_apart(gems.view, corner, down, kFastStep).force, 0.02);
+}
+
+TEST(FirstTouch, WhatNoMotionPressedBeginsAtZero) {
+  const Opened box(box_content(alike(true)));
+  const auto at = [](double depth) { return upright(kOnBox - Vec3{0, 0, depth}); };
+  Pose wrong = at(0);
+  wrong.rotation[0] = 2;
+  Contact started(box.view, 0), reset(box.view, 0), broken(box.view, 0), put(box.view, 0), leapt(box.view, 0);
+  reset.tick(at(-0.0001));
+  reset.reset();
+  broken.tick(at(-0.0001));
+  broken.tick(wrong);
+  put.tick(at(-0.0001 - put.size()));
+  for (double depth = -0.001; depth < 0.002; depth += 1e-4) leapt.tick(at(depth));
+  leapt.tick(at(0.003 - 1.01 * leapt.size()));
+  leapt.tick(at(-0.02));
+  for (Contact* contact : {&started, &reset, &broken, &put, &leapt}) {
+    const auto number = contact - &started;
+    EXPECT_EQ(length(contact->tick(at(0.003)).force), 0) << number;
+    // From there on it is pressed.
+    EXPECT_NEAR(contact->tick(at(0.004)).depth, 0.001, 1e-8) << number;
+  }
+}
+
+// The last search knew of no body; the tool went on into one meanwhile.
+TEST(FirstTouch, BehindAnOldSearchCountsWhatWasPressedSinceTheLastTick) {
+  const Opened box(box_content(alike(true)));
+  const auto at = [](double depth) { return upright(kOnBox - Vec3{0, 0, depth}); };
+  Contact contact(box.view, 0);
+  runtime::Search old = runtime::search(box.view, 0, at(-0.002));
+  old.touch.safe = HUGE_VAL;
+  for (int i = -4; i < 4; ++i) EXPECT_EQ(length(contact.tick(at(i * kFastStep), old).force), 0);
+  const Tick seen = contact.tick(at(4 * kFastStep), runtime::search(box.view, 0, at(4 * kFastStep)));
+  EXPECT_TRUE(in_touch(seen));
+  EXPECT_NEAR(seen.depth, kFastStep, 1e-6);
+}
+
+// A body of two ticks' way or less, and a tip that is thinner still: in most ticks that see it first the tip is nearest
+// to the other side.
+TEST(FirstTouch, FromAThinPlateTheToolIsPushedOutWhereItCameIn) {
+  for (const double thickness : {0.002, 0.004, 0.008}) {
+    Options options = alike(false);
+    options.search = false;
+    ResponseFileContent content = box_content(options);
+    const double flatter = thickness / (kBoxSize / 2), tip = 0.02 * thickness, step = 0.6 * thickness;
+    for (ResponseSite& site : content.sites) site.position[2] *= flatter;
+    for (Triple& vertex : content.surface_vertices) vertex[2] *= flatter;
+    content.tools[0].radius = content.tools[0].probe_radius = tip;
+    content.tools[0].vertices[0].point = {0, 0, -tip};
+    add_search(content);
+    const Opened plate(std::move(content));
+    for (const double aside : {0.0, 0.7}) {
+      const Vec3 way = unit(Vec3{aside, 0, -1}, {});
+      for (int k = 0; k < 40; ++k) {
+        const double in = step * (k + 0.5) / 40;  // of the first tick that overlaps
+        Contact contact(plate.view, 0);
+        for (int i = -2; i < 3; ++i) {
+          const Vec3 at = Vec3{0.001, 0.002, thickness / 2 + tip} + (in + i * step) * way;
+          const Tick tick = contact.tick(upright(at));
+          EXPECT_EQ(in_touch(tick), i >= 0) << thickness << ' ' << k << ' ' << i;
+          EXPECT_EQ(tick.force.z > 0, i >= 0) << thickness << ' ' << k << ' ' << i;
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpate
