@@ -207,6 +207,34 @@ TEST(Spin, RandomTurnsMakeNoStep) {
   EXPECT_LT(steepest[2], 6.0);
 }
 
+// p may lag behind on the tip when the tool is upright already: the direction in which it lies turns round at the pole.
+TEST(Spin, ATipThatLagsBehindPassesThePoleWithoutAStep) {
+  const Opened ball(ball_content(spun(6)));
+  const BodyPoint at{23, {0.3, 0.6, 0.1}};
+  const Vec3 n = normal(ball.view, at), x = runtime::any_orthogonal(n);
+  const layout::ToolRecord& rod = ball.view.tools[1];
+  const Pose up = laid(ball.view.tool_vertices[rod.first_vertex], n, x, 0);
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> draw(0, 1);
+  constexpr double kTurned = 1e-5, kRuns = 3;
+  double steepest[2] = {};
+  for (int i = 0; i < 20000; ++i) {
+    const double angle = 0.1 + 1.4 * draw(random), way = kCircle * draw(random), tilt = draw(random);
+    const ToolPoint on_tool = runtime::profile_point(ball.view, rod, angle * kTipRadius);
+    const Pose pose = turned(0.2 * tilt * tilt * tilt, std::cos(way) * x + std::sin(way) * cross(n, x), {}) * up;
+    const Pose next = turned(kTurned, random_direction(random), {}) * pose;
+    for (int k = 0; k < 2; ++k) {
+      const double sure = k == 0 ? kRuns / angle : HUGE_VAL;
+      const auto force = [&](const Pose& to) {
+        return Field(ball.view, 1, at, on_tool, {&to, 0, sure}).force(aside(n, x, 2)).force;
+      };
+      steepest[k] = std::max(steepest[k], distance(force(pose), force(next)) / kTurned);
+    }
+  }
+  EXPECT_LT(steepest[0], kRuns * 6.0);  // N a radian
+  EXPECT_GT(steepest[1], 1000.0) << "sure of it everywhere";
+}
+
 // A stem lies on the box, is pushed aside without slipping, and turned where it lies.
 TEST(Spin, AStemThatIsTwistedWhereItSticksFollowsWithoutAStep) {
   for (const int coupled : {0, 2}) {

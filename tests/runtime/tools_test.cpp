@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Capsules and mesh tools: which of their points touches, and how that changes with the pose.
+#include <algorithm>
 #include <cmath>
 
 #include "tests/runtime/support.hpp"
@@ -81,6 +82,100 @@ TEST(Capsule, LayingTheStemDownMovesTheContactContinuously) {
   for (int i = 0; i < 2000; ++i) last = contact.tick(pose(1.65));
   EXPECT_GT(last.body_point.x, 0.01);  // c has gone along the stem
   EXPECT_GT(last.force.z, 0);
+}
+
+/// A stem that lies on the box, its far end a little deeper, is tilted up about its tip and laid down again, and drawn
+/// aside meanwhile: p runs to the tip while the tool is tilted, and back.
+struct Tilting {
+  double tilt, seconds;  ///< rad; s
+  [[nodiscard]] Pose at(double t) const {
+    const double phase = 2 * std::numbers::pi * t / seconds, angle = 0.5 * (1 - std::cos(phase)) * tilt - 0.02;
+    const double aside = 0.002 * std::sin(phase);
+    return leaning(std::numbers::pi / 2 - angle, {aside - 0.014, aside, kTop + kTipRadius - 0.0025});
+  }
+};
+
+double meridian_of(const runtime::View& view, const runtime::ToolPoint& at) {
+  const auto& corner = view.tool_patches[at.patch].vertex;
+  return at.weights[0] * view.tool_vertices[corner[0]].meridian +
+         at.weights[1] * view.tool_vertices[corner[1]].meridian;
+}
+
+struct Tilted {
+  std::vector<Vec3> forces;        ///< N, every millisecond
+  double step = 0, per_metre = 0;  ///< N in a tick, and over the way of the skin there (N/m)
+  double ran = 0;                  ///< that p went on the profile over the way of the skin that went farthest
+  double least = 1, most = 0;      ///< m, of its meridian
+  int lost = 0, unsettled = 0;     ///< ticks without contact; at rest, ticks in which the force changed
+};
+
+/// With so many ticks in a millisecond.
+Tilted tilt(const runtime::View& view, const Tilting& motion, int fine) {
+  Contact contact(view, 0);
+  Pose before = motion.at(0);
+  Tick last;
+  for (int i = 0; i <= 500; ++i) {
+    before.translation.z = motion.at(0).translation.z + 1e-5 * (500 - i);
+    last = contact.tick(before);
+  }
+  Tilted r;
+  const int ticks = static_cast<int>(std::lround(1000 * motion.seconds)) * fine;
+  for (int i = 1; i <= ticks; ++i) {
+    const Pose pose = motion.at(1e-3 * i / fine);
+    const Tick tick = contact.tick(pose);
+    r.lost += tick.state != State::stick && tick.state != State::slide;
+    const double turn = distance(pose.rotate({0, 0, 1}), before.rotate({0, 0, 1}));
+    const Vec3 taken = pose.apply(inverse(before).apply(last.tool_point));
+    const double skin = distance(taken, last.tool_point) + kTipRadius * turn, step = distance(tick.force, last.force);
+    const double meridian = meridian_of(view, tick.on_tool);
+    r.step = std::max(r.step, step);
+    r.per_metre = std::max(r.per_metre, step / skin);
+    r.ran = std::max(r.ran, std::fabs(meridian - meridian_of(view, last.on_tool)) / (skin + kStemLength * turn));
+    r.least = std::min(r.least, meridian);
+    r.most = std::max(r.most, meridian);
+    if (i % fine == 0) r.forces.push_back(tick.force);
+    for (int k = 0; i % (50 * fine) == 0 && k < 20; ++k) {
+      r.unsettled += distance(contact.tick(pose).force, tick.force) > 0;
+    }
+    last = tick;
+    before = pose;
+  }
+  return r;
+}
+
+// Where p comes to the end of the axis while the tool is tilted, the skin that is parallel to the body is elsewhere on
+// the tip: p runs there as the tool moves, however fine the ticks are.
+TEST(Capsule, ATiltedStemComesToItsTipWithoutAStep) {
+  Options options = with(Options::Tools::capsule);
+  options.friction = options.lateral = false;
+  options.uniform = true;
+  ResponseFileContent content = box_content(options);
+  const std::size_t vertices = content.tool_vertex_count();
+  ASSERT_EQ(vertices, 4U);
+  for (std::size_t i = 0; i < content.responses.size(); ++i) {
+    constexpr double kFactors[] = {1.0, 0.7, 1.3, 1.0};  // pole, tip at 45 degrees, where the stem begins and ends
+    for (float& c : content.responses[i].normal) c = static_cast<float>(c * kFactors[i % vertices]);
+  }
+  const Opened box(std::move(content));
+  for (const Tilting& motion : {Tilting{0.3, 1}, Tilting{0.6, 1}, Tilting{1.2, 1}, Tilting{1.2, 3}}) {
+    SCOPED_TRACE(motion.tilt);
+    const Tilted coarse = tilt(box.view, motion, 1), fine = tilt(box.view, motion, 10);
+    double force = 0, apart = 0;
+    for (std::size_t i = 0; i < fine.forces.size(); ++i) {
+      force = std::max(force, length(fine.forces[i]));
+      apart = std::max(apart, distance(coarse.forces[i], fine.forces[i]));
+    }
+    EXPECT_LT(fine.least, kTipRadius * (std::numbers::pi / 2 - motion.tilt + 0.03)) << "it came where it is tilted to";
+    EXPECT_GT(fine.most, kStemLength) << "from the far end";
+    for (const Tilted& t : {coarse, fine}) {
+      EXPECT_LT(t.per_metre, 1.3 * kHertzForce / kDepthScale);
+      EXPECT_LT(t.ran, 9) << "eight times the way of the axis, which is not the skin's";
+      EXPECT_EQ(t.unsettled + t.lost, 0);
+    }
+    EXPECT_GT(coarse.step, 5e-3);
+    EXPECT_LT(fine.step, 0.12 * coarse.step) << "ten times as many ticks";
+    EXPECT_LT(apart, 0.06 * force);
+  }
 }
 
 TEST(MeshTool, PressesWithItsLowestCorner) {

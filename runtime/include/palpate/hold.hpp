@@ -52,6 +52,7 @@ public:
     Vec3 q = before;
     Deflection d;
     DepthTerms terms;
+    if (rest_.lies()) rest_.let_run(pose, before - last_);
     if (!rest_.lies() || !lie_down(pose, q, d, terms)) stand(q, d, terms);
     const Vec3 way = q - last_;
     last_ = q;

@@ -42,6 +42,11 @@ public:
     tool_point_ = touch.tool_point;
     subtracted_ = first.already;
     anchored_ = rolled_ = {};
+    if (profile_) {
+      along_ = round_ = 0;
+      axis_ = pose.rotate(kAxes[0]);
+      meridian_ = profile_meridian(view_->tools[tool_], anchor_.z, pose.along_axis(first.foot.normal));
+    }
     place(first.foot, pose);
     offset_ = tangential(first.at - c_, field_.normal());
   }
@@ -124,7 +129,18 @@ public:
     place(foot(q, d.sideways), pose);
   }
 
-  /// The tool lies otherwise than when its responses were blended.
+  /// In this tick the tool moved, where p is by `way` (m). So p may run over its profile, several times as far as the
+  /// skin went, for a small tilt takes the deepest place of a stem from end to end. A tool at rest keeps p where it is.
+  [[gnu::noinline]] void let_run(const Pose& pose, const Vec3& way) {
+    if (!profile_) return;
+    const Vec3 axis = pose.rotate(kAxes[0]);
+    const double turn = length(axis - axis_), skin = length(way) + probe_ * turn;
+    axis_ = axis;
+    round_ = kRound * skin;
+    along_ = kAlong * (skin + view_->tools[tool_].axis_length * turn);
+  }
+
+  /// The tool lies otherwise than when its responses were blended, and has moved.
   [[nodiscard]] bool lies_otherwise(const Pose& pose) const {
     if constexpr (kSpin) {
       if (spins_) {
@@ -132,13 +148,14 @@ public:
         if (!profile_) return false;
       }
     }
+    if (!(along_ > 0)) return false;
     const double cosine = pose.along_axis(field_.normal());
     return std::fabs(along(cosine) - anchor_.z) > 1e-9 * probe_ ||
            std::fabs(profile_meridian(view_->tools[tool_], anchor_.z, cosine) - meridian_) > 1e-6 * probe_;
   }
 
   /// Blends the responses for how the tool lies. A capsule lays itself down: p runs along the axis to where it is
-  /// deepest, c with it, at a bounded rate and without changing the deflection d of the tool at q: what is gained in
+  /// deepest, c with it, as far as it may and without changing the deflection d of the tool at q: what is gained in
   /// depth that way is no work of the hand and is subtracted.
   void lie_down(const Pose& pose, const Deflection& d) {
     const Vec3 there{0, 0, profile_ ? along(pose.along_axis(field_.normal())) : anchor_.z};
@@ -158,6 +175,7 @@ public:
   /// Turns the tool's pose of the last tick by that of `by`.
   void rebase(const Pose& by) {
     turned_from_ = by.rotate(turned_from_);
+    axis_ = by.rotate(axis_);
     if constexpr (kSpin) {
       if (spins_) {
         for (Vec3& axis : lay_) axis = by.rotate(axis);
@@ -185,10 +203,7 @@ private:
 
   /// Blends the responses for the present point of the body and the tool's present orientation.
   void turn(const Vec3& n, const Pose& pose) {
-    if (profile_) {
-      meridian_ = profile_meridian(view_->tools[tool_], anchor_.z, pose.along_axis(n));
-      tool_point_ = profile_point(*view_, view_->tools[tool_], meridian_);
-    }
+    if (profile_) run_round(pose.along_axis(n));
     note_turn(n, pose);
     if constexpr (kSpin) {
       if (spins_) return build_spun(n, pose);
@@ -199,7 +214,9 @@ private:
   // What only tools with spins need stays out of line.
   [[gnu::noinline]] void build_spun(const Vec3& n, const Pose& pose) {
     for (int k = 0; k < 2; ++k) lay_[k] = pose.rotate(kAxes[k]);
-    field_.build_spun(*view_, tool_, at_, tool_point_, n, {&pose, 0});
+    // A tip that lags behind at the pole is turned about it faster than p may run.
+    const double lags = profile_ ? kRound * probe_ / std::fmin(meridian_, profile_stem(view_->tools[tool_])) : HUGE_VAL;
+    field_.build_spun(*view_, tool_, at_, tool_point_, n, {&pose, 0, lags});
   }
 
   /// A turn of a profile about its own axis is none.
@@ -219,10 +236,30 @@ private:
     turned_from_ = pose.rotate(normal_in_tool_);
   }
 
-  /// Where on the axis p is to be in this tick (m), for a cosine between n(c) and the axis.
+  /// Where on the axis p is to be in this tick (m), for a cosine between n(c) and the axis: as near as it may to where
+  /// it is deepest. From the tip it gets there by the end of the axis.
   [[nodiscard]] double along(double cosine) const {
-    const double step = std::fmax(-0.1, std::fmin(0.1, -cosine)) * probe_;
-    return std::fmax(0, std::fmin(view_->tools[tool_].axis_length, anchor_.z + step));
+    const layout::ToolRecord& tool = view_->tools[tool_];
+    if (!(anchor_.z > 0) && meridian_ < profile_stem(tool)) return 0;
+    constexpr double kBody = 16;  // probe radii, of curvature: a body that is sharper p would cross
+    const double step = std::fmax(-along_, std::fmin(along_, -cosine * kBody * probe_));
+    return std::fmax(0, std::fmin(tool.axis_length, anchor_.z + step));
+  }
+
+  /// Moves p round the tip to where the skin is parallel to the body, as near as it may: where p comes to the end of
+  /// the axis while the tool is tilted, that is elsewhere at once. On the stem p lies beside its point of the axis.
+  [[gnu::noinline]] void run_round(double cosine) {
+    const layout::ToolRecord& tool = view_->tools[tool_];
+    const double wanted = profile_meridian(tool, anchor_.z, cosine);
+    if (!(anchor_.z > 0)) {
+      const double from = std::fmin(meridian_, profile_stem(tool)), way = wanted - from;
+      const bool there = std::fabs(way) <= round_;
+      meridian_ = there ? wanted : from + std::copysign(round_, way);
+      round_ = there ? round_ - std::fabs(way) : 0;
+    } else {
+      meridian_ = wanted;
+    }
+    tool_point_ = profile_point(*view_, tool, meridian_);
   }
 
   /// c cannot follow along the surface (the tool straddles a fissure or left over an edge): takes the point
@@ -250,6 +287,9 @@ private:
   }
 
   static constexpr Vec3 kAxes[2] = {{0, 0, 1}, {1, 0, 0}};
+  // How many times as far as the skin p may run. A tip that rolls runs once as far round itself, the rest is to catch
+  // up; along the axis the skin that went farthest counts, for there c runs with p.
+  static constexpr double kRound = 3, kAlong = 8;
 
   const View* view_;
   std::uint32_t tool_;
@@ -261,13 +301,15 @@ private:
   Vec3 c_;
   Vec3 anchor_;  ///< m, p in the tool's frame
   ToolPoint tool_point_;
-  double meridian_ = 0;
-  double subtracted_ = 0;  ///< m, from the depth
-  Vec3 offset_;            ///< m, across n(c), from c to p at first sight
-  Vec3 anchored_;          ///< m, how far the anchor has gone from c (c takes it over when it slides)
-  Vec3 rolled_;            ///< m, the part of it that c goes on by once it is large enough to matter
-  Vec3 normal_in_tool_;    ///< n(c) when the tool last turned, in its frame
-  Vec3 turned_from_;       ///< and by the pose of that tick in the body's
+  double meridian_ = 0;           ///< m, of p on a profile
+  double along_ = 0, round_ = 0;  ///< m, that p may run along the axis and round the tip in this tick
+  Vec3 axis_;                     ///< of a profile in the last tick
+  double subtracted_ = 0;         ///< m, from the depth
+  Vec3 offset_;                   ///< m, across n(c), from c to p at first sight
+  Vec3 anchored_;                 ///< m, how far the anchor has gone from c (c takes it over when it slides)
+  Vec3 rolled_;                   ///< m, the part of it that c goes on by once it is large enough to matter
+  Vec3 normal_in_tool_;           ///< n(c) when the tool last turned, in its frame
+  Vec3 turned_from_;              ///< and by the pose of that tick in the body's
   BasicField<kFeatures> field_;
   detail::If<kSpin, Vec3[2]> lay_ = {};  ///< where the tool's axes were when its responses were blended
 };

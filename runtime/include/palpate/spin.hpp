@@ -13,6 +13,9 @@ namespace palpate::runtime {
 struct Spin {
   const Pose* pose = nullptr;
   std::uint32_t sample = 0;
+  /// Of a point on a profile's tip that lies further from the pole than the pose says: times the sine of the tool's
+  /// tilt it is how sure the direction is in which it lies, at most wholly.
+  double sure_per_sine = HUGE_VAL;
 };
 
 /// How a vertex of a tool lies at a contact.
@@ -22,24 +25,26 @@ struct LaidVertex {
 };
 
 /// Of a profile the tangent runs up the tool's axis, whichever side of it touches; it is lost where the tool points
-/// into the body, and where the stem that is to lie on the body stands upright. Of a mesh it is carried from the
-/// vertex' own normal to the contact's by the smallest rotation; it is lost where these are opposed.
+/// into the body, and where the stem that is to lie on the body stands upright, or a tip that lags behind. Of a mesh it
+/// is carried from the vertex' own normal to the contact's by the smallest rotation; it is lost where these are
+/// opposed.
 inline LaidVertex laid_vertex(const View& view, const layout::ToolRecord& tool, std::uint32_t vertex, const Pose& pose,
-                              const Vec3& n, const Vec3& otherwise) {
+                              const Vec3& n, const Vec3& otherwise, double sure_per_sine = HUGE_VAL) {
   const layout::ToolVertexRecord& record = view.tool_vertices[vertex];
   Vec3 along = pose.rotate({0, 0, 1});
   double cosine = dot(along, n);
-  bool lost = record.tangent[2] > 0.9f;
+  double per_sine = record.tangent[2] > 0.9f ? 2 : sure_per_sine;
   if (tool.kind != static_cast<std::uint32_t>(layout::ToolKind::profile)) {
     const Vec3 own = pose.rotate(to_vec(record.normal));
     cosine = -dot(own, n);
     along = pose.rotate(to_vec(record.tangent));
     if (1 + cosine > 1e-9) along = along + (dot(along, n) / (1 + cosine)) * (own - n);
-    lost = false;
+    per_sine = HUGE_VAL;
   }
   LaidVertex laid;
   laid.x = unit(tangential(along, n), otherwise);
-  if (lost || cosine < 0) laid.sure = std::fmin(1, 2 * std::sqrt(std::fmax(0, 1 - cosine * cosine)));
+  if (cosine < 0) per_sine = 2;
+  if (per_sine < HUGE_VAL) laid.sure = std::fmin(1, per_sine * std::sqrt(std::fmax(0, 1 - cosine * cosine)));
   return laid;
 }
 
@@ -52,7 +57,7 @@ void for_each_spin(const View& view, const layout::ToolRecord& tool, std::uint32
                    const Vec3& x0, const Vec3& n, const Use& use) {
   const std::uint32_t spins = view.spins[vertex];
   if (spins == 1 || spin.pose == nullptr) return use(spin.sample < spins ? spin.sample : 0u, 1.0, x0);
-  const LaidVertex laid = laid_vertex(view, tool, vertex, *spin.pose, n, x0);
+  const LaidVertex laid = laid_vertex(view, tool, vertex, *spin.pose, n, x0, spin.sure_per_sine);
   double angle = std::atan2(dot(cross(x0, laid.x), n), dot(x0, laid.x));
   if (angle < 0) angle += kFullTurn;
   const double at = angle * (spins / kFullTurn);

@@ -148,13 +148,16 @@ inline Search search(const View& view, std::uint32_t tool, const Pose& pose) {
   return {pose, find_touch<kFeatures>(view, tool, pose)};
 }
 
+/// Where the stem of a profile begins: arc length from the tip's pole (m).
+inline double profile_stem(const layout::ToolRecord& tool) { return tool.probe_radius * 1.5707963267948966; }
+
 /// Where on its profile a tool touches: arc length from the tip's pole (m), for an axis point `along` (m) and
-/// the cosine between the body's normal and the tool's z axis.
+/// the cosine between the body's normal and the tool's z axis. A contact that lasts runs there (BasicRest).
 inline double profile_meridian(const layout::ToolRecord& tool, double along, double cosine) {
-  constexpr double kQuarter = 1.5707963267948966;
-  if (along > 0) return tool.probe_radius * kQuarter + along;
+  const double stem = profile_stem(tool);
+  if (along > 0) return stem + along;
   const double angle = std::acos(cosine > 1 ? 1 : cosine > 0 ? cosine : 0);
-  return tool.probe_radius * (angle < kQuarter ? angle : kQuarter);
+  return std::fmin(tool.probe_radius * angle, stem);
 }
 
 /// The segment of a profile that holds a meridian; beyond the ends, the end.
