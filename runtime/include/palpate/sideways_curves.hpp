@@ -63,8 +63,11 @@ public:
   void growths_once(double s, Growths& growth) const {
     const spline::Basis basis = spline::basis(growth_count_, s);
     for (int j = 0; j < layers_; ++j) {
-      Lanes g = {};  // numbers are set one by one
-      for (int lane = 0; lane < kLanes; ++lane) g.set(lane, spline::combine(basis, growth_coefs(j, lane)));
+      Lanes g;
+      for (int k = 0; k < kSites; ++k) {
+        g.of[k] =
+            two(spline::combine(basis, growth_coefs(j, 2 * k)), spline::combine(basis, growth_coefs(j, 2 * k + 1)));
+      }
       weigh(j, g, growth[j]);
     }
   }
@@ -85,9 +88,10 @@ public:
   /// Weighted growths beyond the depth scale, where the curves go on linearly by `extra`.
   void growths_beyond(double extra, Growths& growth) const {
     for (int j = 0; j < layers_; ++j) {
-      Lanes g = {};  // numbers are set one by one
-      for (int lane = 0; lane < kLanes; ++lane) {
-        g.set(lane, spline::beyond(growth_coefs(j, lane), growth_count_, extra));
+      Lanes g;
+      for (int k = 0; k < kSites; ++k) {
+        g.of[k] = two(spline::beyond(growth_coefs(j, 2 * k), growth_count_, extra),
+                      spline::beyond(growth_coefs(j, 2 * k + 1), growth_count_, extra));
       }
       weigh(j, g, growth[j]);
     }
@@ -176,7 +180,7 @@ private:
   /// phi inside [-1, 1] is the spline, outside its tangent at the end; t: r in intervals.
   void take_phi(int part, int layer, const Lanes& r, const Lanes& t, Lanes& phi) const {
     const double last = sideways_count_ - 3;
-    Lanes inside = {};
+    Lanes inside = t;
     for (int k = 0; k < kLanes; ++k) {
       inside.set(k, t[k] > 0 ? (t[k] < last ? t[k] : last) : 0.0);
       phi_[part][layer].take(k, phi_coefs(layer, k), sideways_count_, inside[k]);
