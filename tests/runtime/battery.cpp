@@ -7,6 +7,7 @@
 #include <random>
 
 #include "palpate/checksum.hpp"
+#include "palpate/several.hpp"
 #include "tests/runtime/battery_hand.hpp"
 
 namespace palpate::test {
@@ -70,11 +71,51 @@ struct Animation {
   std::uint32_t given = 0, refused = 0;
 };
 
+bool touches(const Tick& tick) { return tick.state == State::stick || tick.state == State::slide; }
+
+/// Three contacts as if they were one, whose c goes as far in a tick as the one that goes farthest.
+class Together {
+public:
+  Together(const View& view, std::uint32_t tool) : contacts_(view, tool) {}
+
+  Tick tick(const Pose& pose) {
+    const runtime::SeveralTick<3> now = contacts_.tick(pose);
+    Tick sum;
+    sum.force = now.force;
+    sum.torque = now.torque;
+    sum.friction_limit = HUGE_VAL;  // that of none
+    double crept = 0;
+    for (const Tick& each : now.each) {
+      if (each.state == State::fault) return each;
+      if (!touches(each)) continue;
+      if (sum.state != State::slide) sum.state = each.state;
+      sum.depth += each.depth;  // so much force may be theirs
+      double least = HUGE_VAL;
+      for (const Tick& before : last_.each) {
+        if (touches(before)) least = std::min(least, length(each.body_point - before.body_point));
+      }
+      if (std::isfinite(least) && now.touching <= last_.touching) crept = std::max(crept, least);
+    }
+    along_ += crept;
+    sum.body_point = {along_, 0, 0};
+    last_ = now;
+    return sum;
+  }
+  void reset() { contacts_.reset(); }
+  [[nodiscard]] const runtime::Contact& first() const { return contacts_.contact(0); }
+
+private:
+  runtime::SeveralContacts<3> contacts_;
+  runtime::SeveralTick<3> last_;
+  double along_ = 0;
+};
+
 /// One contact loop behind one call.
 class Loop {
 public:
   Loop(const View& view, const BatteryCase& c)
       : view_(view), case_(c), random_(c.seed + 77), contact_(view, c.tool), memory_(view.meta->site_count) {
+    if (c.driver == Driver::several) together_ = std::make_unique<Together>(view, c.tool);
     if (c.driver == Driver::animated) animation_ = std::make_unique<Animation>(view, c);
     if (c.driver != Driver::online) return;
     scales_ = std::make_unique<runtime::SiteScales>(view, memory_.data());
@@ -90,6 +131,7 @@ public:
   Tick tick(const Pose& pose) {
     if (case_.driver == Driver::alone) return contact_.tick(pose);
     if (animation_) return animation_->tick(pose);
+    if (together_) return together_->tick(pose);
     if (case_.driver == Driver::online) {
       if (ticks_++ % 50 == 0) {
         const double about = random_.between(0.2, 2);
@@ -111,6 +153,7 @@ public:
   void reset() {
     contact_.reset();
     if (adjusted_) adjusted_->reset();
+    if (together_) together_->reset();
     if (animation_) animation_->contact.reset();
     count_ = 0;
   }
@@ -125,7 +168,9 @@ public:
   [[nodiscard]] Pose surface_motion() const { return animation_ ? animation_->moved : Pose{}; }
 
 private:
-  [[nodiscard]] const runtime::Contact& contact() const { return adjusted_ ? adjusted_->contact() : contact_; }
+  [[nodiscard]] const runtime::Contact& contact() const {
+    return adjusted_ ? adjusted_->contact() : together_ ? together_->first() : contact_;
+  }
 
   const View& view_;
   BatteryCase case_;
@@ -135,12 +180,11 @@ private:
   std::unique_ptr<runtime::SiteScales> scales_;
   std::unique_ptr<runtime::AdjustedContact> adjusted_;
   std::unique_ptr<Animation> animation_;
+  std::unique_ptr<Together> together_;
   Pose place_;
   std::uint64_t ticks_ = 0, count_ = 0, every_ = 5;
   runtime::Search latest_, coming_;
 };
-
-bool touches(const Tick& tick) { return tick.state == State::stick || tick.state == State::slide; }
 
 }  // namespace
 
@@ -295,7 +339,7 @@ const char* name(Motion motion) {
 }
 
 const char* name(Driver driver) {
-  static const char* const kNames[] = {"alone", "late", "online", "animated"};
+  static const char* const kNames[] = {"alone", "late", "online", "animated", "several"};
   return kNames[static_cast<int>(driver)];
 }
 

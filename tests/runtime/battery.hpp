@@ -21,10 +21,11 @@ enum class Motion : std::uint8_t {
 
 /// Who finds the contact, and what is done to the file meanwhile.
 enum class Driver : std::uint8_t {
-  alone,    ///< Contact::tick(pose)
-  late,     ///< searches that are 5 to 40 ticks old
-  online,   ///< AdjustedContact, all sites' factors redrawn every 50 ticks
-  animated  ///< AnimatedContact: the body swells, shears and turns, shapes come at 60 Hz and now and then late
+  alone,     ///< Contact::tick(pose)
+  late,      ///< searches that are 5 to 40 ticks old
+  online,    ///< AdjustedContact, all sites' factors redrawn every 50 ticks
+  animated,  ///< AnimatedContact: the body swells, shears and turns, shapes come at 60 Hz and now and then late
+  several    ///< SeveralContacts<3>: what they give together
 };
 
 struct BatteryCase {

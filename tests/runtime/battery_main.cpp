@@ -47,7 +47,7 @@ struct Tables {
 
   void add(const char* file, std::uint64_t each, const runtime::View& view, std::uint32_t tool) {
     BatteryResult fine, fast;  // apart, for a step is another thing in fast motions
-    for (const Driver driver : {Driver::alone, Driver::late, Driver::online}) {
+    for (const Driver driver : {Driver::alone, Driver::late, Driver::online, Driver::several}) {
       for (const Motion motion : kMotions) {
         const BatteryCase c{motion, driver, tool, each, 1 + tool, 0.25};
         const BatteryResult r = run_battery(view, c);

@@ -276,6 +276,16 @@ inline void add_responses(ResponseFileContent& content, const ResponseSampleOpti
   content.provenance = R"({"generator": "test"})";
 }
 
+/// To sites, patches and contact surface the tools, responses and the search.
+inline void add_rest(ResponseFileContent& content, const ResponseSampleOptions& options) {
+  add_tools(content, options.tools);
+  add_spins(content, options.spins);
+  add_responses(content, options);
+  if (options.grasp) add_grasps(content, options);
+  if (options.turn) add_turns(content, options);
+  if (options.search) add_search(content);
+}
+
 }  // namespace sample_detail
 
 /// A closed box centred at the origin, kBoxSize x kBoxSize x kBoxSize / 2; its top lies in z = kBoxSize / 4.
@@ -328,12 +338,7 @@ inline ResponseFileContent box_content(const ResponseSampleOptions& options = {}
     content.sites[i].tangent = tangent_of(content.sites[i].normal, options.uniform ? 0 : 0.5 * static_cast<double>(i));
   }
   subdivide_surface(content, options.subdivision);
-  add_tools(content, options.tools);
-  add_spins(content, options.spins);
-  add_responses(content, options);
-  if (options.grasp) add_grasps(content, options);
-  if (options.turn) add_turns(content, options);
-  if (options.search) add_search(content);
+  add_rest(content, options);
   return content;
 }
 
@@ -370,12 +375,7 @@ inline ResponseFileContent ball_content(const ResponseSampleOptions& options = {
   }
   subdivide_surface(content, options.subdivision);
   for (Triple& p : content.surface_vertices) p = scaled(normalised(p), kBallRadius);
-  add_tools(content, options.tools);
-  add_spins(content, options.spins);
-  add_responses(content, options);
-  if (options.grasp) add_grasps(content, options);
-  if (options.turn) add_turns(content, options);
-  if (options.search) add_search(content);
+  add_rest(content, options);
   return content;
 }
 

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Writes the concave and sharp shapes of the tests as response files, separable and coupled: write_concave FOLDER
+#include <cstdio>
+#include <exception>
+
+#include "tests/support/concave_samples.hpp"
+
+int main(int argc, char** argv) {
+  using namespace palpate::test;
+  if (argc != 2) return 1;
+  try {
+    for (const ConcaveShape& shape : concave_shapes()) {
+      for (const int coupled : {0, 2}) {
+        ResponseSampleOptions options;
+        options.coupled = coupled;
+        options.search = true;
+        options.tools = ResponseSampleOptions::Tools::all;
+        const std::string name = shape.name + (coupled > 0 ? "_coupled.palp" : ".palp");
+        palpate::write_response_file(std::filesystem::path(argv[1]) / name,
+                                     palpate::encode(concave_content(shape, options)));
+      }
+    }
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 4;
+  }
+}
