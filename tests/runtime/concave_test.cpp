@@ -57,7 +57,7 @@ void draw_over_all(double most_free, double most_rough) {
       for (const double overlap : {0.02 * kDepthScale, 0.5 * kDepthScale}) {
         for (const bool along : {false, true}) {
           const Vec3 end = along ? Vec3{0, 0.012, 0} : Vec3{shape.reach, 0, 0}, aside{0, along ? 0 : 1e-3, 0};
-          const Drawn r =
+          const DrawReport r =
               draw(body.view, over(body.view, aside - end, aside + end, overlap), overlap, Loop(body.view, 0));
           const auto where = [&] {
             return shape.name + (along ? " along, mu " : " across, mu ") + std::to_string(mu) + ", overlap " +
@@ -90,7 +90,7 @@ TEST(Concave, OneContactIsHandedFromWallToWall) {
     for (const double mu : {0.3, 1.0}) {
       const Opened body(rubbed(named(shapes, name), mu));
       const double overlap = 0.5 * kDepthScale;
-      const Drawn r =
+      const DrawReport r =
           draw(body.view, over(body.view, {-0.02, 1e-3, 0}, {0.02, 1e-3, 0}, overlap), overlap, Contact(body.view, 0));
       EXPECT_LT(r.lost, 0.05) << name << ' ' << mu;
       EXPECT_GT(r.weakest, 0.05) << name << ' ' << mu << ": felt all the way";

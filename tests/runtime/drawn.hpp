@@ -58,7 +58,7 @@ inline std::vector<Vec3> over(const runtime::View& view, const Vec3& from, const
   return way;
 }
 
-struct Drawn {
+struct DrawReport {
   double way = 0;        ///< m, of the tool while it touched
   double jump = 0;       ///< largest way of a contact point in a tick over that of the tool
   int hand_overs = 0;    ///< ticks in which one went farther than twenty times that
@@ -73,8 +73,9 @@ struct Drawn {
 
 /// Draws along `way` (m), there and back, from above its first point and up from it again, `stride` (m) a tick.
 template <class Loop>
-Drawn draw(const runtime::View& view, const std::vector<Vec3>& way, double overlap, Loop loop, double stride = 5e-6) {
-  Drawn r;
+DrawReport draw(const runtime::View& view, const std::vector<Vec3>& way, double overlap, Loop loop,
+                double stride = 5e-6) {
+  DrawReport r;
   const double k = stiffest(view, 0), scale = view.meta->depth_scale;
   std::vector<Vec3> all{way.front() + Vec3{0, 0, overlap + 1e-3}};
   all.insert(all.end(), way.begin(), way.end());

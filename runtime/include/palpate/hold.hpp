@@ -59,7 +59,7 @@ public:
     return tick;
   }
 
-  /// Looks where the tool is, whose p is at q, once it has moved by half of what counts. A skin that is clear of the
+  /// Looks where the tool is, whose p is at q, once it has moved by what counts. A skin that is clear of the
   /// body leaves it: what sticks to it lets go as it moves. With `goes` c goes where the tool is pressed deeper, as
   /// into a groove's other wall: what was given here is stored there.
   void look(const Pose& pose, const Vec3& q, bool goes) {
@@ -73,13 +73,13 @@ public:
       depth_ = d.depth;
     }
     unseen_ += way;
-    if (unseen_ < 0.5 * least) return;
+    if (unseen_ < least) return;
     unseen_ = 0;
     d = rest_.deflection(q);
-    const Location nearest = locate<kFeatures>(*view_, q);
-    clear_ = nearest.signed_distance > rest_.probe() + least;
+    const double clear = rest_.probe() + least;  // c is of the surface: nearer than that to it the tool is not clear
+    clear_ = length(q - rest_.c()) > clear && locate<kFeatures>(*view_, q).signed_distance > clear;
     if (!goes || !(d.depth > 0)) return;
-    const Projection there = rest_.deeper(nearest, q, least);
+    const Projection there = rest_.deeper(q, least);
     if (!there.converged) return;
     const double held = stored(d);
     rest_.go(there, pose, q, field().at_depth(d.depth).normal_force);

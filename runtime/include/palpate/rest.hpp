@@ -184,12 +184,17 @@ public:
     }
   }
 
-  /// Where near the body's nearest point the tool at q overlaps it by so much (m) more than here; not converged:
-  /// nowhere.
-  [[nodiscard]] Projection deeper(const Location& nearest, const Vec3& q, double more) const {
-    Projection there = project(*view_, nearest.at, q);
+  /// Where the tool at q overlaps the body by so much (m) more than here; not converged: nowhere. Looks no farther than
+  /// such a place can be, and not from within the body, where the nearest place is the one that is pressed least.
+  [[nodiscard]] Projection deeper(const Vec3& q, double more) const {
+    Projection there;
+    const double height = dot(q - c_, field_.normal()), reach = height - more;
+    Location nearest;
+    if (!(reach > 0) || !locate_where<kFeatures>(*view_, q, detail::Anywhere{}, nearest, reach * reach)) return there;
+    if (!(nearest.signed_distance > 0) || nearest.at.triangle == at_.triangle) return there;
     const Projection here = project(*view_, at_, q);
-    const double depth = std::fmax(probe_ - dot(q - c_, field_.normal()), here.converged ? overlap(here, q) : 0);
+    const double depth = std::fmax(probe_ - height, here.converged ? overlap(here, q) : 0);
+    there = project(*view_, nearest.at, q);
     there.converged = there.converged && there.at.triangle != at_.triangle && overlap(there, q) > depth + more;
     return there;
   }
