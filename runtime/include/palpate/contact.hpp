@@ -38,7 +38,7 @@ public:
     if (!fits() || !pose.valid()) return fault();
     if (const Vec3 q = hold_.rest().point(pose); keeps(q)) {
       hold_.look(pose, q, !stays_);
-      return keep(pose, hold_.rest().point(pose));
+      return keep(pose, q);
     }
     return seek(pose);
   }

@@ -182,17 +182,22 @@ private:
 
   /// What is of degree 3 and 4 in u.
   void set_forms(double s, double beyond, AtDepth& d) const {
+    if (order() == 3) return set_cubic(rows_.sum_cubic(s), s, beyond, d);
     const auto sums = rows_.sum_more(s);
-    const auto pair = [&](int column) {
-      return Vec2{sums.integral(column, s, beyond), sums.integral(column + 1, s, beyond)};
-    };
-    const auto pair_rate = [&](int column) { return Vec2{sums.rate(column, s), sums.rate(column + 1, s)}; };
-    d.energy.h1 = pair(Rows::kFirst), d.rate.h1 = pair_rate(Rows::kFirst);
-    d.energy.h3 = pair(Rows::kThird), d.rate.h3 = pair_rate(Rows::kThird);
-    if (order() < 4) return;
+    set_cubic(sums, s, beyond, d);
     d.energy.m = sums.integral(Rows::kMean, s, beyond), d.rate.m = sums.rate(Rows::kMean, s);
-    d.energy.h2 = pair(Rows::kSecond), d.rate.h2 = pair_rate(Rows::kSecond);
-    d.energy.h4 = pair(Rows::kFourth), d.rate.h4 = pair_rate(Rows::kFourth);
+    set_pair(sums, Rows::kSecond, s, beyond, d.energy.h2, d.rate.h2);
+    set_pair(sums, Rows::kFourth, s, beyond, d.energy.h4, d.rate.h4);
+  }
+  template <class Sums>
+  static void set_cubic(const Sums& sums, double s, double beyond, AtDepth& d) {
+    set_pair(sums, Rows::kFirst, s, beyond, d.energy.h1, d.rate.h1);
+    set_pair(sums, Rows::kThird, s, beyond, d.energy.h3, d.rate.h3);
+  }
+  template <class Sums>
+  static void set_pair(const Sums& sums, int column, double s, double beyond, Vec2& integral, Vec2& rate) {
+    integral = {sums.integral(column, s, beyond), sums.integral(column + 1, s, beyond)};
+    rate = {sums.rate(column, s), sums.rate(column + 1, s)};
   }
 
   /// r.

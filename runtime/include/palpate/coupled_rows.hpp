@@ -27,11 +27,11 @@ public:
   /// Of the forms of degree 3 and 4, all with slopes: the harmonics of C, then those and the mean of Q.
   enum MoreColumn { kFirst = 0, kThird = 2, kSecond = 4, kFourth = 6, kMean = 8 };
 
-  static constexpr int kColumns = 10, kSloped = 6;
-  /// Of each column P, a polynomial in s, and dP/ds; columns with slopes alone have rates and integrals.
-  template <int Sloped>
+  static constexpr int kColumns = 10, kSloped = 6, kCubic = 4;  ///< and those of C
+  /// Of the first columns P, each a polynomial in s, and dP/ds; columns with slopes alone have rates and integrals.
+  template <int Columns, int Sloped>
   struct Sums {
-    double value[kColumns], slope[Sloped];
+    double value[Columns], slope[Sloped];
 
     /// d(s^2 P)/ds over s.
     [[nodiscard]] double rise(int column, double s) const { return 2 * value[column] + s * slope[column]; }
@@ -116,8 +116,9 @@ public:
   }
 
   /// At s.
-  [[nodiscard]] auto sum(double s) const { return add_up<kSloped>(at_, rows_, s); }
-  [[nodiscard]] auto sum_more(double s) const { return add_up<kColumns>(more_, more_rows_, s); }
+  [[nodiscard]] auto sum(double s) const { return add_up<kColumns, kSloped>(at_, rows_, s); }
+  [[nodiscard]] auto sum_cubic(double s) const { return add_up<kCubic, kCubic>(more_, more_rows_, s); }
+  [[nodiscard]] auto sum_more(double s) const { return add_up<kColumns, kColumns>(more_, more_rows_, s); }
 
   /// That of s^(2 + k) in F, k < degrees().push - 1.
   [[nodiscard]] double push(int k) const { return at_[k].of[kPush]; }
@@ -235,13 +236,13 @@ private:
   }
 
   /// Horner's rule, and of the first columns the derivative's.
-  template <int Sloped>
-  static Sums<Sloped> add_up(const Row* rows, int count, double s) {
-    Sums<Sloped> sums{};  // in registers until all are added
-    for (int c = 0; c < kColumns; ++c) sums.value[c] = rows[count - 1].of[c];
+  template <int Columns, int Sloped>
+  static Sums<Columns, Sloped> add_up(const Row* rows, int count, double s) {
+    Sums<Columns, Sloped> sums{};  // in registers until all are added
+    for (int c = 0; c < Columns; ++c) sums.value[c] = rows[count - 1].of[c];
     for (int k = count - 2; k >= 0; --k) {
       for (int c = 0; c < Sloped; ++c) sums.slope[c] = sums.slope[c] * s + sums.value[c];
-      for (int c = 0; c < kColumns; ++c) sums.value[c] = sums.value[c] * s + rows[k].of[c];
+      for (int c = 0; c < Columns; ++c) sums.value[c] = sums.value[c] * s + rows[k].of[c];
     }
     return sums;
   }

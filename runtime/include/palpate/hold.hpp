@@ -63,31 +63,9 @@ public:
   /// body leaves it: what sticks to it lets go as it moves. With `goes` c goes where the tool is pressed deeper, as
   /// into a groove's other wall: what was given here is stored there.
   void look(const Pose& pose, const Vec3& q, bool goes) {
-    const double least = 0.05 * view_->meta->depth_scale, way = length(q - last_);
-    Deflection d = rest_.deflection(q);
-    if (clear_ && d.depth > 0) {
-      const double held = stored(d);
-      rest_.subtract(std::fmin(way, d.depth));
-      DepthTerms terms;
-      replaced(held, q, d, terms);
-      depth_ = d.depth;
-    }
+    const double way = length(q - last_);
     unseen_ += way;
-    if (unseen_ < least) return;
-    unseen_ = 0;
-    d = rest_.deflection(q);
-    const double clear = rest_.probe() + least;  // c is of the surface: nearer than that to it the tool is not clear
-    clear_ = length(q - rest_.c()) > clear && locate<kFeatures>(*view_, q).signed_distance > clear;
-    if (!goes || !(d.depth > 0)) return;
-    const Projection there = rest_.deeper(q, least);
-    if (!there.converged) return;
-    const double held = stored(d);
-    rest_.go(there, pose, q, field().at_depth(d.depth).normal_force);
-    DepthTerms terms;
-    replaced(held, q, d, terms);
-    rim_.leave({}, {});
-    depth_ = d.depth;
-    field().remember(terms);
+    if (clear_ || unseen_ > 0.05 * view_->meta->depth_scale) look_round(pose, q, goes, way);
   }
 
   /// A touching tool that leaps by more than a contact's size between two ticks did not move, it was put
@@ -148,6 +126,33 @@ private:
       }
       roll_on(pose, d, terms);
     }
+  }
+
+  [[gnu::noinline]] void look_round(const Pose& pose, const Vec3& q, bool goes, double way) {
+    const double least = 0.05 * view_->meta->depth_scale;
+    Deflection d = rest_.deflection(q);
+    if (clear_ && d.depth > 0) {
+      const double held = stored(d);
+      rest_.subtract(std::fmin(way, d.depth));
+      DepthTerms terms;
+      replaced(held, q, d, terms);
+      depth_ = d.depth;
+    }
+    if (!(unseen_ > least)) return;
+    unseen_ = 0;
+    d = rest_.deflection(q);
+    const double clear = rest_.probe() + least;  // c is of the surface: nearer than that to it the tool is not clear
+    clear_ = length(q - rest_.c()) > clear && locate<kFeatures>(*view_, q).signed_distance > clear;
+    if (!goes || !(d.depth > 0)) return;
+    const Projection there = rest_.deeper(q, least);
+    if (!there.converged) return;
+    const double held = stored(d);
+    rest_.go(there, pose, q, field().at_depth(d.depth).normal_force);
+    DepthTerms terms;
+    replaced(held, q, d, terms);
+    rim_.leave({}, {});
+    depth_ = d.depth;
+    field().remember(terms);
   }
 
   /// What the hand gets of a force that is carried are joules that the leap lost, or owed ones.
