@@ -56,11 +56,11 @@ set(table
   "VirtualCoupling  VirtualCoupling::"
   "SeveralContacts  SeveralContacts< rescaled"
   "SeveralTools     SeveralTools<"
-  "AdjustedContact  AdjustedContact:: SiteScales:: rescaled"
+  "AdjustedContact  AdjustedContact< SiteScales:: rescaled"
   "Grasp            GraspField::"
   "TurningGrasp     GraspField:: TurnField::"
   "AnimatedContact  AnimatedContact< AnimatedSurface:: ShapeMaker Exchange:: carried( rebase"
-  "MovingContact    MovingContact:: carried("
+  "MovingContact    MovingContact< carried("
   "Latest           Latest< Exchange::"
   "EnergyMeter      EnergyMeter::")
 set(optional)

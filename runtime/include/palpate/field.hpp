@@ -26,6 +26,7 @@ template <std::uint32_t kFeatures = layout::feature_all>
 class BasicField {
   static constexpr bool kCoupled = (kFeatures & layout::feature_coupled) != 0;
   static constexpr bool kSpin = (kFeatures & layout::feature_spin) != 0;
+  static constexpr bool kBySite = kCoupled && !detail::kSmall;
   using Sum = detail::If<kCoupled, coupled::Blend>;
 
 public:
@@ -210,18 +211,20 @@ private:
   /// The responses are far apart in a large file: they come together, and while the normal is made. Those that were
   /// blended last are there.
   void fetch(const View& view, const Shares& shares) {
-    bool again = view.responses == last_responses_ && shares.corners == last_corners_;
-    for (int k = 0; k < 3; ++k) again = again && shares.sites[k] == last_sites_[k];
-    if constexpr (kCoupled) {
-      if (view.coupled) by_site_ = site_laws_.choose(view, shares.sites, shares.corners, again);
-    }
-    if (again) return;
-    last_responses_ = view.responses;
-    last_corners_ = shares.corners;
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t site = last_sites_[k] = shares.sites[k];
-      for (int l = 0; l < shares.corners.count; ++l) {
-        view.fetch(layout::response_index(*view.meta, site, shares.corners.vertex[l]));
+    if constexpr (!detail::kSmall) {
+      bool again = view.responses == last_.responses && shares.corners == last_.corners;
+      for (int k = 0; k < 3; ++k) again = again && shares.sites[k] == last_.sites[k];
+      if constexpr (kBySite) {
+        if (view.coupled) by_site_ = site_laws_.choose(view, shares.sites, shares.corners, again);
+      }
+      if (again) return;
+      last_.responses = view.responses;
+      last_.corners = shares.corners;
+      for (int k = 0; k < 3; ++k) {
+        const std::uint32_t site = last_.sites[k] = shares.sites[k];
+        for (int l = 0; l < shares.corners.count; ++l) {
+          view.fetch(layout::response_index(*view.meta, site, shares.corners.vertex[l]));
+        }
       }
     }
   }
@@ -231,7 +234,7 @@ private:
     begin(view, normal_there);
     Across axis[3];  // all at once: each is a long chain of dependent operations
     for (int k = 0; k < 3; ++k) axis[k] = sideways_axis(shares.sites[k]);
-    if constexpr (kCoupled) {
+    if constexpr (kBySite) {
       if (is_coupled() && by_site_) return blend_sites(shares, axis);
     }
     Sum sum = begin_sum();
@@ -265,6 +268,7 @@ private:
     begin(view, normal_there);
     const layout::Meta& m = *view.meta;
     Sum sum = begin_sum();
+    SampledAngles angles;
     for (int k = 0; k < 3; ++k) {
       if (!(shares.site_weight[k] > 0)) continue;
       const std::uint32_t site = shares.sites[k];
@@ -281,7 +285,7 @@ private:
         const auto add_sample = [&](std::uint32_t sample, double share, const Vec3& along) {
           add<true>(sum, first + sample, weight * share, {dot(along, basis_x_), dot(along, basis_y_)});
         };
-        for_each_spin(view, view.tools[tool], vertex, spin, x, normal_, add_sample);
+        for_each_spin(view, view.tools[tool], vertex, spin, x, normal_, angles, add_sample);
       }
     }
     if constexpr (kCoupled) {
@@ -378,6 +382,13 @@ private:
     separable_.template add<kSpun>(*view_, index, weight, x);
   }
 
+  /// What was blended last.
+  struct Last {
+    const unsigned char* responses = nullptr;
+    std::uint32_t sites[3] = {};
+    ToolCorners corners;
+  };
+
   struct Known {
     double depth = 0;  ///< m; none where it is 0
     coupled::AtDepth terms{};
@@ -392,12 +403,9 @@ private:
   double covered_ = 0, limit_ = 0;
   SeparableLaw<kFeatures> separable_;
   detail::If<kCoupled, coupled::Law> law_;
-  detail::If<kCoupled, SiteLaws> site_laws_;
-  detail::If<kCoupled, bool> by_site_ = {};
-  // What was blended last.
-  const unsigned char* last_responses_ = nullptr;
-  std::uint32_t last_sites_[3] = {};
-  ToolCorners last_corners_;
+  detail::If<kBySite, SiteLaws> site_laws_;
+  detail::If<kBySite, bool> by_site_ = {};
+  detail::If<!detail::kSmall, Last> last_;
   mutable detail::If<kCoupled, Known> known_;  ///< what deepened() will ask for
 };
 

@@ -18,6 +18,7 @@ void for_each_share(const View& view, std::uint32_t tool, const BodyPoint& body_
   patch_weights(view, body_point, sites);
   const ToolCorners corners = tool_corners(view, tool, tool_point);
   const auto& site = view.triangles[body_point.triangle].site;
+  SampledAngles angles;
   for (int k = 0; k < 3; ++k) {
     if (!(sites[k] > 0)) continue;
     const Across carried = carried_axis(view.sites[site[k]], normal, basis_x, basis_y);
@@ -30,7 +31,7 @@ void for_each_share(const View& view, std::uint32_t tool, const BodyPoint& body_
       if (view.spins == nullptr) {
         use_sample(0, 1, x);
       } else {
-        for_each_spin(view, view.tools[tool], corners.vertex[l], spin, x, normal, use_sample);
+        for_each_spin(view, view.tools[tool], corners.vertex[l], spin, x, normal, angles, use_sample);
       }
     }
   }

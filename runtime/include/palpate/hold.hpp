@@ -34,11 +34,11 @@ public:
     rim_.leave({}, {});
     account_.reset();
     carry_.reset();
-    credit_ = spare_ = unseen_ = 0;
+    credit_ = spare_ = 0;
     clear_ = false;
     lasts_ = true;
     last_ = first.at;
-    const Vec3 q = rest_.point(pose);
+    const Vec3 q = looked_ = rest_.point(pose);
     depth_ = rest_.deflection(q).depth;
     // What went sideways since the first touch did so on the way down: 2/3 of it are kept where the sideways stiffness
     // grows with the root of the depth, as under a round tip.
@@ -63,9 +63,9 @@ public:
   /// body leaves it: what sticks to it lets go as it moves. With `goes` c goes where the tool is pressed deeper, as
   /// into a groove's other wall: what was given here is stored there.
   void look(const Pose& pose, const Vec3& q, bool goes) {
-    const double way = length(q - last_);
-    unseen_ += way;
-    if (clear_ || unseen_ > 0.05 * view_->meta->depth_scale) look_round(pose, q, goes, way);
+    const Vec3 gone = q - looked_;
+    const double least = kNotable * view_->meta->depth_scale;
+    if (clear_ || dot(gone, gone) > least * least) look_round(pose, q, goes, dot(gone, gone) > least * least);
   }
 
   /// A touching tool that leaps by more than a contact's size between two ticks did not move, it was put
@@ -92,6 +92,7 @@ public:
   /// What the tool did up to here counts as done at `by` times its poses.
   void rebase(const Pose& by) {
     last_ = by.apply(last_);
+    looked_ = by.apply(looked_);
     carry_.rebase(by);
     rest_.rebase(by);
   }
@@ -128,8 +129,8 @@ private:
     }
   }
 
-  [[gnu::noinline]] void look_round(const Pose& pose, const Vec3& q, bool goes, double way) {
-    const double least = 0.05 * view_->meta->depth_scale;
+  [[gnu::noinline]] void look_round(const Pose& pose, const Vec3& q, bool goes, bool again) {
+    const double least = kNotable * view_->meta->depth_scale, way = length(q - last_);
     Deflection d = rest_.deflection(q);
     if (clear_ && d.depth > 0) {
       const double held = stored(d);
@@ -138,8 +139,8 @@ private:
       replaced(held, q, d, terms);
       depth_ = d.depth;
     }
-    if (!(unseen_ > least)) return;
-    unseen_ = 0;
+    if (!again) return;
+    looked_ = q;
     d = rest_.deflection(q);
     const double clear = rest_.probe() + least;  // c is of the surface: nearer than that to it the tool is not clear
     clear_ = length(q - rest_.c()) > clear && locate<kFeatures>(*view_, q).signed_distance > clear;
@@ -380,14 +381,15 @@ private:
             rest_.at(),   rest_.on_tool()};
   }
 
-  static constexpr int kMostSlips = 8;  // of one part in a tick
+  static constexpr int kMostSlips = 8;      // of one part in a tick
+  static constexpr double kNotable = 0.05;  // of the depth scale, by which another place is deeper, or a skin clear
 
   const View* view_;
   bool lasts_ = false, left_ = false;
   Vec3 last_;           ///< m, p in the last tick
   double depth_ = 0;    ///< m, of the last tick
   bool clear_ = false;  ///< when it was looked last, the skin was off the body
-  double unseen_ = 0;   ///< m that the tool went since it was looked for a deeper place
+  Vec3 looked_;         ///< m, p when it was looked for a deeper place
   double spare_ = 0;    ///< J lost to places that store less, in this tick
   double credit_ = 0;   ///< J of them that what is carried may still give
   EnergyAccount account_;

@@ -4,18 +4,51 @@
 
 namespace palpate::runtime {
 
-/// GCC's and clang's vectors; without such registers compilers take them number by number. Loops over plain numbers
-/// are left to chance: what a compiler puts side by side changes with what stands round it.
+#if defined(__SSE2__) || (defined(__GNUC__) && defined(__aarch64__))
+/// GCC's and clang's vectors. Loops over plain numbers are left to chance: what a compiler puts side by side changes
+/// with what stands round it.
 using Two = double __attribute__((vector_size(16)));
 
-inline Two two(double x, double y) { return Two{x, y}; }
-inline Two swapped(const Two& a) { return Two{a[1], a[0]}; }
 /// a where it is above 0, else 0, as where it is no number.
 inline Two positive(const Two& a) {
   const auto above = a > Two{};
-  using Bits = decltype(+above);
-  return reinterpret_cast<Two>(above & reinterpret_cast<Bits>(a));
+  return reinterpret_cast<Two>(above & reinterpret_cast<decltype(+above)>(a));
 }
+/// The squares of all are below `limit`; no number is not.
+template <int n>
+inline bool squares_below(const Two (&a)[n], double limit) {
+  const Two most{limit, limit};
+  auto below = a[0] * a[0] < most;
+  for (int i = 1; i < n; ++i) below &= a[i] * a[i] < most;
+  return (below[0] & below[1]) != 0;
+}
+#else
+/// Where registers hold one number each.
+struct Two {
+  double at[2];
+  double& operator[](int k) { return at[k]; }
+  double operator[](int k) const { return at[k]; }
+};
+inline Two operator+(const Two& a, const Two& b) { return {{a.at[0] + b.at[0], a.at[1] + b.at[1]}}; }
+inline Two operator-(const Two& a, const Two& b) { return {{a.at[0] - b.at[0], a.at[1] - b.at[1]}}; }
+inline Two operator*(const Two& a, const Two& b) { return {{a.at[0] * b.at[0], a.at[1] * b.at[1]}}; }
+inline Two operator/(const Two& a, const Two& b) { return {{a.at[0] / b.at[0], a.at[1] / b.at[1]}}; }
+inline Two& operator+=(Two& a, const Two& b) { return a = a + b; }
+inline Two& operator*=(Two& a, const Two& b) { return a = a * b; }
+
+inline Two positive(const Two& a) { return {{a.at[0] > 0 ? a.at[0] : 0, a.at[1] > 0 ? a.at[1] : 0}}; }
+template <int n>
+inline bool squares_below(const Two (&a)[n], double limit) {
+  for (const Two& each : a) {
+    if (!(each.at[0] * each.at[0] < limit) || !(each.at[1] * each.at[1] < limit)) return false;
+  }
+  return true;
+}
+#endif
+
+inline Two two(double x, double y) { return Two{x, y}; }
+inline Two swapped(const Two& a) { return Two{a[1], a[0]}; }
+
 /// N numbers; of an odd N there is one more.
 template <int N>
 struct Lanes {
@@ -26,13 +59,6 @@ struct Lanes {
   void set(int k, double value) { of[k / 2][k % 2] = value; }
   void fill(double value) {
     for (Two& each : of) each = two(value, value);
-  }
-  /// The squares of all are below `limit`; no number is not.
-  [[nodiscard]] bool squares_below(double limit) const {
-    const Two most = two(limit, limit);
-    auto below = of[0] * of[0] < most;
-    for (int i = 1; i < kTwos; ++i) below &= of[i] * of[i] < most;
-    return (below[0] & below[1]) != 0;
   }
 };
 

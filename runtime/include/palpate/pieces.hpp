@@ -66,7 +66,7 @@ public:
       off.of[i] = share.of[i] - two(0.5, 0.5);
     }
     if constexpr (N % 2 != 0) off.set(N, 0);
-    return off.squares_below(kReach * kReach);
+    return squares_below(off.of, kReach * kReach);
   }
   void at(const Lanes<N>& share, Lanes<N>& value) const {
     for (int i = 0; i < Lanes<N>::kTwos; ++i) value.of[i] = cubic_at(i, share.of[i]);

@@ -61,6 +61,7 @@ public:
       growth_intervals_ = intervals(meta.growth_coefs);
       known_.depth = 0;
       curves_.begin(meta);
+      if constexpr (kSpin) further_.depth = 0;
     }
   }
 
@@ -235,9 +236,12 @@ private:
 
   /// Of the push: spline::first_moment to the start of an interval.
   [[nodiscard]] double moment_before(int interval) const {
-    double sum[layout::kMaxCoefs] = {};
-    for (int j = 0; j < responses_; ++j) {
-      for (int k = 0; k < interval + 3; ++k) sum[k] += from_[j].weight * from_[j].coefs[k];
+    double sum[layout::kMaxCoefs];
+    const int last = static_cast<int>(meta_->normal_coefs) - 4;
+    for (int first = 0; first < interval + 3; first += 4) {
+      const int from = first < last ? first : last;
+      const Four four = blended(0, from);
+      for (int k = 0; k < 4; ++k) sum[from + k] = four.of[k];
     }
     return spline::first_moment(sum, static_cast<int>(meta_->normal_coefs), interval);
   }
@@ -256,6 +260,10 @@ private:
     return force[0] * basis_x_ + force[1] * basis_y_;
   }
 
+  struct Further {
+    double depth = 0;  ///< m; none where it is 0
+    double growth[2 * kNear][2];
+  };
   struct Known {
     double depth = 0;  ///< m; none where it is 0
     typename Curves::Growths growth;
@@ -345,7 +353,7 @@ private:
   /// The sideways force, of which force_x and force_y (N) are known, with that of further responses.
   [[nodiscard, gnu::noinline]] Vec3 with_further(double z, double x, double y, double force_x, double force_y) const {
     const int count = static_cast<int>(meta_->sideways_coefs);
-    const GrowthBasis at = growth_basis(z);
+    if (further_.depth != z) set_further(z);
     for (int k = 0; k < responses_ - kNear; ++k) {
       const From& of = from_[kNear + k];
       const double r[2] = {of.cosine * x + of.sine * y, of.cosine * y - of.sine * x};
@@ -355,12 +363,21 @@ private:
         const double beyond = std::fabs(r[axis]) - 1;
         double phi = spline::value(coefs, count, 0.5 * (r[axis] + 1));
         if (beyond > 0) phi += 0.5 * beyond * Curves::outward_slope(coefs, count, r[axis] > 0);
-        f[axis] = further_growth(of, axis, at) * phi;
+        f[axis] = further_.growth[k][axis] * phi;
       }
       force_x += of.cosine * f[0] - of.sine * f[1];
       force_y += of.cosine * f[1] + of.sine * f[0];
     }
     return force_x * basis_x_ + force_y * basis_y_;
+  }
+
+  /// Growths of further responses at a depth at which more than one deflection is asked for.
+  void set_further(double z) const {
+    const GrowthBasis at = growth_basis(z);
+    further_.depth = z;
+    for (int k = 0; k < responses_ - kNear; ++k) {
+      for (int axis = 0; axis < 2; ++axis) further_.growth[k][axis] = further_growth(from_[kNear + k], axis, at);
+    }
   }
 
   [[nodiscard, gnu::noinline]] Vec3 take_sideways(const DepthTerms& terms, const Vec3& deflection, Part part) const {
@@ -411,6 +428,7 @@ private:
   Lanes<kCurves> depth_intervals_ = {};
   detail::If<kFriction, double> growth_intervals_ = {};
   mutable detail::If<kFriction, Known> known_;
+  mutable detail::If<kFriction && kSpin, Further> further_;
   From from_[kSpin ? 3 * kNear : kNear] = {};  ///< behind what every tick reads
 };
 

@@ -24,8 +24,8 @@ public:
   void begin(const layout::Meta& meta) {
     growth_count_ = static_cast<int>(meta.growth_coefs);
     sideways_count_ = static_cast<int>(meta.sideways_coefs);
+    kept_ = layers_;
     layers_ = 0;
-    apart_ = false;
   }
 
   /// Response k of a layer, each of them once, layer by layer: its coefficients (gx, gy, phix, phiy), its weight, the
@@ -34,17 +34,20 @@ public:
   template <bool kApart>
   void set(int layer, int k, const float* coefs, double weight, double cosine, double sine) {
     layers_ = layer + 1;
-    apart_ = kApart;
-    if (coefs_[layer][k] != coefs) take_over(layer, k, coefs);
-    weight_[layer].of[k] = two(weight, weight);
+    if (apart_ != kApart) {
+      apart_ = kApart;
+      kept_ = 0;
+    }
+    if (layer >= kept_ || layer_[layer].coefs[k] != coefs) take_over(layer, k, coefs);
+    layer_[layer].weight.of[k] = two(weight, weight);
     if (!kApart && layer > 0) return;
-    cosine_[layer].of[k] = two(cosine, cosine);
-    sine_[layer].of[k] = two(sine, -sine);
+    layer_[layer].cosine.of[k] = two(cosine, cosine);
+    layer_[layer].sine.of[k] = two(sine, -sine);
   }
 
   /// There are only so many responses in the last layer, at least one.
   void leave_empty_from(int k) {
-    for (; k < kSites; ++k) set<true>(layers_ - 1, k, coefs_[layers_ - 1][0], 0, 0, 0);
+    for (; k < kSites; ++k) set<true>(layers_ - 1, k, layer_[layers_ - 1].coefs[0], 0, 0, 0);
   }
 
   [[nodiscard]] int layers() const { return layers_; }
@@ -54,7 +57,7 @@ public:
     const double share = t - growth_interval_;
     each_layer([&](int j) PALPATE_INLINE_LAMBDA {
       Lanes g;
-      growth_[j].all_at(share, g);
+      layer_[j].growth.all_at(share, g);
       weigh(j, g, growth[j]);
     });
   }
@@ -78,7 +81,7 @@ public:
     if (interval == growth_interval_) return interval;
     for (int j = 0; j < layers_; ++j) {
       for (int lane = 0; lane < kLanes; ++lane) {
-        growth_[j].take(lane, growth_coefs(j, lane), growth_count_, interval);
+        layer_[j].growth.take(lane, growth_coefs(j, lane), growth_count_, interval);
       }
     }
     growth_interval_ = interval;
@@ -101,28 +104,26 @@ public:
   /// to be taken elsewhere (kTake does).
   template <bool kTake>
   bool set_force(const Growths& growth, int part, double x, double y, Two& force) const {
-    Lanes r, t, share, f, phi;
-    force = two(0, 0);
-    bool inside = true;
+    if (apart_) return set_force_apart<kTake>(growth, part, x, y, force);
+    Lanes r, t, share, phi, f;
     turn_in(0, x, y, r, t);
-    if constexpr (!kTake) inside = phi_[part][0].shares(t, share);
-    if (!inside) return false;
+    if constexpr (!kTake) {
+      if (!layer_[0].phi[part].shares(t, share)) return false;
+    }
     each_layer([&](int j) PALPATE_INLINE_LAMBDA {
-      if (apart_ && j > 0) {
-        turn_in(j, x, y, r, t);
-        if constexpr (!kTake) inside = phi_[part][j].shares(t, share) && inside;
-      }
       if constexpr (kTake) {
         take_phi(part, j, r, t, phi);
       } else {
-        phi_[part][j].at(share, phi);
+        layer_[j].phi[part].at(share, phi);
       }
-      for (int k = 0; k < kSites; ++k) phi.of[k] *= growth[j].of[k];
-      if (apart_) return add_turned(j, phi, force);
-      for (int k = 0; k < kSites; ++k) f.of[k] = j == 0 ? phi.of[k] : f.of[k] + phi.of[k];
+      for (int k = 0; k < kSites; ++k) {
+        const Two each = growth[j].of[k] * phi.of[k];
+        f.of[k] = j == 0 ? each : f.of[k] + each;
+      }
     });
-    if (!apart_) add_turned(0, f, force);
-    return inside;
+    force = two(0, 0);
+    add_turned(0, f, force);
+    return true;
   }
 
   /// Of phi with these coefficients, where it goes on along its tangent above 1 (up) or below -1.
@@ -131,7 +132,7 @@ public:
   }
 
 private:
-  /// Layer by layer: compilers would put two beside each other and take what is left number by number.
+  /// Layer by layer: of a loop compilers would put two beside each other and take what is left number by number.
   template <class Each>
   PALPATE_TICK_INLINE void each_layer(const Each& each) const {
     each(0);
@@ -139,41 +140,61 @@ private:
     if (layers_ > 2) each(2);
   }
 
+  /// As set_force, where every response has an axis of its own.
+  template <bool kTake>
+  [[gnu::noinline]] bool set_force_apart(const Growths& growth, int part, double x, double y, Two& force) const {
+    force = two(0, 0);
+    for (int j = 0; j < layers_; ++j) {
+      Lanes r, t, share, phi;
+      turn_in(j, x, y, r, t);
+      if constexpr (kTake) {
+        take_phi(part, j, r, t, phi);
+      } else {
+        if (!layer_[j].phi[part].shares(t, share)) return false;
+        layer_[j].phi[part].at(share, phi);
+      }
+      for (int k = 0; k < kSites; ++k) phi.of[k] *= growth[j].of[k];
+      add_turned(j, phi, force);
+    }
+    return true;
+  }
+
+  /// What was remembered there is of another response, or of other intervals than the layers' before it.
   void take_over(int layer, int k, const float* coefs) {
-    coefs_[layer][k] = coefs;
+    layer_[layer].coefs[k] = coefs;
     growth_interval_ = -1;
     for (int lane = 2 * k; lane < 2 * k + 2; ++lane) {
-      growth_[layer].forget(lane);
-      for (auto& phi : phi_) {
-        phi[layer].forget(lane);
-        phi[0].forget(lane);  // which is asked for all
+      layer_[layer].growth.forget(lane);
+      for (int part = 0; part < kParts; ++part) {
+        layer_[layer].phi[part].forget(lane);
+        if (!apart_) layer_[0].phi[part].forget(lane);  // which is asked for all
       }
     }
   }
 
   [[nodiscard]] const float* growth_coefs(int layer, int lane) const {
-    return coefs_[layer][lane / 2] + (lane % 2) * growth_count_;
+    return layer_[layer].coefs[lane / 2] + (lane % 2) * growth_count_;
   }
   [[nodiscard]] const float* phi_coefs(int layer, int lane) const {
-    return coefs_[layer][lane / 2] + 2 * growth_count_ + (lane % 2) * sideways_count_;
+    return layer_[layer].coefs[lane / 2] + 2 * growth_count_ + (lane % 2) * sideways_count_;
   }
 
   void weigh(int layer, const Lanes& g, Lanes& growth) const {
-    for (int k = 0; k < kSites; ++k) growth.of[k] = weight_[layer].of[k] * positive(g.of[k]);
+    for (int k = 0; k < kSites; ++k) growth.of[k] = layer_[layer].weight.of[k] * positive(g.of[k]);
   }
 
   /// A deflection in the frames of a layer, as shares of the scale and in intervals of phi.
   void turn_in(int layer, double x, double y, Lanes& r, Lanes& t) const {
     const double half = 0.5 * (sideways_count_ - 3);
     for (int k = 0; k < kSites; ++k) {
-      r.of[k] = cosine_[layer].of[k] * two(x, y) + sine_[layer].of[k] * two(y, x);
+      r.of[k] = layer_[layer].cosine.of[k] * two(x, y) + layer_[layer].sine.of[k] * two(y, x);
       t.of[k] = (r.of[k] + two(1, 1)) * two(half, half);
     }
   }
 
   void add_turned(int layer, const Lanes& f, Two& force) const {
     for (int k = 0; k < kSites; ++k) {
-      force += cosine_[layer].of[k] * f.of[k] - sine_[layer].of[k] * swapped(f.of[k]);
+      force += layer_[layer].cosine.of[k] * f.of[k] - layer_[layer].sine.of[k] * swapped(f.of[k]);
     }
   }
 
@@ -183,9 +204,9 @@ private:
     Lanes inside = t;
     for (int k = 0; k < kLanes; ++k) {
       inside.set(k, t[k] > 0 ? (t[k] < last ? t[k] : last) : 0.0);
-      phi_[part][layer].take(k, phi_coefs(layer, k), sideways_count_, inside[k]);
+      layer_[layer].phi[part].take(k, phi_coefs(layer, k), sideways_count_, inside[k]);
     }
-    phi_[part][layer].known_values(inside, phi);
+    layer_[layer].phi[part].known_values(inside, phi);
     for (int k = 0; k < kLanes; ++k) {
       const double beyond = std::fabs(r[k]) - 1;
       if (!(beyond > 0)) continue;
@@ -193,12 +214,18 @@ private:
     }
   }
 
+  // All of a layer lies together, near enough for a microcontroller to reach it from one address.
+  struct Layer {
+    Pieces<kLanes> growth, phi[kParts];
+    Lanes weight = {}, cosine = {}, sine = {};  ///< the sine of each y is the negative
+    const float* coefs[kSites] = {};
+  };
+
+  Layer layer_[kLayers];
   int growth_count_ = 0, sideways_count_ = 0, layers_ = 0;
+  int kept_ = 0;                      ///< layers that the blend before this one had, in frames like these
   bool apart_ = false;                ///< each response has its own axis
   mutable int growth_interval_ = -1;  ///< that all growths are taken on; -1 where some are not
-  const float* coefs_[kLayers][kSites] = {};
-  Growths weight_ = {}, cosine_ = {}, sine_ = {};  ///< the sine of each y is the negative
-  Pieces<kLanes> growth_[kLayers], phi_[kParts][kLayers];
 };
 
 }  // namespace palpate::runtime

@@ -48,13 +48,34 @@ inline LaidVertex laid_vertex(const View& view, const layout::ToolRecord& tool, 
   return laid;
 }
 
+/// Cosine and sine of the angles of sampled spins, for a blend that asks for the same ones at each of its sites.
+class SampledAngles {
+public:
+  /// Of one of so many spins evenly round.
+  const Across& at(std::uint32_t sample, std::uint32_t spins) {
+    Known& known = known_[sample % 2];  // neighbours are asked for in turn
+    if (known.sample != sample || known.spins != spins) {
+      const double angle = sample * (kFullTurn / spins);
+      known = {sample, spins, {std::cos(angle), std::sin(angle)}};
+    }
+    return known.angle;
+  }
+
+private:
+  struct Known {
+    std::uint32_t sample = 0, spins = 1;
+    Across angle;
+  };
+  Known known_[2];
+};
+
 /// Calls use(sample, share, x) for the samples, counted from the vertex' first, that answer for a tool vertex at a site
 /// whose frame is carried to x0; x is the axis of what the sample answers. Those on either side of the spin, by hats,
 /// each turned on until its tangent lies where the tool's does: what the tool brings along turns with it. What is not
 /// sure is left to the first sample as it was baked. Of a view with spins.
 template <class Use>
 void for_each_spin(const View& view, const layout::ToolRecord& tool, std::uint32_t vertex, const Spin& spin,
-                   const Vec3& x0, const Vec3& n, const Use& use) {
+                   const Vec3& x0, const Vec3& n, SampledAngles& angles, const Use& use) {
   const std::uint32_t spins = view.spins[vertex];
   if (spins == 1 || spin.pose == nullptr) return use(spin.sample < spins ? spin.sample : 0u, 1.0, x0);
   const LaidVertex laid = laid_vertex(view, tool, vertex, *spin.pose, n, x0, spin.sure_per_sine);
@@ -66,8 +87,10 @@ void for_each_spin(const View& view, const layout::ToolRecord& tool, std::uint32
   const Vec3 y = cross(n, laid.x);
   for (std::uint32_t k = 0; k < 2; ++k) {
     const std::uint32_t sample = (below + k) % spins;
-    const double weight = laid.sure * (k == 0 ? 1 - share : share), back = sample * (kFullTurn / spins);
-    if (weight > 0) use(sample, weight, std::cos(back) * laid.x - std::sin(back) * y);
+    const double weight = laid.sure * (k == 0 ? 1 - share : share);
+    if (!(weight > 0)) continue;
+    const Across& back = angles.at(sample, spins);
+    use(sample, weight, back.cosine * laid.x - back.sine * y);
   }
   if (laid.sure < 1) use(0u, 1 - laid.sure, x0);
 }

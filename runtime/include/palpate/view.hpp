@@ -19,16 +19,22 @@ struct Nothing {};
 template <bool kept, class T>
 using If = std::conditional_t<kept, T, Nothing>;
 
-/// Reads a byte of every line of a cache, for nothing but that the others come with it. Processors may ignore a
-/// prefetch of a page whose address they do not know, which in a large file is most. A microcontroller has no memory
-/// that is far.
-inline void touch([[maybe_unused]] const void* from, [[maybe_unused]] std::uint32_t bytes) {
-#if !defined(__ARM_ARCH_PROFILE) || __ARM_ARCH_PROFILE != 'M'
-  constexpr std::uint32_t kLine = 64;
-  const auto* const at = static_cast<const volatile unsigned char*>(from);
-  for (std::uint32_t k = 0; k < bytes; k += kLine) static_cast<void>(at[k]);
-  static_cast<void>(at[bytes - 1]);
+/// A microcontroller: memory is small and nowhere far, and what counts is the longest tick.
+#if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M'
+inline constexpr bool kSmall = true;
+#else
+inline constexpr bool kSmall = false;
 #endif
+
+/// Reads a byte of every line of a cache, for nothing but that the others come with it. Processors may ignore a
+/// prefetch of a page whose address they do not know, which in a large file is most.
+inline void touch([[maybe_unused]] const void* from, [[maybe_unused]] std::uint32_t bytes) {
+  if constexpr (!kSmall) {
+    constexpr std::uint32_t kLine = 64;
+    const auto* const at = static_cast<const volatile unsigned char*>(from);
+    for (std::uint32_t k = 0; k < bytes; k += kLine) static_cast<void>(at[k]);
+    static_cast<void>(at[bytes - 1]);
+  }
 }
 
 }  // namespace detail
