@@ -36,10 +36,7 @@ public:
   /// having gone straight: the contact begins where it first touched on that way (first_touch.hpp).
   Tick tick(const Pose& pose) {
     if (!fits() || !pose.valid()) return fault();
-    if (const Vec3 q = hold_.rest().point(pose); keeps(q)) {
-      hold_.look(pose, q, !stays_);
-      return keep(pose, q);
-    }
+    if (const Vec3 q = hold_.rest().point(pose); keeps(q)) return keep(pose, q);
     return seek(pose);
   }
 
@@ -58,9 +55,6 @@ public:
     search_ = found;
     return motion_since_search(pose) < search_.touch.safe ? free(pose) : meet(pose, false);
   }
-
-  /// For a host that has other contacts for other places: this one does not go where the tool is pressed deeper.
-  void stay(bool stays) { stays_ = stays; }
 
   [[nodiscard]] const BasicField<kFeatures>& field() const { return hold_.rest().field(); }
   /// m, of a contact: a tool that leaps farther in a tick was put elsewhere, and begins anew without force.
@@ -200,7 +194,6 @@ private:
   std::uint32_t tool_;
   double reach_, probe_;  ///< m
 
-  bool stays_ = false;
   bool was_free_ = false;  ///< the last tick saw no overlap
   Pose free_at_;           ///< the tool then
   Search search_;          ///< the last one; free until the tool has moved by touch.safe from its pose

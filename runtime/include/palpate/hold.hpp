@@ -2,7 +2,6 @@
 // A contact while it lasts: when it sticks, slides and ends, and what it owes.
 #pragma once
 
-#include "palpate/carry.hpp"
 #include "palpate/energy.hpp"
 #include "palpate/rest.hpp"
 #include "palpate/rim.hpp"
@@ -33,12 +32,9 @@ public:
     rest_.begin(touch, first, pose);
     rim_.leave({}, {});
     account_.reset();
-    carry_.reset();
-    credit_ = spare_ = 0;
-    clear_ = false;
     lasts_ = true;
     last_ = first.at;
-    const Vec3 q = looked_ = rest_.point(pose);
+    const Vec3 q = rest_.point(pose);
     depth_ = rest_.deflection(q).depth;
     // What went sideways since the first touch did so on the way down: 2/3 of it are kept where the sideways stiffness
     // grows with the root of the depth, as under a round tip.
@@ -51,57 +47,6 @@ public:
 
   /// Force of a contact that lasts; `before`: where the pose takes p. `served`: a tracker's latest search, or null.
   Tick tick(const Pose& pose, const Vec3& before, const Search* served = nullptr) {
-    const Vec3 way = before - last_;
-    if (const double work = carry_.work(way); work > 0) lend(work);
-    Tick tick = answer(pose, before, served);
-    if (lasts_ && carry_.add(tick, way)) credit_ = spare_;
-    spare_ = 0;
-    return tick;
-  }
-
-  /// Looks where the tool is, whose p is at q, once it has moved by what counts. A skin that is clear of the
-  /// body leaves it: what sticks to it lets go as it moves. With `goes` c goes where the tool is pressed deeper, as
-  /// into a groove's other wall: what was given here is stored there.
-  void look(const Pose& pose, const Vec3& q, bool goes) {
-    const Vec3 gone = q - looked_;
-    const double least = kNotable * view_->meta->depth_scale;
-    if (clear_ || dot(gone, gone) > least * least) look_round(pose, q, goes, dot(gone, gone) > least * least);
-  }
-
-  /// A touching tool that leaps by more than a contact's size between two ticks did not move, it was put
-  /// elsewhere: the depth it finds there is no work of the hand and must not push.
-  [[nodiscard]] bool jumped(const Vec3& q) const {
-    const Vec3 way = q - last_;
-    return dot(way, way) > rest_.size() * rest_.size();
-  }
-
-  /// J, in the last tick, and how much of it the hand did not give.
-  [[nodiscard]] double stored() const { return stored(rest_.deflection(last_)); }
-  [[nodiscard]] double owed() const { return account_.owed(); }
-  /// J that the account took from this contact, or the last.
-  [[nodiscard]] double lost() const { return account_.lost(); }
-
-  /// Forces are `ratio` (above 0, infinite where there were none) times what they were in the last tick from now on.
-  void rescaled(double ratio) {
-    account_.rescale(ratio);
-    Deflection d;
-    DepthTerms terms;
-    replaced(stored() / ratio, last_, d, terms);
-  }
-
-  /// What the tool did up to here counts as done at `by` times its poses.
-  void rebase(const Pose& by) {
-    last_ = by.apply(last_);
-    looked_ = by.apply(looked_);
-    carry_.rebase(by);
-    rest_.rebase(by);
-  }
-
-private:
-  [[nodiscard]] const BasicField<kFeatures>& field() const { return rest_.field(); }
-
-  /// What the place answers with where c is after this tick.
-  Tick answer(const Pose& pose, const Vec3& before, const Search* served) {
     const bool friction = kFriction && view_->has(layout::feature_friction);
     bool rolled = friction && rest_.probe() > 0 && rest_.turned(pose) && rest_.roll(pose);
     Vec3 q = before;
@@ -129,39 +74,35 @@ private:
     }
   }
 
-  [[gnu::noinline]] void look_round(const Pose& pose, const Vec3& q, bool goes, bool again) {
-    const double least = kNotable * view_->meta->depth_scale, way = length(q - last_);
-    Deflection d = rest_.deflection(q);
-    if (clear_ && d.depth > 0) {
-      const double held = stored(d);
-      rest_.subtract(std::fmin(way, d.depth));
-      DepthTerms terms;
-      replaced(held, q, d, terms);
-      depth_ = d.depth;
-    }
-    if (!again) return;
-    looked_ = q;
-    d = rest_.deflection(q);
-    const double clear = rest_.probe() + least;  // c is of the surface: nearer than that to it the tool is not clear
-    clear_ = length(q - rest_.c()) > clear && locate<kFeatures>(*view_, q).signed_distance > clear;
-    if (!goes || !(d.depth > 0)) return;
-    const Projection there = rest_.deeper(q, least);
-    if (!there.converged) return;
-    const double held = stored(d);
-    rest_.go(there, pose, q, field().at_depth(d.depth).normal_force);
-    DepthTerms terms;
-    replaced(held, q, d, terms);
-    rim_.leave({}, {});
-    depth_ = d.depth;
-    field().remember(terms);
+  /// A touching tool that leaps by more than a contact's size between two ticks did not move, it was put
+  /// elsewhere: the depth it finds there is no work of the hand and must not push.
+  [[nodiscard]] bool jumped(const Vec3& q) const {
+    const Vec3 way = q - last_;
+    return dot(way, way) > rest_.size() * rest_.size();
   }
 
-  /// What the hand gets of a force that is carried are joules that the leap lost, or owed ones.
-  [[gnu::noinline]] void lend(double work) {
-    const double lost = std::fmin(credit_, work), held = stored();
-    credit_ -= lost;
-    if (work > lost) account_.replaced(held, held, view_->has(layout::feature_friction), lost - work);
+  /// J, in the last tick, and how much of it the hand did not give.
+  [[nodiscard]] double stored() const { return stored(rest_.deflection(last_)); }
+  [[nodiscard]] double owed() const { return account_.owed(); }
+  /// J that the account took from this contact, or the last.
+  [[nodiscard]] double lost() const { return account_.lost(); }
+
+  /// Forces are `ratio` (above 0, infinite where there were none) times what they were in the last tick from now on.
+  void rescaled(double ratio) {
+    account_.rescale(ratio);
+    Deflection d;
+    DepthTerms terms;
+    replaced(stored() / ratio, last_, d, terms);
   }
+
+  /// What the tool did up to here counts as done at `by` times its poses.
+  void rebase(const Pose& by) {
+    last_ = by.apply(last_);
+    rest_.rebase(by);
+  }
+
+private:
+  [[nodiscard]] const BasicField<kFeatures>& field() const { return rest_.field(); }
 
   [[nodiscard]] Vec3 straight_of_core(const DepthTerms& terms) const {
     return rim_.present() ? rim_.core_limit() * terms.straight : terms.straight;
@@ -268,7 +209,6 @@ private:
   /// friction took of what is stored sideways and not counted in that. True where depth was lost.
   bool replaced(double held, double rubbed, Deflection& d, DepthTerms& terms) {
     const double now = stored(terms, d);
-    spare_ += std::fmax(0, held - now);
     const double due = account_.replaced(held, now, view_->has(layout::feature_friction), rubbed);
     if (due > 0) account_.held_back(now - lose(due, d, terms));
     return due > 0;
@@ -381,19 +321,13 @@ private:
             rest_.at(),   rest_.on_tool()};
   }
 
-  static constexpr int kMostSlips = 8;      // of one part in a tick
-  static constexpr double kNotable = 0.05;  // of the depth scale, by which another place is deeper, or a skin clear
+  static constexpr int kMostSlips = 8;  // of one part in a tick
 
   const View* view_;
   bool lasts_ = false, left_ = false;
-  Vec3 last_;           ///< m, p in the last tick
-  double depth_ = 0;    ///< m, of the last tick
-  bool clear_ = false;  ///< when it was looked last, the skin was off the body
-  Vec3 looked_;         ///< m, p when it was looked for a deeper place
-  double spare_ = 0;    ///< J lost to places that store less, in this tick
-  double credit_ = 0;   ///< J of them that what is carried may still give
+  Vec3 last_;         ///< m, p in the last tick
+  double depth_ = 0;  ///< m, of the last tick
   EnergyAccount account_;
-  Carry carry_;
   BasicRest<kFeatures> rest_;
   BasicRim<kFeatures> rim_;
 };

@@ -91,8 +91,7 @@ public:
     const Projection found = foot(q, sideways);
     if (found.residual > 0.1 * size() && hand_over(pose, q, force, served)) return true;
     const double before = deflection(q).depth, there = overlap(found, q);
-    const bool leaps = length(found.point - c_) > kLeap * moved;
-    const bool goes = there > (leaps ? 0.25 * before : 0);
+    const bool goes = there > 0;
     if (goes) {
       place(found, pose);
       // What is subtracted is that of the old place: the tool touches here as well.
@@ -184,39 +183,6 @@ public:
     }
   }
 
-  /// Where the tool at q overlaps the body by so much (m) more than here; not converged: nowhere. Looks no farther than
-  /// such a place can be, and not from within the body, where the nearest place is the one that is pressed least.
-  [[nodiscard]] Projection deeper(const Vec3& q, double more) const {
-    Projection there;
-    const double height = dot(q - c_, field_.normal()), reach = height - more;
-    Location nearest;
-    if (!(reach > 0) || !locate_where<kFeatures>(*view_, q, detail::Anywhere{}, nearest, reach * reach)) return there;
-    if (!(nearest.signed_distance > 0) || nearest.at.triangle == at_.triangle) return there;
-    const Projection here = project(*view_, at_, q);
-    const double depth = std::fmax(probe_ - height, here.converged ? overlap(here, q) : 0);
-    there = project(*view_, nearest.at, q);
-    there.converged = there.converged && there.at.triangle != at_.triangle && overlap(there, q) > depth + more;
-    return there;
-  }
-
-  /// Goes to another place that the tool at q overlaps, without sideways deflection and at a depth that answers with no
-  /// more than this force (N).
-  void go(const Projection& found, const Pose& pose, const Vec3& q, double force) {
-    place(found, pose);
-    offset_ = {};
-    anchored_ = rolled_ = {};
-    subtracted_ = 0;
-    const double there = overlap(found, q);
-    if (field_.at_depth(there).normal_force > force) {
-      double low = 0, high = there;
-      for (int i = 0; i < 40; ++i) {
-        const double middle = 0.5 * (low + high);
-        (field_.at_depth(middle).normal_force > force ? high : low) = middle;
-      }
-      subtract(there - low);
-    }
-  }
-
 private:
   /// Where c rests when the tool at q is to be deflected by `sideways` from the anchor.
   [[nodiscard]] Projection foot(const Vec3& q, const Vec3& sideways) const {
@@ -304,14 +270,22 @@ private:
     if (served && !(served->touch.clearance < HUGE_VAL && length(q - point(served->pose)) < 0.5 * size())) return false;
     const Projection found = project(*view_, served ? served->touch.body.at : locate<kFeatures>(*view_, q).at, q);
     // Decided before anything changes: a contact that stays must not lose depth tick by tick.
-    if (!found.converged || found.at.triangle == at_.triangle) return false;
-    if (!(overlap(found, q) > kLeft * deflection(q).depth)) return false;
-    go(found, pose, q, force);
+    const double there = overlap(found, q);
+    if (!found.converged || found.at.triangle == at_.triangle || !(there > 0)) return false;
+    place(found, pose);
+    offset_ = {};
+    subtracted_ = 0;
+    if (field_.at_depth(there).normal_force > force) {
+      double low = 0, high = there;
+      for (int i = 0; i < 40; ++i) {
+        const double middle = 0.5 * (low + high);
+        (field_.at_depth(middle).normal_force > force ? high : low) = middle;
+      }
+      subtract(there - low);
+    }
     return true;
   }
 
-  // Of the tool's way, from where on c leaps; of its depth, what has to be left there.
-  static constexpr double kLeap = 3, kLeft = 0.5;
   static constexpr Vec3 kAxes[2] = {{0, 0, 1}, {1, 0, 0}};
   // How many times as far as the skin p may run. A tip that rolls runs once as far round itself, the rest is to catch
   // up; along the axis the skin that went farthest counts, for there c runs with p.

@@ -199,14 +199,13 @@ inline SeveralSearch<Most> search(const View& view, std::uint32_t tool, const Pl
   return result;
 }
 
-/// One tool that may touch at up to `Most` places: tip and stem, between two lobes, both walls of a groove. With three
-/// it is the proxy that up to three planes hold: each contact is a plane, with the response of its own place. The first
-/// contact is Contact's. Another begins, at zero force, where the tool overlaps the body beyond a hollow: the straight
-/// line from a contact point to it is outside the body half way. As two points c come closer than `gap` the later one's
-/// share falls, to nothing at half the gap, so that contacts merge without a step; what is stored falls and rises with
-/// it (Contact::rescaled). Every tick takes bounded time and allocates nothing; a look for another place is nine
-/// searches more (for a mesh tool three for every patch) and is made once the tool or c has moved by what is known to
-/// be free. kFeatures as those of BasicContact.
+/// One tool that may touch at up to `Most` places: tip and stem, or between two lobes. The first contact is Contact's.
+/// Another begins, at zero force, where the tool overlaps the body beyond a hollow: the straight line from a contact
+/// point to it is outside the body half way. As two points c come closer than `gap` the later one's share falls, to
+/// nothing at half the gap, so that contacts merge without a step; what is stored falls and rises with it
+/// (Contact::rescaled). Every tick takes bounded time and allocates nothing; a look for another place is nine searches
+/// more (for a mesh tool three for every patch) and is made once the tool or c has moved by what is known to be free.
+/// kFeatures as those of BasicContact.
 template <int Most = 2, std::uint32_t kFeatures = layout::feature_all>
 class SeveralContacts {
   static_assert(Most >= 2);
@@ -243,10 +242,6 @@ private:
 
   SeveralTick<Most> tick(const Pose& pose, const SeveralSearch<Most>* latest) {
     SeveralTick<Most> sum;
-    // A contact that is alone goes where the tool is pressed deeper; where there are two, each has its place.
-    int before = 0;
-    for (const Tick& tick : last_) before += tick.touches();
-    contacts_[0].stay(before > 1);
     sum.each[0] = latest ? contacts_[0].tick(pose, latest->first) : contacts_[0].tick(pose);
     for (int k = 1; k < Most; ++k) {
       if (last_[k].touches()) sum.each[k] = contacts_[k].tick_found(pose, none(pose), latest ? &latest->more : nullptr);
@@ -273,8 +268,6 @@ private:
     } else {
       look(pose, sum);
     }
-    fall_ = 4 * skeleton_motion(weighed_, pose, reach_) / finder_.gap();
-    weighed_ = pose;
     for (int k = 0; k < Most; ++k) {
       if (sum.each[k].touches()) weigh(k, sum);
     }
@@ -302,8 +295,6 @@ private:
     }
     // The first keeps what it has when it was another before: its share comes back as the tool moves.
     share = std::fmin(share, share_[at] + grow_);
-    // Where a c leaps to another's place a share falls as the tool moves.
-    share = std::fmax(share, share_[at] - fall_);
     if (k > 0 && !(share > 0)) {
       contacts_[at].reset();
       tick = {};
@@ -329,7 +320,7 @@ private:
     looked_from(pose, sum.each[0]);
     const Search found = finder_.look(Places<Most>::of(pose, sum), 0);
     // A look is at samples: between them as much may be missed as a contact begins late, at zero force.
-    free_ = std::fmax(0.002 * view_->meta->depth_scale, std::fmin(found.touch.safe, 0.25 * finder_.gap()));
+    free_ = std::fmax(0.02 * view_->meta->depth_scale, std::fmin(found.touch.safe, 0.25 * finder_.gap()));
     if (found.touch.clearance < 0) begin(k, pose, found, nullptr, sum);
   }
 
@@ -391,8 +382,7 @@ private:
   Pose looked_;
   Vec3 looked_c_;
   double free_ = -1, before_ = 0;  ///< m since the last look: needs none yet; was in the last tick
-  Pose weighed_;                   ///< in the last tick
-  double grow_ = 0, fall_ = 0;     ///< most that a share rises and falls in this tick
+  double grow_ = 0;                ///< most that a share rises in this tick
 };
 
 /// Several tools on one body (two instruments, five fingertips): each keeps its own contact and its own handle, and the
