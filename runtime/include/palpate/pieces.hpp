@@ -43,21 +43,14 @@ public:
     start_.set(k, interval);
   }
 
-  /// Curve k at t[k]. False where one of these is not in the curve's interval, or no number: its cubic is to be taken.
-  bool values(const Lanes<N>& t, Lanes<N>& value) const {
-    Lanes<N> share;
-    const bool inside = shares(t, share);
-    at(share, value);
-    return inside;
-  }
-
-  /// The same for a caller that knows that t is in the intervals.
+  /// Curve k at t[k], for a caller that knows that these are in the curves' intervals.
   void known_values(const Lanes<N>& t, Lanes<N>& value) const {
     for (int i = 0; i < Lanes<N>::kTwos; ++i) value.of[i] = cubic_at(i, t.of[i] - start_.of[i]);
   }
 
-  /// In two steps, of which the first does for all that have taken the same intervals: shares of the intervals, false
-  /// as above; the curves there.
+  /// For one that does not, in two steps, of which the first does for all that have taken the same intervals: shares of
+  /// the intervals, false where one of t is not in its curve's, or no number (its cubic is to be taken); the curves
+  /// there.
   bool shares(const Lanes<N>& t, Lanes<N>& share) const {
     constexpr double kReach = 0.5 + kSlack;
     Lanes<N> off;
