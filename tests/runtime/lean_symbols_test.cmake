@@ -17,7 +17,7 @@ look_into(${ALL})
 set(all "${functions}")
 set(all_bytes ${bytes})
 look_into(${NONE})
-foreach(part IN ITEMS coupled::Law:: coupled::Energy:: coupled::margin runtime::slip< ::sum_sideways search_tree touch_probes
+foreach(part IN ITEMS coupled::Law:: coupled::Energy:: coupled::margin runtime::slip< SidewaysCurves< search_tree touch_probes
                       coupled::broken_rule with_rim check_grasp check_turn check_search build_spun check_spins)
   if(NOT all MATCHES "${part}")
     message(FATAL_ERROR "${part} is not even in the object with all features:\n${all}")

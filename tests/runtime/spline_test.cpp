@@ -129,7 +129,9 @@ TEST(Pieces, AreTheSplinesWhateverWasAskedBefore) {
       const runtime::Lanes<2> t{{runtime::two(spline::in_intervals(count, u[0]), spline::in_intervals(count, u[1]))}};
       runtime::Lanes<2> value;
       if (!values(pieces, t, value)) {
-        for (int k = 0; k < 2; ++k) pieces.take(k, c.data() + k * count, count, t[k]);
+        for (int k = 0; k < 2; ++k) {
+          pieces.take(k, c.data() + k * count, count, spline::interval_onwards(count, t[k]));
+        }
         ASSERT_TRUE(values(pieces, t, value));
         ++taken;
       }
@@ -141,6 +143,24 @@ TEST(Pieces, AreTheSplinesWhateverWasAskedBefore) {
   }
 }
 
+TEST(Spline, GoesOnAlongItsTangents) {
+  const double c[] = {1, 2, -1, 4, 3, 7};
+  constexpr int kCount = 6;
+  const double first = 3 * (c[1] - c[0]), last = 3 * (c[5] - c[4]);  // by interval
+  const auto at = [&](double t) {
+    const int interval = spline::interval_onwards(kCount, t);
+    return spline::value(spline::cubic(c, kCount, interval), t - interval);
+  };
+  for (const double t : {0.0, 0.4, 1.0, 2.9, 3.0}) EXPECT_NEAR(at(t), spline::value(c, kCount, t / 3), 1e-14) << t;
+  for (const double further : {1e-9, 0.3, 1.0, 5.0}) {
+    EXPECT_NEAR(at(-further), c[0] - further * first, 1e-14);
+    EXPECT_NEAR(at(3 + further), c[5] + further * last, 1e-13);
+    EXPECT_NEAR(spline::combine(spline::basis_onwards(kCount, 1 + further / 3), c), c[5] + further * last, 1e-13);
+  }
+  EXPECT_EQ(spline::interval_onwards(kCount, std::numeric_limits<double>::quiet_NaN()), -1);
+  EXPECT_EQ(spline::interval_onwards(kCount, 1e300), 3);
+}
+
 TEST(Pieces, ForgetOldCoefficients) {
   const std::vector<double> first = {1, 1, 1, 1, 1}, second = {2, 2, 2, 2, 2};
   runtime::Pieces<1> piece;
@@ -149,7 +169,7 @@ TEST(Pieces, ForgetOldCoefficients) {
   for (const std::vector<double>* coefs : {&first, &second}) {
     piece.forget();
     EXPECT_FALSE(values(piece, at(0.5), value));
-    EXPECT_EQ(piece.take(0, coefs->data(), 5, 0.5), 0);
+    piece.take(0, coefs->data(), 5, 0);
     piece.known_values(at(0.5), value);
     EXPECT_NEAR(value[0], (*coefs)[0], 1e-15);
   }

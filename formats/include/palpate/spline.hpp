@@ -98,6 +98,17 @@ inline int interval_of(int count, double t) {
   return interval < last ? interval : last;
 }
 
+/// The same of a spline that goes on along its tangents: before u = 0 (and where t is no number) it is -1, beyond u = 1
+/// the one after the last.
+inline int interval_onwards(int count, double t) {
+  return !(t >= 0) ? -1 : t > count - 3 ? count - 3 : interval_of(count, t);
+}
+
+/// The first of the four coefficients that take part on such an interval.
+inline int first_on(int count, int interval) {
+  return interval < 0 ? 0 : interval < count - 3 ? interval : count - 4;
+}
+
 /// What a spline is on one knot interval, by powers of the share of the interval.
 struct Cubic {
   double power[4];
@@ -106,6 +117,14 @@ struct Cubic {
 /// Of the four coefficients that take part there.
 template <class Scalar>
 inline Cubic cubic_of(const Scalar* four, int count, int interval) {
+  if (interval == count - 3) {
+    const double last = four[3];
+    return {{last, 3 * (last - four[2]), 0, 0}};
+  }
+  if (interval < 0) {
+    const double first = four[0], rise = 3 * (four[1] - first);
+    return {{first - rise, rise, 0, 0}};
+  }
   const detail::Cubics& of = detail::on_interval(detail::kValues, count, interval);
   Cubic c;
   for (int p = 0; p < 4; ++p) c.power[p] = of.coef[p][0] * four[0];
@@ -118,7 +137,12 @@ inline Cubic cubic_of(const Scalar* four, int count, int interval) {
 /// Of all coefficients.
 template <class Scalar>
 inline Cubic cubic(const Scalar* coefs, int count, int interval) {
-  return cubic_of(coefs + interval, count, interval);
+  return cubic_of(coefs + first_on(count, interval), count, interval);
+}
+
+/// At a share v of the interval.
+inline double value(const Cubic& f, double v) {
+  return (f.power[0] + v * f.power[1]) + v * v * (f.power[2] + v * f.power[3]);
 }
 
 /// Integral of t f(t) dt, in knot intervals, of the spline f with these coefficients: from 0 to the start of an
@@ -160,6 +184,13 @@ inline Basis evaluate(const CubicsTable& table, int count, double u) {
 /// Basis of `count` >= 4 coefficients at u in [0, 1] (clamped into it). Weights sum to 1 and are >= 0 to round-off.
 inline Basis basis(int count, double u) { return detail::evaluate(detail::kValues, count, u); }
 
+/// The same of a spline that goes on along its tangent beyond u = 1.
+inline Basis basis_onwards(int count, double u) {
+  if (!(u > 1)) return basis(count, u);
+  const double rise = 3.0 * (count - 3) * (u - 1);
+  return {count - 4, {0, 0, -rise, 1 + rise}};
+}
+
 /// Basis of the first derivative with respect to u. Weights sum to 0.
 inline Basis slope_basis(int count, double u) {
   const Basis quadratic = detail::evaluate(detail::kQuadratics, count, u);
@@ -198,12 +229,6 @@ inline double slope_at_0(const Scalar* coefs, int count) {
 template <class Scalar>
 inline double slope_at_1(const Scalar* coefs, int count) {
   return 3.0 * (count - 3) * (static_cast<double>(coefs[count - 1]) - coefs[count - 2]);
-}
-
-/// Value at u = 1 + extra, where the spline goes on along its tangent.
-template <class Scalar>
-inline double beyond(const Scalar* coefs, int count, double extra) {
-  return static_cast<double>(coefs[count - 1]) + extra * slope_at_1(coefs, count);
 }
 
 /// Abscissa of coefficient `index` (Greville): the spline with these coefficients reproduces u itself.

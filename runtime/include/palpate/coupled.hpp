@@ -258,7 +258,7 @@ private:
 
   /// Moves the anchor on until none is, along the mean of T, which errs by the step's square only.
   void give_way(const AtDepth& d, double step, const Anchor& from, Anchor& to, double lean) const {
-    for (int round = 0; round < 3; ++round) {
+    for (int round = 0; round < 2; ++round) {
       const double lacks = missing(step, from, to), size = dot(to.load.force, to.load.force);
       if (!(lacks > 0 && size > 0)) return;
       const Vec2 mean = 0.5 * (from.load.force + to.load.force);

@@ -11,6 +11,10 @@ namespace palpate::runtime {
 /// Of a contact (rim.hpp).
 enum class Part : int { core = 0, rim = 1 };
 
+/// Layers of a separable law (sideways_curves.hpp): the vertices of a tool's patch; of a tool with spins, two samples of
+/// each and what is not sure.
+inline constexpr int kLayersUnspun = 3, kMostLayers = 9;
+
 /// What depends on the depth alone; valid for the field that made it.
 struct DepthTerms {
   double depth = 0;         ///< m
@@ -18,8 +22,8 @@ struct DepthTerms {
   double limit = 0;         ///< N, largest tangential force: mu(depth) Fn; infinite in a frictionless file
   Vec3 straight;            ///< N, sideways force of the straight push, across n(c)
   union {
-    Lanes<6> growth[3];        ///< N, of the separable model, as many as it has layers (sideways_curves.hpp)
-    coupled::AtDepth coupled;  ///< in a file of the coupled model
+    Lanes<6> growth[kMostLayers];  ///< N, of the separable model, as many as it has layers
+    coupled::AtDepth coupled;      ///< in a file of the coupled model
   };
   bool beyond = false;  ///< deeper than this pair was sampled
 };

@@ -109,12 +109,22 @@ public:
 
   /// Sideways force at a sideways deflection (m, body frame; its part along n(c) does not count). Which part of the
   /// contact asks makes it no other, but faster.
-  [[nodiscard]] Vec3 sideways(const DepthTerms& terms, const Vec3& deflection, Part part = Part::core) const {
+  [[nodiscard]] PALPATE_TICK_INLINE Vec3 sideways(const DepthTerms& terms, const Vec3& deflection,
+                                                  Part part = Part::core) const {
+    return in_space(sideways(terms, in_plane(deflection), part));
+  }
+  /// The same in the plane across n(c).
+  [[nodiscard]] PALPATE_TICK_INLINE coupled::Vec2 sideways(const DepthTerms& terms, const coupled::Vec2& deflection,
+                                                           Part part) const {
+    if (!(terms.depth > 0)) return {};
     if constexpr (kCoupled) {
       if (is_coupled()) return coupled_sideways(terms, deflection);
     }
-    return terms.depth > 0 ? separable_.sideways(terms, deflection, part) : Vec3{};
+    return separable_.sideways(terms, deflection, part);
   }
+  /// What of a vector lies in that plane, by its basis there; and back.
+  [[nodiscard]] coupled::Vec2 in_plane(const Vec3& v) const { return {dot(v, basis_x_), dot(v, basis_y_)}; }
+  [[nodiscard]] Vec3 in_space(const coupled::Vec2& v) const { return v.x * basis_x_ + v.y * basis_y_; }
 
   /// Adds what a sideways deflection does to the normal force; the limit stays that of the straight push. `across` is
   /// the whole force across n(c) there. Of a part of the contact: its own of these, its share, and how many times as
@@ -144,7 +154,7 @@ public:
         }
         const coupled::Vec2 held = in_basis(deflection);
         const coupled::Vec2 u = law_.deepen(t0, known_.terms, t1, at_z1.coupled, held, lean);
-        return view_->meta->sideways_scale * (u.x * basis_x_ + u.y * basis_y_);
+        return view_->meta->sideways_scale * in_space(u);
       }
     }
     return separable_.share_kept(z0, at_z1) * deflection;
@@ -266,32 +276,20 @@ private:
   void blend_spun(const View& view, std::uint32_t tool, const Shares& shares, const Vec3& normal_there,
                   const Spin& spin) {
     begin(view, normal_there);
-    const layout::Meta& m = *view.meta;
     Sum sum = begin_sum();
-    SampledAngles angles;
-    for (int k = 0; k < 3; ++k) {
-      if (!(shares.site_weight[k] > 0)) continue;
-      const std::uint32_t site = shares.sites[k];
-      const Across axis = sideways_axis(site);
-      for (int l = 0; l < shares.corners.count; ++l) {
-        const std::uint32_t vertex = shares.corners.vertex[l];
-        const std::uint64_t first = layout::response_index(m, site, vertex);
-        const double weight = shares.site_weight[k] * shares.corners.weight[l];
-        if (view.spins[vertex] == 1) {
-          add<true>(sum, first, weight, axis);
-          continue;
-        }
-        const Vec3 x = axis.cosine * basis_x_ + axis.sine * basis_y_;
-        const auto add_sample = [&](std::uint32_t sample, double share, const Vec3& along) {
-          add<true>(sum, first + sample, weight * share, {dot(along, basis_x_), dot(along, basis_y_)});
-        };
-        for_each_spin(view, view.tools[tool], vertex, spin, x, normal_, angles, add_sample);
-      }
+    Across axis[3];
+    for (int k = 0; k < 3; ++k) axis[k] = sideways_axis(shares.sites[k]);
+    const SpunSites spun(view, view.tools[tool], spin, normal_, basis_x_, basis_y_, axis, spin_step_);
+    for (int l = 0; l < shares.corners.count; ++l) {
+      const std::uint32_t vertex = shares.corners.vertex[l];
+      spun.for_each(vertex, [&](int k, std::uint32_t sample, double share, const Across& x) {
+        const std::uint64_t index = layout::response_index(*view.meta, shares.sites[k], vertex) + sample;
+        add<true>(sum, index, shares.site_weight[k] * shares.corners.weight[l] * share, x);
+      });
     }
     if constexpr (kCoupled) {
-      if (is_coupled()) return law_.set(sum, m.depth_scale, m.sideways_scale);
+      if (is_coupled()) law_.set(sum, view.meta->depth_scale, view.meta->sideways_scale);
     }
-    separable_.finish_spun();
   }
 
   /// Forgets all responses.
@@ -311,13 +309,11 @@ private:
 
   /// u of a deflection (m).
   [[nodiscard]] coupled::Vec2 in_basis(const Vec3& deflection) const { return per_scale_ * in_plane(deflection); }
-  [[nodiscard]] coupled::Vec2 in_plane(const Vec3& v) const { return {dot(v, basis_x_), dot(v, basis_y_)}; }
 
   // What only the coupled model needs stays out of line: inlined into a tick it would slow the others by a tenth.
-  [[nodiscard, gnu::noinline]] Vec3 coupled_sideways(const DepthTerms& terms, const Vec3& deflection) const {
-    if (!(terms.depth > 0)) return {};
-    const coupled::Vec2 push = terms.coupled.energy.gradient(in_basis(deflection), law_.degrees().order);
-    return -push.x * basis_x_ - push.y * basis_y_;
+  [[nodiscard, gnu::noinline]] coupled::Vec2 coupled_sideways(const DepthTerms& terms,
+                                                              const coupled::Vec2& deflection) const {
+    return -1 * terms.coupled.energy.gradient(per_scale_ * deflection, law_.degrees().order);
   }
 
   [[nodiscard, gnu::noinline]] double coupling(const DepthTerms& terms, const Vec3& deflection, const Vec3& across,
@@ -406,6 +402,7 @@ private:
   detail::If<kBySite, SiteLaws> site_laws_;
   detail::If<kBySite, bool> by_site_ = {};
   detail::If<!detail::kSmall, Last> last_;
+  detail::If<kSpin, SpinStep> spin_step_;
   mutable detail::If<kCoupled, Known> known_;  ///< what deepened() will ask for
 };
 

@@ -18,21 +18,19 @@ void for_each_share(const View& view, std::uint32_t tool, const BodyPoint& body_
   patch_weights(view, body_point, sites);
   const ToolCorners corners = tool_corners(view, tool, tool_point);
   const auto& site = view.triangles[body_point.triangle].site;
-  SampledAngles angles;
-  for (int k = 0; k < 3; ++k) {
-    if (!(sites[k] > 0)) continue;
-    const Across carried = carried_axis(view.sites[site[k]], normal, basis_x, basis_y);
-    const Vec3 x = carried.cosine * basis_x + carried.sine * basis_y;
-    for (int l = 0; l < corners.count; ++l) {
-      const std::uint64_t index = layout::response_index(*view.meta, site[k], corners.vertex[l]);
-      const auto use_sample = [&](std::uint32_t sample, double share, const Vec3& along) {
-        use(index + sample, sites[k] * corners.weight[l] * share, dot(along, basis_x), dot(along, basis_y));
-      };
-      if (view.spins == nullptr) {
-        use_sample(0, 1, x);
-      } else {
-        for_each_spin(view, view.tools[tool], corners.vertex[l], spin, x, normal, angles, use_sample);
-      }
+  Across axis[3];
+  for (int k = 0; k < 3; ++k) axis[k] = carried_axis(view.sites[site[k]], normal, basis_x, basis_y);
+  SpinStep step;
+  const SpunSites spun(view, view.tools[tool], spin, normal, basis_x, basis_y, axis, step);
+  for (int l = 0; l < corners.count; ++l) {
+    const auto use_sample = [&](int k, std::uint32_t sample, double share, const Across& x) {
+      const double all = sites[k] * corners.weight[l] * share;
+      if (all > 0) use(layout::response_index(*view.meta, site[k], corners.vertex[l]) + sample, all, x.cosine, x.sine);
+    };
+    if (view.spins != nullptr) {
+      spun.for_each(corners.vertex[l], use_sample);
+    } else {
+      for (int k = 0; k < 3; ++k) use_sample(k, 0, 1, axis[k]);
     }
   }
 }

@@ -33,13 +33,19 @@ public:
     rim_.leave({}, {});
     account_.reset();
     lasts_ = true;
+    slides_ = false;
     last_ = first.at;
     const Vec3 q = rest_.point(pose);
     depth_ = rest_.deflection(q).depth;
     // What went sideways since the first touch did so on the way down: 2/3 of it are kept where the sideways stiffness
     // grows with the root of the depth, as under a round tip.
     if (const Vec3 way = q - first.at; dot(way, way) > 0) depth_ *= 4.0 / 9;
-    if (depth_ > 0) return tick(pose, q);
+    if (depth_ > 0) {
+      begins_ = true;
+      const Tick first_tick = tick(pose, q);
+      begins_ = false;
+      return first_tick;
+    }
     // At zero depth there is no force yet, but the contact has begun: from here on the tool may push.
     last_ = q;
     return output(State::stick, pose, q, field().at_depth(0), {});
@@ -53,24 +59,29 @@ public:
     Deflection d;
     DepthTerms terms;
     if (rest_.lies()) rest_.let_run(pose, before - last_);
-    if (!rest_.lies() || !lie_down(pose, q, d, terms)) stand(q, d, terms);
+    // Where c goes on it takes up how the tool lies anyway.
+    bool waits = (rolled || slides_) && rest_.lies_in_place(pose);
+    if (waits || !rest_.lies() || !lie_down(pose, q, d, terms)) stand(q, d, terms);
     const Vec3 way = q - last_;
     last_ = q;
-    for (;; rolled = false) {
+    for (;;) {
       if (!(d.depth > 0)) return release(d);
       if (friction) deepen(d, terms);
       if (account_.owed() > 0 && !pay(d, terms)) return release(d);
-      if (!kFriction || !friction) return slide(pose, d, {}, terms, way, terms.straight, served);
+      if (!kFriction || !friction) return slide(pose, d, {{}, terms.straight}, terms, way, terms.straight, served);
       const Vec3 core = straight_of_core(terms) + field().sideways(terms, d.sideways);
       const Vec3 pull = rim_.present() ? with_rim_alone(core, d, terms) : core;
       if (length(core) > rim_.core_limit() * terms.limit * (1 + 1e-9)) {
         return slide(pose, d, slipped(d, terms, core, false), terms, way, pull, served);
       }
-      if (!rolled) {
+      if (rolled) {
+        roll_on(pose, d, terms);
+      } else if (!waits || !lie_down(pose, q, d, terms)) {
         if (field().is_coupled()) couple(terms, d, core);
+        slides_ = false;
         return output(State::stick, pose, q, terms, pull);
       }
-      roll_on(pose, d, terms);
+      rolled = waits = false;
     }
   }
 
@@ -125,7 +136,7 @@ private:
       for (int turn = 0; turn < kMostSlips && length(pull) > rim.limit; ++turn) {
         const Slipped to = slip(field(), terms, rim, e, pull);
         e = to.holds ? to.deflection : d.sideways;
-        pull = rim.straight + field().sideways(terms, e, Part::rim);
+        pull = to.holds ? to.force : rim.straight + field().sideways(terms, e, Part::rim);
       }
       rim_.leave(d.sideways, e);
     }
@@ -154,11 +165,11 @@ private:
   }
   [[nodiscard]] Vec3 rim_deflection(const Deflection& d) const { return rim_.deflection(d.sideways, field().normal()); }
 
-  /// The core's sideways deflection (m) at which friction holds, where its `pull` (N) is more than it does.
-  [[nodiscard]] Vec3 slipped(const Deflection& d, const DepthTerms& terms, const Vec3& pull, bool at_once) const {
+  /// The core's sideways deflection at which friction holds, where its `pull` (N) is more than it does.
+  [[nodiscard]] Slipped slipped(const Deflection& d, const DepthTerms& terms, const Vec3& pull, bool at_once) const {
     Slips what = slips(Part::core, terms);
     what.at_once = at_once;
-    return slip(field(), terms, what, d.sideways, pull).deflection;
+    return slip(field(), terms, what, d.sideways, pull);
   }
 
   /// Adds what the sideways deflections do to the normal force; `core` is core_force().
@@ -225,16 +236,26 @@ private:
     field().set_depth(d.depth, terms);
   }
 
-  /// Moves c over the surface until the core's sideways deflection is `wanted`; the rim's anchor stays where it is. In
+  /// Moves c over the surface until the core's sideways deflection is as `wanted`; the rim's anchor stays where it is. In
   /// this tick the tool went `way` (m); `before` is the sideways force (N) where c is.
-  Tick slide(const Pose& pose, Deflection d, const Vec3& wanted, DepthTerms& terms, const Vec3& way, const Vec3& before,
+  Tick slide(const Pose& pose, Deflection d, const Slipped& wanted, DepthTerms& terms, const Vec3& way, const Vec3& before,
              const Search* served) {
     Vec3 pull;
+    slides_ = true;
+    const Vec3 rim = rim_deflection(d);
     // c rests while the tool moves along n(c): 0.1 nm on a contact of 10 mm.
-    if (length(d.sideways - wanted) > 1e-8 * rest_.size()) {
+    const bool rests = !(length(d.sideways - wanted.deflection) > 1e-8 * rest_.size()) &&
+                       !(rest_.lies_in_place(pose) && rest_.lies_otherwise(pose));
+    if (begins_) {
+      // Where c was placed in this tick nothing is blended twice for it: the anchor goes on alone.
+      rest_.leave(d, wanted.deflection);
+      rim_.leave(d.sideways, rim);
+    }
+    if (begins_ || rests) {
+      pull = at_rest(wanted.force, d, terms);
+    } else {
       const double held = stored(terms, d), strained = sideways_strain(terms, d, before);
-      const Vec3 rim = rim_deflection(d);
-      const bool went = rest_.follow(pose, last_, wanted, terms.normal_force, length(way), served);
+      const bool went = rest_.follow(pose, last_, wanted.deflection, terms.normal_force, length(way), served);
       d = rest_.deflection(last_);
       if (!(d.depth > 0)) return release(d);
       rim_.leave(d.sideways, rim);
@@ -242,10 +263,8 @@ private:
       pull = give_way(d, terms, went);
       if (replaced(held, strained - sideways_strain(terms, d, pull), d, terms)) {
         if (!(d.depth > 0)) return release(d);
-        pull = force_at_rest(d, terms);
+        pull = at_rest(core_force(d, terms), d, terms);
       }
-    } else {
-      pull = force_at_rest(d, terms);
     }
     const double size = length(pull);
     if (size > terms.limit) pull = (terms.limit / size) * pull;
@@ -269,17 +288,17 @@ private:
       const double most = rim_.core_limit() * terms.limit * (went ? 1.001 : 1 + 1e-9);
       for (int turn = 0; turn < kMostSlips && length(core) > most; ++turn) {  // once, but after a leap
         const Vec3 rim = rim_deflection(d);
-        rest_.leave(d, slipped(d, terms, core, true));
+        const Slipped to = slipped(d, terms, core, true);
+        rest_.leave(d, to.deflection);
         rim_.leave(d.sideways, rim);
-        core = core_force(d, terms);
+        core = to.force;
       }
     }
     return rim_.present() ? with_rim(at_limit(core, terms), d, terms) : core;
   }
 
   /// N across n(c) of a contact that slides, while c rests.
-  Vec3 force_at_rest(const Deflection& d, const DepthTerms& terms) {
-    const Vec3 core = core_force(d, terms);
+  Vec3 at_rest(const Vec3& core, const Deflection& d, const DepthTerms& terms) {
     return rim_.present() ? with_rim_alone(at_limit(core, terms), d, terms) : core;
   }
 
@@ -325,6 +344,7 @@ private:
 
   const View* view_;
   bool lasts_ = false, left_ = false;
+  bool slides_ = false, begins_ = false;
   Vec3 last_;         ///< m, p in the last tick
   double depth_ = 0;  ///< m, of the last tick
   EnergyAccount account_;

@@ -2,6 +2,8 @@
 // Numbers that are computed side by side, two in a register where there are such.
 #pragma once
 
+#include "palpate/math3.hpp"
+
 namespace palpate::runtime {
 
 #if defined(__SSE2__) || (defined(__GNUC__) && defined(__aarch64__))
@@ -61,5 +63,12 @@ struct Lanes {
     for (Two& each : of) each = two(value, value);
   }
 };
+
+/// use(0), use(1), ... use(N - 1): inlined, each knows its number, which of a loop is up to the compiler.
+template <int N, class Use>
+PALPATE_TICK_INLINE void unrolled(const Use& use) {
+  if constexpr (N > 1) unrolled<N - 1>(use);
+  use(N - 1);
+}
 
 }  // namespace palpate::runtime

@@ -24,15 +24,7 @@ public:
   void forget() { start_.fill(kNone); }
   void forget(int k) { start_.set(k, kNone); }
 
-  /// Makes curve k's cubic that of the interval of t, which is spline::in_intervals of an abscissa. Returns the
-  /// interval.
-  template <class Scalar>
-  int take(int k, const Scalar* coefs, int count, double t) const {
-    const int interval = spline::interval_of(count, t);
-    take(k, coefs, count, interval);
-    return interval;
-  }
-  /// The same for a caller that knows the interval.
+  /// Makes curve k's cubic that of an interval (spline::interval_onwards).
   template <class Scalar>
   void take(int k, const Scalar* coefs, int count, int interval) const {
     if (start_[k] != interval) set(k, spline::cubic(coefs, count, interval), interval);
@@ -51,7 +43,7 @@ public:
   /// For one that does not, in two steps, of which the first does for all that have taken the same intervals: shares of
   /// the intervals, false where one of t is not in its curve's, or no number (its cubic is to be taken); the curves
   /// there.
-  bool shares(const Lanes<N>& t, Lanes<N>& share) const {
+  PALPATE_TICK_INLINE bool shares(const Lanes<N>& t, Lanes<N>& share) const {
     constexpr double kReach = 0.5 + kSlack;
     Lanes<N> off;
     for (int i = 0; i < Lanes<N>::kTwos; ++i) {
@@ -61,7 +53,7 @@ public:
     if constexpr (N % 2 != 0) off.set(N, 0);
     return squares_below(off.of, kReach * kReach);
   }
-  void at(const Lanes<N>& share, Lanes<N>& value) const {
+  PALPATE_TICK_INLINE void at(const Lanes<N>& share, Lanes<N>& value) const {
     for (int i = 0; i < Lanes<N>::kTwos; ++i) value.of[i] = cubic_at(i, share.of[i]);
   }
   /// All at one share.

@@ -24,6 +24,7 @@ namespace detail {
 struct Facet {
   Vec3 corner, e1, e2;  ///< first corner, edges to the two others
   Vec3 m, f1, f2;       ///< normals the same way
+  double size;          ///< m, of both edges together
 
   Facet(const View& view, std::uint32_t triangle) {
     const layout::SurfaceTriangle& t = view.triangles[triangle];
@@ -33,16 +34,18 @@ struct Facet {
     m = corner_normal(view, t, 0);
     f1 = corner_normal(view, t, 1) - m;
     f2 = corner_normal(view, t, 2) - m;
+    size = length(e1) + length(e2);
   }
 };
 
 /// x and y of a x + b y + c z = r; false where the three are too close to a plane.
 inline bool solve3(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& r, double& x, double& y) {
   const Vec3 bc = cross(b, c);
-  const double det = dot(a, bc), size = length(a) * length(b) * length(c);
-  if (!(det > 1e-4 * size)) return false;  // negative: past the focal point of the normals
-  x = dot(r, bc) / det;
-  y = dot(r, cross(c, a)) / det;
+  const double det = dot(a, bc), least = 1e-4 * std::sqrt(dot(a, a) * dot(b, b) * dot(c, c));
+  if (!(det > least)) return false;  // negative: past the focal point of the normals
+  const double per_det = 1 / det;
+  x = per_det * dot(r, bc);
+  y = per_det * dot(r, cross(c, a));
   return true;
 }
 
@@ -71,11 +74,12 @@ inline int pass_triangle(const View& view, const Vec3& q, BodyPoint& at, int& st
     const Vec3 m = facet.m + b[1] * facet.f1 + b[2] * facet.f2;
     const double size = dot(m, m);
     if (!(size > 1e-12)) return -1;
-    const double t = dot(q - c, m) / size;
-    const Vec3 across = q - c - t * m;
+    const Vec3 gap = q - c;
+    const double t = dot(gap, m) / size;
+    const Vec3 across = gap - t * m;
     const double residual = length(across);
     remember(best, at, c, m, residual);
-    best.converged = residual <= 1e-10 * (std::fabs(t) + length(facet.e1) + length(facet.e2));
+    best.converged = residual <= 1e-10 * (std::fabs(t) + facet.size);
     double d1 = 0, d2 = 0;
     if (best.converged || !solve3(facet.e1 + t * facet.f1, facet.e2 + t * facet.f2, m, across, d1, d2)) return -1;
     double move[3] = {-d1 - d2, d1, d2};

@@ -62,6 +62,9 @@ public:
   /// What answers depends on how the tool lies.
   [[nodiscard]] bool lies() const { return lies_; }
 
+  /// However it does, its point of the axis stays: then whatever moves c blends for how it lies now.
+  [[nodiscard]] bool lies_in_place(const Pose& pose) const { return lies_ && !(runs_along(pose) > 1e-9 * probe_); }
+
   /// Where the pose takes p.
   [[nodiscard]] Vec3 point(const Pose& pose) const { return pose.apply(anchor_); }
 
@@ -150,7 +153,7 @@ public:
     }
     if (!(along_ > 0)) return false;
     const double cosine = pose.along_axis(field_.normal());
-    return std::fabs(along(cosine) - anchor_.z) > 1e-9 * probe_ ||
+    return runs_along(pose) > 1e-9 * probe_ ||
            std::fabs(profile_meridian(view_->tools[tool_], anchor_.z, cosine) - meridian_) > 1e-6 * probe_;
   }
 
@@ -244,6 +247,10 @@ private:
     constexpr double kBody = 16;  // probe radii, of curvature: a body that is sharper p would cross
     const double step = std::fmax(-along_, std::fmin(along_, -cosine * kBody * probe_));
     return std::fmax(0, std::fmin(tool.axis_length, anchor_.z + step));
+  }
+
+  [[nodiscard]] double runs_along(const Pose& pose) const {
+    return profile_ ? std::fabs(along(pose.along_axis(field_.normal())) - anchor_.z) : 0;
   }
 
   /// Moves p round the tip to where the skin is parallel to the body, as near as it may: where p comes to the end of

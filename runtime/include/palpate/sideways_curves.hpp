@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Sideways curves of up to nine separable responses side by side: what grows with the depth, what follows a deflection.
+// Sideways curves of separable responses side by side: what grows with the depth, what follows a deflection.
 #pragma once
 
 #include "palpate/math3.hpp"
@@ -8,15 +8,15 @@
 
 namespace palpate::runtime {
 
-/// Sideways forces g(z) phi(r) of up to nine responses, each in its body vertex' frame, in layers of three: a vertex of
-/// the tool at each site of the patch. All that a tick asks for is computed for the six curves of a layer at once
+/// Sideways forces g(z) phi(r) of responses, each in its body vertex' frame, in layers of three: a vertex of the tool,
+/// or a spin of it, at each site of the patch. All that a tick asks for is computed for the six curves of a layer at once
 /// (first x and y of the first site, then of the second, ...), so that compilers use vectors; r, which is the site's,
 /// for all layers. What was asked for last is remembered for kParts deflections, each for itself: those of a contact's
 /// core and rim (rim.hpp). Not for several threads at once.
-template <int kParts>
+template <int kParts, int kLayers>
 class SidewaysCurves {
 public:
-  static constexpr int kSites = 3, kLayers = 3, kLanes = 2 * kSites;
+  static constexpr int kSites = 3, kLanes = 2 * kSites;
   using Lanes = runtime::Lanes<kLanes>;
   using Growths = Lanes[kLayers];
 
@@ -45,26 +45,18 @@ public:
     layer_[layer].sine.of[k] = two(sine, -sine);
   }
 
-  /// There are only so many responses in the last layer, at least one.
-  void leave_empty_from(int k) {
-    for (; k < kSites; ++k) set<true>(layers_ - 1, k, layer_[layers_ - 1].coefs[0], 0, 0, 0);
-  }
-
   [[nodiscard]] int layers() const { return layers_; }
 
   /// Weighted growths where all are on the interval taken; t: in intervals.
-  void growths(double t, Growths& growth) const {
+  void growths(double t, Lanes* growth) const {
     const double share = t - growth_interval_;
-    each_layer([&](int j) PALPATE_INLINE_LAMBDA {
-      Lanes g;
-      layer_[j].growth.all_at(share, g);
-      weigh(j, g, growth[j]);
-    });
+    each_layer([&](int j) PALPATE_INLINE_LAMBDA { set_growth(j, share, growth[j]); });
+    if (kLayers > kLayersUnspun && layers_ > kLayersUnspun) more_growths(share, growth);
   }
 
-  /// Weighted growths at s in [0, 1], where nobody asked before nor is soon to ask again: takes no intervals.
-  void growths_once(double s, Growths& growth) const {
-    const spline::Basis basis = spline::basis(growth_count_, s);
+  /// Weighted growths at s, where nobody asked before nor is soon to ask again: takes no intervals.
+  void growths_once(double s, Lanes* growth) const {
+    const spline::Basis basis = spline::basis_onwards(growth_count_, s);
     for (int j = 0; j < layers_; ++j) {
       Lanes g;
       for (int k = 0; k < kSites; ++k) {
@@ -77,7 +69,7 @@ public:
 
   /// Takes the interval at t, which is returned.
   int take_growths(double t) const {
-    const int interval = spline::interval_of(growth_count_, t);
+    const int interval = spline::interval_onwards(growth_count_, t);
     if (interval == growth_interval_) return interval;
     for (int j = 0; j < layers_; ++j) {
       for (int lane = 0; lane < kLanes; ++lane) {
@@ -88,34 +80,13 @@ public:
     return interval;
   }
 
-  /// Weighted growths beyond the depth scale, where the curves go on linearly by `extra`.
-  void growths_beyond(double extra, Growths& growth) const {
-    for (int j = 0; j < layers_; ++j) {
-      Lanes g;
-      for (int k = 0; k < kSites; ++k) {
-        g.of[k] = two(spline::beyond(growth_coefs(j, 2 * k), growth_count_, extra),
-                      spline::beyond(growth_coefs(j, 2 * k + 1), growth_count_, extra));
-      }
-      weigh(j, g, growth[j]);
-    }
-  }
-
-  /// Sets the force (N) at a deflection x, y (of the sideways scale) of a part. False, and nothing of use, where phi is
-  /// to be taken elsewhere (kTake does).
-  template <bool kTake>
-  bool set_force(const Growths& growth, int part, double x, double y, Two& force) const {
-    if (apart_) return set_force_apart<kTake>(growth, part, x, y, force);
-    Lanes r, t, share, phi, f;
-    turn_in(0, x, y, r, t);
-    if constexpr (!kTake) {
-      if (!layer_[0].phi[part].shares(t, share)) return false;
-    }
+  /// Sets the force (N) at a deflection x, y (of the sideways scale) of a part.
+  PALPATE_TICK_INLINE void set_force(const Lanes* growth, int part, double x, double y, Two& force) const {
+    if (apart_) return set_force_apart(growth, part, x, y, force);
+    Lanes share, phi, f;
+    find(part, 0, x, y, share);
     each_layer([&](int j) PALPATE_INLINE_LAMBDA {
-      if constexpr (kTake) {
-        take_phi(part, j, r, t, phi);
-      } else {
-        layer_[j].phi[part].at(share, phi);
-      }
+      layer_[j].phi[part].at(share, phi);
       for (int k = 0; k < kSites; ++k) {
         const Two each = growth[j].of[k] * phi.of[k];
         f.of[k] = j == 0 ? each : f.of[k] + each;
@@ -123,16 +94,10 @@ public:
     });
     force = two(0, 0);
     add_turned(0, f, force);
-    return true;
-  }
-
-  /// Of phi with these coefficients, where it goes on along its tangent above 1 (up) or below -1.
-  [[nodiscard]] static double outward_slope(const float* coefs, int count, bool up) {
-    return up ? spline::slope_at_1(coefs, count) : -spline::slope_at_0(coefs, count);
   }
 
 private:
-  /// Layer by layer: of a loop compilers would put two beside each other and take what is left number by number.
+  /// The layers that are there without spins, one by one: of a loop compilers would put two beside each other and take what is left number by number.
   template <class Each>
   PALPATE_TICK_INLINE void each_layer(const Each& each) const {
     each(0);
@@ -140,23 +105,49 @@ private:
     if (layers_ > 2) each(2);
   }
 
+  void set_growth(int layer, double share, Lanes& growth) const {
+    Lanes g;
+    layer_[layer].growth.all_at(share, g);
+    weigh(layer, g, growth);
+  }
+  [[gnu::noinline]] void more_growths(double share, Lanes* growth) const {
+    for (int j = kLayersUnspun; j < layers_; ++j) set_growth(j, share, growth[j]);
+  }
+
   /// As set_force, where every response has an axis of its own.
-  template <bool kTake>
-  [[gnu::noinline]] bool set_force_apart(const Growths& growth, int part, double x, double y, Two& force) const {
+  [[gnu::noinline]] void set_force_apart(const Lanes* growth, int part, double x, double y, Two& force) const {
     force = two(0, 0);
     for (int j = 0; j < layers_; ++j) {
-      Lanes r, t, share, phi;
-      turn_in(j, x, y, r, t);
-      if constexpr (kTake) {
-        take_phi(part, j, r, t, phi);
-      } else {
-        if (!layer_[j].phi[part].shares(t, share)) return false;
-        layer_[j].phi[part].at(share, phi);
-      }
+      Lanes share, phi;
+      find(part, j, x, y, share);
+      layer_[j].phi[part].at(share, phi);
       for (int k = 0; k < kSites; ++k) phi.of[k] *= growth[j].of[k];
       add_turned(j, phi, force);
     }
-    return true;
+  }
+
+  /// Shares of the intervals of phi on which a deflection lies, of a layer or of all that lie as the first; they are taken
+  /// where they are others.
+  PALPATE_TICK_INLINE void find(int part, int layer, double x, double y, Lanes& share) const {
+    const Pieces<kLanes>& phi = layer_[layer].phi[part];
+    Lanes t;
+    turn_in(layer, x, y, t);
+    if (phi.shares(t, share)) return;
+    take_phi(part, layer, x, y);
+    phi.shares(t, share);  // beyond the scale they are no shares, but how far
+  }
+  // Rarely called, and long: inlined it would slow every tick.
+  [[gnu::noinline]] void take_phi(int part, int layer, double x, double y) const {
+    Lanes t;
+    turn_in(layer, x, y, t);
+    const int end = apart_ ? layer + 1 : layers_;
+    unrolled<kLanes>([&](int k) PALPATE_INLINE_LAMBDA {
+      const int interval = spline::interval_onwards(sideways_count_, t[k]);
+      if (layer_[layer].phi[part].interval(k) == interval) return;
+      for (int j = layer; j < end; ++j) {
+        layer_[j].phi[part].take(k, phi_coefs(j, k), sideways_count_, interval);
+      }
+    });
   }
 
   /// What was remembered there is of another response, or of other intervals than the layers' before it.
@@ -183,34 +174,18 @@ private:
     for (int k = 0; k < kSites; ++k) growth.of[k] = layer_[layer].weight.of[k] * positive(g.of[k]);
   }
 
-  /// A deflection in the frames of a layer, as shares of the scale and in intervals of phi.
-  void turn_in(int layer, double x, double y, Lanes& r, Lanes& t) const {
+  /// A deflection (of the scale) in the frames of a layer, in intervals of phi.
+  void turn_in(int layer, double x, double y, Lanes& t) const {
     const double half = 0.5 * (sideways_count_ - 3);
     for (int k = 0; k < kSites; ++k) {
-      r.of[k] = layer_[layer].cosine.of[k] * two(x, y) + layer_[layer].sine.of[k] * two(y, x);
-      t.of[k] = (r.of[k] + two(1, 1)) * two(half, half);
+      const Two r = layer_[layer].cosine.of[k] * two(x, y) + layer_[layer].sine.of[k] * two(y, x);
+      t.of[k] = (r + two(1, 1)) * two(half, half);
     }
   }
 
   void add_turned(int layer, const Lanes& f, Two& force) const {
     for (int k = 0; k < kSites; ++k) {
       force += layer_[layer].cosine.of[k] * f.of[k] - layer_[layer].sine.of[k] * swapped(f.of[k]);
-    }
-  }
-
-  /// phi inside [-1, 1] is the spline, outside its tangent at the end; t: r in intervals.
-  void take_phi(int part, int layer, const Lanes& r, const Lanes& t, Lanes& phi) const {
-    const double last = sideways_count_ - 3;
-    Lanes inside = t;
-    for (int k = 0; k < kLanes; ++k) {
-      inside.set(k, t[k] > 0 ? (t[k] < last ? t[k] : last) : 0.0);
-      layer_[layer].phi[part].take(k, phi_coefs(layer, k), sideways_count_, inside[k]);
-    }
-    layer_[layer].phi[part].known_values(inside, phi);
-    for (int k = 0; k < kLanes; ++k) {
-      const double beyond = std::fabs(r[k]) - 1;
-      if (!(beyond > 0)) continue;
-      phi.set(k, phi[k] + 0.5 * beyond * outward_slope(phi_coefs(layer, k), sideways_count_, r[k] > 0));
     }
   }
 

@@ -10,6 +10,7 @@ namespace palpate::runtime {
 
 struct Slipped {
   Vec3 deflection;    ///< m
+  Vec3 force;         ///< N, sideways, there
   bool holds = true;  ///< there; else no deflection was found at which friction does
 };
 
@@ -28,50 +29,80 @@ struct Slips {
 template <class AnyField>
 [[nodiscard]] inline Slipped slip(const AnyField& field, const DepthTerms& terms, const Slips& what, const Vec3& from,
                                   const Vec3& force) {
-  const double limit = what.limit, scale = what.scale;
+  // A hair below the limit: that is met from either side.
+  constexpr double kHair = 5e-6;
+  const double limit = (1 - kHair) * what.limit, close = kHair * what.limit, scale = what.scale;
   const Vec3 direction = (1 / length(force)) * force;
+  const coupled::Vec2 start = field.in_plane(from), line = field.in_plane(direction),
+                      straight = field.in_plane(what.straight);
+  coupled::Vec2 pull{};
   const auto excess = [&](double way) {
-    const Vec3 pull = what.straight + field.sideways(terms, from + way * direction, what.part);
-    const double along = dot(pull, direction);
+    pull = straight + field.sideways(terms, start + way * line, what.part);
+    const double along = dot(pull, line);
     if (!what.at_once) return along - limit;
     const double left = limit * limit - (dot(pull, pull) - along * along);
     return along - (left > 0 ? std::sqrt(left) : 0);
   };
   const double most = length(from) + 2 * scale;
   double low = 0, at_low = dot(force, direction) - limit;
-  // The slope at the start tells how far; a little more brackets the root, else the step doubles.
-  const double probe = 1e-3 * scale, drop = at_low - excess(probe);
-  double high = drop > 0 ? 1.0001 * probe * at_low / drop : most;
-  high = high > 1e-6 * probe ? (high < most ? high : most) : 1e-6 * probe;
-  double at_high = excess(high);
+  // A line from no force at no deflection falls short of the root, as forces rise less and less; it is near enough to tell
+  // how far that is: a little more brackets it, else the step doubles.
+  const double least = 1e-9 * scale, guess = length(from) * at_low / dot(force, direction);
+  double high = guess > least ? (guess < most ? guess : most) : least;
+  double at_high = excess(high), third = low, at_third = at_low;
+  if (const double drop = at_low - at_high; at_high > 0 && drop > 0) {
+    const double beyond = high + 1.0001 * high * at_high / drop;
+    low = high;
+    at_low = at_high;
+    high = beyond < most ? beyond : most;
+    at_high = excess(high);
+  }
   while (at_high > 0 && high < most) {
+    third = low;
+    at_third = at_low;
     low = high;
     at_low = at_high;
     high *= 2;
     at_high = excess(high);
   }
-  // The straight push alone is beyond the limit: the anchor creeps on, tick by tick.
-  if (at_high > 0) return {from + (length(from) + 0.02 * scale) * direction, false};
-  // The Illinois rule (Dowell and Jarratt, BIT 11, 1971): an end that stays twice running counts half, or it would stay
-  // for good. Halves now and then, for the worst.
-  double reached = at_high;
-  for (int i = 0, stayed = 0; i < 24 && reached < -1e-5 * limit; ++i) {
-    const double middle = i % 8 == 7 ? 0.5 * (low + high) : low + (high - low) * at_low / (at_low - at_high);
-    const double value = excess(middle);
-    if (value > 0) {
-      low = middle;
-      at_low = value;
-      if (stayed > 0) at_high *= 0.5;
-      stayed = 1;
-    } else {
-      high = middle;
-      at_high = reached = value;
-      if (stayed < 0) at_low *= 0.5;
-      stayed = -1;
-    }
-    if (high - low < 1e-9 * most) break;
+  const auto there = [&](double way, bool holds) -> Slipped {
+    return {from + way * direction, field.in_space(pull), holds};
+  };
+  if (at_high > 0) {
+    // The straight push alone is beyond the limit: the anchor creeps on, tick by tick.
+    high = length(from) + 0.02 * scale;
+    excess(high);
+    return there(high, false);
   }
-  return {from + high * direction};
+  if (at_high >= -close) return there(high, true);
+  // Chandrupatla's rule (Advances in Engineering Software 28, 1997): the parabola through the last three points, laid
+  // down, where it is sure to be monotonic between them, else halves.
+  double last = low, at_last = at_low, other = high, at_other = at_high;
+  for (int i = 0; i < 24 && std::fabs(last - other) > 1e-9 * most; ++i) {
+    const double xi = (last - other) / (third - other), phi = (at_last - at_other) / (at_third - at_other);
+    double share = 0.5;  // of the way from the last to the other
+    if (third == last) {
+      share = at_last / (at_last - at_other);
+    } else if (phi * phi < xi && (1 - phi) * (1 - phi) < 1 - xi) {
+      share = at_last / (at_other - at_last) * at_third / (at_other - at_third) +
+              (third - last) / (other - last) * at_last / (at_third - at_last) * at_other / (at_third - at_other);
+    }
+    const double next = last + share * (other - last), at_next = excess(next);
+    if ((at_next > 0) == (at_last > 0)) {
+      third = last;
+      at_third = at_last;
+    } else {
+      third = other;
+      at_third = at_other;
+      other = last;
+      at_other = at_last;
+    }
+    last = next;
+    at_last = at_next;
+    if (std::fabs(at_next) <= close) return there(next, true);
+  }
+  if (at_last > 0) excess(last = other);
+  return there(last, true);
 }
 
 }  // namespace palpate::runtime

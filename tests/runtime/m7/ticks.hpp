@@ -12,6 +12,9 @@ namespace palpate::test {
 
 enum class Hand : std::uint32_t {
   wandering,  ///< as a hand may
+  /// As fast as a hand goes: in and out again at up to 0.5 m/s (a thousand ticks a second), aslant by up to 60 degrees,
+  /// tilting by 5 rad/s meanwhile. It begins between two ticks and slides at once.
+  stabbing,
   /// Beyond any motion: at every tick another depth, from a millionth to half of the scale, and another tilt, up to 55
   /// degrees and mostly much less.
   leaping
@@ -44,6 +47,7 @@ public:
         random_(tool) {}
 
   runtime::Pose next() {
+    if (hand_ == Hand::stabbing) return stab();
     const runtime::Pose pose = wandering_.next();
     if (hand_ == Hand::wandering) return pose;
     const double most = halved(0.3, 7), x = tilt(most), y = tilt(most), z = tilt(most);  // tangents of half an angle
@@ -58,6 +62,22 @@ public:
 private:
   static constexpr double kTop = 0.015;  // m
 
+  /// Straight in, as deep as half of the scale or a little more, and back: a way that every stab draws anew.
+  runtime::Pose stab() {
+    if (stab_ticks_ == 0) {
+      stab_ticks_ = 40;
+      const runtime::Vec3 towards{2.5 * uniform() - 1.25, 2.5 * uniform() - 1.25, -1};
+      way_ = (2.5e-4 * (1 + uniform()) / length(towards)) * towards;
+      turning_ = {tilt(0.0025), tilt(0.0025), tilt(0.0025)};  // half an angle a tick
+      at_ = {0.005 * (2 * uniform() - 1), 0.005 * (2 * uniform() - 1), kTop + round_ + corners_ - 10 * way_.z};
+      turned_ = {tilt(0.2), tilt(0.2), tilt(0.2)};
+    }
+    const double goes = --stab_ticks_ >= 20 ? 1 : -1;
+    at_ = at_ + goes * way_;
+    turned_ = turned_ + goes * turning_;
+    return runtime::Pose::from_quaternion(1, turned_.x, turned_.y, turned_.z, at_);
+  }
+
   double uniform() {
     random_ = 1664525u * random_ + 1013904223u;
     return (random_ >> 8) / 16777216.0;
@@ -70,6 +90,8 @@ private:
   double scale_, round_, corners_;  ///< m
   Wandering wandering_;
   std::uint32_t random_;
+  int stab_ticks_ = 0;
+  runtime::Vec3 at_, way_, turned_, turning_;
 };
 
 /// `count(work)` does the work and says how many instructions it took; `lean(view, tool)` begins a ProgramTick or is
@@ -77,7 +99,7 @@ private:
 template <class Count, class Lean, class Keep>
 void tick_all(const runtime::View& view, const Count& count, const Lean& lean, const Keep& keep) {
   constexpr int kTicks = 1000, kSearchEvery = 20;
-  for (std::uint32_t run = 0; run < 2 * view.meta->tool_count; ++run) {
+  for (std::uint32_t run = 0; run < 3 * view.meta->tool_count; ++run) {
     const auto hand = static_cast<Hand>(run / view.meta->tool_count);
     const std::uint32_t tool = run % view.meta->tool_count;
     Motion motion(view, tool, hand);
