@@ -4,6 +4,7 @@
 #include "tools/blas.hpp"
 #include "tools/command.hpp"
 #include "tools/interrupt.hpp"
+#include "tools/memory.hpp"
 
 #include <csignal>
 #include <cstdio>
@@ -24,6 +25,7 @@ int report(ExitCode code, const char* message) {
 
 int main(int argc, char** argv) {
   palpate::cli::use_right_blas_kernels(argv);
+  palpate::cli::keep_freed_memory();
   // A file that outgrows its limit is an I/O error with a message, not a death by signal.
   std::signal(SIGXFSZ, SIG_IGN);
   try {
