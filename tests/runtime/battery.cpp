@@ -162,6 +162,11 @@ public:
     if (animation_) return animation_->contact.frame().rotate(animation_->contact.contact().field().normal());
     return contact().field().normal();
   }
+  /// Where friction holds the tool, in the world; of several contacts how far they crept.
+  [[nodiscard]] Vec3 anchor(const Tick& tick) const {
+    if (together_) return tick.body_point;
+    return animation_ ? animation_->contact.frame().apply(animation_->contact.contact().anchor()) : contact().anchor();
+  }
   /// J that the account of the contact took so far.
   [[nodiscard]] double lost() const { return animation_ ? animation_->contact.contact().lost() : contact().lost(); }
   /// How the surface at the last tick's c moved in this tick.
@@ -244,6 +249,7 @@ BatteryResult run_battery(const View& view, const BatteryCase& c) {
   loop.put(asked);
   Pose before = loop.in_world(asked);
   Tick last = loop.tick(before);
+  Vec3 anchor = loop.anchor(last);
   double before_that = 0;  // m moved in the tick before: where the body is animated, a part is told a tick late
   double work = 0, gross = 0, worst = 0, taken = 0, given = 0, lost = 0;
   const auto close = [&] {
@@ -307,13 +313,14 @@ BatteryResult run_battery(const View& view, const BatteryCase& c) {
       worst = std::max(worst, -work);
       if (tick.state == State::slide && last.state == State::slide && length(turn) < 1e-12 && !hand.lies() &&
           std::isfinite(tick.friction_limit)) {
-        const Vec3 over = tick.body_point - surface.apply(last.body_point);
+        const Vec3 over = loop.anchor(tick) - surface.apply(anchor);
         const double loss = -dot(tangential(0.5 * (last.force + tick.force), loop.normal()), over);
         (loss > 0 ? taken : given) += std::fabs(loss);
       }
       if (!touches(tick) && touches(last)) close();
     }
     last = tick;
+    anchor = loop.anchor(tick);
     before = pose;
   }
   r.drag = taken > 0 ? given / taken : 0;

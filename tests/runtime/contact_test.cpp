@@ -102,6 +102,39 @@ TEST(Contact, SidewaysItSticksThenSlidesAtTheLimit) {
   EXPECT_EQ(back.state, State::stick);
 }
 
+// A contact that went deeper aslant has left its anchor ahead of c. Where it begins to slide c takes that over as it goes,
+// not at once: the next place answers otherwise. In the end it slides as one that was pressed straight.
+TEST(Contact, BeginsToSlideWithoutAStep) {
+  for (const int coupled : {0, 2}) {
+    Options options;
+    options.coupled = coupled;
+    const Opened box(box_content(options));
+    for (int k = 0; k < 8; ++k) {
+      const double angle = 0.25 * k * std::numbers::pi, depth = 0.0035, step = 2.5e-6;
+      const Vec3 to{std::cos(angle), std::sin(angle), 0}, start{-0.0013, 0.0017, 0};
+      Contact contact(box.view, 0), straight(box.view, 0);
+      move(contact, centre(-0.0005) + start, centre(depth) + start + 0.0004 * to);
+      move(straight, centre(-0.0005) + start, centre(depth) + start);
+      Tick last = contact.tick(upright(centre(depth) + start + 0.0004 * to));
+      ASSERT_EQ(last.state, State::stick);
+      ASSERT_GT(length(last.force), 0.5);
+      int begun = 0;
+      move(contact, centre(depth) + start + 0.0004 * to, centre(depth) + start + 0.004 * to, step,
+           [&](const Pose&, const Tick& tick) {
+             begun += last.state == State::stick && tick.state == State::slide;
+             EXPECT_LT(distance(tick.force, last.force), 1500 * step) << "17 000 N/m with c taking it over at once";
+             EXPECT_LT(distance(tick.body_point, last.body_point), 6 * step);
+             last = tick;
+           });
+      EXPECT_GE(begun, 1);
+      move(straight, centre(depth) + start, centre(depth) + start + 0.004 * to, step, [](const Pose&, const Tick&) {});
+      const Tick plain = straight.tick(upright(centre(depth) + start + 0.004 * to));
+      EXPECT_LT(distance(plain.force, last.force), 5e-3 * length(plain.force));
+      EXPECT_LT(distance(plain.body_point, last.body_point), 1e-5);
+    }
+  }
+}
+
 TEST(Contact, SlidingLosesEnergy) {
   const Opened box(box_content(flat()));
   Contact contact(box.view, 0);

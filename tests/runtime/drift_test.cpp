@@ -128,7 +128,9 @@ TEST(Drift, WhereItReachesTheLimitTheContactCreepsThatWayOnly) {
   constexpr int kCycles = 10000;
   constexpr double kOnward = 1e-7;  // m a cycle
   of_all([](Drawn& drawn) {
-    // From a contact that slid: its c has taken over how far pressing moved its anchor.
+    // From a contact that slid so far that its c has taken over how far pressing moved its anchor.
+    for (int k = 0; k < 1000; ++k) drawn.contact.tick(drawn.at(drawn.middle += 1e-6));
+    drawn.middle -= 2e-4;
     const double amplitude = drawn.reaches(drawn.contact, drawn.middle, 1) - drawn.middle;
     const Vec3 start = drawn.contact.tick(drawn.at(drawn.middle + amplitude)).body_point;
     Vec3 c = start;

@@ -41,7 +41,7 @@ public:
     // grows with the root of the depth, as under a round tip.
     if (const Vec3 way = q - first.at; dot(way, way) > 0) depth_ *= 4.0 / 9;
     if (depth_ > 0) {
-      begins_ = true;
+      begins_ = kFriction && view_->has(layout::feature_friction);
       const Tick first_tick = tick(pose, q);
       begins_ = false;
       return first_tick;

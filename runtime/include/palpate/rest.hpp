@@ -42,6 +42,7 @@ public:
     tool_point_ = touch.tool_point;
     subtracted_ = first.already;
     anchored_ = rolled_ = {};
+    held_up_ = false;
     if (profile_) {
       along_ = round_ = 0;
       axis_ = pose.rotate(kAxes[0]);
@@ -54,6 +55,8 @@ public:
   [[nodiscard]] const BasicField<kFeatures>& field() const { return field_; }
   [[nodiscard]] const BodyPoint& at() const { return at_; }
   [[nodiscard]] const Vec3& c() const { return c_; }
+  /// m, from where on the sideways deflection counts: not across n(c) exactly.
+  [[nodiscard]] Vec3 anchor() const { return c_ + offset_ + anchored_; }
   [[nodiscard]] const ToolPoint& on_tool() const { return tool_point_; }
   /// m, from p to the skin.
   [[nodiscard]] double probe() const { return probe_; }
@@ -90,7 +93,7 @@ public:
   /// would drop the force at once, so the contact lets go as the tool moves. `served`: see hand_over().
   bool follow(const Pose& pose, const Vec3& q, const Vec3& sideways, double force, double moved,
               const Search* served = nullptr) {
-    anchored_ = rolled_ = {};
+    take_over(held_up_ ? HUGE_VAL : moved);
     const Projection found = foot(q, sideways);
     if (found.residual > 0.1 * size() && hand_over(pose, q, force, served)) return true;
     const double before = deflection(q).depth, there = overlap(found, q);
@@ -103,7 +106,10 @@ public:
       subtract(moved);
     }
     // What c could not follow, as at a corner, the anchor does: the force would turn round at once.
-    if (!goes || !found.converged) anchored_ = deflection(q).sideways - tangential(sideways, field_.normal());
+    held_up_ = !goes || !found.converged;
+    if (held_up_) {
+      anchored_ = anchored_ + deflection(q).sideways - tangential(sideways, field_.normal());
+    }
     return goes;
   }
 
@@ -187,6 +193,15 @@ public:
   }
 
 private:
+  /// What the anchor went ahead of c, c takes over when it slides: no faster than the tool moves, by `moved` (m) in this
+  /// tick, for another place at once would answer with a step. What the tool turned meanwhile slipped.
+  void take_over(double moved) {
+    anchored_ = anchored_ - rolled_;
+    const double left = length(anchored_) - moved - length(rolled_);
+    anchored_ = left > 0 ? (left / length(anchored_)) * anchored_ : Vec3{};
+    rolled_ = {};
+  }
+
   /// Where c rests when the tool at q is to be deflected by `sideways` from the anchor.
   [[nodiscard]] Projection foot(const Vec3& q, const Vec3& sideways) const {
     return project(*view_, at_, q - offset_ - anchored_ - sideways);
@@ -280,7 +295,7 @@ private:
     const double there = overlap(found, q);
     if (!found.converged || found.at.triangle == at_.triangle || !(there > 0)) return false;
     place(found, pose);
-    offset_ = {};
+    offset_ = anchored_ = {};
     subtracted_ = 0;
     if (field_.at_depth(there).normal_force > force) {
       double low = 0, high = there;
@@ -314,6 +329,7 @@ private:
   double subtracted_ = 0;         ///< m, from the depth
   Vec3 offset_;                   ///< m, across n(c), from c to p at first sight
   Vec3 anchored_;                 ///< m, how far the anchor has gone from c (c takes it over when it slides)
+  bool held_up_ = false;          ///< by what c could not follow when it slid last
   Vec3 rolled_;                   ///< m, the part of it that c goes on by once it is large enough to matter
   Vec3 normal_in_tool_;           ///< n(c) when the tool last turned, in its frame
   Vec3 turned_from_;              ///< and by the pose of that tick in the body's

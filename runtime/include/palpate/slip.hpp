@@ -47,11 +47,11 @@ template <class AnyField>
   double low = 0, at_low = dot(force, direction) - limit;
   // A line from no force at no deflection falls short of the root, as forces rise less and less; it is near enough to tell
   // how far that is: a little more brackets it, else the step doubles.
-  const double least = 1e-9 * scale, guess = length(from) * at_low / dot(force, direction);
-  double high = guess > least ? (guess < most ? guess : most) : least;
+  const double guess = length(from) * at_low / dot(force, direction);
+  double high = guess > 1e-9 * scale ? (guess < most ? guess : most) : 1e-3 * scale;
   double at_high = excess(high), third = low, at_third = at_low;
-  if (const double drop = at_low - at_high; at_high > 0 && drop > 0) {
-    const double beyond = high + 1.0001 * high * at_high / drop;
+  if (at_high > 0) {
+    const double drop = at_low - at_high, beyond = drop > 0 ? high + 1.0001 * high * at_high / drop : most;
     low = high;
     at_low = at_high;
     high = beyond < most ? beyond : most;
