@@ -48,26 +48,27 @@ TEST(Latest, IsNeverTornBetweenThreads) {
   struct Value {
     int parts[40] = {};
   };
-  constexpr int kLast = 20000;
+  constexpr int kFar = 20000, kOften = 1000;
   Latest<Value> box;
+  std::atomic<bool> enough{false};  // on a busy machine either thread may run alone for long
   std::thread writer([&] {
     Value value;
-    for (int i = 1; i <= kLast; ++i) {
+    for (int i = 1; !enough; ++i) {
       for (int& part : value.parts) part = i;
       box.write(value);
     }
   });
   int before = 0, reads = 0;
-  while (before < kLast) {
+  while (before < kFar || reads < kOften) {
     Value value;
     if (!box.read(value)) continue;
     ++reads;
-    ASSERT_GT(value.parts[0], before);
-    for (const int part : value.parts) ASSERT_EQ(part, value.parts[0]);
+    EXPECT_GT(value.parts[0], before);
+    for (const int part : value.parts) EXPECT_EQ(part, value.parts[0]);
     before = value.parts[0];
   }
+  enough = true;
   writer.join();
-  EXPECT_GT(reads, 1);
 }
 
 // A search of every tick is the contact that searches for itself.
