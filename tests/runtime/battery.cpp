@@ -313,8 +313,8 @@ BatteryResult run_battery(const View& view, const BatteryCase& c) {
       worst = std::max(worst, -work);
       if (tick.state == State::slide && last.state == State::slide && length(turn) < 1e-12 && !hand.lies() &&
           std::isfinite(tick.friction_limit)) {
-        // What slips are both c and the anchor: c alone takes over what the anchor went ahead while the tool went deeper;
-        // the anchor alone goes on where c cannot follow, as at a corner.
+        // What slips are both c and the anchor: c alone takes over what the anchor went ahead while the tool went
+        // deeper; the anchor alone goes on where c cannot follow, as at a corner.
         const Vec3 bears = tangential(0.5 * (last.force + tick.force), loop.normal());
         const double loss = std::max(-dot(bears, tick.body_point - surface.apply(last.body_point)),
                                      -dot(bears, loop.anchor(tick) - surface.apply(anchor)));

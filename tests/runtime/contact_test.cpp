@@ -102,8 +102,8 @@ TEST(Contact, SidewaysItSticksThenSlidesAtTheLimit) {
   EXPECT_EQ(back.state, State::stick);
 }
 
-// A contact that went deeper aslant has left its anchor ahead of c. Where it begins to slide c takes that over as it goes,
-// not at once: the next place answers otherwise. In the end it slides as one that was pressed straight.
+// A contact that went deeper aslant has left its anchor ahead of c. Where it begins to slide c takes that over as it
+// goes, not at once: the next place answers otherwise. In the end it slides as one that was pressed straight.
 TEST(Contact, BeginsToSlideWithoutAStep) {
   for (const int coupled : {0, 2}) {
     Options options;

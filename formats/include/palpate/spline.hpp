@@ -105,9 +105,7 @@ inline int interval_onwards(int count, double t) {
 }
 
 /// The first of the four coefficients that take part on such an interval.
-inline int first_on(int count, int interval) {
-  return interval < 0 ? 0 : interval < count - 3 ? interval : count - 4;
-}
+inline int first_on(int count, int interval) { return interval < 0 ? 0 : interval < count - 3 ? interval : count - 4; }
 
 /// What a spline is on one knot interval, by powers of the share of the interval.
 struct Cubic {

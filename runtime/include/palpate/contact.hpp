@@ -57,7 +57,8 @@ public:
   }
 
   [[nodiscard]] const BasicField<kFeatures>& field() const { return hold_.rest().field(); }
-  /// m, body frame, of a contact: what rests on the body sideways. Friction works where it goes on, while c may lag behind.
+  /// m, body frame, of a contact: what rests on the body sideways. Friction works where it goes on, while c may lag
+  /// behind.
   [[nodiscard]] Vec3 anchor() const { return hold_.rest().anchor(); }
   /// m, of a contact: a tool that leaps farther in a tick was put elsewhere, and begins anew without force.
   [[nodiscard]] double size() const { return hold_.rest().size(); }

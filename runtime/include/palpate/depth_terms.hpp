@@ -11,8 +11,8 @@ namespace palpate::runtime {
 /// Of a contact (rim.hpp).
 enum class Part : int { core = 0, rim = 1 };
 
-/// Layers of a separable law (sideways_curves.hpp): the vertices of a tool's patch; of a tool with spins, two samples of
-/// each and what is not sure.
+/// Layers of a separable law (sideways_curves.hpp): the vertices of a tool's patch; of a tool with spins, two samples
+/// of each and what is not sure.
 inline constexpr int kLayersUnspun = 3, kMostLayers = 9;
 
 /// What depends on the depth alone; valid for the field that made it.

@@ -236,10 +236,10 @@ private:
     field().set_depth(d.depth, terms);
   }
 
-  /// Moves c over the surface until the core's sideways deflection is as `wanted`; the rim's anchor stays where it is. In
-  /// this tick the tool went `way` (m); `before` is the sideways force (N) where c is.
-  Tick slide(const Pose& pose, Deflection d, const Slipped& wanted, DepthTerms& terms, const Vec3& way, const Vec3& before,
-             const Search* served) {
+  /// Moves c over the surface until the core's sideways deflection is as `wanted`; the rim's anchor stays where it is.
+  /// In this tick the tool went `way` (m); `before` is the sideways force (N) where c is.
+  Tick slide(const Pose& pose, Deflection d, const Slipped& wanted, DepthTerms& terms, const Vec3& way,
+             const Vec3& before, const Search* served) {
     Vec3 pull;
     slides_ = true;
     const Vec3 rim = rim_deflection(d);

@@ -193,8 +193,8 @@ public:
   }
 
 private:
-  /// What the anchor went ahead of c, c takes over when it slides: no faster than the tool moves, by `moved` (m) in this
-  /// tick, for another place at once would answer with a step. What the tool turned meanwhile slipped.
+  /// What the anchor went ahead of c, c takes over when it slides: no faster than the tool moves, by `moved` (m) in
+  /// this tick, for another place at once would answer with a step. What the tool turned meanwhile slipped.
   void take_over(double moved) {
     anchored_ = anchored_ - rolled_;
     const double left = length(anchored_) - moved - length(rolled_);

@@ -168,7 +168,8 @@ public:
   }
 
   /// Sideways force (N) at terms of a positive depth and a deflection (m), both in the basis, without that of the
-  /// straight push. Of the contact's core, or its rim where there is one: what was asked for last is remembered for each.
+  /// straight push. Of the contact's core, or its rim where there is one: what was asked for last is remembered for
+  /// each.
   [[nodiscard]] PALPATE_TICK_INLINE coupled::Vec2 sideways(const DepthTerms& terms, const coupled::Vec2& deflection,
                                                            Part part) const {
     if constexpr (kFriction) {
@@ -318,8 +319,8 @@ private:
   Lanes<kCurves> depth_intervals_ = {};
   detail::If<kFriction, double> growth_intervals_ = {};
   detail::If<kFriction, Curves> curves_;
-  // What not every tick reads. Of the push: the blended coefficients of which the first so many are known, and four from
-  // one on (-1: none); for its work, of one interval (-1: none), the moment up to there and the cubic.
+  // What not every tick reads. Of the push: the blended coefficients of which the first so many are known, and four
+  // from one on (-1: none); for its work, of one interval (-1: none), the moment up to there and the cubic.
   mutable int push_known_ = 0, push_four_ = -1, pushed_interval_ = -1;
   mutable double push_[layout::kMaxCoefs] = {};
   mutable double pushed_before_ = 0;

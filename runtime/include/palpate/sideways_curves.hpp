@@ -9,10 +9,10 @@
 namespace palpate::runtime {
 
 /// Sideways forces g(z) phi(r) of responses, each in its body vertex' frame, in layers of three: a vertex of the tool,
-/// or a spin of it, at each site of the patch. All that a tick asks for is computed for the six curves of a layer at once
-/// (first x and y of the first site, then of the second, ...), so that compilers use vectors; r, which is the site's,
-/// for all layers. What was asked for last is remembered for kParts deflections, each for itself: those of a contact's
-/// core and rim (rim.hpp). Not for several threads at once.
+/// or a spin of it, at each site of the patch. All that a tick asks for is computed for the six curves of a layer at
+/// once (first x and y of the first site, then of the second, ...), so that compilers use vectors; r, which is the
+/// site's, for all layers. What was asked for last is remembered for kParts deflections, each for itself: those of a
+/// contact's core and rim (rim.hpp). Not for several threads at once.
 template <int kParts, int kLayers>
 class SidewaysCurves {
 public:
@@ -97,7 +97,8 @@ public:
   }
 
 private:
-  /// The layers that are there without spins, one by one: of a loop compilers would put two beside each other and take what is left number by number.
+  /// The layers that are there without spins, one by one: of a loop compilers would put two beside each other and take
+  /// what is left number by number.
   template <class Each>
   PALPATE_TICK_INLINE void each_layer(const Each& each) const {
     each(0);
@@ -126,8 +127,8 @@ private:
     }
   }
 
-  /// Shares of the intervals of phi on which a deflection lies, of a layer or of all that lie as the first; they are taken
-  /// where they are others.
+  /// Shares of the intervals of phi on which a deflection lies, of a layer or of all that lie as the first; they are
+  /// taken where they are others.
   PALPATE_TICK_INLINE void find(int part, int layer, double x, double y, Lanes& share) const {
     const Pieces<kLanes>& phi = layer_[layer].phi[part];
     Lanes t;

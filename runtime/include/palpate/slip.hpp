@@ -45,8 +45,8 @@ template <class AnyField>
   };
   const double most = length(from) + 2 * scale;
   double low = 0, at_low = dot(force, direction) - limit;
-  // A line from no force at no deflection falls short of the root, as forces rise less and less; it is near enough to tell
-  // how far that is: a little more brackets it, else the step doubles.
+  // A line from no force at no deflection falls short of the root, as forces rise less and less; it is near enough to
+  // tell how far that is: a little more brackets it, else the step doubles.
   const double guess = length(from) * at_low / dot(force, direction);
   double high = guess > 1e-9 * scale ? (guess < most ? guess : most) : 1e-3 * scale;
   double at_high = excess(high), third = low, at_third = at_low;

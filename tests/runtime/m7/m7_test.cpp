@@ -122,14 +122,15 @@ TEST(CortexM7, GivesTheForcesOfTheHostInSoManyInstructions) {
     EXPECT_LE(stabbing, opened.view.spins == nullptr ? kMostInstructions : kMostOfSpinsInAStab);
     EXPECT_GT(leaps, 250);
     EXPECT_LE(leaping, most_leaping(opened.view));
-    // What a program leaves out of itself it saves something of in every tick with a force, but where rounding has a slip
-    // look at one deflection more.
+    // What a program leaves out of itself it saves something of in every tick with a force, but where rounding has a
+    // slip look at one deflection more.
     EXPECT_GT(lean, 0u);
     EXPECT_LE(dearer, touching.size() / 1000);
     EXPECT_LT(static_cast<double>(lean), (opened.view.features == 0 ? 0.85 : 0.98) * static_cast<double>(all));
     std::nth_element(touching.begin(), touching.begin() + touching.size() / 2, touching.end());
     std::printf(
-        "%-18s %5u instructions a touching tick, at most %6u, stabbing %6u, leaping %6u; a search %6u; both in one %6u; "
+        "%-18s %5u instructions a touching tick, at most %6u, stabbing %6u, leaping %6u; a search %6u; both in one "
+        "%6u; "
         "lean %.3f of it\n",
         name, touching[touching.size() / 2], longest.tick, stabbing, leaping, longest.search, longest.alone,
         static_cast<double>(lean) / static_cast<double>(all));
