@@ -219,16 +219,6 @@ inline double value(const Scalar* coefs, int count, double u) {
   return combine(basis(count, u), coefs);
 }
 
-/// Derivative with respect to u at the ends: only the two outermost coefficients take part.
-template <class Scalar>
-inline double slope_at_0(const Scalar* coefs, int count) {
-  return 3.0 * (count - 3) * (static_cast<double>(coefs[1]) - coefs[0]);
-}
-template <class Scalar>
-inline double slope_at_1(const Scalar* coefs, int count) {
-  return 3.0 * (count - 3) * (static_cast<double>(coefs[count - 1]) - coefs[count - 2]);
-}
-
 /// Abscissa of coefficient `index` (Greville): the spline with these coefficients reproduces u itself.
 inline double greville(int count, int index) {
   const int intervals = count - 3;

@@ -256,7 +256,7 @@ private:
     return to.load.energy - from.load.energy - 0.5 * step * (from.load.power + to.load.power);
   }
 
-  /// Moves the anchor on until none is, along the mean of T, which errs by the step's square only.
+  /// Moves the anchor on until next to none is, along the mean of T, which errs by the step's square only.
   void give_way(const AtDepth& d, double step, const Anchor& from, Anchor& to, double lean) const {
     for (int round = 0; round < 2; ++round) {
       const double lacks = missing(step, from, to), size = dot(to.load.force, to.load.force);

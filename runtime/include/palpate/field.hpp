@@ -2,6 +2,7 @@
 // The local force field of one pair (c, p): responses blended once, then evaluated for any deflection.
 #pragma once
 
+#include "palpate/brought.hpp"
 #include "palpate/separable.hpp"
 #include "palpate/site_laws.hpp"
 #include "palpate/spin.hpp"
@@ -218,24 +219,11 @@ private:
     ToolCorners corners;
   };
 
-  /// The responses are far apart in a large file: they come together, and while the normal is made. Those that were
-  /// blended last are there.
+  /// Has the responses brought, while the normal is made.
   void fetch(const View& view, const Shares& shares) {
-    if constexpr (!detail::kSmall) {
-      bool again = view.responses == last_.responses && shares.corners == last_.corners;
-      for (int k = 0; k < 3; ++k) again = again && shares.sites[k] == last_.sites[k];
-      if constexpr (kBySite) {
-        if (view.coupled) by_site_ = site_laws_.choose(view, shares.sites, shares.corners, again);
-      }
-      if (again) return;
-      last_.responses = view.responses;
-      last_.corners = shares.corners;
-      for (int k = 0; k < 3; ++k) {
-        const std::uint32_t site = last_.sites[k] = shares.sites[k];
-        for (int l = 0; l < shares.corners.count; ++l) {
-          view.fetch(layout::response_index(*view.meta, site, shares.corners.vertex[l]));
-        }
-      }
+    [[maybe_unused]] const bool again = brought_.again(view, shares.sites, shares.corners);
+    if constexpr (kBySite) {
+      if (view.coupled) by_site_ = site_laws_.choose(view, shares.sites, shares.corners, again);
     }
   }
 
@@ -254,9 +242,7 @@ private:
         add<false>(sum, index, shares.site_weight[k] * shares.corners.weight[l], axis[k]);
       }
     }
-    if constexpr (kCoupled) {
-      if (is_coupled()) law_.set(sum, view.meta->depth_scale, view.meta->sideways_scale);
-    }
+    end_sum(sum);
   }
 
   /// Of a coupled file, by what the sites are known to answer at this point of the tool.
@@ -287,9 +273,7 @@ private:
         add<true>(sum, index, shares.site_weight[k] * shares.corners.weight[l] * share, x);
       });
     }
-    if constexpr (kCoupled) {
-      if (is_coupled()) law_.set(sum, view.meta->depth_scale, view.meta->sideways_scale);
-    }
+    end_sum(sum);
   }
 
   /// Forgets all responses.
@@ -361,6 +345,11 @@ private:
     }
     return sum;
   }
+  void end_sum([[maybe_unused]] const Sum& sum) {
+    if constexpr (kCoupled) {
+      if (is_coupled()) law_.set(sum, view_->meta->depth_scale, view_->meta->sideways_scale);
+    }
+  }
 
   /// kSpun: one of up to three spins of a tool vertex at a site, each with an x axis of its own.
   template <bool kSpun>
@@ -378,13 +367,6 @@ private:
     separable_.template add<kSpun>(*view_, index, weight, x);
   }
 
-  /// What was blended last.
-  struct Last {
-    const unsigned char* responses = nullptr;
-    std::uint32_t sites[3] = {};
-    ToolCorners corners;
-  };
-
   struct Known {
     double depth = 0;  ///< m; none where it is 0
     coupled::AtDepth terms{};
@@ -401,7 +383,7 @@ private:
   detail::If<kCoupled, coupled::Law> law_;
   detail::If<kBySite, SiteLaws> site_laws_;
   detail::If<kBySite, bool> by_site_ = {};
-  detail::If<!detail::kSmall, Last> last_;
+  Brought<!detail::kSmall> brought_;
   detail::If<kSpin, SpinStep> spin_step_;
   mutable detail::If<kCoupled, Known> known_;  ///< what deepened() will ask for
 };

@@ -23,15 +23,10 @@ void for_each_share(const View& view, std::uint32_t tool, const BodyPoint& body_
   SpinStep step;
   const SpunSites spun(view, view.tools[tool], spin, normal, basis_x, basis_y, axis, step);
   for (int l = 0; l < corners.count; ++l) {
-    const auto use_sample = [&](int k, std::uint32_t sample, double share, const Across& x) {
+    spun.for_each(corners.vertex[l], [&](int k, std::uint32_t sample, double share, const Across& x) {
       const double all = sites[k] * corners.weight[l] * share;
       if (all > 0) use(layout::response_index(*view.meta, site[k], corners.vertex[l]) + sample, all, x.cosine, x.sine);
-    };
-    if (view.spins != nullptr) {
-      spun.for_each(corners.vertex[l], use_sample);
-    } else {
-      for (int k = 0; k < 3; ++k) use_sample(k, 0, 1, axis[k]);
-    }
+    });
   }
 }
 

@@ -165,6 +165,13 @@ private:
   }
   [[nodiscard]] Vec3 rim_deflection(const Deflection& d) const { return rim_.deflection(d.sideways, field().normal()); }
 
+  /// Moves the core's anchor so that this much of its sideways deflection is left; the rim's stays where it is.
+  void leave_core(Deflection& d, const Vec3& kept) {
+    const Vec3 rim = rim_deflection(d);
+    rest_.leave(d, kept);
+    rim_.leave(d.sideways, rim);
+  }
+
   /// The core's sideways deflection at which friction holds, where its `pull` (N) is more than it does.
   [[nodiscard]] Slipped slipped(const Deflection& d, const DepthTerms& terms, const Vec3& pull, bool at_once) const {
     Slips what = slips(Part::core, terms);
@@ -242,19 +249,18 @@ private:
              const Vec3& before, const Search* served) {
     Vec3 pull;
     slides_ = true;
-    const Vec3 rim = rim_deflection(d);
     // c rests while the tool moves along n(c): 0.1 nm on a contact of 10 mm.
     const bool rests = !(length(d.sideways - wanted.deflection) > 1e-8 * rest_.size()) &&
                        !(rest_.lies_in_place(pose) && rest_.lies_otherwise(pose));
     if (begins_) {
       // Where c was placed in this tick nothing is blended twice for it: the anchor goes on alone.
-      rest_.leave(d, wanted.deflection);
-      rim_.leave(d.sideways, rim);
+      leave_core(d, wanted.deflection);
     }
     if (begins_ || rests) {
       pull = at_rest(wanted.force, d, terms);
     } else {
       const double held = stored(terms, d), strained = sideways_strain(terms, d, before);
+      const Vec3 rim = rim_deflection(d);
       const bool went = rest_.follow(pose, last_, wanted.deflection, terms.normal_force, length(way), served);
       d = rest_.deflection(last_);
       if (!(d.depth > 0)) return release(d);
@@ -287,10 +293,8 @@ private:
     if constexpr (kFriction) {
       const double most = rim_.core_limit() * terms.limit * (went ? 1.001 : 1 + 1e-9);
       for (int turn = 0; turn < kMostSlips && length(core) > most; ++turn) {  // once, but after a leap
-        const Vec3 rim = rim_deflection(d);
         const Slipped to = slipped(d, terms, core, true);
-        rest_.leave(d, to.deflection);
-        rim_.leave(d.sideways, rim);
+        leave_core(d, to.deflection);
         core = to.force;
       }
     }

@@ -146,7 +146,7 @@ private:
       const int interval = spline::interval_onwards(sideways_count_, t[k]);
       if (layer_[layer].phi[part].interval(k) == interval) return;
       for (int j = layer; j < end; ++j) {
-        layer_[j].phi[part].take(k, phi_coefs(j, k), sideways_count_, interval);
+        layer_[j].phi[part].set(k, spline::cubic(phi_coefs(j, k), sideways_count_, interval), interval);
       }
     });
   }

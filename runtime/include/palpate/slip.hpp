@@ -50,19 +50,14 @@ template <class AnyField>
   const double guess = length(from) * at_low / dot(force, direction);
   double high = guess > 1e-9 * scale ? (guess < most ? guess : most) : 1e-3 * scale;
   double at_high = excess(high), third = low, at_third = at_low;
-  if (at_high > 0) {
-    const double drop = at_low - at_high, beyond = drop > 0 ? high + 1.0001 * high * at_high / drop : most;
-    low = high;
-    at_low = at_high;
-    high = beyond < most ? beyond : most;
-    at_high = excess(high);
-  }
-  while (at_high > 0 && high < most) {
+  for (bool first = true; at_high > 0 && high < most; first = false) {
+    const double drop = at_low - at_high, root = drop > 0 ? high + 1.0001 * high * at_high / drop : most;
+    const double next = first ? root : 2 * high;
     third = low;
     at_third = at_low;
     low = high;
     at_low = at_high;
-    high *= 2;
+    high = next < most ? next : most;
     at_high = excess(high);
   }
   const auto there = [&](double way, bool holds) -> Slipped {

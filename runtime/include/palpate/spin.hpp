@@ -18,12 +18,6 @@ struct Spin {
   double sure_per_sine = HUGE_VAL;
 };
 
-/// How a vertex of a tool lies at a contact.
-struct LaidVertex {
-  Across tangent;   ///< that of its first spin
-  double sure = 1;  ///< [0, 1], falls to 0 where that direction is lost
-};
-
 /// From one of so many spins, evenly round, to the next: remembered, for all vertices of a tool mostly have as many.
 class SpinStep {
 public:
@@ -40,9 +34,9 @@ private:
   Across step_;
 };
 
-/// What the vertices of a tool answer at the sites of a contact's patch, of a view with spins: the samples on either
-/// side of the spin, by hats, each turned on until its tangent lies where the tool's does: what the tool brings along
-/// turns with it. What is not sure is left to the first sample as it was baked.
+/// What the vertices of a tool answer at the sites of a contact's patch: the samples on either side of the spin, by
+/// hats, each turned on until its tangent lies where the tool's does: what the tool brings along turns with it. What is
+/// not sure is left to the first sample as it was baked, and so is all of a view without spins.
 class SpunSites {
 public:
   /// `x` and `y` span what lies across n(c); `axis`: in it, the x axes of the sites' frames, carried to c.
@@ -50,7 +44,7 @@ public:
             const Vec3& y, const Across (&axis)[3], SpinStep& step)
       : view_(view), tool_(tool), spin_(spin), n_(n), x_(x), y_(y), step_(step) {
     for (int k = 0; k < 3; ++k) axis_[k] = axis[k];
-    if (spin.pose == nullptr) return;
+    if (spin.pose == nullptr || view.spins == nullptr) return;
     for (int k = 0; k < 3; ++k) angle_[k] = std::atan2(axis[k].sine, axis[k].cosine);
   }
 
@@ -59,13 +53,13 @@ public:
   /// layers as the tool turns, and none else.
   template <class Use>
   void for_each(std::uint32_t vertex, const Use& use) const {
-    const std::uint32_t spins = view_.spins[vertex];
+    const std::uint32_t spins = view_.spins != nullptr ? view_.spins[vertex] : 1;
     if (spins == 1 || spin_.pose == nullptr) {
       const std::uint32_t sample = spin_.sample < spins ? spin_.sample : 0u;
       for (int k = 0; k < 3; ++k) use(k, sample, 1.0, axis_[k]);
       return;
     }
-    const LaidVertex laid = lie(vertex);
+    const Laid laid = lie(vertex);
     const double angle = std::atan2(laid.tangent.sine, laid.tangent.cosine);
     const Across& step = step_.of(spins);
     std::uint32_t below[3];
@@ -91,6 +85,12 @@ public:
   }
 
 private:
+  /// How a vertex lies at the contact.
+  struct Laid {
+    Across tangent;   ///< that of its first spin
+    double sure = 1;  ///< [0, 1], falls to 0 where that direction is lost
+  };
+
   [[nodiscard]] static Across back_by(const Across& a, const Across& by) {
     return {a.cosine * by.cosine + a.sine * by.sine, a.sine * by.cosine - a.cosine * by.sine};
   }
@@ -107,7 +107,7 @@ private:
   /// into the body, and where the stem that is to lie on the body stands upright, or a tip that lags behind. Of a mesh
   /// it is carried from the vertex' own normal to the contact's by the smallest rotation; it is lost where these are
   /// opposed.
-  [[nodiscard]] LaidVertex lie(std::uint32_t vertex) const {
+  [[nodiscard]] Laid lie(std::uint32_t vertex) const {
     const layout::ToolVertexRecord& record = view_.tool_vertices[vertex];
     const Pose& pose = *spin_.pose;
     Vec3 along = pose.rotate({0, 0, 1});
@@ -120,7 +120,7 @@ private:
       if (1 + cosine > 1e-9) along = along + (dot(along, n_) / (1 + cosine)) * (own - n_);
       per_sine = HUGE_VAL;
     }
-    LaidVertex laid;
+    Laid laid;
     const double a = dot(along, x_), b = dot(along, y_), size = std::sqrt(a * a + b * b);
     if (!(size > 0)) return {{}, 0};
     laid.tangent = {a / size, b / size};
