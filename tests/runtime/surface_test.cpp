@@ -48,6 +48,33 @@ TEST(Locate, SignedDistanceToABoxWithAndWithoutSearch) {
   }
 }
 
+TEST(Locate, FindsTheSameWhereverTheSearchBegins) {
+  for (const bool search : {false, true}) {
+    Options options;
+    options.search = search;
+    options.subdivision = 4;
+    const Opened ball(ball_content(options));
+    std::mt19937 random(4);
+    Location last;
+    for (int i = 0; i < 3000; ++i) {
+      Vec3 p = random_point(random, 0.05);
+      if (i % 3 == 0) p = last.point + 1e-3 * p;          // near the last
+      if (i % 9 == 0) p = last.point;                     // on the surface, but for rounding
+      if (i % 9 == 3) p = runtime::vertex(ball.view, i % ball.view.meta->vertex_count);  // where triangles tie
+      const Location found = locate(ball.view, p);
+      const runtime::BodyPoint anywhere{static_cast<std::uint32_t>(random() % ball.view.meta->triangle_count),
+                                        {0.2, 0.3, 0.5}};
+      for (const runtime::BodyPoint& near : {anywhere, last.at, found.at}) {
+        const Location same = locate(ball.view, p, near);
+        ASSERT_EQ(same.at.triangle, found.at.triangle) << i;
+        for (int k = 0; k < 3; ++k) ASSERT_EQ(same.at.bary[k], found.at.bary[k]) << i;
+        ASSERT_EQ(same.signed_distance, found.signed_distance) << i;
+      }
+      last = found;
+    }
+  }
+}
+
 TEST(Locate, SurvivesTrianglesWithoutArea) {
   ResponseFileContent content = box_content();
   // Pulls a vertex of the top's inside onto its neighbour: triangles between them shrink to lines.

@@ -233,5 +233,30 @@ TEST(SafeDistance, NeverSkipsAContact) {
   }
 }
 
+// Whatever the last search left out: past the body, into it, through it and out again.
+TEST(SafeDistance, NeverSkipsWhereAToolLeaps) {
+  const Opened ball(ball_content(with(Options::Tools::all)));
+  std::mt19937 random(23);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (std::uint32_t tool = 0; tool < 3; ++tool) {
+    Contact contact(ball.view, tool);
+    Vec3 at{0, 0, 1.4 * kBallRadius};
+    int touching = 0, deep = 0;
+    for (int k = 0; k < 8000; ++k) {
+      const Vec3 to = at + (0.08 * std::pow(10, -4 * unit(random))) * random_direction(random);
+      if (length(to) < 1.5 * kBallRadius) at = to;
+      const Pose pose = Pose::from_quaternion(1, 0.2 * std::sin(1e-3 * k), 0.2 * std::cos(2e-3 * k), 0, at);
+      const State state = contact.tick(pose).state;
+      touching += state == State::stick || state == State::slide ? 1 : 0;
+      deep += length(at) < 0.5 * kBallRadius ? 1 : 0;
+      if (state == State::free) {
+        ASSERT_GE(runtime::find_touch(ball.view, tool, pose).clearance, -2e-3) << tool << " " << k;
+      }
+    }
+    EXPECT_GT(touching, 400);
+    EXPECT_GT(deep, 30);
+  }
+}
+
 }  // namespace
 }  // namespace palpate

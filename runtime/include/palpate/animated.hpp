@@ -255,12 +255,13 @@ private:
       travelled_ = surface_->travel();
       const double share = surface_->share();
       const Shape& to = surface_->to();
-      search_.touch = find_touch<kFeatures>(to.view, tool_, tool);
+      search_.touch = find_touch<kFeatures>(to.view, tool_, tool, at_);
       // The surface is on its way to that shape, nowhere further from it than the rest of the way.
       safe_ = search_.touch.safe - (1 - share) * (to.travel - surface_->from().travel);
       go_to(search_.touch.body.at);
       if (!(safe_ > 0) && share < 1) {
-        search_.touch = find_touch<kFeatures>(to.view, tool_, motion_.at(1) * inverse(motion_.at(share)) * tool);
+        search_.touch = find_touch<kFeatures>(to.view, tool_, motion_.at(1) * inverse(motion_.at(share)) * tool,
+                                              at_);
         go_to(search_.touch.body.at);
       }
       search_.touch.body.point = position(surface_->baked(), at_);

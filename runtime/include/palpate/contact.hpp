@@ -124,8 +124,17 @@ private:
 
   Tick seek(const Pose& pose) {
     if (search_.touch.safe > 0 && motion_since_search(pose) < search_.touch.safe) return free(pose);
-    search_ = search<kFeatures>(*view_, tool_, pose);
+    search_ = {pose, touch_at(pose)};
     return search_.touch.clearance >= 0 ? free(pose) : meet(pose, was_free_);
+  }
+
+  [[nodiscard]] ToolTouch touch_at(const Pose& pose) const {
+    constexpr double kStretched = 1.002;  // a rotation is taken that is orthonormal to 1e-3 only
+    const ToolTouch& last = search_.touch;
+    // No point of the skeleton has moved as far as the body was from it.
+    const bool outside = last.safe > 0 && motion_since_search(pose) < probe_ + last.clearance;
+    return outside ? find_touch_ahead<kFeatures>(*view_, tool_, pose, last.body.at, probe_ + kStretched * reach_)
+                   : find_touch<kFeatures>(*view_, tool_, pose, last.body.at);
   }
 
   /// Begins a contact where the last search saw the body, if the tool overlaps it there. `clear`: a tick ago it did so
@@ -164,7 +173,7 @@ private:
     for (int i = 0; i < kLooks; ++i) {
       Pose between = pose;
       between.translation = 0.5 * (from + to);
-      const ToolTouch touch = find_touch<kFeatures>(*view_, tool_, between);
+      const ToolTouch touch = find_touch<kFeatures>(*view_, tool_, between, search_.touch.body.at);
       if (touch.clearance < 0) {
         search_.touch = touch;
         to = between.translation;

@@ -36,13 +36,6 @@ inline void nearest_on_edge(const Vec3& p, const Vec3& a, const Vec3& b, int i, 
   best.bary[j] = s;
 }
 
-/// How far beyond an edge, of this length squared, a point of this barycentric weight is: squared, over the triangle's
-/// doubled area squared; 0 where it is not.
-inline double beyond_edge(double weight, double edge) {
-  const double w = weight < 0 ? weight : 0;
-  return w * w / edge;
-}
-
 /// Nearest point of a triangle; a triangle of no area is its edges. May be none (`squared` infinite) where that is not
 /// nearer than the root of `most` (m^2).
 inline Nearest nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, double most = HUGE_VAL) {
@@ -51,20 +44,23 @@ inline Nearest nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, 
   const double area = dot(n, n), ab2 = dot(ab, ab), ac2 = dot(ac, ac), longest = ab2 + ac2;
   Nearest best{HUGE_VAL, {1, 0, 0}};
   if (area > 1e-20 * longest * longest) {
-    const double wb = dot(cross(ap, ac), n) / area, wc = dot(cross(ab, ap), n) / area;
-    const double height = dot(ap, n), wa = 1 - wb - wc;
-    if (wb >= 0 && wc >= 0 && wb + wc <= 1) {
-      return {height * height / area, {wa > 0 ? wa : 0, wb, wc}};  // wa may round below zero
+    // Barycentric weights and height, times the doubled area squared: what divides by it waits until it is wanted.
+    const double wb = dot(cross(ap, ac), n), wc = dot(cross(ab, ap), n), wa = area - wb - wc, height = dot(ap, n);
+    if (wb >= 0 && wc >= 0 && wb + wc <= area) {
+      return {height * height / area, {wa > 0 ? wa / area : 0, wb / area, wc / area}};  // wa may round below zero
     }
-    // Most triangles of a search are seen off here, before their edges: they are at least as far as the plane and, in
-    // it, as the line of an edge that p lies beyond. Only where rounding is far below the slack.
+    // Where rounding is far below the slack the nearest point is on an edge that p lies beyond. Most triangles of a
+    // search are seen off before that: they are at least as far as the plane and, in it, as the line of such an edge.
     constexpr double kSlack = 1e-9;
     if (area > 1e-8 * longest * longest) {
       const Vec3 bc = c - b;
-      const double past[3] = {beyond_edge(wa, dot(bc, bc)), beyond_edge(wb, ac2), beyond_edge(wc, ab2)};
-      double across = past[0] > past[1] ? past[0] : past[1];
-      across = past[2] > across ? past[2] : across;
-      if (height * height / area + across * area - kSlack * dot(ap, ap) >= most) return best;
+      const double across = (most + kSlack * dot(ap, ap)) * area - height * height;
+      const auto beyond = [&](double weight, double edge) { return weight < 0 && weight * weight >= across * edge; };
+      if (beyond(wa, dot(bc, bc)) || beyond(wb, ac2) || beyond(wc, ab2)) return best;
+      if (wc < 0) nearest_on_edge(p, a, b, 0, 1, best);
+      if (wa < 0) nearest_on_edge(p, b, c, 1, 2, best);
+      if (wb < 0) nearest_on_edge(p, c, a, 2, 0, best);
+      return best;
     }
   }
   nearest_on_edge(p, a, b, 0, 1, best);
@@ -193,11 +189,17 @@ inline bool locate_where(const View& view, const Vec3& p, const Counts& counts, 
 }
 
 /// Nearest point of the contact surface. Any finite point; the first triangle in file order wins a tie
-/// without a search section.
+/// without a search section. `near`: any point of the surface; the nearer it is, the shorter the search, which finds the
+/// same.
 template <std::uint32_t kFeatures = layout::feature_all>
-inline Location locate(const View& view, const Vec3& p) {
+inline Location locate(const View& view, const Vec3& p, const BodyPoint& near = {}) {
+  constexpr double kSlack = 1 + 1e-9;  // rounding decides as it does without a bound
+  const Vec3 gap = p - position(view, near);
   Location found;
-  locate_where<kFeatures>(view, p, detail::Anywhere{}, found);
+  // Where the point is all but on the surface, what rounding leaves may be more than the slack.
+  if (!locate_where<kFeatures>(view, p, detail::Anywhere{}, found, kSlack * dot(gap, gap))) {
+    locate_where<kFeatures>(view, p, detail::Anywhere{}, found);
+  }
   return found;
 }
 

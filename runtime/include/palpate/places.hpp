@@ -66,9 +66,7 @@ public:
     search.pose = places.pose;
     search.touch.clearance = search.touch.safe = HUGE_VAL;
     const layout::ToolRecord& record = view_->tools[tool_];
-    const bool mesh =
-        record.kind == static_cast<std::uint32_t>(layout::ToolKind::mesh) && view_->tool_patches != nullptr;
-    if ((kFeatures & layout::feature_tool_patches) != 0 && mesh) {
+    if (detail::has_probes<kFeatures>(*view_, tool_)) {
       for (std::uint32_t p = record.first_patch; p < record.first_patch + record.patch_count; ++p) {
         const auto& corner = view_->tool_patches[p].vertex;
         for (int i = 0; i < 3; ++i) {
@@ -106,7 +104,7 @@ private:
       if (!foot.converged || !near || !apart(foot.point) || foot.height > probe_ + reach) return;
       for (int k = 0; k < places.count; ++k) {
         const Vec3 middle = 0.5 * (places.at[static_cast<std::size_t>(k)] + foot.point);
-        if (locate<kFeatures>(*view_, middle).signed_distance < 0.05 * gap_) return;
+        if (locate<kFeatures>(*view_, middle, foot.at).signed_distance < 0.05 * gap_) return;
       }
       found.at = foot.at;
       found.point = foot.point;

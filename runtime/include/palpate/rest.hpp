@@ -290,7 +290,7 @@ private:
   /// half a contact's size away, says nothing.
   [[gnu::noinline]] bool hand_over(const Pose& pose, const Vec3& q, double force, const Search* served) {
     if (served && !(served->touch.clearance < HUGE_VAL && length(q - point(served->pose)) < 0.5 * size())) return false;
-    const Projection found = project(*view_, served ? served->touch.body.at : locate<kFeatures>(*view_, q).at, q);
+    const Projection found = project(*view_, served ? served->touch.body.at : locate<kFeatures>(*view_, q, at_).at, q);
     // Decided before anything changes: a contact that stays must not lose depth tick by tick.
     const double there = overlap(found, q);
     if (!found.converged || found.at.triangle == at_.triangle || !(there > 0)) return false;

@@ -45,23 +45,27 @@ namespace detail {
 
 /// Nearest point of the axis: a few samples, then alternating projections from the best of them. A point whose distance
 /// to one that is clear of the body is less than that one's is clear, too, and need only be searched for what is nearer
-/// than the best.
+/// than the best. `first`: nearest to the axis' first point.
 template <std::uint32_t kFeatures>
-inline ToolTouch touch_axis(const View& view, const layout::ToolRecord& tool, const Pose& pose) {
+inline ToolTouch touch_axis(const View& view, const layout::ToolRecord& tool, const Pose& pose, const Location& first) {
   constexpr int kSamples = 9, kRefinements = 12;
   constexpr double kStretched = 1.002;  // a rotation is taken that is orthonormal to 1e-3 only
   const double axis = tool.axis_length;
   ToolTouch best;
-  best.body = locate<kFeatures>(view, pose.translation);
+  best.body = first;
   double along = 0;
   const int samples = axis > 0 ? kSamples : 1;
   // True where the point at `at`, this far from one of this signed distance or more, is nearer than the best.
   const auto nearer = [&](double at, double way, double distance) {
     constexpr double kSlack = 1 + 1e-9;  // rounding decides as it does without a bound
     const double clear = distance - kStretched * way, least = best.body.signed_distance;
-    const double most = clear > 0 && least > 0 ? kSlack * least * least : HUGE_VAL;
+    const Vec3 q = pose.apply({0, 0, at});
     Location found;
-    if (!locate_where<kFeatures>(view, pose.apply({0, 0, at}), Anywhere{}, found, most)) return false;
+    if (clear > 0 && least > 0) {
+      if (!locate_where<kFeatures>(view, q, Anywhere{}, found, kSlack * least * least)) return false;
+    } else {
+      found = locate<kFeatures>(view, q, best.body.at);
+    }
     if (found.signed_distance >= least) return false;
     best.body = found;
     along = at;
@@ -93,9 +97,11 @@ inline ToolTouch touch_axis(const View& view, const layout::ToolRecord& tool, co
 /// distance changes no faster than the probe moves. Between the points nothing is seen: clearance and safe distance
 /// hold for them alone, and a body sharper than the grid is met late.
 template <std::uint32_t kFeatures>
-inline ToolTouch touch_probes(const View& view, const layout::ToolRecord& tool, const Pose& pose) {
+inline ToolTouch touch_probes(const View& view, const layout::ToolRecord& tool, const Pose& pose,
+                              const BodyPoint& near) {
   constexpr int kSteps = 4;
   ToolTouch best;
+  BodyPoint seen = near;
   best.body.signed_distance = HUGE_VAL;
   Vec3 last;
   double last_distance = -HUGE_VAL;
@@ -108,7 +114,8 @@ inline ToolTouch touch_probes(const View& view, const layout::ToolRecord& tool, 
         const double w[3] = {a / double{kSteps}, b / double{kSteps}, (kSteps - a - b) / double{kSteps}};
         const Vec3 anchor = w[0] * v[0] + w[1] * v[1] + w[2] * v[2];
         if (last_distance - length(anchor - last) >= best.body.signed_distance) continue;
-        const Location found = locate<kFeatures>(view, pose.apply(anchor));
+        const Location found = locate<kFeatures>(view, pose.apply(anchor), seen);
+        seen = found.at;
         last = anchor;
         last_distance = found.signed_distance;
         if (found.signed_distance >= best.body.signed_distance) continue;
@@ -123,17 +130,42 @@ inline ToolTouch touch_probes(const View& view, const layout::ToolRecord& tool, 
   return best;
 }
 
+template <std::uint32_t kFeatures>
+inline bool has_probes(const View& view, std::uint32_t tool) {
+  const bool mesh = view.tools[tool].kind == static_cast<std::uint32_t>(layout::ToolKind::mesh);
+  return (kFeatures & layout::feature_tool_patches) != 0 && mesh && view.tool_patches != nullptr;
+}
+
 }  // namespace detail
 
-/// The tool point that is nearest to the body, or deepest in it.
+/// The tool point that is nearest to the body, or deepest in it. `near` as in locate(): where the last search saw it.
 template <std::uint32_t kFeatures = layout::feature_all>
-inline ToolTouch find_touch(const View& view, std::uint32_t tool, const Pose& pose) {
+inline ToolTouch find_touch(const View& view, std::uint32_t tool, const Pose& pose, const BodyPoint& near = {}) {
   const layout::ToolRecord& record = view.tools[tool];
-  const bool probes = record.kind == static_cast<std::uint32_t>(layout::ToolKind::mesh) && view.tool_patches != nullptr;
-  if ((kFeatures & layout::feature_tool_patches) != 0 && probes) {
-    return detail::touch_probes<kFeatures>(view, record, pose);
+  if (detail::has_probes<kFeatures>(view, tool)) return detail::touch_probes<kFeatures>(view, record, pose, near);
+  return detail::touch_axis<kFeatures>(view, record, pose, locate<kFeatures>(view, pose.translation, near));
+}
+
+/// The same for one whose skeleton is known to be outside the body, and may be far from it. `radius` (m): of a ball
+/// about the tool's origin that holds its skin. Where nothing of the body is nearer to the ball than half as far as the
+/// point `near`, clearance and safe distance are that half, less than they might be, and nothing else is looked for:
+/// most of the way a free tool looks at a few boxes.
+template <std::uint32_t kFeatures = layout::feature_all>
+inline ToolTouch find_touch_ahead(const View& view, std::uint32_t tool, const Pose& pose, const BodyPoint& near,
+                                  double radius) {
+  const double gap = length(pose.translation - position(view, near)) - radius;
+  if (!(gap > 0)) return find_touch<kFeatures>(view, tool, pose, near);
+  const double within = radius + 0.5 * gap;
+  Location found;
+  if (!locate_where<kFeatures>(view, pose.translation, detail::Anywhere{}, found, within * within)) {
+    ToolTouch touch;
+    touch.body.at = near;
+    touch.clearance = touch.safe = 0.5 * gap;
+    return touch;
   }
-  return detail::touch_axis<kFeatures>(view, record, pose);
+  const layout::ToolRecord& record = view.tools[tool];
+  if (detail::has_probes<kFeatures>(view, tool)) return detail::touch_probes<kFeatures>(view, record, pose, found.at);
+  return detail::touch_axis<kFeatures>(view, record, pose, found);
 }
 
 /// What a search found, and where the tool was then.
