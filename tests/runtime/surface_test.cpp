@@ -58,8 +58,8 @@ TEST(Locate, FindsTheSameWhereverTheSearchBegins) {
     Location last;
     for (int i = 0; i < 3000; ++i) {
       Vec3 p = random_point(random, 0.05);
-      if (i % 3 == 0) p = last.point + 1e-3 * p;          // near the last
-      if (i % 9 == 0) p = last.point;                     // on the surface, but for rounding
+      if (i % 3 == 0) p = last.point + 1e-3 * p;  // near the last
+      if (i % 9 == 0) p = last.point;             // on the surface, but for rounding
       if (i % 9 == 3) p = runtime::vertex(ball.view, i % ball.view.meta->vertex_count);  // where triangles tie
       const Location found = locate(ball.view, p);
       const runtime::BodyPoint anywhere{static_cast<std::uint32_t>(random() % ball.view.meta->triangle_count),

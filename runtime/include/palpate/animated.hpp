@@ -260,8 +260,7 @@ private:
       safe_ = search_.touch.safe - (1 - share) * (to.travel - surface_->from().travel);
       go_to(search_.touch.body.at);
       if (!(safe_ > 0) && share < 1) {
-        search_.touch = find_touch<kFeatures>(to.view, tool_, motion_.at(1) * inverse(motion_.at(share)) * tool,
-                                              at_);
+        search_.touch = find_touch<kFeatures>(to.view, tool_, motion_.at(1) * inverse(motion_.at(share)) * tool, at_);
         go_to(search_.touch.body.at);
       }
       search_.touch.body.point = position(surface_->baked(), at_);

@@ -189,8 +189,8 @@ inline bool locate_where(const View& view, const Vec3& p, const Counts& counts, 
 }
 
 /// Nearest point of the contact surface. Any finite point; the first triangle in file order wins a tie
-/// without a search section. `near`: any point of the surface; the nearer it is, the shorter the search, which finds the
-/// same.
+/// without a search section. `near`: any point of the surface; the nearer it is, the shorter the search, which finds
+/// the same.
 template <std::uint32_t kFeatures = layout::feature_all>
 inline Location locate(const View& view, const Vec3& p, const BodyPoint& near = {}) {
   constexpr double kSlack = 1 + 1e-9;  // rounding decides as it does without a bound
