@@ -213,6 +213,57 @@ TEST(MeshTool, SeesContactFromAnySide) {
   }
 }
 
+// Points of the axis, or of the grids over a mesh tool's patches.
+std::vector<Vec3> skeleton(const runtime::View& view, const layout::ToolRecord& tool) {
+  std::vector<Vec3> points;
+  if (tool.kind != static_cast<std::uint32_t>(layout::ToolKind::mesh)) {
+    for (int k = 0; k <= 8; ++k) points.push_back({0, 0, 0.125 * k * static_cast<double>(tool.axis_length)});
+    return points;
+  }
+  for (std::uint32_t p = tool.first_patch; p < tool.first_patch + tool.patch_count; ++p) {
+    Vec3 corner[3];
+    for (int k = 0; k < 3; ++k) {
+      corner[k] = runtime::to_vec(view.tool_vertices[view.tool_patches[p].vertex[k]].point);
+    }
+    for (int a = 0; a <= 4; ++a) {
+      for (int b = 0; a + b <= 4; ++b) {
+        points.push_back(0.25 * (a * corner[0] + b * corner[1] + (4 - a - b) * corner[2]));
+      }
+    }
+  }
+  return points;
+}
+
+// Whatever is spared of the search: against every point of the skeleton searched for itself.
+TEST(FindTouch, IsTheNearestOfAllPoints) {
+  for (const bool tree : {false, true}) {
+    Options options = with(Options::Tools::all);
+    options.search = tree;
+    const Opened ball(ball_content(options));
+    std::mt19937 random(24);
+    std::uniform_real_distribution<double> unit(0, 1);
+    runtime::ToolTouch last;
+    for (std::uint32_t i = 0; i < 600; ++i) {
+      const layout::ToolRecord& tool = ball.view.tools[i % 3];
+      const Vec3 turn = random_direction(random);
+      const Pose pose =
+          Pose::from_quaternion(unit(random), turn.x, turn.y, turn.z, 0.1 * unit(random) * random_direction(random));
+      double least = 1;
+      for (const Vec3& point : skeleton(ball.view, tool)) {
+        least = std::fmin(least, runtime::locate(ball.view, pose.apply(point)).signed_distance);
+      }
+      least -= static_cast<double>(tool.probe_radius);
+      last = runtime::find_touch(ball.view, i % 3, pose, last.body.at);
+      ASSERT_LE(last.clearance, least + 1e-12) << i;
+      // A capsule's may lie between the samples.
+      if (i % 3 != 1) {
+        ASSERT_GE(last.clearance, least - 1e-12) << i;
+      }
+      ASSERT_NEAR(distance(pose.apply(last.anchor), last.body.point), std::fabs(last.body.signed_distance), 1e-12);
+    }
+  }
+}
+
 TEST(SafeDistance, NeverSkipsAContact) {
   const Opened ball(ball_content(with(Options::Tools::all)));
   std::mt19937 random(22);

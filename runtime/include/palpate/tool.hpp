@@ -2,7 +2,7 @@
 // Which point of a tool touches first: spheres and capsules by their axis, mesh tools by probe points.
 #pragma once
 
-#include "palpate/locate.hpp"
+#include "palpate/point_walk.hpp"
 
 #include <cmath>
 
@@ -43,88 +43,86 @@ inline double skeleton_motion(const Pose& from, const Pose& to, double radius) {
 
 namespace detail {
 
-/// Nearest point of the axis: a few samples, then alternating projections from the best of them. A point whose distance
-/// to one that is clear of the body is less than that one's is clear, too, and need only be searched for what is nearer
-/// than the best. `first`: nearest to the axis' first point.
+/// Nearest point of the axis: a few samples, then alternating projections from the best of them. `first`: nearest to
+/// the axis' first point.
 template <std::uint32_t kFeatures>
 inline ToolTouch touch_axis(const View& view, const layout::ToolRecord& tool, const Pose& pose, const Location& first) {
   constexpr int kSamples = 9, kRefinements = 12;
-  constexpr double kStretched = 1.002;  // a rotation is taken that is orthonormal to 1e-3 only
-  const double axis = tool.axis_length;
-  ToolTouch best;
-  best.body = first;
-  double along = 0;
+  const double axis = tool.axis_length, spacing = axis / (kSamples - 1);
   const int samples = axis > 0 ? kSamples : 1;
-  // True where the point at `at`, this far from one of this signed distance or more, is nearer than the best.
-  const auto nearer = [&](double at, double way, double distance) {
-    constexpr double kSlack = 1 + 1e-9;  // rounding decides as it does without a bound
-    const double clear = distance - kStretched * way, least = best.body.signed_distance;
-    const Vec3 q = pose.apply({0, 0, at});
-    Location found;
-    if (clear > 0 && least > 0) {
-      if (!locate_where<kFeatures>(view, q, Anywhere{}, found, kSlack * least * least)) return false;
-    } else {
-      found = locate<kFeatures>(view, q, best.body.at);
-    }
-    if (found.signed_distance >= least) return false;
-    best.body = found;
-    along = at;
-    return true;
-  };
-  const double spacing = axis / (kSamples - 1);
-  double distance = best.body.signed_distance;  // of the last sample, or less
+  PointWalk<kFeatures> walk(view, pose.translation, first);
+  double along = 0;
   for (int i = 1; i < samples; ++i) {
-    if (nearer(axis * i / (kSamples - 1), spacing, distance)) {
-      distance = best.body.signed_distance;
-    } else {
-      distance = std::fmax(distance - kStretched * spacing, best.body.signed_distance);
-    }
+    const double at = axis * i / (kSamples - 1);
+    if (walk.nearer(pose.apply({0, 0, at}))) along = at;
   }
+  ToolTouch best;
   // Between samples the distance falls by at most half their spacing.
-  best.safe = std::fmax(0, best.body.signed_distance - tool.probe_radius - 0.5 * spacing);
-  for (int i = 0; samples > 1 && i < kRefinements && best.body.signed_distance > 0; ++i) {
-    const double wanted = pose.along_axis(best.body.point - pose.translation);
+  best.safe = std::fmax(0, walk.best().signed_distance - tool.probe_radius - 0.5 * spacing);
+  for (int i = 0; samples > 1 && i < kRefinements && walk.best().signed_distance > 0; ++i) {
+    const double wanted = pose.along_axis(walk.best().point - pose.translation);
     const double at = wanted > 0 ? (wanted < axis ? wanted : axis) : 0;
-    const double way = std::fabs(at - along);
-    if (way < 1e-9 * axis || !nearer(at, way, best.body.signed_distance)) break;
+    if (std::fabs(at - along) < 1e-9 * axis) break;
+    walk.go_back();
+    if (!walk.nearer(pose.apply({0, 0, at}))) break;
+    along = at;
   }
   best.anchor = {0, 0, along};
+  best.body = walk.best();
   best.clearance = best.body.signed_distance - tool.probe_radius;
   return best;
 }
 
-/// Deepest probe point: a grid over every patch. Points that cannot beat the best are passed over, for the
-/// distance changes no faster than the probe moves. Between the points nothing is seen: clearance and safe distance
-/// hold for them alone, and a body sharper than the grid is met late.
+/// Corner of a mesh tool's patches that is nearest to a point.
+inline ToolPoint nearest_corner(const View& view, const layout::ToolRecord& tool, const Pose& pose, const Vec3& point) {
+  ToolPoint nearest;
+  double least = HUGE_VAL;
+  for (std::uint32_t p = tool.first_patch; p < tool.first_patch + tool.patch_count; ++p) {
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 gap = pose.apply(to_vec(view.tool_vertices[view.tool_patches[p].vertex[k]].point)) - point;
+      if (!(dot(gap, gap) < least)) continue;
+      least = dot(gap, gap);
+      nearest = {p, {0, 0, 0}};
+      nearest.weights[k] = 1;
+    }
+  }
+  return nearest;
+}
+
+/// Deepest probe point: a grid over every patch, first the corner nearest to `near`. Between the points nothing is
+/// seen: clearance and safe distance hold for them alone, and a body sharper than the grid is met late.
 template <std::uint32_t kFeatures>
 inline ToolTouch touch_probes(const View& view, const layout::ToolRecord& tool, const Pose& pose,
                               const BodyPoint& near) {
   constexpr int kSteps = 4;
   ToolTouch best;
-  BodyPoint seen = near;
-  best.body.signed_distance = HUGE_VAL;
-  Vec3 last;
-  double last_distance = -HUGE_VAL;
+  best.tool_point = nearest_corner(view, tool, pose, position(view, near));
+  Vec3 v[3];
+  const auto patch = [&](std::uint32_t p) {
+    for (int k = 0; k < 3; ++k) v[k] = to_vec(view.tool_vertices[view.tool_patches[p].vertex[k]].point);
+  };
+  const auto point = [&](const double(&w)[3]) { return w[0] * v[0] + w[1] * v[1] + w[2] * v[2]; };
+  patch(best.tool_point.patch);
+  best.anchor = point(best.tool_point.weights);
+  const Vec3 first = pose.apply(best.anchor);
+  PointWalk<kFeatures> walk(view, first, locate<kFeatures>(view, first, near));
   for (std::uint32_t p = tool.first_patch; p < tool.first_patch + tool.patch_count; ++p) {
-    const auto& corner = view.tool_patches[p].vertex;
-    Vec3 v[3];
-    for (int k = 0; k < 3; ++k) v[k] = to_vec(view.tool_vertices[corner[k]].point);
+    patch(p);
+    const Vec3 middle = pose.apply(point({1.0 / 3, 1.0 / 3, 1.0 / 3}));
+    double radius = 0;
+    for (const Vec3& corner : v) radius = std::fmax(radius, length(pose.apply(corner) - middle));
+    if (!walk.may_be_nearer(middle, radius)) continue;
     for (int a = 0; a <= kSteps; ++a) {
       for (int b = 0; a + b <= kSteps; ++b) {
-        const double w[3] = {a / double{kSteps}, b / double{kSteps}, (kSteps - a - b) / double{kSteps}};
-        const Vec3 anchor = w[0] * v[0] + w[1] * v[1] + w[2] * v[2];
-        if (last_distance - length(anchor - last) >= best.body.signed_distance) continue;
-        const Location found = locate<kFeatures>(view, pose.apply(anchor), seen);
-        seen = found.at;
-        last = anchor;
-        last_distance = found.signed_distance;
-        if (found.signed_distance >= best.body.signed_distance) continue;
-        best.body = found;
+        const ToolPoint at{p, {a / double{kSteps}, b / double{kSteps}, (kSteps - a - b) / double{kSteps}}};
+        const Vec3 anchor = point(at.weights);
+        if (!walk.nearer(pose.apply(anchor))) continue;
         best.anchor = anchor;
-        best.tool_point = {p, {w[0], w[1], w[2]}};
+        best.tool_point = at;
       }
     }
   }
+  best.body = walk.best();
   best.clearance = best.body.signed_distance - tool.probe_radius;
   best.safe = std::fmax(0, best.clearance);
   return best;
