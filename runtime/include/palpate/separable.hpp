@@ -127,7 +127,8 @@ public:
       know_push(interval);
       pushed_interval_ = interval;
       pushed_before_ = spline::first_moment(push_, count, interval);
-      pushed_on_ = spline::cubic(push_, count, interval);
+      pushed_on_ = depth_curves_.interval(kPush) == interval ? depth_curves_.cubic(kPush)
+                                                             : spline::cubic(push_, count, interval);
     }
     const double here = spline::first_moment(pushed_on_, interval, s * intervals - interval);
     double work = 2 * scale * (pushed_before_ + here) / (intervals * intervals);  // dz = 2 Z s ds

@@ -46,13 +46,13 @@ template <class AnyField>
   const double most = length(from) + 2 * scale;
   double low = 0, at_low = dot(force, direction) - limit;
   // A line from no force at no deflection falls short of the root, as forces rise less and less; it is near enough to
-  // tell how far that is: a little more brackets it, else the step doubles.
+  // tell how far that is: a little more brackets it, or meets it. What falls short twice is doubled.
   const double guess = length(from) * at_low / dot(force, direction);
   double high = guess > 1e-9 * scale ? (guess < most ? guess : most) : 1e-3 * scale;
   double at_high = excess(high), third = low, at_third = at_low;
-  for (bool first = true; at_high > 0 && high < most; first = false) {
-    const double drop = at_low - at_high, root = drop > 0 ? high + 1.0001 * high * at_high / drop : most;
-    const double next = first ? root : 2 * high;
+  for (int turn = 0; at_high > close && high < most; ++turn) {
+    const double drop = at_low - at_high, root = drop > 0 ? high + 1.0001 * (high - low) * at_high / drop : most;
+    const double next = turn < 2 ? root : 2 * high;
     third = low;
     at_third = at_low;
     low = high;
@@ -63,7 +63,7 @@ template <class AnyField>
   const auto there = [&](double way, bool holds) -> Slipped {
     return {from + way * direction, field.in_space(pull), holds};
   };
-  if (at_high > 0) {
+  if (at_high > close) {
     // The straight push alone is beyond the limit: the anchor creeps on, tick by tick.
     high = length(from) + 0.02 * scale;
     excess(high);
