@@ -104,6 +104,7 @@ public:
       if (!(there > subtracted_)) subtracted_ = std::fmax(0, there - before);
     } else {
       subtract(moved);
+      if (lies_in_place(pose) && lies_otherwise(pose)) turn(field_.normal(), pose);
     }
     // What c could not follow, as at a corner, the anchor does: the force would turn round at once.
     held_up_ = !goes || !found.converged;
