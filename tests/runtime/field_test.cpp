@@ -84,8 +84,8 @@ Vec3 plain_force(const ResponseFileContent& content, const BodyPoint& at, const 
     for (std::size_t l = 0; l < tool_weights.size(); ++l) {
       const Response& r = content.responses[index * tool_weights.size() + l];
       double fx = depth_curve(r.lateral_x, z), fy = depth_curve(r.lateral_y, z);
-      fx += depth_curve(r.growth_x, z) * sideways_curve(r.sideways_x, x);
-      fy += depth_curve(r.growth_y, z) * sideways_curve(r.sideways_y, y);
+      fx += std::fmax(0, depth_curve(r.growth_x, z)) * sideways_curve(r.sideways_x, x);
+      fy += std::fmax(0, depth_curve(r.growth_y, z)) * sideways_curve(r.sideways_y, y);
       force = force + weights[i] * tool_weights[l] * (fx * ux + fy * uy + depth_curve(r.normal, z) * n);
     }
   }
@@ -102,11 +102,9 @@ BodyPoint random_body_point(std::mt19937& random, const runtime::View& view) {
   return {static_cast<std::uint32_t>(random() % view.meta->triangle_count), {a, b, 1 - a - b}};
 }
 
-TEST(Field, MatchesThePlainEvaluation) {
-  Options options;
-  options.subdivision = 3;
-  options.tools = Options::Tools::capsule;
-  const Opened ball(ball_content(options));
+// At random places and depths down to `deepest` (m).
+void compare_with_plain(ResponseFileContent content, double deepest) {
+  const Opened ball(std::move(content));
   std::mt19937 random(11);
   std::uniform_real_distribution<double> unit(0, 1);
   for (int i = 0; i < 3000; ++i) {
@@ -117,12 +115,32 @@ TEST(Field, MatchesThePlainEvaluation) {
     tool_weights[segment] = 1 - w;
     tool_weights[segment + 1] = w;
     const Field field(ball.view, 0, at, {segment, {1 - w, w, 0}});
-    const double z = 1.4 * kDepthScale * unit(random);
-    const Vec3 d = -z * field.normal() + 1.5 * kSidewaysScale * unit(random) * random_direction(random);
-    const Vec3 expected = plain_force(ball.content, at, tool_weights, d);
-    const Vec3 force = field.force(d).force;
-    ASSERT_LT(distance(force, expected), 1e-5 * (1 + length(expected))) << i;
+    for (int k = 0; k < 2; ++k) {  // the second of a field that remembers the first
+      const double z = deepest * unit(random);
+      const Vec3 d = -z * field.normal() + 1.5 * kSidewaysScale * unit(random) * random_direction(random);
+      const Vec3 expected = plain_force(ball.content, at, tool_weights, d);
+      ASSERT_LT(distance(field.force(d).force, expected), 1e-5 * (1 + length(expected))) << i;
+    }
   }
+}
+
+TEST(Field, MatchesThePlainEvaluation) {
+  Options options;
+  options.subdivision = 3;
+  options.tools = Options::Tools::capsule;
+  compare_with_plain(ball_content(options), 1.4 * kDepthScale);
+}
+
+// Of some responses the sideways stiffness falls towards the end of what was sampled: beyond it comes to nothing.
+TEST(Field, AGrowthThatFallsIsNeverNegative) {
+  Options options;
+  options.tools = Options::Tools::capsule;
+  ResponseFileContent content = ball_content(options);
+  for (std::size_t i = 0; i < content.responses.size(); i += 3) {
+    content.responses[i].growth_x = {0, 0.8F, 1, 0.9F, 0.7F};
+    if (i % 2 == 0) content.responses[i].growth_y = {0, 1, 0, 0.2F, 0};
+  }
+  compare_with_plain(std::move(content), 4 * kDepthScale);
 }
 
 // A field remembers parts of its curves; its answers must not.

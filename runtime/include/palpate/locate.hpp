@@ -43,6 +43,7 @@ inline Nearest nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, 
   const Vec3 n = cross(ab, ac);
   const double area = dot(n, n), ab2 = dot(ab, ab), ac2 = dot(ac, ac), longest = ab2 + ac2;
   Nearest best{HUGE_VAL, {1, 0, 0}};
+  bool beyond_ab = true, beyond_bc = true, beyond_ca = true;
   if (area > 1e-20 * longest * longest) {
     // Barycentric weights and height, times the doubled area squared: what divides by it waits until it is wanted.
     const double wb = dot(cross(ap, ac), n), wc = dot(cross(ab, ap), n), wa = area - wb - wc, height = dot(ap, n);
@@ -55,17 +56,18 @@ inline Nearest nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, 
     if (area > 1e-8 * longest * longest) {
       const Vec3 bc = c - b;
       const double across = (most + kSlack * dot(ap, ap)) * area - height * height;
-      const auto beyond = [&](double weight, double edge) { return weight < 0 && weight * weight >= across * edge; };
-      if (beyond(wa, dot(bc, bc)) || beyond(wb, ac2) || beyond(wc, ab2)) return best;
-      if (wc < 0) nearest_on_edge(p, a, b, 0, 1, best);
-      if (wa < 0) nearest_on_edge(p, b, c, 1, 2, best);
-      if (wb < 0) nearest_on_edge(p, c, a, 2, 0, best);
-      return best;
+      beyond_ab = wc < 0;
+      beyond_bc = wa < 0;
+      beyond_ca = wb < 0;
+      const auto far = [&](double weight, double edge) { return weight * weight >= across * edge; };
+      if ((beyond_bc && far(wa, dot(bc, bc))) || (beyond_ca && far(wb, ac2)) || (beyond_ab && far(wc, ab2))) {
+        return best;
+      }
     }
   }
-  nearest_on_edge(p, a, b, 0, 1, best);
-  nearest_on_edge(p, b, c, 1, 2, best);
-  nearest_on_edge(p, c, a, 2, 0, best);
+  if (beyond_ab) nearest_on_edge(p, a, b, 0, 1, best);
+  if (beyond_bc) nearest_on_edge(p, b, c, 1, 2, best);
+  if (beyond_ca) nearest_on_edge(p, c, a, 2, 0, best);
   return best;
 }
 
@@ -192,7 +194,7 @@ inline bool locate_where(const View& view, const Vec3& p, const Counts& counts, 
 /// without a search section. `near`: any point of the surface; the nearer it is, the shorter the search, which finds
 /// the same.
 template <std::uint32_t kFeatures = layout::feature_all>
-inline Location locate(const View& view, const Vec3& p, const BodyPoint& near = {}) {
+[[gnu::noinline]] inline Location locate(const View& view, const Vec3& p, const BodyPoint& near = {}) {
   constexpr double kSlack = 1 + 1e-9;  // rounding decides as it does without a bound
   const Vec3 gap = p - position(view, near);
   Location found;

@@ -69,7 +69,7 @@ struct Pose {
     return {r[0] * a.x + r[1] * a.y + r[2] * a.z, r[3] * a.x + r[4] * a.y + r[5] * a.z,
             r[6] * a.x + r[7] * a.y + r[8] * a.z};
   }
-  [[nodiscard]] Vec3 apply(const Vec3& a) const { return rotate(a) + translation; }
+  [[nodiscard]] PALPATE_TICK_INLINE Vec3 apply(const Vec3& a) const { return rotate(a) + translation; }
 
   /// Component along the tool's z axis of a direction given in the body's frame.
   [[nodiscard]] double along_axis(const Vec3& direction) const {

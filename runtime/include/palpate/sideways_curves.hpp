@@ -50,6 +50,7 @@ public:
   /// Weighted growths where all are on the interval taken; t: in intervals.
   void growths(double t, Lanes* growth) const {
     const double share = t - growth_interval_;
+    if (__builtin_expect(falls_, false)) return growths_or_none(share, growth);
     each_layer([&](int j) PALPATE_INLINE_LAMBDA { set_growth(j, share, growth[j]); });
     if (kLayers > kLayersUnspun && layers_ > kLayersUnspun) more_growths(share, growth);
   }
@@ -64,6 +65,7 @@ public:
             two(spline::combine(basis, growth_coefs(j, 2 * k)), spline::combine(basis, growth_coefs(j, 2 * k + 1)));
       }
       weigh(j, g, growth[j]);
+      clamp(growth[j]);
     }
   }
 
@@ -77,6 +79,10 @@ public:
       }
     }
     growth_interval_ = interval;
+    falls_ = false;
+    for (int j = 0; interval == growth_count_ - 3 && j < layers_; ++j) {
+      for (int lane = 0; lane < kLanes; ++lane) falls_ = falls_ || layer_[j].growth.cubic(lane).power[1] < 0;
+    }
     return interval;
   }
 
@@ -106,13 +112,20 @@ private:
     if (layers_ > 2) each(2);
   }
 
-  void set_growth(int layer, double share, Lanes& growth) const {
+  PALPATE_TICK_INLINE void set_growth(int layer, double share, Lanes& growth) const {
     Lanes g;
     layer_[layer].growth.all_at(share, g);
     weigh(layer, g, growth);
   }
   [[gnu::noinline]] void more_growths(double share, Lanes* growth) const {
     for (int j = kLayersUnspun; j < layers_; ++j) set_growth(j, share, growth[j]);
+  }
+  /// No coefficient is negative, so only beyond its end a growth may fall below 0: it is 0 there.
+  [[gnu::noinline]] void growths_or_none(double share, Lanes* growth) const {
+    for (int j = 0; j < layers_; ++j) {
+      set_growth(j, share, growth[j]);
+      clamp(growth[j]);
+    }
   }
 
   /// As set_force, where every response has an axis of its own.
@@ -172,7 +185,10 @@ private:
   }
 
   void weigh(int layer, const Lanes& g, Lanes& growth) const {
-    for (int k = 0; k < kSites; ++k) growth.of[k] = layer_[layer].weight.of[k] * positive(g.of[k]);
+    for (int k = 0; k < kSites; ++k) growth.of[k] = layer_[layer].weight.of[k] * g.of[k];
+  }
+  static void clamp(Lanes& growth) {
+    for (int k = 0; k < kSites; ++k) growth.of[k] = positive(growth.of[k]);
   }
 
   /// A deflection (of the scale) in the frames of a layer, in intervals of phi.
@@ -202,6 +218,7 @@ private:
   int kept_ = 0;                      ///< layers that the blend before this one had, in frames like these
   bool apart_ = false;                ///< each response has its own axis
   mutable int growth_interval_ = -1;  ///< that all growths are taken on; -1 where some are not
+  mutable bool falls_ = false;        ///< one of them falls on that
 };
 
 }  // namespace palpate::runtime

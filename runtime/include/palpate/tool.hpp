@@ -46,7 +46,8 @@ namespace detail {
 /// Nearest point of the axis: a few samples, then alternating projections from the best of them. `first`: nearest to
 /// the axis' first point.
 template <std::uint32_t kFeatures>
-inline ToolTouch touch_axis(const View& view, const layout::ToolRecord& tool, const Pose& pose, const Location& first) {
+[[gnu::noinline]] inline ToolTouch touch_axis(const View& view, const layout::ToolRecord& tool, const Pose& pose,
+                                              const Location& first) {
   constexpr int kSamples = 9, kRefinements = 12;
   const double axis = tool.axis_length, spacing = axis / (kSamples - 1);
   const int samples = axis > 0 ? kSamples : 1;
@@ -92,8 +93,8 @@ inline ToolPoint nearest_corner(const View& view, const layout::ToolRecord& tool
 /// Deepest probe point: a grid over every patch, first the corner nearest to `near`. Between the points nothing is
 /// seen: clearance and safe distance hold for them alone, and a body sharper than the grid is met late.
 template <std::uint32_t kFeatures>
-inline ToolTouch touch_probes(const View& view, const layout::ToolRecord& tool, const Pose& pose,
-                              const BodyPoint& near) {
+[[gnu::noinline]] inline ToolTouch touch_probes(const View& view, const layout::ToolRecord& tool, const Pose& pose,
+                                                const BodyPoint& near) {
   constexpr int kSteps = 4;
   ToolTouch best;
   best.tool_point = nearest_corner(view, tool, pose, position(view, near));
@@ -149,8 +150,8 @@ inline ToolTouch find_touch(const View& view, std::uint32_t tool, const Pose& po
 /// point `near`, clearance and safe distance are that half, less than they might be, and nothing else is looked for:
 /// most of the way a free tool looks at a few boxes.
 template <std::uint32_t kFeatures = layout::feature_all>
-inline ToolTouch find_touch_ahead(const View& view, std::uint32_t tool, const Pose& pose, const BodyPoint& near,
-                                  double radius) {
+[[gnu::noinline]] inline ToolTouch find_touch_ahead(const View& view, std::uint32_t tool, const Pose& pose,
+                                                    const BodyPoint& near, double radius) {
   const double gap = length(pose.translation - position(view, near)) - radius;
   if (!(gap > 0)) return find_touch<kFeatures>(view, tool, pose, near);
   const double within = radius + 0.5 * gap;

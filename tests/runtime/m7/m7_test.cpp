@@ -53,14 +53,13 @@ struct Longest {
   }
 };
 
-// Instructions of the longest tick that was given a search: the bar for a continuous motion, and for a stab but where a
-// mesh has spins: there twice as many responses begin at once, of its three vertices eighteen.
-constexpr std::uint32_t kMostInstructions = 20000, kMostOfSpinsInAStab = 23000;
+// Instructions of the longest tick that was given a search: the bar, for a motion that wanders and one that stabs.
+constexpr std::uint32_t kMostInstructions = 20000;
 
 // The same of a tool that leaps and tilts every tick, as the README says.
 std::uint32_t most_leaping(const runtime::View& view) {
-  if (view.spins != nullptr) return 34000;
-  return view.has(layout::feature_rim) ? 27000 : 23000;
+  if (view.spins != nullptr) return 28500;
+  return view.has(layout::feature_rim) ? 23000 : 20500;
 }
 
 TEST(CortexM7, GivesTheForcesOfTheHostInSoManyInstructions) {
@@ -119,14 +118,16 @@ TEST(CortexM7, GivesTheForcesOfTheHostInSoManyInstructions) {
     EXPECT_LE(torque_apart, 2e-7f * force * kLever);
     EXPECT_LE(longest.tick, kMostInstructions);
     EXPECT_GT(stabs, 250);
-    EXPECT_LE(stabbing, opened.view.spins == nullptr ? kMostInstructions : kMostOfSpinsInAStab);
+    EXPECT_LE(stabbing, kMostInstructions);
     EXPECT_GT(leaps, 250);
     EXPECT_LE(leaping, most_leaping(opened.view));
     // What a program leaves out of itself it saves something of in every tick with a force, but where rounding has a
-    // slip look at one deflection more.
+    // slip look at one deflection more. Of a coupled file least, for a program of coupled files opens separable ones,
+    // too.
+    const double share = opened.view.features == 0 ? 0.85 : opened.view.coupled ? 0.985 : 0.98;
     EXPECT_GT(lean, 0u);
     EXPECT_LE(dearer, touching.size() / 1000);
-    EXPECT_LT(static_cast<double>(lean), (opened.view.features == 0 ? 0.85 : 0.98) * static_cast<double>(all));
+    EXPECT_LT(static_cast<double>(lean), share * static_cast<double>(all));
     std::nth_element(touching.begin(), touching.begin() + touching.size() / 2, touching.end());
     std::printf(
         "%-18s %5u instructions a touching tick, at most %6u, stabbing %6u, leaping %6u; a search %6u; both in one "
