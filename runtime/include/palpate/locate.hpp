@@ -71,6 +71,9 @@ inline Nearest nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, 
   return best;
 }
 
+/// By what the square of a bound on a search is more, lest rounding decide otherwise than it does without a bound.
+inline constexpr double kBoundSlack = 1 + 1e-9;
+
 /// Every point counts.
 struct Anywhere {
   bool operator()(const Vec3& /*point*/) const { return true; }
@@ -195,11 +198,10 @@ inline bool locate_where(const View& view, const Vec3& p, const Counts& counts, 
 /// the same.
 template <std::uint32_t kFeatures = layout::feature_all>
 [[gnu::noinline]] inline Location locate(const View& view, const Vec3& p, const BodyPoint& near = {}) {
-  constexpr double kSlack = 1 + 1e-9;  // rounding decides as it does without a bound
   const Vec3 gap = p - position(view, near);
   Location found;
   // Where the point is all but on the surface, what rounding leaves may be more than the slack.
-  if (!locate_where<kFeatures>(view, p, detail::Anywhere{}, found, kSlack * dot(gap, gap))) {
+  if (!locate_where<kFeatures>(view, p, detail::Anywhere{}, found, detail::kBoundSlack * dot(gap, gap))) {
     locate_where<kFeatures>(view, p, detail::Anywhere{}, found);
   }
   return found;

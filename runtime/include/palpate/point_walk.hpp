@@ -50,12 +50,11 @@ private:
     const double way = length(q - at_), wanted = best_.signed_distance + radius;
     if (free_ - way >= wanted) return false;
     if (free_ > 0) {
-      constexpr double kSlack = 1 + 1e-9;  // rounding decides as it does without a bound
       // Two balls that meet, without anything of the surface, are on one side of it. Without a tree a search takes the
       // same time however little is asked.
       const bool tree = (kFeatures & layout::feature_search) != 0 && view_->search != nullptr;
-      const double within = tree ? kSlack * std::fmax(wanted, way - free_) : HUGE_VAL;
-      if (!locate_where<kFeatures>(*view_, q, detail::Anywhere{}, found, within * within)) {
+      const double within = tree ? std::fmax(wanted, way - free_) : HUGE_VAL;
+      if (!locate_where<kFeatures>(*view_, q, detail::Anywhere{}, found, detail::kBoundSlack * within * within)) {
         at_ = q;
         free_ = within;
         return false;
