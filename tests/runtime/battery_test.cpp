@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "palpate/mapped_file.hpp"
+#include "tests/runtime/battery_hand.hpp"
 #include "tests/runtime/support.hpp"
 
 namespace palpate {
@@ -64,6 +65,37 @@ TEST(Battery, AContactThatIsDrawnOffTheBodyLetsGoAsTheToolMoves) {
   const BatteryResult r = run_golden("coupled_2.palp", {Motion::fast, Driver::animated, 0, 39000, 1, 0.25});
   EXPECT_LT(r.begin, 5e-3);
   EXPECT_GT(r.force, 0.5);  // it pressed hard
+}
+
+// Wherever a fast hand comes to rest, the force changes as c goes on only: what slid in one leap from first touch to
+// beyond the limit, or at a corner that holds c up, has given way in that tick.
+TEST(Battery, AtRestTheForceStaysWhereCDoes) {
+  for (const char* file : {"grasp.palp", "linear.palp", "spin_coupled.palp"}) {
+    const runtime::MappedFile bytes((PALPATE_GOLDENS + std::string("/") + file).c_str());
+    const runtime::OpenResult opened = runtime::View::open(bytes.data(), bytes.size());
+    ASSERT_TRUE(opened) << opened.error;
+    for (std::uint32_t tool = 0; tool < opened.view.meta->tool_count; ++tool) {
+      const double k = stiffest(opened.view, tool);
+      battery::Hand hand(opened.view, {Motion::fast, Driver::alone, tool, 0, 1 + tool, 0.25});
+      runtime::Contact contact(opened.view, tool);
+      int slid = 0;
+      for (int i = 0; i < 25000; ++i) {
+        const Pose pose = hand.next();
+        Tick last = contact.tick(pose);
+        slid += last.state == State::slide;
+        runtime::Contact still = contact;
+        for (int j = 0; j < 2 && last.state == State::slide; ++j) {
+          const Tick tick = still.tick(pose);
+          if (tick.state == State::released) break;
+          const double crept = distance(tick.body_point, last.body_point);
+          ASSERT_LE(distance(tick.force, last.force), k * (2.5 * crept + 1e-9 * opened.view.meta->depth_scale))
+              << file << " tool " << tool << ", tick " << i;
+          last = tick;
+        }
+      }
+      EXPECT_GT(slid, 100);
+    }
+  }
 }
 
 TEST(Battery, SameBitsEveryRun) {

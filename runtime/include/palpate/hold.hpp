@@ -72,7 +72,7 @@ public:
       const Vec3 core = straight_of_core(terms) + field().sideways(terms, d.sideways);
       const Vec3 pull = rim_.present() ? with_rim_alone(core, d, terms) : core;
       if (length(core) > rim_.core_limit() * terms.limit * (1 + 1e-9)) {
-        return slide(pose, d, slipped(d, terms, core, false), terms, way, pull, served);
+        return slide(pose, d, slipped(d, terms, core, begins_), terms, way, pull, served);
       }
       if (rolled) {
         roll_on(pose, d, terms);
@@ -143,11 +143,17 @@ private:
     return rim_.mean(core, pull);
   }
 
-  /// The same, where what the rim loses is told to nobody else: it is no lift.
+  /// The same, where what the rim loses is told to nobody else.
   [[nodiscard]] Vec3 with_rim_alone(const Vec3& core, const Deflection& d, const DepthTerms& terms) {
+    return rub(d, terms, [&] { return with_rim(core, d, terms); });
+  }
+
+  /// Has `slip` take of what is stored, where the tool is: it is no lift.
+  template <class Slip>
+  Vec3 rub(const Deflection& d, const DepthTerms& terms, const Slip& slip) {
     const bool owes = account_.owed() > 0;
     const double held = owes ? stored(terms, d) : 0;
-    const Vec3 pull = with_rim(core, d, terms);
+    const Vec3 pull = slip();
     if (owes) account_.replaced(held, stored(terms, d), true, 0);
     return pull;
   }
@@ -253,11 +259,13 @@ private:
     const bool rests = !(length(d.sideways - wanted.deflection) > 1e-8 * rest_.size()) &&
                        !(rest_.lies_in_place(pose) && rest_.lies_otherwise(pose));
     if (begins_) {
-      // Where c was placed in this tick nothing is blended twice for it: the anchor goes on alone.
-      leave_core(d, wanted.deflection);
-    }
-    if (begins_ || rests) {
-      pull = at_rest(wanted.force, d, terms);
+      // Where c was placed in this tick nothing is blended twice for it: the anchor goes on alone, and all the way.
+      pull = rub(d, terms, [&] {
+        leave_core(d, wanted.deflection);
+        return give_way(wanted.force, d, terms, false);
+      });
+    } else if (rests) {
+      pull = at_rest(core_force(d, terms), d, terms);
     } else {
       const double held = stored(terms, d), strained = sideways_strain(terms, d, before);
       const Vec3 rim = rim_deflection(d);
@@ -266,7 +274,7 @@ private:
       if (!(d.depth > 0)) return release(d);
       rim_.leave(d.sideways, rim);
       field().set_depth(d.depth, terms);
-      pull = give_way(d, terms, went);
+      pull = give_way(core_force(d, terms), d, terms, went);
       if (replaced(held, strained - sideways_strain(terms, d, pull), d, terms)) {
         if (!(d.depth > 0)) return release(d);
         pull = at_rest(core_force(d, terms), d, terms);
@@ -286,10 +294,10 @@ private:
     return field().is_coupled() ? 0 : 0.5 * dot(terms.straight - pull, d.sideways);
   }
 
-  /// Where a new place holds clearly less than friction held at the old one, the rest gives way without c; where c
-  /// stayed all of it, for nothing else does. Returns the sideways force.
-  Vec3 give_way(Deflection& d, const DepthTerms& terms, bool went) {
-    Vec3 core = core_force(d, terms);
+  /// Where a new place holds clearly less of the `core` (N) there than friction held at the old one, the rest gives way
+  /// without c; where c was held up all of it, for nothing else does: a tick at rest would go on. Returns the sideways
+  /// force.
+  Vec3 give_way(Vec3 core, Deflection& d, const DepthTerms& terms, bool went) {
     if constexpr (kFriction) {
       const double most = rim_.core_limit() * terms.limit * (went ? 1.001 : 1 + 1e-9);
       for (int turn = 0; turn < kMostSlips && length(core) > most; ++turn) {  // once, but after a leap

@@ -89,8 +89,9 @@ public:
   }
 
   /// Moves c over the surface until the tool at q, which went `moved` (m), is deflected by `sideways` (m) from it.
-  /// False where c stays, for the tool is off the body wherever it would go, as beyond the lip of a fold: to end there
-  /// would drop the force at once, so the contact lets go as the tool moves. `served`: see hand_over().
+  /// False where c cannot go on and the anchor does instead: at a corner, and where the tool is off the body wherever c
+  /// would go, as beyond the lip of a fold. To end there would drop the force at once, so c stays and the contact lets
+  /// go as the tool moves. `served`: see hand_over().
   bool follow(const Pose& pose, const Vec3& q, const Vec3& sideways, double force, double moved,
               const Search* served = nullptr) {
     take_over(held_up_ ? HUGE_VAL : moved);
@@ -111,7 +112,7 @@ public:
     if (held_up_) {
       anchored_ = anchored_ + deflection(q).sideways - tangential(sideways, field_.normal());
     }
-    return goes;
+    return !held_up_;
   }
 
   /// The tool turned since this was asked last, and its skin is round.
