@@ -91,8 +91,9 @@ TEST(Spline, FirstMomentIsTheIntegral) {
       sum += (integrand(low) + 4 * integrand(0.5 * (low + high)) + integrand(high)) / (6 * kParts);
       if (part % 97 != 0) continue;
       const int interval = spline::interval_of(count, high);
-      const double whole = spline::first_moment(c.data(), count, interval) +
-                           spline::first_moment(spline::cubic(c.data(), count, interval), interval, high - interval);
+      const double whole =
+          spline::first_moment(c.data(), count, interval) +
+          spline::first_moment(spline::Interval(count, interval).cubic(c.data()), interval, high - interval);
       ASSERT_NEAR(whole, sum, 1e-10) << count << ' ' << high;
     }
   }
@@ -130,7 +131,8 @@ TEST(Pieces, AreTheSplinesWhateverWasAskedBefore) {
       runtime::Lanes<2> value;
       if (!values(pieces, t, value)) {
         for (int k = 0; k < 2; ++k) {
-          pieces.take(k, c.data() + k * count, count, spline::interval_onwards(count, t[k]));
+          const int interval = spline::interval_onwards(count, t[k]);
+          pieces.take(k, c.data() + k * count, {count, interval}, interval);
         }
         ASSERT_TRUE(values(pieces, t, value));
         ++taken;
@@ -149,7 +151,7 @@ TEST(Spline, GoesOnAlongItsTangents) {
   const double first = 3 * (c[1] - c[0]), last = 3 * (c[5] - c[4]);  // by interval
   const auto at = [&](double t) {
     const int interval = spline::interval_onwards(kCount, t);
-    return spline::value(spline::cubic(c, kCount, interval), t - interval);
+    return spline::value(spline::Interval(kCount, interval).cubic(c), t - interval);
   };
   for (const double t : {0.0, 0.4, 1.0, 2.9, 3.0}) EXPECT_NEAR(at(t), spline::value(c, kCount, t / 3), 1e-14) << t;
   for (const double further : {1e-9, 0.3, 1.0, 5.0}) {
@@ -161,15 +163,45 @@ TEST(Spline, GoesOnAlongItsTangents) {
   EXPECT_EQ(spline::interval_onwards(kCount, 1e300), 3);
 }
 
+// However their cubics are made: one curve's, two at once, beyond the ends, too.
+TEST(Pieces, TakeTheSameCubicsOneByOneAndInTwos) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  for (int count = 4; count <= 32; ++count) {
+    std::vector<float> c[2];
+    for (auto& curve : c) {
+      for (int i = 0; i < count; ++i) curve.push_back(unit(random));
+    }
+    for (int interval = -1; interval <= count - 3; ++interval) {
+      const spline::Interval at(count, interval);
+      runtime::Two four[4];
+      for (int i = 0; i < 4; ++i) {
+        const auto from = static_cast<std::size_t>(at.first() + i);
+        four[i] = runtime::two(static_cast<double>(c[0][from]), static_cast<double>(c[1][from]));
+      }
+      runtime::Pieces<2> alone, both;
+      both.set_two(0, at.of_four(four), interval);
+      for (int k = 0; k < 2; ++k) {
+        alone.take(k, c[k].data(), at, interval);
+        for (const auto* pieces : {&alone, &both}) {
+          EXPECT_EQ(pieces->interval(k), interval);
+          const spline::Cubic cubic = pieces->cubic(k), want = at.cubic(c[k].data());
+          for (int p = 0; p < 4; ++p) EXPECT_NEAR(cubic.power[p], want.power[p], 1e-15) << count << ' ' << interval;
+        }
+      }
+    }
+  }
+}
+
 TEST(Pieces, ForgetOldCoefficients) {
-  const std::vector<double> first = {1, 1, 1, 1, 1}, second = {2, 2, 2, 2, 2};
+  const std::vector<float> first = {1, 1, 1, 1, 1}, second = {2, 2, 2, 2, 2};
   runtime::Pieces<1> piece;
   const auto at = [](double t) { return runtime::Lanes<1>{{runtime::two(t, 0)}}; };
   runtime::Lanes<1> value;
-  for (const std::vector<double>* coefs : {&first, &second}) {
+  for (const std::vector<float>* coefs : {&first, &second}) {
     piece.forget();
     EXPECT_FALSE(values(piece, at(0.5), value));
-    piece.take(0, coefs->data(), 5, 0);
+    piece.take(0, coefs->data(), {5, 0}, 0);
     piece.known_values(at(0.5), value);
     EXPECT_NEAR(value[0], (*coefs)[0], 1e-15);
   }

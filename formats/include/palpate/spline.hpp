@@ -52,7 +52,26 @@ constexpr CubicsTable make_table(int degree) {
   return table;
 }
 
+/// The same function by function.
+struct Columns {
+  double of[4][4] = {};  ///< [function][power of v]
+};
+
+struct ColumnsTable {
+  Columns at[3][3];
+};
+
+constexpr ColumnsTable turned(const CubicsTable& table) {
+  ColumnsTable turned;
+  for (int k = 0; k < 3 * 3 * 4 * 4; ++k) {
+    const int before = k / 48, after = k / 16 % 3, function = k / 4 % 4, power = k % 4;
+    turned.at[before][after].of[function][power] = table.at[before][after].coef[power][function];
+  }
+  return turned;
+}
+
 inline constexpr CubicsTable kValues = make_table(3);
+inline constexpr ColumnsTable kColumns = turned(kValues);
 inline constexpr CubicsTable kQuadratics = make_table(2);
 
 /// Integrals of the four functions over their interval: of themselves, and times the share v.
@@ -82,7 +101,8 @@ constexpr MomentsTable make_moments(const CubicsTable& of) {
 
 inline constexpr MomentsTable kMoments = make_moments(kValues);
 
-inline const Cubics& on_interval(const CubicsTable& table, int count, int interval) {
+template <class Table>
+inline const auto& on_interval(const Table& table, int count, int interval) {
   const int after = count - 4 - interval;
   return table.at[interval < 2 ? interval : 2][after < 2 ? after : 2];
 }
@@ -107,36 +127,56 @@ inline int interval_onwards(int count, double t) {
 /// The first of the four coefficients that take part on such an interval.
 inline int first_on(int count, int interval) { return interval < 0 ? 0 : interval < count - 3 ? interval : count - 4; }
 
-/// What a spline is on one knot interval, by powers of the share of the interval.
-struct Cubic {
-  double power[4];
+/// What splines are on one knot interval, by powers of the share of the interval.
+template <class Number>
+struct CubicOf {
+  Number power[4];
 };
+using Cubic = CubicOf<double>;
 
-/// Of the four coefficients that take part there.
-template <class Scalar>
-inline Cubic cubic_of(const Scalar* four, int count, int interval) {
-  if (interval == count - 3) {
-    const double last = four[3];
-    return {{last, 3 * (last - four[2]), 0, 0}};
+/// A knot interval (interval_onwards) of splines of `count` coefficients, looked up once for all that are asked there.
+class Interval {
+public:
+  Interval(int count, int number)
+      : first_(first_on(count, number)),
+        beyond_(number < 0           ? -1
+                : number < count - 3 ? 0
+                                     : 1),
+        of_(beyond_ == 0 ? &detail::on_interval(detail::kColumns, count, number) : nullptr) {}
+
+  /// Of four coefficients that take part there, or of as many numbers side by side.
+  template <class Number>
+  [[nodiscard]] CubicOf<Number> of_four(const Number (&four)[4]) const {
+    if (beyond_ > 0) return {{four[3], 3.0 * (four[3] - four[2]), 0.0 * four[3], 0.0 * four[3]}};
+    if (beyond_ < 0) {
+      const Number rise = 3.0 * (four[1] - four[0]);
+      return {{four[0] - rise, rise, 0.0 * rise, 0.0 * rise}};
+    }
+    CubicOf<Number> c;
+    for (int p = 0; p < 4; ++p) c.power[p] = of_->of[0][p] * four[0];
+    for (int k = 1; k < 3; ++k) {
+      for (int p = 0; p < 4; ++p) c.power[p] = c.power[p] + of_->of[k][p] * four[k];
+    }
+    c.power[3] = c.power[3] + of_->of[3][3] * four[3];  // the last function starts like a cube
+    return c;
   }
-  if (interval < 0) {
-    const double first = four[0], rise = 3 * (four[1] - first);
-    return {{first - rise, rise, 0, 0}};
+  /// Of all coefficients.
+  template <class Scalar>
+  [[nodiscard]] Cubic cubic(const Scalar* coefs) const {
+    const Scalar* from = coefs + first_;
+    const double four[4] = {from[0], from[1], from[2], from[3]};
+    return of_four(four);
   }
-  const detail::Cubics& of = detail::on_interval(detail::kValues, count, interval);
-  Cubic c;
-  for (int p = 0; p < 4; ++p) c.power[p] = of.coef[p][0] * four[0];
-  for (int k = 1; k < 3; ++k) {
-    for (int p = 0; p < 4; ++p) c.power[p] += of.coef[p][k] * four[k];
-  }
-  c.power[3] += of.coef[3][3] * four[3];  // the last function starts like a cube
-  return c;
-}
-/// Of all coefficients.
-template <class Scalar>
-inline Cubic cubic(const Scalar* coefs, int count, int interval) {
-  return cubic_of(coefs + first_on(count, interval), count, interval);
-}
+  /// Of the coefficients that take part.
+  [[nodiscard]] int first() const { return first_; }
+  /// One of the intervals: what each of those adds there, by powers. Beyond there are no such columns.
+  [[nodiscard]] bool inside() const { return beyond_ == 0; }
+  [[nodiscard]] const double (&columns() const)[4][4] { return of_->of; }
+
+private:
+  int first_, beyond_;  ///< -1 before the first interval, 1 behind the last
+  const detail::Columns* of_;
+};
 
 /// At a share v of the interval.
 inline double value(const Cubic& f, double v) {

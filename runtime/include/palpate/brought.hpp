@@ -20,6 +20,8 @@ public:
     if (same) return true;
     responses_ = view.responses;
     corners_ = corners;
+    // The frames first: nine responses are more than a processor asks for at once, and would have them wait.
+    for (int k = 0; k < 3; ++k) detail::touch(&view.sites[sites[k]], sizeof(layout::Site));
     for (int k = 0; k < 3; ++k) {
       sites_[k] = sites[k];
       for (int l = 0; l < corners.count; ++l) {

@@ -356,7 +356,12 @@ private:
   void add([[maybe_unused]] Sum& sum, std::uint64_t index, double weight, const Across& x) {
     const layout::ResponseHead& head = view_->response_head(index);
     limit_ += weight * head.depth_limit;
-    if ((head.flags & layout::response_covered) != 0) covered_ += weight;
+    const bool covered = (head.flags & layout::response_covered) != 0;
+    if constexpr (detail::kSmall) {
+      if (covered) covered_ += weight;
+    } else {
+      covered_ += static_cast<double>(covered) * weight;  // nobody foretells a branch
+    }
     if constexpr (kCoupled) {
       if (is_coupled()) {
         return with_law(*view_, index, sum.places(), [&](const auto* coefs, const auto* limits, double unit) {

@@ -10,6 +10,7 @@ namespace palpate::runtime {
 /// GCC's and clang's vectors. Loops over plain numbers are left to chance: what a compiler puts side by side changes
 /// with what stands round it.
 using Two = double __attribute__((vector_size(16)));
+inline constexpr bool kTwoARegister = true;
 
 /// a where it is above 0, else 0, as where it is no number.
 inline Two positive(const Two& a) {
@@ -26,6 +27,7 @@ inline bool squares_below(const Two (&a)[n], double limit) {
 }
 #else
 /// Where registers hold one number each.
+inline constexpr bool kTwoARegister = false;
 struct Two {
   double at[2];
   double& operator[](int k) { return at[k]; }
@@ -34,6 +36,7 @@ struct Two {
 inline Two operator+(const Two& a, const Two& b) { return {{a.at[0] + b.at[0], a.at[1] + b.at[1]}}; }
 inline Two operator-(const Two& a, const Two& b) { return {{a.at[0] - b.at[0], a.at[1] - b.at[1]}}; }
 inline Two operator*(const Two& a, const Two& b) { return {{a.at[0] * b.at[0], a.at[1] * b.at[1]}}; }
+inline Two operator*(double a, const Two& b) { return {{a * b.at[0], a * b.at[1]}}; }
 inline Two operator/(const Two& a, const Two& b) { return {{a.at[0] / b.at[0], a.at[1] / b.at[1]}}; }
 inline Two& operator+=(Two& a, const Two& b) { return a = a + b; }
 inline Two& operator*=(Two& a, const Two& b) { return a = a * b; }

@@ -20,19 +20,34 @@ public:
 
   Pieces() { forget(); }
 
-  /// Other coefficients from now on: of all curves, or of curve k.
+  /// Other coefficients from now on: of all curves, or of the curves 2 i and 2 i + 1.
   void forget() { start_.fill(kNone); }
-  void forget(int k) { start_.set(k, kNone); }
+  void forget(int i) { start_.of[i] = two(kNone, kNone); }
 
-  /// Makes curve k's cubic that of an interval (spline::interval_onwards).
-  template <class Scalar>
-  void take(int k, const Scalar* coefs, int count, int interval) const {
-    if (start_[k] != interval) set(k, spline::cubic(coefs, count, interval), interval);
-  }
-  /// The same for a caller that knows that curve k has another, and its cubic.
+  /// Makes this curve k's cubic, that of an interval (spline::interval_onwards).
   void set(int k, const spline::Cubic& cubic, int interval) const {
     for (int p = 0; p < 4; ++p) power_[p].set(k, cubic.power[p]);
     start_.set(k, interval);
+  }
+  /// The same, of all its coefficients; two powers side by side, which compilers do not see.
+  PALPATE_TICK_INLINE void take(int k, const float* coefs, const spline::Interval& at, int interval) const {
+    if (!kTwoARegister || !at.inside()) return set(k, at.cubic(coefs), interval);
+    const float* four = coefs + at.first();
+    const auto& add = at.columns();
+    Two low{}, high{};
+    for (int j = 0; j < 4; ++j) {
+      const double c = four[j];
+      if (j < 3) low += two(c, c) * two(add[j][0], add[j][1]);  // the last function starts like a cube
+      high += two(c, c) * two(add[j][2], add[j][3]);
+    }
+    const double power[4] = {low[0], low[1], high[0], high[1]};
+    for (int p = 0; p < 4; ++p) power_[p].set(k, power[p]);
+    start_.set(k, interval);
+  }
+  /// The same of the curves 2 i and 2 i + 1.
+  void set_two(int i, const spline::CubicOf<Two>& cubic, int interval) const {
+    for (int p = 0; p < 4; ++p) power_[p].of[i] = cubic.power[p];
+    start_.of[i] = two(interval, interval);
   }
 
   /// Curve k at t[k], for a caller that knows that these are in the curves' intervals.

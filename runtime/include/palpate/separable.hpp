@@ -128,7 +128,7 @@ public:
       pushed_interval_ = interval;
       pushed_before_ = spline::first_moment(push_, count, interval);
       pushed_on_ = depth_curves_.interval(kPush) == interval ? depth_curves_.cubic(kPush)
-                                                             : spline::cubic(push_, count, interval);
+                                                             : spline::Interval(count, interval).cubic(push_);
     }
     const double here = spline::first_moment(pushed_on_, interval, s * intervals - interval);
     double work = 2 * scale * (pushed_before_ + here) / (intervals * intervals);  // dz = 2 Z s ds
@@ -274,24 +274,27 @@ private:
     const int interval = spline::interval_onwards(count, s * depth_intervals_[kPush]);
     narrow(interval, meta_->normal_coefs);
     if (depth_curves_.interval(kPush) == interval) return;
-    know_four(spline::first_on(count, interval));
-    depth_curves_.set(kPush, spline::cubic(push_, count, interval), interval);
+    const spline::Interval at(count, interval);
+    know_four(at.first());
+    depth_curves_.set(kPush, at.cubic(push_), interval);
   }
   void take_straight(double s) const {
     const int count = static_cast<int>(meta_->lateral_coefs);
     const int interval = spline::interval_onwards(count, s * depth_intervals_[kStraight]);
     narrow(interval, meta_->lateral_coefs);
     if (depth_curves_.interval(kStraight) == interval) return;
-    const Straight four = blended_straight(spline::first_on(count, interval));
-    depth_curves_.set(kStraight, spline::cubic_of(four.x, count, interval), interval);
-    depth_curves_.set(kStraight + 1, spline::cubic_of(four.y, count, interval), interval);
+    const spline::Interval at(count, interval);
+    const Straight four = blended_straight(at.first());
+    depth_curves_.set(kStraight, at.of_four(four.x), interval);
+    depth_curves_.set(kStraight + 1, at.of_four(four.y), interval);
   }
   void take_limit(double s) const {
     const int count = static_cast<int>(meta_->friction_coefs);
     const int interval = spline::interval_onwards(count, s * depth_intervals_[kMu]);
     narrow(interval, meta_->friction_coefs);
     if (depth_curves_.interval(kMu) == interval) return;
-    spline::Cubic mu = spline::cubic_of(blended_limit(spline::first_on(count, interval)).of, count, interval);
+    const spline::Interval at(count, interval);
+    spline::Cubic mu = at.of_four(blended_limit(at.first()).of);
     if (interval == count - 3) mu.power[1] = 0;  // beyond it stays as it is
     depth_curves_.set(kMu, mu, interval);
   }

@@ -73,10 +73,9 @@ public:
   int take_growths(double t) const {
     const int interval = spline::interval_onwards(growth_count_, t);
     if (interval == growth_interval_) return interval;
+    const spline::Interval at(growth_count_, interval);
     for (int j = 0; j < layers_; ++j) {
-      for (int lane = 0; lane < kLanes; ++lane) {
-        layer_[j].growth.take(lane, growth_coefs(j, lane), growth_count_, interval);
-      }
+      for (int k = 0; k < kSites; ++k) take_growth(j, k, at, interval);
     }
     growth_interval_ = interval;
     falls_ = false;
@@ -128,6 +127,14 @@ private:
     }
   }
 
+  void take_growth(int layer, int k, const spline::Interval& at, int interval) const {
+    const Pieces<kLanes>& growth = layer_[layer].growth;
+    if (growth.interval(2 * k) == interval) return;
+    const float *x = growth_coefs(layer, 2 * k) + at.first(), *y = x + growth_count_;
+    const Two four[4] = {two(x[0], y[0]), two(x[1], y[1]), two(x[2], y[2]), two(x[3], y[3])};
+    growth.set_two(k, at.of_four(four), interval);
+  }
+
   /// As set_force, where every response has an axis of its own.
   [[gnu::noinline]] void set_force_apart(const Lanes* growth, int part, double x, double y, Two& force) const {
     force = two(0, 0);
@@ -158,9 +165,8 @@ private:
     unrolled<kLanes>([&](int k) PALPATE_INLINE_LAMBDA {
       const int interval = spline::interval_onwards(sideways_count_, t[k]);
       if (layer_[layer].phi[part].interval(k) == interval) return;
-      for (int j = layer; j < end; ++j) {
-        layer_[j].phi[part].set(k, spline::cubic(phi_coefs(j, k), sideways_count_, interval), interval);
-      }
+      const spline::Interval at(sideways_count_, interval);
+      for (int j = layer; j < end; ++j) layer_[j].phi[part].take(k, phi_coefs(j, k), at, interval);
     });
   }
 
@@ -168,12 +174,10 @@ private:
   void take_over(int layer, int k, const float* coefs) {
     layer_[layer].coefs[k] = coefs;
     growth_interval_ = -1;
-    for (int lane = 2 * k; lane < 2 * k + 2; ++lane) {
-      layer_[layer].growth.forget(lane);
-      for (int part = 0; part < kParts; ++part) {
-        layer_[layer].phi[part].forget(lane);
-        if (!apart_) layer_[0].phi[part].forget(lane);  // which is asked for all
-      }
+    layer_[layer].growth.forget(k);
+    for (int part = 0; part < kParts; ++part) {
+      layer_[layer].phi[part].forget(k);
+      if (!apart_) layer_[0].phi[part].forget(k);  // which is asked for all
     }
   }
 
