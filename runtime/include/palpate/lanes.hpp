@@ -19,7 +19,7 @@ inline Two positive(const Two& a) {
 }
 /// The squares of all are below `limit`; no number is not.
 template <int n>
-inline bool squares_below(const Two (&a)[n], double limit) {
+PALPATE_TICK_INLINE bool squares_below(const Two (&a)[n], double limit) {
   const Two most{limit, limit};
   auto below = a[0] * a[0] < most;
   for (int i = 1; i < n; ++i) below &= a[i] * a[i] < most;
@@ -43,7 +43,7 @@ inline Two& operator*=(Two& a, const Two& b) { return a = a * b; }
 
 inline Two positive(const Two& a) { return {{a.at[0] > 0 ? a.at[0] : 0, a.at[1] > 0 ? a.at[1] : 0}}; }
 template <int n>
-inline bool squares_below(const Two (&a)[n], double limit) {
+PALPATE_TICK_INLINE bool squares_below(const Two (&a)[n], double limit) {
   for (const Two& each : a) {
     if (!(each.at[0] * each.at[0] < limit) || !(each.at[1] * each.at[1] < limit)) return false;
   }
