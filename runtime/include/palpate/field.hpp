@@ -192,15 +192,17 @@ public:
     if constexpr (kCoupled) {
       if (is_coupled()) return coupled_force(deflection);
     }
-    const DepthTerms terms = at_depth(-dot(deflection, normal_));
     FieldForce result;
-    if (!(terms.depth > 0)) return result;
-    result.tangential = terms.straight + sideways(terms, deflection);
+    const double depth = -dot(deflection, normal_);
+    if (!(depth > 0)) return result;
+    DepthTerms terms;
+    separable_.at_depth(depth, terms);
+    result.tangential = terms.straight + in_space(separable_.sideways(terms, in_plane(deflection), Part::core));
     result.normal = terms.normal_force;
     result.force = result.normal * normal_ + result.tangential;
     result.limit = terms.limit;
-    result.depth = terms.depth;
-    result.beyond = terms.beyond;
+    result.depth = depth;
+    result.beyond = depth > limit_ * kLimitSlack;
     return result;
   }
 

@@ -52,7 +52,7 @@ public:
 
   /// Curve k at t[k], for a caller that knows that these are in the curves' intervals.
   void known_values(const Lanes<N>& t, Lanes<N>& value) const {
-    for (int i = 0; i < Lanes<N>::kTwos; ++i) value.of[i] = cubic_at(i, t.of[i] - start_.of[i]);
+    unrolled<Lanes<N>::kTwos>([&](int i) PALPATE_INLINE_LAMBDA { value.of[i] = cubic_at(i, t.of[i] - start_.of[i]); });
   }
 
   /// For one that does not, in two steps, of which the first does for all that have taken the same intervals: shares of
@@ -61,19 +61,19 @@ public:
   PALPATE_TICK_INLINE bool shares(const Lanes<N>& t, Lanes<N>& share) const {
     constexpr double kReach = 0.5 + kSlack;
     Lanes<N> off;
-    for (int i = 0; i < Lanes<N>::kTwos; ++i) {
+    unrolled<Lanes<N>::kTwos>([&](int i) PALPATE_INLINE_LAMBDA {
       share.of[i] = t.of[i] - start_.of[i];
       off.of[i] = share.of[i] - two(0.5, 0.5);
-    }
+    });
     if constexpr (N % 2 != 0) off.set(N, 0);
     return squares_below(off.of, kReach * kReach);
   }
   PALPATE_TICK_INLINE void at(const Lanes<N>& share, Lanes<N>& value) const {
-    for (int i = 0; i < Lanes<N>::kTwos; ++i) value.of[i] = cubic_at(i, share.of[i]);
+    unrolled<Lanes<N>::kTwos>([&](int i) PALPATE_INLINE_LAMBDA { value.of[i] = cubic_at(i, share.of[i]); });
   }
   /// All at one share.
   void all_at(double share, Lanes<N>& value) const {
-    for (int i = 0; i < Lanes<N>::kTwos; ++i) value.of[i] = cubic_at(i, two(share, share));
+    unrolled<Lanes<N>::kTwos>([&](int i) PALPATE_INLINE_LAMBDA { value.of[i] = cubic_at(i, two(share, share)); });
   }
 
   /// Of curve k: the interval taken, and what it is there.

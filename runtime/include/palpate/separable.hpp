@@ -84,7 +84,7 @@ public:
     const double s = abscissa(z);
     if (!(s > low_ && s < high_)) take_depth(s);
     Lanes<kCurves> t, value;
-    for (int i = 0; i < t.kTwos; ++i) t.of[i] = two(s, s) * depth_intervals_.of[i];
+    unrolled<Lanes<kCurves>::kTwos>([&](int i) PALPATE_INLINE_LAMBDA { t.of[i] = two(s, s) * depth_intervals_.of[i]; });
     depth_curves_.known_values(t, value);
     terms.normal_force = value[kPush];
     if constexpr (kLateral) {
@@ -176,8 +176,7 @@ public:
     if constexpr (kFriction) {
       if (meta_->sideways_coefs > 0) {
         const coupled::Vec2 r = per_sideways_ * deflection;
-        Two force;
-        curves_.set_force(terms.growth, static_cast<int>(part), r.x, r.y, force);
+        const Two force = curves_.force(terms.growth, static_cast<int>(part), r.x, r.y);
         return {force[0], force[1]};
       }
     }

@@ -24,6 +24,7 @@ public:
   void begin(const layout::Meta& meta) {
     growth_count_ = static_cast<int>(meta.growth_coefs);
     sideways_count_ = static_cast<int>(meta.sideways_coefs);
+    half_ = 0.5 * (sideways_count_ - 3);
     kept_ = layers_;
     layers_ = 0;
   }
@@ -85,20 +86,19 @@ public:
     return interval;
   }
 
-  /// Sets the force (N) at a deflection x, y (of the sideways scale) of a part.
-  PALPATE_TICK_INLINE void set_force(const Lanes* growth, int part, double x, double y, Two& force) const {
-    if (apart_) return set_force_apart(growth, part, x, y, force);
-    Lanes share, phi, f;
-    find(part, 0, x, y, share);
+  /// Force (N) at a deflection x, y (of the sideways scale) of a part.
+  [[nodiscard]] PALPATE_TICK_INLINE Two force(const Lanes* growth, int part, double x, double y) const {
+    if (apart_) return force_apart(growth, part, x, y);
+    const Lanes share = find(part, 0, x, y);
+    Lanes phi, f;
     each_layer([&](int j) PALPATE_INLINE_LAMBDA {
       layer_[j].phi[part].at(share, phi);
-      for (int k = 0; k < kSites; ++k) {
+      unrolled<kSites>([&](int k) PALPATE_INLINE_LAMBDA {
         const Two each = growth[j].of[k] * phi.of[k];
         f.of[k] = j == 0 ? each : f.of[k] + each;
-      }
+      });
     });
-    force = two(0, 0);
-    add_turned(0, f, force);
+    return turned(0, 0, f.of[0]) + turned(0, 1, f.of[1]) + turned(0, 2, f.of[2]);
   }
 
 private:
@@ -135,31 +135,27 @@ private:
     growth.set_two(k, at.of_four(four), interval);
   }
 
-  /// As set_force, where every response has an axis of its own.
-  [[gnu::noinline]] void set_force_apart(const Lanes* growth, int part, double x, double y, Two& force) const {
-    force = two(0, 0);
+  /// The same where every response has an axis of its own.
+  [[gnu::noinline]] Two force_apart(const Lanes* growth, int part, double x, double y) const {
+    Two force = two(0, 0);
     for (int j = 0; j < layers_; ++j) {
-      Lanes share, phi;
-      find(part, j, x, y, share);
-      layer_[j].phi[part].at(share, phi);
-      for (int k = 0; k < kSites; ++k) phi.of[k] *= growth[j].of[k];
-      add_turned(j, phi, force);
+      Lanes phi;
+      layer_[j].phi[part].at(find(part, j, x, y), phi);
+      for (int k = 0; k < kSites; ++k) force += turned(j, k, growth[j].of[k] * phi.of[k]);
     }
+    return force;
   }
 
   /// Shares of the intervals of phi on which a deflection lies, of a layer or of all that lie as the first; they are
   /// taken where they are others.
-  PALPATE_TICK_INLINE void find(int part, int layer, double x, double y, Lanes& share) const {
-    const Pieces<kLanes>& phi = layer_[layer].phi[part];
-    Lanes t;
+  [[nodiscard]] PALPATE_TICK_INLINE Lanes find(int part, int layer, double x, double y) const {
+    Lanes t, share;
     turn_in(layer, x, y, t);
-    if (phi.shares(t, share)) return;
-    take_phi(part, layer, x, y);
-    phi.shares(t, share);  // beyond the scale they are no shares, but how far
+    return layer_[layer].phi[part].shares(t, share) ? share : take_phi(part, layer, x, y);
   }
   // Rarely called, and long: inlined it would slow every tick.
-  [[gnu::noinline]] void take_phi(int part, int layer, double x, double y) const {
-    Lanes t;
+  [[gnu::noinline]] Lanes take_phi(int part, int layer, double x, double y) const {
+    Lanes t, share;
     turn_in(layer, x, y, t);
     const int end = apart_ ? layer + 1 : layers_;
     unrolled<kLanes>([&](int k) PALPATE_INLINE_LAMBDA {
@@ -168,6 +164,8 @@ private:
       const spline::Interval at(sideways_count_, interval);
       for (int j = layer; j < end; ++j) layer_[j].phi[part].take(k, phi_coefs(j, k), at, interval);
     });
+    layer_[layer].phi[part].shares(t, share);  // beyond the scale they are no shares, but how far
+    return share;
   }
 
   /// What was remembered there is of another response, or of other intervals than the layers' before it.
@@ -189,7 +187,7 @@ private:
   }
 
   void weigh(int layer, const Lanes& g, Lanes& growth) const {
-    for (int k = 0; k < kSites; ++k) growth.of[k] = layer_[layer].weight.of[k] * g.of[k];
+    unrolled<kSites>([&](int k) PALPATE_INLINE_LAMBDA { growth.of[k] = layer_[layer].weight.of[k] * g.of[k]; });
   }
   static void clamp(Lanes& growth) {
     for (int k = 0; k < kSites; ++k) growth.of[k] = positive(growth.of[k]);
@@ -197,17 +195,15 @@ private:
 
   /// A deflection (of the scale) in the frames of a layer, in intervals of phi.
   void turn_in(int layer, double x, double y, Lanes& t) const {
-    const double half = 0.5 * (sideways_count_ - 3);
-    for (int k = 0; k < kSites; ++k) {
-      const Two r = layer_[layer].cosine.of[k] * two(x, y) + layer_[layer].sine.of[k] * two(y, x);
-      t.of[k] = (r + two(1, 1)) * two(half, half);
-    }
+    const double u = half_ * x, v = half_ * y;
+    unrolled<kSites>([&](int k) PALPATE_INLINE_LAMBDA {
+      t.of[k] = two(half_, half_) + layer_[layer].cosine.of[k] * two(u, v) + layer_[layer].sine.of[k] * two(v, u);
+    });
   }
 
-  void add_turned(int layer, const Lanes& f, Two& force) const {
-    for (int k = 0; k < kSites; ++k) {
-      force += layer_[layer].cosine.of[k] * f.of[k] - layer_[layer].sine.of[k] * swapped(f.of[k]);
-    }
+  /// From the frame of site k of a layer.
+  [[nodiscard]] Two turned(int layer, int k, const Two& f) const {
+    return layer_[layer].cosine.of[k] * f - layer_[layer].sine.of[k] * swapped(f);
   }
 
   // All of a layer lies together, near enough for a microcontroller to reach it from one address.
@@ -219,10 +215,11 @@ private:
 
   Layer layer_[kLayers];
   int growth_count_ = 0, sideways_count_ = 0, layers_ = 0;
-  int kept_ = 0;                      ///< layers that the blend before this one had, in frames like these
-  bool apart_ = false;                ///< each response has its own axis
-  mutable int growth_interval_ = -1;  ///< that all growths are taken on; -1 where some are not
-  mutable bool falls_ = false;        ///< one of them falls on that
+  double half_ = 0;                      ///< of the knot intervals of phi
+  int kept_ = 0;                         ///< layers that the blend before this one had, in frames like these
+  bool apart_ = false;                   ///< each response has its own axis
+  mutable double growth_interval_ = -1;  ///< that all growths are taken on; -1 where some are not
+  mutable bool falls_ = false;           ///< one of them falls on that
 };
 
 }  // namespace palpate::runtime
