@@ -71,6 +71,10 @@ struct Animation {
   std::uint32_t given = 0, refused = 0;
 };
 
+bool same_place(const runtime::ToolPoint& a, const runtime::ToolPoint& b) {
+  return a.patch == b.patch && std::equal(a.weights, a.weights + 3, b.weights);
+}
+
 bool touches(const Tick& tick) { return tick.state == State::stick || tick.state == State::slide; }
 
 /// Three contacts as if they were one, whose c goes as far in a tick as the one that goes farthest.
@@ -311,8 +315,9 @@ BatteryResult run_battery(const View& view, const BatteryCase& c) {
       work += w;
       gross += std::fabs(w);
       worst = std::max(worst, -work);
-      if (tick.state == State::slide && last.state == State::slide && length(turn) < 1e-12 && !hand.lies() &&
-          std::isfinite(tick.friction_limit)) {
+      if (tick.state == State::slide && last.state == State::slide && length(turn) < 1e-12 &&
+          same_place(tick.on_tool, last.on_tool) && std::isfinite(tick.friction_limit)) {
+        // Where p runs over the tool c goes with it without slipping.
         // What slips are both c and the anchor: c alone takes over what the anchor went ahead while the tool went
         // deeper; the anchor alone goes on where c cannot follow, as at a corner.
         const Vec3 bears = tangential(0.5 * (last.force + tick.force), loop.normal());

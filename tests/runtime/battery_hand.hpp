@@ -108,9 +108,6 @@ public:
     return pose_;
   }
 
-  /// p may run over the tool: c goes with it without slipping.
-  [[nodiscard]] bool lies() const { return profile_; }
-
 private:
   [[nodiscard]] double scale() const { return view_.meta->depth_scale; }
 

@@ -197,6 +197,86 @@ TEST(MeshTool, PressesWithItsLowestCorner) {
   EXPECT_EQ(weight, 1);
 }
 
+/// A gem that stands on a corner, 2 mm deep, is turned about its middle until it stands on the next, and back.
+struct Rolled {
+  double depth = 0, force = 0;  ///< m and N, on the next corner
+  std::uint32_t corner = 0;     ///< vertex of the tool that is p there; 99 where none is
+  double step = 0, ran = 0;     ///< N in a tick; most that p went over the tool over the way of its skin
+  double least = 0, work = 0;   ///< J, of the hand: least since the first touch, and at the end, out of the body
+  int lost = 0, unsettled = 0;  ///< ticks without contact; at rest, ticks in which the force changed
+};
+
+Rolled roll(const runtime::View& view, int ticks) {
+  constexpr double kSize = 0.004, kQuarter = std::numbers::pi / 2;
+  const auto pose = [&](double angle, double lift) {
+    return turned(angle, {0, 1, 0}, {3e-4, 2e-4, kTop + 0.5 * kSize + lift});
+  };
+  Contact contact(view, 0);
+  Pose before = pose(0, 0.003);
+  Tick last = contact.tick(before);
+  Rolled r;
+  const auto go_to = [&](const Pose& to) {
+    const Tick tick = contact.tick(to);
+    const Vec3 way = to.translation - before.translation;
+    const Vec3 turn = 0.5 * (cross(before.rotate({1, 0, 0}), to.rotate({1, 0, 0})) +
+                             cross(before.rotate({0, 0, 1}), to.rotate({0, 0, 1})));
+    r.work -= 0.5 * (dot(last.force + tick.force, way) + dot(last.torque + tick.torque, turn));
+    r.least = std::min(r.least, r.work);
+    if (tick.touches() && last.touches()) {
+      const Vec3 here = inverse(to).apply(tick.tool_point), there = inverse(before).apply(last.tool_point);
+      const double skin = distance(to.apply(there), before.apply(there)) + kSize * length(turn);
+      if (skin > 0) r.ran = std::max(r.ran, distance(here, there) / skin);
+    }
+    r.step = std::max(r.step, distance(tick.force, last.force));
+    before = to;
+    last = tick;
+    return tick;
+  };
+  for (int i = 1; i <= ticks; ++i) go_to(pose(0, 0.003 * (ticks - i) / ticks));
+  for (const bool back : {false, true}) {
+    for (int i = 0; i <= ticks; ++i) {
+      const Pose there = pose(kQuarter * (back ? ticks - i : i) / ticks, 0);
+      const Tick tick = go_to(there);
+      r.lost += tick.touches() ? 0 : 1;
+      if (i % (ticks / 40) != 0) continue;
+      for (int k = 0; k < 10; ++k) r.unsettled += distance(contact.tick(there).force, tick.force) > 0;
+    }
+    if (back) continue;
+    r.depth = last.depth;
+    r.force = last.force.z;
+    r.corner = 99;
+    for (int k = 0; k < 3; ++k) {
+      if (last.on_tool.weights[k] == 1) r.corner = view.tool_patches[last.on_tool.patch].vertex[k];
+    }
+  }
+  for (int i = 1; i <= ticks; ++i) go_to(pose(0, 0.003 * i / ticks));
+  EXPECT_FALSE(last.touches());
+  return r;
+}
+
+// The corner that was pressed first lifts off when the next is 1.5 mm deep: what that pushes is not lost, for p has run
+// there by then. On the way the edge is deeper by what p takes to run along it; that alone is held back.
+TEST(MeshTool, RollsFromCornerToCorner) {
+  for (const bool friction : {false, true}) {
+    Options options = uniform();
+    options.tools = Options::Tools::mesh;
+    options.friction = options.lateral = friction;
+    const Opened box(box_content(options));
+    const Rolled coarse = roll(box.view, 2000), fine = roll(box.view, 20000);
+    for (const Rolled& r : {coarse, fine}) {
+      EXPECT_EQ(r.lost, 0);
+      EXPECT_EQ(r.unsettled, 0);
+      EXPECT_EQ(r.corner, 0U);
+      EXPECT_NEAR(r.depth, 0.002, 0.00015);
+      EXPECT_NEAR(r.force, hertz(0.002), 0.1 * hertz(0.002));
+      EXPECT_LT(r.ran, 24.1);
+      EXPECT_GT(r.least, -1e-9);
+      EXPECT_GT(r.work, 0);
+    }
+    EXPECT_LT(fine.step, 0.12 * coarse.step) << "ten times as many ticks";
+  }
+}
+
 TEST(MeshTool, SeesContactFromAnySide) {
   const Opened ball(ball_content(with(Options::Tools::mesh)));
   std::mt19937 random(21);

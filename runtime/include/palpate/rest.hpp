@@ -4,6 +4,7 @@
 
 #include "palpate/field.hpp"
 #include "palpate/first_touch.hpp"
+#include "palpate/patch_run.hpp"
 #include "palpate/project.hpp"
 #include "palpate/tool.hpp"
 
@@ -24,7 +25,8 @@ class BasicRest {
   static constexpr bool kSpin = (kFeatures & layout::feature_spin) != 0;
 
 public:
-  BasicRest(const View& view, std::uint32_t tool) : view_(&view), tool_(tool), probe_(view.tools[tool].probe_radius) {
+  BasicRest(const View& view, std::uint32_t tool)
+      : view_(&view), tool_(tool), probe_(view.tools[tool].probe_radius), run_(view, tool) {
     const layout::ToolRecord& record = view.tools[tool];
     profile_ = record.kind == static_cast<std::uint32_t>(layout::ToolKind::profile) && record.axis_length > 0;
     if constexpr (kSpin) {
@@ -33,7 +35,7 @@ public:
       }
       lies_ = spins_;
     }
-    lies_ = lies_ || profile_;
+    lies_ = lies_ || profile_ || run_.runs();
   }
 
   /// Where a tool's point of a search met the body: deflected by what it went since then.
@@ -48,6 +50,7 @@ public:
       axis_ = pose.rotate(kAxes[0]);
       meridian_ = profile_meridian(view_->tools[tool_], anchor_.z, pose.along_axis(first.foot.normal));
     }
+    run_.begin(pose, {tool_point_, anchor_});
     place(first.foot, pose);
     offset_ = tangential(first.at - c_, field_.normal());
   }
@@ -66,7 +69,7 @@ public:
   [[nodiscard]] bool lies() const { return lies_; }
 
   /// However it does, its point of the axis stays: then whatever moves c blends for how it lies now.
-  [[nodiscard]] bool lies_in_place(const Pose& pose) const { return lies_ && !(runs_along(pose) > 1e-9 * probe_); }
+  [[nodiscard]] bool lies_in_place(const Pose& pose) const { return lies_ && !(runs(pose) > 1e-9 * probe_); }
 
   /// Where the pose takes p.
   [[nodiscard]] Vec3 point(const Pose& pose) const { return pose.apply(anchor_); }
@@ -141,8 +144,10 @@ public:
   }
 
   /// In this tick the tool moved, where p is by `way` (m). So p may run over its profile, several times as far as the
-  /// skin went, for a small tilt takes the deepest place of a stem from end to end. A tool at rest keeps p where it is.
+  /// skin went, for a small tilt takes the deepest place of a stem from end to end; a mesh tool's over its patches. A
+  /// tool at rest keeps p where it is.
   [[gnu::noinline]] void let_run(const Pose& pose, const Vec3& way) {
+    if (run_.runs()) run_.tick(*view_, tool_, {tool_point_, anchor_}, pose, way, field_.normal(), size());
     if (!profile_) return;
     const Vec3 axis = pose.rotate(kAxes[0]);
     const double turn = length(axis - axis_), skin = length(way) + probe_ * turn;
@@ -156,26 +161,28 @@ public:
     if constexpr (kSpin) {
       if (spins_) {
         if (spun(pose)) return true;
-        if (!profile_) return false;
+        if (!profile_ && !run_.runs()) return false;
       }
     }
+    if (run_.runs()) return runs(pose) > 0;
     if (!(along_ > 0)) return false;
     const double cosine = pose.along_axis(field_.normal());
-    return runs_along(pose) > 1e-9 * probe_ ||
+    return runs(pose) > 1e-9 * probe_ ||
            std::fabs(profile_meridian(view_->tools[tool_], anchor_.z, cosine) - meridian_) > 1e-6 * probe_;
   }
 
   /// Blends the responses for how the tool lies. A capsule lays itself down: p runs along the axis to where it is
   /// deepest, c with it, as far as it may and without changing the deflection d of the tool at q: what is gained in
-  /// depth that way is no work of the hand and is subtracted.
+  /// depth that way is no work of the hand and is subtracted. So does p on a mesh tool, over its patches.
   void lie_down(const Pose& pose, const Deflection& d) {
-    const Vec3 there{0, 0, profile_ ? along(pose.along_axis(field_.normal())) : anchor_.z};
-    if (std::fabs(there.z - anchor_.z) > 1e-9 * probe_) {
-      const Vec3 q = pose.apply(there);
+    const ToolPlace there = next(pose);
+    if (length(there.point - anchor_) > 1e-9 * probe_) {
+      const Vec3 q = pose.apply(there.point);
       const Projection to = foot(q, d.sideways);
       const double gained = overlap(to, q) - subtracted_ - d.depth;
       if (to.converged && gained >= 0) {
-        anchor_ = there;
+        anchor_ = there.point;
+        tool_point_ = there.at;
         subtract(gained);
         return place(to, pose);
       }
@@ -187,6 +194,7 @@ public:
   void rebase(const Pose& by) {
     turned_from_ = by.rotate(turned_from_);
     axis_ = by.rotate(axis_);
+    run_.rebase(by);
     if constexpr (kSpin) {
       if (spins_) {
         for (Vec3& axis : lay_) axis = by.rotate(axis);
@@ -266,7 +274,14 @@ private:
     return std::fmax(0, std::fmin(tool.axis_length, anchor_.z + step));
   }
 
-  [[nodiscard]] double runs_along(const Pose& pose) const {
+  /// Where on the tool p is to be in this tick.
+  [[nodiscard]] ToolPlace next(const Pose& pose) const {
+    if (run_.runs()) return run_.next();
+    return {tool_point_, {0, 0, profile_ ? along(pose.along_axis(field_.normal())) : anchor_.z}};
+  }
+  /// m, that it is from where it was.
+  [[nodiscard]] double runs(const Pose& pose) const {
+    if (run_.runs()) return length(run_.next().point - anchor_);
     return profile_ ? std::fabs(along(pose.along_axis(field_.normal())) - anchor_.z) : 0;
   }
 
@@ -325,6 +340,7 @@ private:
   Vec3 c_;
   Vec3 anchor_;  ///< m, p in the tool's frame
   ToolPoint tool_point_;
+  PatchRun<kFeatures> run_;
   double meridian_ = 0;           ///< m, of p on a profile
   double along_ = 0, round_ = 0;  ///< m, that p may run along the axis and round the tip in this tick
   Vec3 axis_;                     ///< of a profile in the last tick
