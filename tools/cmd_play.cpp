@@ -20,6 +20,7 @@ namespace {
 
 struct PlayArguments {
   std::string file, motion, out, plot, tool;
+  bool several = false;
 };
 
 const char* plural(std::size_t count) { return count == 1 ? "" : "s"; }
@@ -39,7 +40,9 @@ nlohmann::ordered_json json_of(const PlayArguments& options, const std::string& 
           {"peak_depth", s.peak_depth},
           {"starts_inside", s.starts_inside},
           {"rows_beyond", s.rows_beyond},
-          {"rows_covered", s.rows_covered}};
+          {"rows_covered", s.rows_covered},
+          {"rows_elsewhere", s.rows_elsewhere},
+          {"rows_near", s.rows_near}};
 }
 
 /// Files, warnings; the summary as text where it is not wanted as JSON.
@@ -47,12 +50,21 @@ void report(const PlayArguments& options, const Globals& globals, const std::str
             const std::vector<PlayedRow>& rows, const PlaySummary& s) {
   if (!options.out.empty()) write_file(options.out, forces_csv(rows));
   if (!options.plot.empty()) write_file(options.plot, forces_svg(rows, "Force on the tool '" + tool_name + "'"));
+  const auto rows_of = [&](std::size_t count) {
+    return std::to_string(count) + " of " + std::to_string(rows.size()) + " rows ";
+  };
   if (s.starts_inside) {
     warn(options.motion + ": the first pose lies inside the body; its contact starts at zero force there");
   }
   if (s.rows_beyond > 0) {
-    warn(std::to_string(s.rows_beyond) + " of " + std::to_string(rows.size()) +
-         " rows lie deeper than was sampled, there or on the way: these forces are extrapolated");
+    warn(rows_of(s.rows_beyond) + "lie deeper than was sampled, there or on the way: these forces are extrapolated");
+  }
+  if (s.rows_elsewhere > 0) {
+    warn("in " + rows_of(s.rows_elsewhere) +
+         "the tool touches at another place, too, which is not felt; --several has it felt");
+  }
+  if (s.rows_near > 0) {
+    warn("in " + rows_of(s.rows_near) + "the places lie so near each other that their sum is more than 7 % too large");
   }
   if (globals.json) return;
   char text[400];
@@ -68,6 +80,8 @@ void report(const PlayArguments& options, const Globals& globals, const std::str
 
 /// The same forces as in the run, bit for bit, or an error; of another response file, how different they are.
 void replay(PlayArguments options, const Globals& globals) {
+  if (options.several)
+    throw Error(ExitCode::usage, "--several: " + options.motion + " was felt at one place in its run");
   const device::RunLog log = read_run(options.motion);
   if (log.records.empty()) throw Error(ExitCode::bad_input, options.motion + ": the recording has no ticks");
   if (options.file.empty()) options.file = log.header.response;
@@ -122,7 +136,7 @@ void run_play(PlayArguments options, const Globals& globals) {
   const std::uint32_t tool = input.tool(options.tool);
   const std::vector<MotionRow> motion = read_motion(options.motion);
   PlaySummary s;
-  const std::vector<PlayedRow> rows = play(input.view(), tool, motion, s);
+  const std::vector<PlayedRow> rows = play(input.view(), tool, motion, s, options.several);
   const std::string tool_name = input.view().tools[tool].name;
   report(options, globals, tool_name, rows, s);
   if (globals.json) print_json(json_of(options, tool_name, rows.size(), s));
@@ -139,6 +153,7 @@ void add_play(CLI::App& app, Globals& globals) {
   command.option("--out", options->out, "Write forces and torques here (CSV)");
   command.option("--plot", options->plot, "Write a plot of force and depth here (SVG)");
   command.option("--tool", options->tool, "Name of the tool; default: the file's first");
+  command.flag("--several", options->several, "Let the tool be felt at up to three places, as between two lobes");
   command.runs([options, &globals] { run_play(*options, globals); });
 }
 

@@ -28,6 +28,8 @@ struct PlaySummary {
   bool touching = false;                    ///< in the last tick
   std::size_t rows_beyond = 0;              ///< deeper than the pair was sampled, there or on the way
   std::size_t rows_covered = 0;             ///< more than half taken from neighbours, there or on the way
+  std::size_t rows_elsewhere = 0;           ///< where the tool touches at another place, too, that is not felt
+  std::size_t rows_near = 0;                ///< where places lie so near each other that their sum is too large
 };
 
 /// Adds a tick that lasted so long (s); rows are for whoever has them.
@@ -37,9 +39,10 @@ void account(PlaySummary& summary, const runtime::Tick& tick, double seconds);
 void add(PlaySummary& summary, const PlaySummary& other);
 
 /// Ticks through the motion, with as many ticks between two rows as keep each below 1 % of the depth scale
-/// (at most 10 000): a recorded motion is not an occasion for late detection.
+/// (at most 10 000): a recorded motion is not an occasion for late detection. `several`: the tool is felt at up to
+/// three places, and a row has their sums and the deepest depth; else where it touched first, as in a run.
 std::vector<PlayedRow> play(const runtime::View& view, std::uint32_t tool, const std::vector<MotionRow>& motion,
-                            PlaySummary& summary);
+                            PlaySummary& summary, bool several = false);
 
 /// t,fx,fy,fz,tx,ty,tz,state,depth,cx,cy,cz (s, N, N m about the tool frame's origin, m; body frame); of a glove
 /// t,finger,fx and so on.

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // palpate play, inspect and bench as commands: results, JSON, exit codes of what goes wrong.
+#include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/cli/palpate_program.hpp"
+#include "tests/runtime/two_lobes.hpp"
 #include "tests/support/response_samples.hpp"
 
 namespace palpate::test {
@@ -82,6 +86,37 @@ TEST_F(Playback, InspectTellsNoMoreThanTheFileDoes) {
     EXPECT_NE(all.out.find(tool), std::string::npos) << all.out;
   }
   EXPECT_EQ(Json::parse(run({"inspect", "box.palp", "--json"}).out)["tools"][1]["kind"], "capsule");
+}
+
+// A tip that is pressed between two balls, from the middle: one place pushes aside, both push straight up.
+TEST_F(Playback, PlaySaysWhatASecondPlaceIsNotFelt) {
+  write_response_file(folder() / "lobes.palp", encode(two_lobes(smooth(false))));
+  std::string motion = "t,x,y,z,qw,qx,qy,qz\n";
+  for (int i = 0; i <= 40; ++i) {
+    motion += std::to_string(0.01 * i) + ",0,0," + std::to_string(between() + 0.001 - 1e-4 * i) + ",1,0,0,0\n";
+  }
+  write("between.csv", motion);
+  const RunResult one = run({"play", "lobes.palp", "between.csv", "--out", "one.csv"});
+  ASSERT_EQ(one.exit_code, 0) << one.error;
+  EXPECT_NE(one.error.find(" of 41 rows the tool touches at another place, too"), std::string::npos) << one.error;
+  EXPECT_NE(one.error.find("--several"), std::string::npos);
+  const RunResult both = run({"play", "lobes.palp", "between.csv", "--several", "--out", "both.csv", "--json"});
+  ASSERT_EQ(both.exit_code, 0) << both.error;
+  EXPECT_EQ(both.error.find("another place"), std::string::npos) << both.error;
+  EXPECT_EQ(Json::parse(both.out)["rows_elsewhere"], 0);
+  // The last row of each: t,fx,fy,fz and so on.
+  const auto last = [&](const char* name) {
+    const std::string text = file_content(folder() / name);
+    std::istringstream row(text.substr(text.rfind('\n', text.size() - 2) + 1));
+    std::array<double, 4> values{};
+    char comma = 0;
+    for (double& value : values) row >> value >> comma;
+    return values;
+  };
+  EXPECT_GT(std::abs(last("one.csv")[1]), 0.5 * last("one.csv")[3]);
+  EXPECT_LT(std::abs(last("both.csv")[1]), 0.1 * last("both.csv")[3]);
+  EXPECT_GT(last("both.csv")[3], 1.7 * last("one.csv")[3]);
+  EXPECT_EQ(run({"play", "box.palp", "push.csv"}).error.find("another place"), std::string::npos);
 }
 
 TEST_F(Playback, PlayTakesTheToolAskedFor) {
