@@ -64,6 +64,7 @@ public:
     if (waits || !rest_.lies() || !lie_down(pose, q, d, terms)) stand(q, d, terms);
     const Vec3 way = q - last_;
     last_ = q;
+    if (friction && !slides_ && rest_.slow(dot(way, way)) && rest_.far_aside(q)) let_go_round(length(way), d, terms);
     for (;;) {
       if (!(d.depth > 0)) return release(d);
       if (friction) deepen(d, terms);
@@ -150,7 +151,7 @@ private:
 
   /// Has `slip` take of what is stored, where the tool is: it is no lift.
   template <class Slip>
-  Vec3 rub(const Deflection& d, const DepthTerms& terms, const Slip& slip) {
+  PALPATE_TICK_INLINE Vec3 rub(const Deflection& d, const DepthTerms& terms, const Slip& slip) {
     const bool owes = account_.owed() > 0;
     const double held = owes ? stored(terms, d) : 0;
     const Vec3 pull = slip();
@@ -195,7 +196,7 @@ private:
 
   /// J in the present field.
   [[nodiscard]] double stored(const Deflection& d) const { return stored(field().energy_terms(d.depth), d); }
-  [[nodiscard]] double stored(const DepthTerms& terms, const Deflection& d) const {
+  [[nodiscard]] PALPATE_TICK_INLINE double stored(const DepthTerms& terms, const Deflection& d) const {
     const double core = field().stored(terms, d.sideways, rim_.core_limit());
     return rim_.present() ? rim_.mean(core, field().stored(terms, rim_deflection(d), rim_.limit())) : core;
   }
@@ -211,6 +212,17 @@ private:
     }
     depth_ = d.depth;
     field().remember(terms);
+  }
+
+  /// Beyond an edge the tool pushes as far as it overlaps the body there, not as deep as it is under the plane of c, to
+  /// which friction may hold it for ever. What that is too much is lost as the tool moves, by `moved` (m) in this tick:
+  /// no faster than a lift would lose it.
+  [[gnu::noinline]] void let_go_round(double moved, Deflection& d, DepthTerms& terms) {
+    const double way = std::fmin(rest_.past_edge(last_), d.depth - depth_ + moved);
+    if (!(way > 0)) return;
+    const double held = stored(terms, d);
+    rest_.subtract(way);
+    replaced(held, last_, d, terms);
   }
 
   /// What a lift loses of what is owed. False where no depth is left.
@@ -231,7 +243,7 @@ private:
 
   /// After c or p went elsewhere while the tool stood still: `held` (J) was stored before, and `rubbed` (J) is what
   /// friction took of what is stored sideways and not counted in that. True where depth was lost.
-  bool replaced(double held, double rubbed, Deflection& d, DepthTerms& terms) {
+  PALPATE_TICK_INLINE bool replaced(double held, double rubbed, Deflection& d, DepthTerms& terms) {
     const double now = stored(terms, d);
     const double due = account_.replaced(held, now, view_->has(layout::feature_friction), rubbed);
     if (due > 0) account_.held_back(now - lose(due, d, terms));
@@ -297,7 +309,7 @@ private:
   /// Where a new place holds clearly less of the `core` (N) there than friction held at the old one, the rest gives way
   /// without c; where c was held up all of it, for nothing else does: a tick at rest would go on. Returns the sideways
   /// force.
-  Vec3 give_way(Vec3 core, Deflection& d, const DepthTerms& terms, bool went) {
+  PALPATE_TICK_INLINE Vec3 give_way(Vec3 core, Deflection& d, const DepthTerms& terms, bool went) {
     if constexpr (kFriction) {
       const double most = rim_.core_limit() * terms.limit * (went ? 1.001 : 1 + 1e-9);
       for (int turn = 0; turn < kMostSlips && length(core) > most; ++turn) {  // once, but after a leap

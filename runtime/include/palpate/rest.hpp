@@ -4,6 +4,7 @@
 
 #include "palpate/field.hpp"
 #include "palpate/first_touch.hpp"
+#include "palpate/nearby.hpp"
 #include "palpate/patch_run.hpp"
 #include "palpate/project.hpp"
 #include "palpate/tool.hpp"
@@ -22,6 +23,7 @@ struct Deflection {
 /// is c at first. Of layout::Feature those that kFeatures leaves out take neither code nor memory.
 template <std::uint32_t kFeatures = layout::feature_all>
 class BasicRest {
+  static constexpr bool kFriction = (kFeatures & layout::feature_friction) != 0;
   static constexpr bool kSpin = (kFeatures & layout::feature_spin) != 0;
 
 public:
@@ -35,7 +37,8 @@ public:
       }
       lies_ = spins_;
     }
-    lies_ = lies_ || profile_ || run_.runs();
+    alike_ = !lies_ && !profile_;
+    lies_ = !alike_ || run_.runs();
   }
 
   /// Where a tool's point of a search met the body: deflected by what it went since then.
@@ -82,6 +85,26 @@ public:
   /// The skin overlaps the body by this depth (m), too.
   [[nodiscard]] bool overlaps(double depth) const { return depth + subtracted_ > 0; }
 
+  /// What holds of slow motions alone, and of tools that answer alike however they lie: p went by a way whose square is
+  /// given (m^2).
+  [[nodiscard]] PALPATE_TICK_INLINE bool slow(double squared) const {
+    const double most = kSlow * view_->meta->depth_scale;
+    return alike_ && squared < most * most;
+  }
+
+  /// The tool at q is so far aside of c that it may be past an edge: the surface may be nearer to it than the plane of
+  /// c by more than past_edge() leaves out.
+  [[nodiscard]] PALPATE_TICK_INLINE bool far_aside(const Vec3& q) const {
+    const Vec3 gap = q - c_;
+    const double height = dot(gap, field_.normal()), out = height > 0 ? height : 0, bend = kBend * size();
+    return dot(gap, gap) - height * height > bend * (bend + 2 * out);
+  }
+  /// m, by which the tool at q is deeper under the plane of c, less what is subtracted, than its skin overlaps the
+  /// body: between the two the surface bends away. What any bend may add to a depth is left out.
+  [[nodiscard]] double past_edge(const Vec3& q) const {
+    return nearby(*view_, at_, q).signed_distance - dot(q - c_, field_.normal()) - subtracted_ - kBend * size();
+  }
+
   /// Subtracts so much depth (m) from now on.
   void subtract(double depth) { subtracted_ += depth; }
 
@@ -95,17 +118,18 @@ public:
   /// False where c cannot go on and the anchor does instead: at a corner, and where the tool is off the body wherever c
   /// would go, as beyond the lip of a fold. To end there would drop the force at once, so c stays and the contact lets
   /// go as the tool moves. `served`: see hand_over().
-  bool follow(const Pose& pose, const Vec3& q, const Vec3& sideways, double force, double moved,
-              const Search* served = nullptr) {
+  PALPATE_TICK_INLINE bool follow(const Pose& pose, const Vec3& q, const Vec3& sideways, double force, double moved,
+                                  const Search* served = nullptr) {
     take_over(held_up_ ? HUGE_VAL : moved);
     const Projection found = foot(q, sideways);
     if (found.residual > 0.1 * size() && hand_over(pose, q, force, served)) return true;
     const double before = deflection(q).depth, there = overlap(found, q);
     const bool goes = there > 0;
     if (goes) {
+      // What is subtracted is that of the old place: the tool touches here as well, and in a slow motion as deep.
+      const double least = kFriction && slow(moved * moved) && view_->has(layout::feature_friction) ? before : 0;
+      if (!(there - subtracted_ > least)) subtracted_ = std::fmax(0, there - before);
       place(found, pose);
-      // What is subtracted is that of the old place: the tool touches here as well.
-      if (!(there > subtracted_)) subtracted_ = std::fmax(0, there - before);
     } else {
       subtract(moved);
       if (lies_in_place(pose) && lies_otherwise(pose)) turn(field_.normal(), pose);
@@ -157,7 +181,7 @@ public:
   }
 
   /// The tool lies otherwise than when its responses were blended, and has moved.
-  [[nodiscard]] bool lies_otherwise(const Pose& pose) const {
+  [[nodiscard]] PALPATE_TICK_INLINE bool lies_otherwise(const Pose& pose) const {
     if constexpr (kSpin) {
       if (spins_) {
         if (spun(pose)) return true;
@@ -329,11 +353,13 @@ private:
   // How many times as far as the skin p may run. A tip that rolls runs once as far round itself, the rest is to catch
   // up; along the axis the skin that went farthest counts, for there c runs with p.
   static constexpr double kRound = 3, kAlong = 8;
+  static constexpr double kSlow = 0.0101;  // of the depth scale, in a tick: 5 cm/s where that is 5 mm
+  static constexpr double kBend = 0.05;    // of a contact's size, that a bend of the surface may add to a depth
 
   const View* view_;
   std::uint32_t tool_;
   double probe_;  ///< m
-  bool profile_ = false, lies_ = false;
+  bool profile_ = false, lies_ = false, alike_ = true;
   detail::If<kSpin, bool> spins_ = {};
 
   BodyPoint at_;

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A ball drawn slowly over hollows and grooves with a friction that holds it to their walls: it is not held past their
+// edges.
+#include <algorithm>
+#include <cmath>
+
+#include "tests/runtime/battery.hpp"
+#include "tests/runtime/support.hpp"
+#include "tests/support/concave_samples.hpp"
+
+namespace palpate {
+namespace {
+
+using namespace test;
+using runtime::Contact;
+
+ConcaveShape shape_named(const std::string& name) {
+  for (const ConcaveShape& shape : concave_shapes()) {
+    if (shape.name == name) return shape;
+  }
+  ADD_FAILURE() << name;
+  return {};
+}
+
+struct Rough : Opened {
+  explicit Rough(const ConcaveShape& shape) : Opened(content(shape)) {}
+
+  static ResponseFileContent content(const ConcaveShape& shape) {
+    Options options;
+    options.search = true;
+    ResponseFileContent made = concave_content(shape, options);
+    set_friction(made, 1);
+    return made;
+  }
+};
+
+/// m, by which the tip overlaps the body.
+double overlap(const Rough& body, const Vec3& at) { return kTipRadius - locate(body.view, at).signed_distance; }
+
+/// A hand that goes down to half the depth scale below the top, across, and up; `see` is told of every tick.
+template <class See>
+void draw_across(Contact& contact, double reach, double stride, const See& see) {
+  const double low = kTipRadius - 0.5 * kDepthScale;
+  Vec3 at{-reach, 7e-4, low + 0.003};
+  const auto go = [&](const Vec3& step, double way) {
+    for (double gone = 0; gone < way; gone += stride) {
+      at = at + stride * step;
+      see(at, contact.tick(upright(at)));
+    }
+  };
+  go({0, 0, -1}, 0.003);
+  go({1, 0, 0}, 2 * reach);
+  go({0, 0, 1}, 0.02);
+}
+
+// With a friction of 1 a wall holds what leans on it from any side. Once the tool is past its edge that pushed 13 mm
+// deep where the skin overlaps 2.5 mm, until it let go at once: 7 N in a tick.
+TEST(Concave, PastAnEdgeATipIsPushedAsFarAsItOverlaps) {
+  for (const char* name : {"groove_40", "groove_90", "dent", "trough", "wall", "ridge_30", "ridge_15"}) {
+    const ConcaveShape shape = shape_named(name);
+    const Rough body(shape);
+    Contact contact(body.view, 0);
+    double deepest = 0, largest = 0, strongest = 0, resting = 0;
+    Vec3 last;
+    draw_across(contact, shape.reach, 5e-6, [&](const Vec3& at, const Tick& tick) {
+      if (Contact still = contact; tick.state == State::stick) {
+        resting = std::max(resting, distance(still.tick(upright(at)).force, tick.force));
+      }
+      if (tick.touches()) deepest = std::max(deepest, tick.depth - std::max(0.0, overlap(body, at)));
+      largest = std::max(largest, distance(tick.force, last));
+      strongest = std::max(strongest, length(tick.force));
+      last = tick.force;
+    });
+    EXPECT_LT(deepest, 0.0012) << name;
+    EXPECT_LT(largest, 4.5 * stiffest(body.view, 0) * 5e-6) << name;
+    EXPECT_LT(strongest, 2) << name;
+    EXPECT_LT(resting, 1e-9) << name << ": a hand at rest loses nothing";
+  }
+}
+
+// Beyond a groove the top pushes as it did before it.
+TEST(Concave, BeyondAGrooveTheTopIsFeltAsBefore) {
+  for (const char* name : {"groove_40", "groove_90", "dent", "trough"}) {
+    const ConcaveShape shape = shape_named(name);
+    const Rough body(shape);
+    Contact contact(body.view, 0);
+    double before = 0, beyond = 0;
+    int lost = 0, ticks = 0;
+    draw_across(contact, shape.reach, 5e-6, [&](const Vec3& at, const Tick& tick) {
+      if (at.x < -0.012 && at.x > -0.018) before += tick.force.z;
+      if (at.x > 0.012 && at.x < 0.018) {
+        beyond += tick.force.z;
+        ++ticks;
+        lost += !tick.touches();
+      }
+    });
+    EXPECT_EQ(lost, 0) << name;
+    EXPECT_GT(beyond, 0.5 * before) << name;
+    EXPECT_LT(beyond, 1.3 * before) << name;
+  }
+}
+
+// What is lifted off the body is free of it, and the hand has paid for all that it felt.
+TEST(Concave, ALiftPastAnEdgeIsFree) {
+  for (const char* name : {"wall", "ridge_30", "ridge_15"}) {
+    const ConcaveShape shape = shape_named(name);
+    const Rough body(shape);
+    Contact contact(body.view, 0);
+    runtime::EnergyMeter meter;
+    double held = 0, least = 0;
+    draw_across(contact, shape.reach, 5e-6, [&](const Vec3& at, const Tick& tick) {
+      meter.add(upright(at), tick);
+      least = std::min(least, meter.given() - meter.returned());
+      if (overlap(body, at) < -0.1 * kDepthScale) held = std::max(held, length(tick.force));
+    });
+    EXPECT_LT(held, 1e-9) << name << ": 8 N and more, clear of the body";
+    EXPECT_GT(least, -1e-6) << name;
+  }
+}
+
+}  // namespace
+}  // namespace palpate
