@@ -63,17 +63,19 @@ public:
     bool waits = (rolled || slides_) && rest_.lies_in_place(pose);
     if (waits || !rest_.lies() || !lie_down(pose, q, d, terms)) stand(q, d, terms);
     const Vec3 way = q - last_;
+    const double depth = depth_;
     last_ = q;
     if (friction && !slides_ && rest_.slow(dot(way, way)) && rest_.far_aside(q)) let_go_round(length(way), d, terms);
     for (;;) {
       if (!(d.depth > 0)) return release(d);
       if (friction) deepen(d, terms);
       if (account_.owed() > 0 && !pay(d, terms)) return release(d);
-      if (!kFriction || !friction) return slide(pose, d, {{}, terms.straight}, terms, way, terms.straight, served);
+      if (!kFriction || !friction)
+        return slide(pose, d, {{}, terms.straight}, terms, way, depth, terms.straight, served);
       const Vec3 core = straight_of_core(terms) + field().sideways(terms, d.sideways);
       const Vec3 pull = rim_.present() ? with_rim_alone(core, d, terms) : core;
       if (length(core) > rim_.core_limit() * terms.limit * (1 + 1e-9)) {
-        return slide(pose, d, slipped(d, terms, core, begins_), terms, way, pull, served);
+        return slide(pose, d, slipped(d, terms, core, begins_), terms, way, depth, pull, served);
       }
       if (rolled) {
         roll_on(pose, d, terms);
@@ -262,8 +264,8 @@ private:
   }
 
   /// Moves c over the surface until the core's sideways deflection is as `wanted`; the rim's anchor stays where it is.
-  /// In this tick the tool went `way` (m); `before` is the sideways force (N) where c is.
-  Tick slide(const Pose& pose, Deflection d, const Slipped& wanted, DepthTerms& terms, const Vec3& way,
+  /// In this tick the tool went `way` (m), from a `depth` (m); `before` is the sideways force (N) where c is.
+  Tick slide(const Pose& pose, Deflection d, const Slipped& wanted, DepthTerms& terms, const Vec3& way, double depth,
              const Vec3& before, const Search* served) {
     Vec3 pull;
     slides_ = true;
@@ -281,7 +283,8 @@ private:
     } else {
       const double held = stored(terms, d), strained = sideways_strain(terms, d, before);
       const Vec3 rim = rim_deflection(d);
-      const bool went = rest_.follow(pose, last_, wanted.deflection, terms.normal_force, length(way), served);
+      const bool went =
+          rest_.follow(pose, last_, wanted.deflection, terms.normal_force, length(way), d.depth - depth, served);
       d = rest_.deflection(last_);
       if (!(d.depth > 0)) return release(d);
       rim_.leave(d.sideways, rim);

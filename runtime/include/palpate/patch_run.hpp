@@ -117,9 +117,9 @@ public:
     }
   }
 
-  /// In this tick the tool came to a pose, p from a place by `way` (m); n is n(c). Several times as far as the skin
-  /// went p may run: a facet that is parallel to the body is as low from corner to corner, and what the next is lower
-  /// when p comes there is lost.
+  /// In this tick the tool came to a pose, p from a place by `way` (m); n is n(c), `size` (m) a contact's. Several
+  /// times as far as the skin went p may run: a facet that is parallel to the body is as low from corner to corner, and
+  /// what the next is lower when p comes there is lost. In fast motions less, lest it leap.
   [[gnu::noinline]] void tick(const View& view, std::uint32_t tool, const ToolPlace& place, const Pose& pose,
                               const Vec3& way, const Vec3& n, double size) {
     if constexpr (kPatches) {
@@ -135,7 +135,8 @@ public:
       const Vec3 down = inverse(pose).rotate(-1 * n), other = down - lowest_;
       // To see that p is lowest where it is takes a look at all patches: not again for the same direction.
       if (!(skin > 0) || dot(other, other) < 1e-18) return;
-      next_ = run_down(view, view.tools[tool], place, down, kTimes * skin, kSizes * size);
+      const double reach = std::fmin(kTimes * skin, 0.25 * size + 3 * skin);
+      next_ = run_down(view, view.tools[tool], place, down, reach, kSizes * size);
       lowest_ = length(next_.point - place.point) > 0 ? Vec3{} : down;
     }
   }

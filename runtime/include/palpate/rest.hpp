@@ -114,24 +114,26 @@ public:
     d.sideways = kept;
   }
 
-  /// Moves c over the surface until the tool at q, which went `moved` (m), is deflected by `sideways` (m) from it.
-  /// False where c cannot go on and the anchor does instead: at a corner, and where the tool is off the body wherever c
-  /// would go, as beyond the lip of a fold. To end there would drop the force at once, so c stays and the contact lets
-  /// go as the tool moves. `served`: see hand_over().
+  /// Moves c over the surface until the tool at q, which went `moved` (m) and is deeper by `deepened` (m), is deflected
+  /// by `sideways` (m) from it. False where c cannot go on and the anchor does instead: at a corner, where the tool is
+  /// off the body wherever c would go, as beyond the lip of a fold, and in a slow motion wherever c would have to leap.
+  /// To end there would drop the force at once, to leap would turn it, so c stays and the contact lets go as the tool
+  /// moves. `served`: see hand_over().
   PALPATE_TICK_INLINE bool follow(const Pose& pose, const Vec3& q, const Vec3& sideways, double force, double moved,
-                                  const Search* served = nullptr) {
+                                  double deepened, const Search* served = nullptr) {
     take_over(held_up_ ? HUGE_VAL : moved);
     const Projection found = foot(q, sideways);
-    if (found.residual > 0.1 * size() && hand_over(pose, q, force, served)) return true;
+    const bool beyond = found.residual > 0.1 * size(), waits = beyond && slow(moved * moved);
+    if (beyond && !waits && hand_over(pose, q, force, served)) return true;
     const double before = deflection(q).depth, there = overlap(found, q);
-    const bool goes = there > 0;
+    const bool goes = there > 0 && !waits;
     if (goes) {
       // What is subtracted is that of the old place: the tool touches here as well, and in a slow motion as deep.
       const double least = kFriction && slow(moved * moved) && view_->has(layout::feature_friction) ? before : 0;
       if (!(there - subtracted_ > least)) subtracted_ = std::fmax(0, there - before);
       place(found, pose);
     } else {
-      subtract(moved);
+      subtract(moved + std::fmax(0, deepened));
       if (lies_in_place(pose) && lies_otherwise(pose)) turn(field_.normal(), pose);
     }
     // What c could not follow, as at a corner, the anchor does: the force would turn round at once.
