@@ -23,13 +23,14 @@ ConcaveShape shape_named(const std::string& name) {
 }
 
 struct Rough : Opened {
-  explicit Rough(const ConcaveShape& shape) : Opened(content(shape)) {}
+  explicit Rough(const ConcaveShape& shape, double mu = 1) : Opened(content(shape, mu)) {}
 
-  static ResponseFileContent content(const ConcaveShape& shape) {
+  static ResponseFileContent content(const ConcaveShape& shape, double mu) {
     Options options;
     options.search = true;
+    options.friction = options.lateral = mu > 0;
     ResponseFileContent made = concave_content(shape, options);
-    set_friction(made, 1);
+    set_friction(made, mu);
     return made;
   }
 };
@@ -37,18 +38,19 @@ struct Rough : Opened {
 /// m, by which the tip overlaps the body.
 double overlap(const Rough& body, const Vec3& at) { return kTipRadius - locate(body.view, at).signed_distance; }
 
-/// A hand that goes down to half the depth scale below the top, across, and up; `see` is told of every tick.
+/// A hand that goes down to some depth scales below the top, across, and up; `see` is told of every tick.
 template <class See>
-void draw_across(Contact& contact, double reach, double stride, const See& see) {
-  const double low = kTipRadius - 0.5 * kDepthScale;
-  Vec3 at{-reach, 7e-4, low + 0.003};
+void draw_across(Contact& contact, double reach, double stride, const See& see, double depth = 0.5) {
+  const double low = kTipRadius - depth * kDepthScale;
+  const double down = 0.0005 + depth * kDepthScale;
+  Vec3 at{-reach, 7e-4, low + down};
   const auto go = [&](const Vec3& step, double way) {
     for (double gone = 0; gone < way; gone += stride) {
       at = at + stride * step;
       see(at, contact.tick(upright(at)));
     }
   };
-  go({0, 0, -1}, 0.003);
+  go({0, 0, -1}, down);
   go({1, 0, 0}, 2 * reach);
   go({0, 0, 1}, 0.02);
 }
@@ -97,6 +99,31 @@ TEST(Concave, BeyondAGrooveTheTopIsFeltAsBefore) {
     EXPECT_EQ(lost, 0) << name;
     EXPECT_GT(beyond, 0.5 * before) << name;
     EXPECT_LT(beyond, 1.3 * before) << name;
+  }
+}
+
+// Deeper than that c cannot follow over a lip. It stays, and lets go as the tool moves: to leap to what is nearest then
+// would turn 3 N round at once.
+TEST(Concave, PressedDeepItLetsGoWithoutALeap) {
+  constexpr double kStride = 1e-5;
+  for (const char* name : {"groove_40", "groove_90", "dent", "slit", "fissure"}) {
+    for (const double mu : {0.0, 0.3, 1.0}) {
+      const ConcaveShape shape = shape_named(name);
+      const Rough body(shape, mu);
+      Contact contact(body.view, 0);
+      runtime::EnergyMeter meter;
+      double largest = 0, least = 0;
+      Vec3 last;
+      const auto see = [&](const Vec3& at, const Tick& tick) {
+        meter.add(upright(at), tick);
+        least = std::min(least, meter.given() - meter.returned());
+        largest = std::max(largest, distance(tick.force, last));
+        last = tick.force;
+      };
+      draw_across(contact, shape.reach, kStride, see, 1.4);
+      EXPECT_LT(largest, 4.5 * stiffest(body.view, 0) * kStride) << name << " " << mu;
+      EXPECT_GT(least, -1e-6) << name << " " << mu;
+    }
   }
 }
 
