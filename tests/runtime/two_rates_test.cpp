@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "tests/runtime/two_lobes.hpp"
@@ -224,7 +225,9 @@ TEST(TwoRates, AServedContactNeverSearches) {
   const Opened box(box_content(options));
   const Trap trap(box.view);
   ASSERT_NE(box.view.search, nullptr);
-  for (const double depth : {0.012, 0.013}) {
+  // A slow hand's c waits where it would leap, until it can follow; a fast one's goes to where the body was seen.
+  for (const auto& [depth, stride] : {std::pair{0.012, 2e-6}, {0.013, 2e-6}, {0.012, 6e-5}, {0.013, 6e-5}}) {
+    const int searched = stride > 1e-5 ? 1 : 0;
     Contact alone(box.view, 0), served(box.view, 0), trapped(trap.view, 0), searching(trap.view, 0), stale(box.view, 0);
     Served searches{box.view, {}, {}};
     const Search old = runtime::search(box.view, 0, upright({0, 0, kTop + kTipRadius + 0.001}));
@@ -255,11 +258,11 @@ TEST(TwoRates, AServedContactNeverSearches) {
     };
     for (double in = -0.001; in < depth; in += 1e-5) go({0.015, 0, kTop + kTipRadius - in}, 0.1);
     const double pressed = length(last.force);
-    for (double x = 0.015; x < 0.035; x += 2e-6) go({x, 0, kTop + kTipRadius - depth}, 3000 * 2 * 2e-6);
+    for (double x = 0.015; x < 0.035; x += stride) go({x, 0, kTop + kTipRadius - depth}, 3000 * 2 * stride);
     EXPECT_EQ(leaps_alone, 1) << depth;
     EXPECT_EQ(leaps, 1) << depth;
-    EXPECT_EQ(fell, 1) << "one that searches is caught";
-    EXPECT_EQ(leaps_stale, 0) << "a search of another place says nothing";
+    EXPECT_EQ(fell, searched) << "one that searches is caught";
+    EXPECT_EQ(leaps_stale, 1 - searched) << "a search of another place says nothing";
     EXPECT_LT(apart, 0.05 * pressed) << depth;
   }
 }
