@@ -42,6 +42,7 @@ inline Two& operator+=(Two& a, const Two& b) { return a = a + b; }
 inline Two& operator*=(Two& a, const Two& b) { return a = a * b; }
 
 inline Two positive(const Two& a) { return {{a.at[0] > 0 ? a.at[0] : 0, a.at[1] > 0 ? a.at[1] : 0}}; }
+/// The same, of what are all numbers or none.
 template <int n>
 PALPATE_TICK_INLINE bool squares_below(const Two (&a)[n], double limit) {
   double most = 0;  // one branch, which takes a microcontroller as long as three operations
