@@ -145,5 +145,49 @@ TEST(Concave, ALiftPastAnEdgeIsFree) {
   }
 }
 
+// Where a ball rolls into a corner, c cannot go on with it: the anchor does. It went back by all that was rolled, 14
+// times as far as its skin and c went.
+TEST(Concave, ABallRollsIntoACornerWithoutAStep) {
+  constexpr double kTurn = 1e-4;  // rad a tick
+  constexpr double kY = 7e-4;
+  const struct {
+    const char* name;
+    double x;
+  } kPlaces[] = {{"ridge_30", 0.0075}, {"ridge_30", 0.009}, {"ridge_15", 0.006}};
+  for (const auto& [name, x] : kPlaces) {
+    const Rough body(shape_named(name));
+    const double k = stiffest(body.view, 0);
+    for (const double side : {-1.0, 1.0}) {
+      Contact contact(body.view, 0);
+      Tick last;
+      double z = 0.02, largest = 0;
+      while (z > -0.02 && !(last.depth > 0.5 * kDepthScale)) last = contact.tick(upright({side * x, kY, z -= 1e-5}));
+      ASSERT_TRUE(last.touches()) << name << " " << x;
+      for (double angle = 0; angle < 0.5; angle += kTurn) {
+        const Tick tick = contact.tick(turned(angle, {0, side, 0}, {side * x, kY, z}));
+        const double way = kTurn * kTipRadius + distance(tick.body_point, last.body_point);
+        largest = std::max(largest, distance(tick.force, last.force) / (k * way));
+        last = tick;
+      }
+      EXPECT_LT(largest, 4.5) << name << " " << side * x;
+    }
+  }
+}
+
+// Of a tool that touches at several places one leaps to where another is: they merge as the tool moves, and what pushes
+// more goes on. The other's push was gone at once.
+TEST(Concave, ContactsThatMeetAtOnceMergeAsTheToolMoves) {
+  Options options;
+  options.search = true;
+  options.tools = Options::Tools::all;
+  const Opened dent(concave_content(shape_named("dent"), options));
+  for (const std::uint32_t tool : {1U, 2U}) {
+    const BatteryCase c{Motion::fast, Driver::several, tool, 5000, 1 + tool, 0.25};
+    const BatteryResult r = run_battery(dent.view, c);
+    EXPECT_EQ(broken_promise(c, r), "") << tool << ": step " << r.step;
+    EXPECT_GT(r.touching, 1000U) << tool;
+  }
+}
+
 }  // namespace
 }  // namespace palpate

@@ -138,9 +138,7 @@ public:
     }
     // What c could not follow, as at a corner, the anchor does: the force would turn round at once.
     held_up_ = !goes || !found.converged;
-    if (held_up_) {
-      anchored_ = anchored_ + deflection(q).sideways - tangential(sideways, field_.normal());
-    }
+    if (held_up_) lead_anchor(q, sideways);
     return !held_up_;
   }
 
@@ -162,11 +160,13 @@ public:
     return dot(rolled_, rolled_) >= kShare * kShare * size() * size();
   }
 
-  /// Moves c by what was rolled, and the anchor back to it.
+  /// Moves c by what was rolled, and the anchor back to it; by so much of it as c can go.
   void roll_on(const Pose& pose, const Vec3& q, const Deflection& d) {
     anchored_ = anchored_ - rolled_;
     rolled_ = {};
-    place(foot(q, d.sideways), pose);
+    const Projection found = foot(q, d.sideways);
+    place(found, pose);
+    if (!found.converged) lead_anchor(q, d.sideways);
   }
 
   /// In this tick the tool moved, where p is by `way` (m). So p may run over its profile, several times as far as the
@@ -229,6 +229,11 @@ public:
   }
 
 private:
+  /// Moves the anchor to where the tool at q is deflected by `sideways` from it, for c could not follow.
+  void lead_anchor(const Vec3& q, const Vec3& sideways) {
+    anchored_ = anchored_ + deflection(q).sideways - tangential(sideways, field_.normal());
+  }
+
   /// What the anchor went ahead of c, c takes over when it slides: no faster than the tool moves, by `moved` (m) in
   /// this tick, for another place at once would answer with a step. What the tool turned meanwhile slipped.
   void take_over(double moved) {

@@ -14,8 +14,8 @@ namespace palpate::runtime {
 /// One tool that may touch at up to `Most` places: tip and stem, or between two lobes. The first contact is Contact's.
 /// Another begins, at zero force, where the tool overlaps the body beyond a hollow: the straight line from a contact
 /// point to it is outside the body half way. As two points c come closer than `gap` the later one's share falls, to
-/// nothing at half the gap, so that contacts merge without a step; what is stored falls and rises with it
-/// (Contact::rescaled). Every tick takes bounded time and allocates nothing; a look for another place is nine searches
+/// nothing at half the gap, so that contacts merge without a step, as the tool moves where one leapt to another's place;
+/// what is stored falls and rises with it (Contact::rescaled). Every tick takes bounded time and allocates nothing; a look for another place is nine searches
 /// more (for a mesh tool three for every patch) and is made once the tool or c has moved by what is known to be free.
 /// kFeatures as those of BasicContact.
 template <int Most = 2, std::uint32_t kFeatures = layout::feature_all>
@@ -63,15 +63,8 @@ private:
       last_ = sum.each;
       return sum;
     }
-    // The first contact is the one that searches: where it was let go, another takes its place.
-    for (int k = 1; k < Most && !sum.each[0].touches(); ++k) {
-      if (!sum.each[k].touches()) continue;
-      std::swap(contacts_[0], contacts_[k]);
-      std::swap(sum.each[0], sum.each[k]);
-      std::swap(share_[0], share_[k]);
-      // It did not move there.
-      looked_c_ = sum.each[0].body_point;
-      before_ = motion(pose, sum.each[0]);
+    for (int k = 1; k < Most; ++k) {
+      if (takes_over(k, sum)) lead(k, pose, sum);
     }
     if (!sum.each[0].touches()) {
       share_.fill(1);
@@ -95,6 +88,24 @@ private:
     return search;
   }
 
+  /// The first contact is the one that searches: where it was let go, another takes its place, and so does one to which
+  /// it came too near and that pushes more.
+  [[nodiscard]] bool takes_over(int k, const SeveralTick<Most>& sum) const {
+    const Tick &first = sum.each[0], &other = sum.each[k];
+    if (!other.touches()) return false;
+    if (!first.touches()) return true;
+    return length(other.body_point - first.body_point) < 0.5 * finder_.gap() &&
+           share_[k] * length(other.force) > share_[0] * length(first.force);
+  }
+  void lead(int k, const Pose& pose, SeveralTick<Most>& sum) {
+    std::swap(contacts_[0], contacts_[k]);
+    std::swap(sum.each[0], sum.each[k]);
+    std::swap(share_[0], share_[k]);
+    // It did not move there.
+    looked_c_ = sum.each[0].body_point;
+    before_ = motion(pose, sum.each[0]);
+  }
+
   /// Adds contact k with the share that its distance from those before it leaves.
   void weigh(int k, SeveralTick<Most>& sum) {
     const auto at = static_cast<std::size_t>(k);
@@ -105,8 +116,8 @@ private:
       const double apart = length(tick.body_point - sum.each[j].body_point) / finder_.gap();
       share = std::fmin(share, std::fmax(0, 2 * apart - 1));
     }
-    // The first keeps what it has when it was another before: its share comes back as the tool moves.
-    share = std::fmin(share, share_[at] + grow_);
+    // A share changes as the tool moves: where a point c leapt to another's, or the first was another before.
+    share = std::fmax(std::fmin(share, share_[at] + grow_), share_[at] - fade_);
     if (k > 0 && !(share > 0)) {
       contacts_[at].reset();
       tick = {};
@@ -172,6 +183,7 @@ private:
   double grow(const Pose& pose, const Tick& first) {
     const double moved = motion(pose, first), more = moved - before_;
     grow_ = std::fmin(1, more > 0 ? more / finder_.gap() : 0);
+    fade_ = 2 * std::fabs(more) / finder_.gap();
     before_ = moved;
     return moved;
   }
@@ -194,7 +206,7 @@ private:
   Pose looked_;
   Vec3 looked_c_;
   double free_ = -1, before_ = 0;  ///< m since the last look: needs none yet; was in the last tick
-  double grow_ = 0;                ///< most that a share rises in this tick
+  double grow_ = 0, fade_ = 0;     ///< most that a share rises and falls in this tick
 };
 
 /// Several tools on one body (two instruments, five fingertips): each keeps its own contact and its own handle, and the
