@@ -2,6 +2,7 @@
 #include "tests/runtime/battery.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <random>
@@ -88,8 +89,9 @@ public:
     sum.force = now.force;
     sum.torque = now.torque;
     sum.friction_limit = HUGE_VAL;  // that of none
-    double crept = 0;
-    for (const Tick& each : now.each) {
+    std::array<double, 3> crept = {};
+    for (std::size_t k = 0; k < now.each.size(); ++k) {
+      const Tick& each = now.each[k];
       if (each.state == State::fault) return each;
       if (!touches(each)) continue;
       if (sum.state != State::slide) sum.state = each.state;
@@ -98,9 +100,11 @@ public:
       for (const Tick& before : last_.each) {
         if (touches(before)) least = std::min(least, length(each.body_point - before.body_point));
       }
-      if (std::isfinite(least) && now.touching <= last_.touching) crept = std::max(crept, least);
+      if (std::isfinite(least)) crept[k] = least;
     }
-    along_ += crept;
+    // One that begins is far from all.
+    std::sort(crept.begin(), crept.end());
+    along_ += crept[crept.size() - 1 - static_cast<std::size_t>(std::max(0, now.touching - last_.touching))];
     sum.body_point = {along_, 0, 0};
     last_ = now;
     return sum;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Searches, shapes and factors at a low rate, forces at a high one: in one thread step by step, and in two that race
 // (built with the thread sanitizer).
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <random>
@@ -226,17 +227,17 @@ TEST(TwoRates, AServedContactNeverSearches) {
   const Trap trap(box.view);
   ASSERT_NE(box.view.search, nullptr);
   // A slow hand's c waits where it would leap, until it can follow; a fast one's goes to where the body was seen.
-  for (const auto& [depth, stride] : {std::pair{0.012, 2e-6}, {0.013, 2e-6}, {0.012, 6e-5}, {0.013, 6e-5}}) {
-    const int searched = stride > 1e-5 ? 1 : 0;
+  for (const auto& [depth, stride] : {std::pair{0.012, 2e-6}, {0.013, 2e-6}, {0.012, 3e-4}, {0.013, 3e-4}}) {
+    const std::size_t searched = stride > 1e-5 ? 1 : 0;
     Contact alone(box.view, 0), served(box.view, 0), trapped(trap.view, 0), searching(trap.view, 0), stale(box.view, 0);
     Served searches{box.view, {}, {}};
     const Search old = runtime::search(box.view, 0, upright({0, 0, kTop + kTipRadius + 0.001}));
     Tick last_alone, last, last_stale;
-    int leaps = 0, leaps_alone = 0, leaps_stale = 0, fell = 0;
-    double apart = 0;
-    const auto leapt = [](const Tick& tick, Tick& before) {
+    std::size_t leaps = 0, leaps_alone = 0, leaps_stale = 0, fell = 0;
+    std::vector<double> apart;
+    const auto leapt = [far = 1e-3 + 5 * stride](const Tick& tick, Tick& before) {
       const bool touched = before.state == State::slide && tick.state == State::slide;
-      const bool leap = touched && distance(tick.body_point, before.body_point) > 1e-3;
+      const bool leap = touched && distance(tick.body_point, before.body_point) > far;
       before = tick;
       return leap;
     };
@@ -254,7 +255,7 @@ TEST(TwoRates, AServedContactNeverSearches) {
       leaps_alone += leap;
       leaps_stale += leap && stale_leapt;
       leaps += leapt(b, last);
-      apart = std::fmax(apart, distance(a.force, b.force));
+      apart.push_back(distance(a.force, b.force));
     };
     for (double in = -0.001; in < depth; in += 1e-5) go({0.015, 0, kTop + kTipRadius - in}, 0.1);
     const double pressed = length(last.force);
@@ -263,7 +264,9 @@ TEST(TwoRates, AServedContactNeverSearches) {
     EXPECT_EQ(leaps, 1) << depth;
     EXPECT_EQ(fell, searched) << "one that searches is caught";
     EXPECT_EQ(leaps_stale, 1 - searched) << "a search of another place says nothing";
-    EXPECT_LT(apart, 0.05 * pressed) << depth;
+    // A fast one, whose searches are old, may leap two ticks later than one that searches itself.
+    std::sort(apart.rbegin(), apart.rend());
+    EXPECT_LT(apart[2 * searched], 0.05 * pressed) << depth;
   }
 }
 

@@ -37,8 +37,7 @@ public:
       }
       lies_ = spins_;
     }
-    alike_ = !lies_ && !profile_;
-    lies_ = !alike_ || run_.runs();
+    lies_ = lies_ || profile_ || run_.runs();
   }
 
   /// Where a tool's point of a search met the body: deflected by what it went since then.
@@ -85,11 +84,10 @@ public:
   /// The skin overlaps the body by this depth (m), too.
   [[nodiscard]] bool overlaps(double depth) const { return depth + subtracted_ > 0; }
 
-  /// What holds of slow motions alone, and of tools that answer alike however they lie: p went by a way whose square is
-  /// given (m^2).
+  /// What holds of slow motions alone: p went by a way whose square is given (m^2).
   [[nodiscard]] PALPATE_TICK_INLINE bool slow(double squared) const {
     const double most = kSlow * view_->meta->depth_scale;
-    return alike_ && squared < most * most;
+    return squared < most * most;
   }
 
   /// The tool at q is so far aside of c that it may be past an edge: the surface may be nearer to it than the plane of
@@ -201,10 +199,19 @@ public:
   /// deepest, c with it, as far as it may and without changing the deflection d of the tool at q: what is gained in
   /// depth that way is no work of the hand and is subtracted. So does p on a mesh tool, over its patches.
   void lie_down(const Pose& pose, const Deflection& d) {
-    const ToolPlace there = next(pose);
+    ToolPlace there = next(pose);
     if (length(there.point - anchor_) > 1e-9 * probe_) {
-      const Vec3 q = pose.apply(there.point);
-      const Projection to = foot(q, d.sideways);
+      Vec3 q = pose.apply(there.point);
+      Projection to = foot(q, d.sideways);
+      if (profile_) {
+        // On a sharp edge p may cross the deepest place: there c and p would go to and fro.
+        const double before = pose.along_axis(field_.normal()), after = pose.along_axis(to.normal);
+        if (before * after < 0) {
+          there.point = anchor_ + before / (before - after) * (there.point - anchor_);
+          q = pose.apply(there.point);
+          to = foot(q, d.sideways);
+        }
+      }
       const double gained = overlap(to, q) - subtracted_ - d.depth;
       if (to.converged && gained >= 0) {
         anchor_ = there.point;
@@ -360,13 +367,13 @@ private:
   // How many times as far as the skin p may run. A tip that rolls runs once as far round itself, the rest is to catch
   // up; along the axis the skin that went farthest counts, for there c runs with p.
   static constexpr double kRound = 3, kAlong = 8;
-  static constexpr double kSlow = 0.0101;  // of the depth scale, in a tick: 5 cm/s where that is 5 mm
-  static constexpr double kBend = 0.05;    // of a contact's size, that a bend of the surface may add to a depth
+  static constexpr double kSlow = 0.05;  // of the depth scale, in a tick: 25 cm/s at 1 kHz where that is 5 mm
+  static constexpr double kBend = 0.05;  // of a contact's size, that a bend of the surface may add to a depth
 
   const View* view_;
   std::uint32_t tool_;
   double probe_;  ///< m
-  bool profile_ = false, lies_ = false, alike_ = true;
+  bool profile_ = false, lies_ = false;
   detail::If<kSpin, bool> spins_ = {};
 
   BodyPoint at_;
