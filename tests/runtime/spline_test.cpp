@@ -174,13 +174,8 @@ TEST(Pieces, TakeTheSameCubicsOneByOneAndInTwos) {
     }
     for (int interval = -1; interval <= count - 3; ++interval) {
       const spline::Interval at(count, interval);
-      runtime::Two four[4];
-      for (int i = 0; i < 4; ++i) {
-        const auto from = static_cast<std::size_t>(at.first() + i);
-        four[i] = runtime::two(static_cast<double>(c[0][from]), static_cast<double>(c[1][from]));
-      }
       runtime::Pieces<2> alone, both;
-      both.set_two(0, at.of_four(four), interval);
+      both.take_two(0, c[0].data() + at.first(), c[1].data() + at.first(), at, interval);
       for (int k = 0; k < 2; ++k) {
         alone.take(k, c[k].data(), at, interval);
         for (const auto* pieces : {&alone, &both}) {

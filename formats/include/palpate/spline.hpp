@@ -2,6 +2,8 @@
 // Clamped uniform cubic B-splines: the one basis that the fit and the runtime share.
 #pragma once
 
+#include <cmath>
+
 namespace palpate::spline {
 
 /// The four basis functions that are not zero at an abscissa: coefficients first .. first + 3.
@@ -121,7 +123,13 @@ inline int interval_of(int count, double t) {
 /// The same of a spline that goes on along its tangents: before u = 0 (and where t is no number) it is -1, beyond u = 1
 /// the one after the last.
 inline int interval_onwards(int count, double t) {
+#if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M' && (__ARM_FP & 8) != 0
+  // One instruction each on a microcontroller, where a branch takes three. The very end counts as beyond: what goes on
+  // there is the same.
+  return static_cast<int>(std::fmin(std::fmax(std::floor(t), -1.0), count - 3.0));
+#else
   return !(t >= 0) ? -1 : t > count - 3 ? count - 3 : interval_of(count, t);
+#endif
 }
 
 /// The first of the four coefficients that take part on such an interval.

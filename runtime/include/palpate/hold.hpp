@@ -58,9 +58,12 @@ public:
     Vec3 q = before;
     Deflection d;
     DepthTerms terms;
-    if (rest_.lies()) rest_.let_run(pose, before - last_);
-    // Where c goes on it takes up how the tool lies anyway.
-    bool waits = (rolled || slides_) && rest_.lies_in_place(pose);
+    bool waits = false;
+    if (rest_.lies()) {
+      rest_.let_run(pose, before - last_);
+      // Where c goes on it takes up how the tool lies anyway. After a leap it mostly does.
+      waits = (rolled || slides_ || rest_.far(before - last_)) && rest_.lies_in_place(pose);
+    }
     if (waits || !rest_.lies() || !lie_down(pose, q, d, terms)) stand(q, d, terms);
     const Vec3 way = q - last_;
     const double depth = depth_;

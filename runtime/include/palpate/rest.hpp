@@ -90,6 +90,12 @@ public:
     return squared < most * most;
   }
 
+  /// Farther than a hand goes in a tick, by a `way` (m) of p.
+  [[nodiscard]] bool far(const Vec3& way) const {
+    const double most = kFar * size();
+    return dot(way, way) > most * most;
+  }
+
   /// The tool at q is so far aside of c that it may be past an edge: the surface may be nearer to it than the plane of
   /// c by more than past_edge() leaves out.
   [[nodiscard]] PALPATE_TICK_INLINE bool far_aside(const Vec3& q) const {
@@ -352,11 +358,29 @@ private:
     place(found, pose);
     offset_ = anchored_ = {};
     subtracted_ = 0;
-    if (field_.at_depth(there).normal_force > force) {
-      double low = 0, high = there;
-      for (int i = 0; i < 40; ++i) {
-        const double middle = 0.5 * (low + high);
-        (field_.at_depth(middle).normal_force > force ? high : low) = middle;
+    DepthTerms terms;
+    const auto excess = [&](double depth) {
+      field_.set_depth(depth, terms);
+      return terms.normal_force - force;
+    };
+    if (const double most = excess(there); most > 0) {
+      // The Illinois rule, as in first_touch(); what answers with less is taken.
+      double low = 0, high = there, at_low = -force, at_high = most, left = force;
+      for (int i = 0, stayed = 0; i < 40 && high - low > kExact * there && left > kExact * force; ++i) {
+        const double depth = i % 4 == 3 ? 0.5 * (low + high) : low + (high - low) * at_low / (at_low - at_high);
+        const double at = excess(depth);
+        if (at > 0) {
+          high = depth;
+          at_high = at;
+          if (stayed > 0) at_low *= 0.5;
+          stayed = 1;
+        } else {
+          low = depth;
+          at_low = at;
+          left = -at;
+          if (stayed < 0) at_high *= 0.5;
+          stayed = -1;
+        }
       }
       subtract(there - low);
     }
@@ -367,8 +391,10 @@ private:
   // How many times as far as the skin p may run. A tip that rolls runs once as far round itself, the rest is to catch
   // up; along the axis the skin that went farthest counts, for there c runs with p.
   static constexpr double kRound = 3, kAlong = 8;
-  static constexpr double kSlow = 0.05;  // of the depth scale, in a tick: 25 cm/s at 1 kHz where that is 5 mm
-  static constexpr double kBend = 0.05;  // of a contact's size, that a bend of the surface may add to a depth
+  static constexpr double kSlow = 0.05;   // of the depth scale, in a tick: 25 cm/s at 1 kHz where that is 5 mm
+  static constexpr double kFar = 0.1;     // of a contact's size, in a tick: 50 cm/s at 1 kHz where that is 5 mm
+  static constexpr double kExact = 1e-9;  // of a depth and its force, where c is handed over
+  static constexpr double kBend = 0.05;   // of a contact's size, that a bend of the surface may add to a depth
 
   const View* view_;
   std::uint32_t tool_;

@@ -89,7 +89,7 @@ public:
   /// Force (N) at a deflection x, y (of the sideways scale) of a part.
   [[nodiscard]] PALPATE_TICK_INLINE Two force(const Lanes* growth, int part, double x, double y) const {
     if (apart_) return force_apart(growth, part, x, y);
-    const Lanes share = find(part, 0, x, y);
+    const Lanes share = find<false>(part, 0, x, y);
     Lanes phi, f;
     each_layer([&](int j) PALPATE_INLINE_LAMBDA {
       layer_[j].phi[part].at(share, phi);
@@ -102,6 +102,13 @@ public:
   }
 
 private:
+  // All of a layer lies together, near enough for a microcontroller to reach it from one address.
+  struct Layer {
+    Pieces<kLanes> growth, phi[kParts];
+    Lanes weight = {}, cosine = {}, sine = {};  ///< the sine of each y is the negative
+    const float* coefs[kSites] = {};
+  };
+
   /// The layers that are there without spins, one by one: of a loop compilers would put two beside each other and take
   /// what is left number by number.
   template <class Each>
@@ -127,12 +134,11 @@ private:
     }
   }
 
-  void take_growth(int layer, int k, const spline::Interval& at, int interval) const {
+  PALPATE_TICK_INLINE void take_growth(int layer, int k, const spline::Interval& at, int interval) const {
     const Pieces<kLanes>& growth = layer_[layer].growth;
     if (growth.interval(2 * k) == interval) return;
     const float *x = growth_coefs(layer, 2 * k) + at.first(), *y = x + growth_count_;
-    const Two four[4] = {two(x[0], y[0]), two(x[1], y[1]), two(x[2], y[2]), two(x[3], y[3])};
-    growth.set_two(k, at.of_four(four), interval);
+    growth.take_two(k, x, y, at, interval);
   }
 
   /// The same where every response has an axis of its own.
@@ -140,7 +146,7 @@ private:
     Two force = two(0, 0);
     for (int j = 0; j < layers_; ++j) {
       Lanes phi;
-      layer_[j].phi[part].at(find(part, j, x, y), phi);
+      layer_[j].phi[part].at(find<true>(part, j, x, y), phi);
       for (int k = 0; k < kSites; ++k) force += turned(j, k, growth[j].of[k] * phi.of[k]);
     }
     return force;
@@ -148,23 +154,31 @@ private:
 
   /// Shares of the intervals of phi on which a deflection lies, of a layer or of all that lie as the first; they are
   /// taken where they are others.
+  template <bool kApart>
   [[nodiscard]] PALPATE_TICK_INLINE Lanes find(int part, int layer, double x, double y) const {
+    const Layer& asked = layer_[layer];
     Lanes t, share;
-    turn_in(layer, x, y, t);
-    return layer_[layer].phi[part].shares(t, share) ? share : take_phi(part, layer, x, y);
+    turn_in(asked, x, y, t);
+    return asked.phi[part].shares(t, share) ? share : take_phi<kApart>(asked, part, t.of[0], t.of[1], t.of[2]);
   }
-  // Rarely called, and long: inlined it would slow every tick.
-  [[gnu::noinline]] Lanes take_phi(int part, int layer, double x, double y) const {
-    Lanes t, share;
-    turn_in(layer, x, y, t);
-    const int end = apart_ ? layer + 1 : layers_;
+  // Rarely called, and long: inlined it would slow every tick. What is asked for comes in registers, site by site; the
+  // layer is the first where all lie alike.
+  template <bool kApart>
+  [[gnu::noinline]] Lanes take_phi(const Layer& asked, int part, Two t0, Two t1, Two t2) const {
+    const Lanes t = {{t0, t1, t2}};
+    const Pieces<kLanes>& phi = asked.phi[part];
+    const int count = sideways_count_;
     unrolled<kLanes>([&](int k) PALPATE_INLINE_LAMBDA {
-      const int interval = spline::interval_onwards(sideways_count_, t[k]);
-      if (layer_[layer].phi[part].interval(k) == interval) return;
-      const spline::Interval at(sideways_count_, interval);
-      for (int j = layer; j < end; ++j) layer_[j].phi[part].take(k, phi_coefs(j, k), at, interval);
+      if (phi.on_interval(k, t[k])) return;
+      const int interval = spline::interval_onwards(count, t[k]);
+      const spline::Interval at(count, interval);
+      if (!at.inside() && phi.interval(k) == interval) return;
+      phi.take(k, phi_coefs(asked, k), at, interval);
+      if constexpr (kApart) return;
+      for (int j = 1; j < layers_; ++j) layer_[j].phi[part].take(k, phi_coefs(layer_[j], k), at, interval);
     });
-    layer_[layer].phi[part].shares(t, share);  // beyond the scale they are no shares, but how far
+    Lanes share;
+    phi.shares(t, share);  // beyond the scale they are no shares, but how far
     return share;
   }
 
@@ -182,8 +196,8 @@ private:
   [[nodiscard]] const float* growth_coefs(int layer, int lane) const {
     return layer_[layer].coefs[lane / 2] + (lane % 2) * growth_count_;
   }
-  [[nodiscard]] const float* phi_coefs(int layer, int lane) const {
-    return layer_[layer].coefs[lane / 2] + 2 * growth_count_ + (lane % 2) * sideways_count_;
+  [[nodiscard]] const float* phi_coefs(const Layer& layer, int lane) const {
+    return layer.coefs[lane / 2] + 2 * growth_count_ + (lane % 2) * sideways_count_;
   }
 
   void weigh(int layer, const Lanes& g, Lanes& growth) const {
@@ -194,10 +208,10 @@ private:
   }
 
   /// A deflection (of the scale) in the frames of a layer, in intervals of phi.
-  void turn_in(int layer, double x, double y, Lanes& t) const {
+  void turn_in(const Layer& layer, double x, double y, Lanes& t) const {
     const double u = half_ * x, v = half_ * y;
     unrolled<kSites>([&](int k) PALPATE_INLINE_LAMBDA {
-      t.of[k] = two(half_, half_) + layer_[layer].cosine.of[k] * two(u, v) + layer_[layer].sine.of[k] * two(v, u);
+      t.of[k] = two(half_, half_) + layer.cosine.of[k] * two(u, v) + layer.sine.of[k] * two(v, u);
     });
   }
 
@@ -205,13 +219,6 @@ private:
   [[nodiscard]] Two turned(int layer, int k, const Two& f) const {
     return layer_[layer].cosine.of[k] * f - layer_[layer].sine.of[k] * swapped(f);
   }
-
-  // All of a layer lies together, near enough for a microcontroller to reach it from one address.
-  struct Layer {
-    Pieces<kLanes> growth, phi[kParts];
-    Lanes weight = {}, cosine = {}, sine = {};  ///< the sine of each y is the negative
-    const float* coefs[kSites] = {};
-  };
 
   Layer layer_[kLayers];
   int growth_count_ = 0, sideways_count_ = 0, layers_ = 0;

@@ -10,7 +10,7 @@ namespace palpate::runtime {
 
 struct Slipped {
   Vec3 deflection;    ///< m
-  Vec3 force;         ///< N, sideways, there
+  Vec3 force;         ///< N, sideways, there; of a leap, about
   bool holds = true;  ///< there; else no deflection was found at which friction does
 };
 
@@ -31,28 +31,39 @@ template <class AnyField>
                                   const Vec3& force) {
   // A hair below the limit: that is met from either side.
   constexpr double kHair = 5e-6;
-  const double limit = (1 - kHair) * what.limit, close = kHair * what.limit, scale = what.scale;
-  const Vec3 direction = (1 / length(force)) * force;
+  // Of a leap, by more of the scale than this at once: what is left of the excess, where it is a limit; how many limits
+  // it may be before a guess has to do. How much of what is across the line may be left along it.
+  constexpr double kLeap = 0.05, kLeft = 1e-3, kMostLimits = 10, kAcross = 0.75;
+  const double limit = (1 - kHair) * what.limit, hair = kHair * what.limit, scale = what.scale;
+  const double size = length(force), reach = length(from), most = reach + 2 * scale;
+  const Vec3 direction = (1 / size) * force;
   const coupled::Vec2 start = field.in_plane(from), line = field.in_plane(direction),
                       straight = field.in_plane(what.straight);
+  double low = 0, at_low = size - limit;
+  // A line from no force at no deflection falls short of the root, as forces rise less and less; it is near enough to
+  // tell how far that is: a little more brackets it, or meets it. What falls short twice, and not by much less, is
+  // doubled.
+  const double guess = reach * at_low / size;
+  // Where c goes on, the place that it comes to has the last word: of a leap it suffices to know about how far it goes.
+  const bool leaps = !what.at_once && guess > kLeap * scale;
+  if (leaps && at_low > kMostLimits * limit) return {from + guess * direction, limit * direction, true};
+  const double enough = leaps ? std::fmax(hair, kLeft * at_low * at_low / limit) : hair;
+  double close = enough;
   coupled::Vec2 pull{};
   const auto excess = [&](double way) {
     pull = straight + field.sideways(terms, start + way * line, what.part);
     const double along = dot(pull, line);
     if (!what.at_once) return along - limit;
-    const double left = limit * limit - (dot(pull, pull) - along * along);
+    const double across = dot(pull, pull) - along * along, left = limit * limit - across;
+    // What is across more than friction holds gives way next, along a line of its own.
+    close = left > 0 ? hair : kAcross * std::sqrt(across);
     return along - (left > 0 ? std::sqrt(left) : 0);
   };
-  const double most = length(from) + 2 * scale;
-  double low = 0, at_low = dot(force, direction) - limit;
-  // A line from no force at no deflection falls short of the root, as forces rise less and less; it is near enough to
-  // tell how far that is: a little more brackets it, or meets it. What falls short twice is doubled.
-  const double guess = length(from) * at_low / dot(force, direction);
   double high = guess > 1e-9 * scale ? (guess < most ? guess : most) : 1e-3 * scale;
   double at_high = excess(high), third = low, at_third = at_low;
   for (int turn = 0; at_high > close && high < most; ++turn) {
     const double drop = at_low - at_high, root = drop > 0 ? high + 1.0001 * (high - low) * at_high / drop : most;
-    const double next = turn < 2 ? root : 2 * high;
+    const double next = turn < 2 || at_high < 0.1 * at_low ? root : 2 * high;
     third = low;
     at_third = at_low;
     low = high;
@@ -65,7 +76,7 @@ template <class AnyField>
   };
   if (at_high > close) {
     // The straight push alone is beyond the limit: the anchor creeps on, tick by tick.
-    high = length(from) + 0.02 * scale;
+    high = reach + 0.02 * scale;
     excess(high);
     return there(high, false);
   }
