@@ -14,10 +14,10 @@ namespace palpate::runtime {
 /// One tool that may touch at up to `Most` places: tip and stem, or between two lobes. The first contact is Contact's.
 /// Another begins, at zero force, where the tool overlaps the body beyond a hollow: the straight line from a contact
 /// point to it is outside the body half way. As two points c come closer than `gap` the later one's share falls, to
-/// nothing at half the gap, so that contacts merge without a step, as the tool moves where one leapt to another's place;
-/// what is stored falls and rises with it (Contact::rescaled). Every tick takes bounded time and allocates nothing; a look for another place is nine searches
-/// more (for a mesh tool three for every patch) and is made once the tool or c has moved by what is known to be free.
-/// kFeatures as those of BasicContact.
+/// nothing at half the gap, so that contacts merge without a step, as the tool moves where one leapt to another's
+/// place; what is stored falls and rises with it (Contact::rescaled). Every tick takes bounded time and allocates
+/// nothing; a look for another place is nine searches more (for a mesh tool three for every patch) and is made once the
+/// tool or c has moved by what is known to be free. kFeatures as those of BasicContact.
 template <int Most = 2, std::uint32_t kFeatures = layout::feature_all>
 class SeveralContacts {
   static_assert(Most >= 2);
