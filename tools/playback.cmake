@@ -3,10 +3,12 @@
 # timing.
 add_library(palpate_playback STATIC closed_motions.cpp motion_file.cpp play.cpp plot.cpp response_input.cpp straight_press.cpp)
 target_link_libraries(palpate_playback PUBLIC palpate_runtime palpate_response palpate_file PRIVATE palpate_settings)
+palpate_together(palpate_playback)
 # What drive shares with play: runs recorded and replayed, devices placed in scenes and shown.
 if(TARGET palpate_device)
   add_library(palpate_drive STATIC drive_device.cpp drive_frame.cpp drive_view.cpp play_run.cpp)
   target_link_libraries(palpate_drive PUBLIC palpate_playback palpate_device PRIVATE palpate_settings)
+  palpate_together(palpate_drive)
 endif()
 if(PALPATE_BENCH)
   find_package(benchmark REQUIRED)
