@@ -56,15 +56,18 @@ StabilityCase case_of(const char* kind, const ContactLaw& law, const NamedHand& 
   return {device::find_sim_kind(kind), &law, &hand, 1000, 0.0015};
 }
 
+/// A tool that is thrown off and comes back by a hundred steps goes on, though it may come less far the next time.
+bool goes_on(const device::Swing& swing, double step) { return swing.oscillates(step) || swing.late > 100 * step; }
+
 /// The contact as stiff as kStiff where it rests: oscillates alone and behind a coupling that is too stiff, not behind
 /// one that is called safe.
 void expect_mended(const StabilityCase& c, const CouplingOptions& safe) {
   const double scale = scale_of(c, kStiff), step = c.kind->plant.resolution;
   const std::string name = std::string(c.kind->kind.name) + ' ' + c.law->name;
-  EXPECT_TRUE(swing(c, scale, c.law->make(scale)).oscillates(step)) << name;
+  EXPECT_TRUE(goes_on(swing(c, scale, c.law->make(scale)), step)) << name;
   CouplingOptions stiff;
   stiff.stiffness = 4 * kStiff;
-  EXPECT_TRUE(coupled_swing(c, scale, stiff).oscillates(step)) << name;
+  EXPECT_TRUE(goes_on(coupled_swing(c, scale, stiff), step)) << name;
   const device::Swing swing = coupled_swing(c, scale, safe);
   EXPECT_FALSE(swing.oscillates(step)) << name << ' ' << safe.stiffness << ' ' << safe.damping;
   EXPECT_LT(swing.late, 3 * step) << name << ' ' << safe.stiffness << ' ' << safe.damping;
