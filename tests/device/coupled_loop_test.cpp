@@ -56,18 +56,16 @@ StabilityCase case_of(const char* kind, const ContactLaw& law, const NamedHand& 
   return {device::find_sim_kind(kind), &law, &hand, 1000, 0.0015};
 }
 
-/// A tool that is thrown off and comes back by a hundred steps goes on, though it may come less far the next time.
-bool goes_on(const device::Swing& swing, double step) { return swing.oscillates(step) || swing.late > 100 * step; }
-
 /// The contact as stiff as kStiff where it rests: oscillates alone and behind a coupling that is too stiff, not behind
-/// one that is called safe.
-void expect_mended(const StabilityCase& c, const CouplingOptions& safe) {
+/// one that is called safe. `thrown`: alone it may bounce without a pattern, by a hundred steps and more.
+void expect_mended(const StabilityCase& c, const CouplingOptions& safe, bool thrown = false) {
   const double scale = scale_of(c, kStiff), step = c.kind->plant.resolution;
   const std::string name = std::string(c.kind->kind.name) + ' ' + c.law->name;
-  EXPECT_TRUE(goes_on(swing(c, scale, c.law->make(scale)), step)) << name;
+  const device::Swing alone = swing(c, scale, c.law->make(scale));
+  EXPECT_TRUE(alone.oscillates(step) || (thrown && alone.late > 100 * step)) << name << ' ' << alone.late;
   CouplingOptions stiff;
   stiff.stiffness = 4 * kStiff;
-  EXPECT_TRUE(goes_on(coupled_swing(c, scale, stiff), step)) << name;
+  EXPECT_TRUE(coupled_swing(c, scale, stiff).oscillates(step)) << name;
   const device::Swing swing = coupled_swing(c, scale, safe);
   EXPECT_FALSE(swing.oscillates(step)) << name << ' ' << safe.stiffness << ' ' << safe.damping;
   EXPECT_LT(swing.late, 3 * step) << name << ' ' << safe.stiffness << ' ' << safe.damping;
@@ -102,7 +100,7 @@ TEST(CoupledLoop, RestsOnAFileBehindWhatSafetySays) {
     options.scale = scale_of(c, kStiff);
     const device::Safety safety = device::safety(opened.view, plant_of(c), options);
     EXPECT_FALSE(safety.passive_for_any_hand());
-    expect_mended(c, {safety.largest_coupling, 0});
+    expect_mended(c, {safety.largest_coupling, 0}, true);
   }
 }
 

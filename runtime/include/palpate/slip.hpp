@@ -47,8 +47,7 @@ template <class AnyField>
   // Where c goes on, the place that it comes to has the last word: of a leap it suffices to know about how far it goes.
   const bool leaps = !what.at_once && guess > kLeap * scale;
   if (leaps && at_low > kMostLimits * limit) return {from + guess * direction, limit * direction, true};
-  const double enough = leaps ? std::fmax(hair, kLeft * at_low * at_low / limit) : hair;
-  double close = enough;
+  double close = leaps ? std::fmax(hair, kLeft * at_low * at_low / limit) : hair;
   coupled::Vec2 pull{};
   const auto excess = [&](double way) {
     pull = straight + field.sideways(terms, start + way * line, what.part);
