@@ -2,6 +2,7 @@
 // Where a tool first touched between two ticks: what it did since is work of the hand, and counts.
 #pragma once
 
+#include "palpate/illinois.hpp"
 #include "palpate/project.hpp"
 
 #include <cmath>
@@ -41,19 +42,19 @@ inline double overlap(const Projection& foot, double probe) {
   // So shallow nothing is held sideways yet, and c is where it touched but for as little.
   if (flat <= 0 && depth < kShallow * view.meta->depth_scale) return {found, to, 0, false};
   FirstTouch touch{found, to, depth};
-  double low = 0, at_low = flat, high = 1, at_high = depth;
+  Illinois root{0, flat, 1, depth};
   bool walked = false;
   BodyPoint clear = found.at;
-  for (int i = 0, stayed = 0; i < kMostSteps; ++i) {
-    if (!walked && (i > 0 || !(at_low < 0))) {
+  while (root.looks < kMostSteps) {
+    if (!walked && (root.looks > 0 || !(root.at_low < 0))) {
       const Projection foot = project(view, clear, from);
-      at_low = detail::overlap(foot, probe);
-      if (at_low > 0) return {found, to, std::fmin(depth, std::fmax(at_low, flat)), true};
+      root.at_low = detail::overlap(foot, probe);
+      if (root.at_low > 0) return {found, to, std::fmin(depth, std::fmax(root.at_low, flat)), true};
       clear = foot.at;
       walked = true;
     }
-    // The Illinois rule, as in slip(). Walks start at the last foot from which the skin was clear: that side is met.
-    const double share = i % 4 == 3 ? 0.5 * (low + high) : low + (high - low) * at_low / (at_low - at_high);
+    // Walks start at the last foot from which the skin was clear: that side is met.
+    const double share = root.next();
     const Vec3 q = from + share * (to - from);
     const Projection foot = project(view, clear, q);
     const double over = detail::overlap(foot, probe);
@@ -61,18 +62,11 @@ inline double overlap(const Projection& foot, double probe) {
     if (over > 0 || exact) {
       touch = {foot, q, std::fmax(0, probe - foot.height), false};
       if (exact) break;
-      high = share;
-      at_high = over;
-      if (stayed > 0) at_low *= 0.5;
-      stayed = 1;
     } else {
       clear = foot.at;
       walked = true;
-      low = share;
-      at_low = over;
-      if (stayed < 0) at_high *= 0.5;
-      stayed = -1;
     }
+    root.narrow(share, over);
   }
   touch.late = false;
   // An overlap grows no faster than the point moves. Where it does the foot leapt, or none was found, as at an edge: c

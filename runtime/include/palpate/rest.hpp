@@ -4,6 +4,7 @@
 
 #include "palpate/field.hpp"
 #include "palpate/first_touch.hpp"
+#include "palpate/illinois.hpp"
 #include "palpate/nearby.hpp"
 #include "palpate/patch_run.hpp"
 #include "palpate/project.hpp"
@@ -364,25 +365,15 @@ private:
       return terms.normal_force - force;
     };
     if (const double most = excess(there); most > 0) {
-      // The Illinois rule, as in first_touch(); what answers with less is taken.
-      double low = 0, high = there, at_low = -force, at_high = most, left = force;
-      for (int i = 0, stayed = 0; i < 40 && high - low > kExact * there && left > kExact * force; ++i) {
-        const double depth = i % 4 == 3 ? 0.5 * (low + high) : low + (high - low) * at_low / (at_low - at_high);
-        const double at = excess(depth);
-        if (at > 0) {
-          high = depth;
-          at_high = at;
-          if (stayed > 0) at_low *= 0.5;
-          stayed = 1;
-        } else {
-          low = depth;
-          at_low = at;
-          left = -at;
-          if (stayed < 0) at_high *= 0.5;
-          stayed = -1;
-        }
+      // What answers with less is taken.
+      Illinois root{0, -force, there, most};
+      double left = force;
+      while (root.looks < 40 && root.high - root.low > kExact * there && left > kExact * force) {
+        const double depth = root.next(), at = excess(depth);
+        if (!(at > 0)) left = -at;
+        root.narrow(depth, at);
       }
-      subtract(there - low);
+      subtract(there - root.low);
     }
     return true;
   }
