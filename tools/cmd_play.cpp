@@ -61,7 +61,7 @@ void report(const PlayArguments& options, const Globals& globals, const std::str
   }
   if (s.rows_elsewhere > 0) {
     warn("in " + rows_of(s.rows_elsewhere) +
-         "the tool touches at another place, too, which is not felt; --several has it felt");
+         "the tool touches at another place, too, which is not felt without --several");
   }
   if (s.rows_near > 0) {
     warn("in " + rows_of(s.rows_near) + "the places lie so near each other that their sum is more than 7 % too large");
@@ -81,7 +81,7 @@ void report(const PlayArguments& options, const Globals& globals, const std::str
 /// The same forces as in the run, bit for bit, or an error; of another response file, how different they are.
 void replay(PlayArguments options, const Globals& globals) {
   if (options.several)
-    throw Error(ExitCode::usage, "--several: " + options.motion + " was felt at one place in its run");
+    throw Error(ExitCode::usage, "--several: " + options.motion + " is played as it was felt; palpate drive has --several, too");
   const device::RunLog log = read_run(options.motion);
   if (log.records.empty()) throw Error(ExitCode::bad_input, options.motion + ": the recording has no ticks");
   if (options.file.empty()) options.file = log.header.response;

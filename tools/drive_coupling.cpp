@@ -17,7 +17,7 @@ double largest_coupling(const CouplingArguments& asked, const runtime::View& vie
                         const device::SimKind& stand_in) {
   device::SafetyOptions options;
   options.timing.period = 1 / asked.rate;
-  options.scale = frame.scale * frame.force_scale;
+  options.scale = asked.places * frame.scale * frame.force_scale;
   options.damping = asked.damping;
   return safety(view, stand_in.plant, options).largest_coupling;
 }

@@ -14,6 +14,7 @@ struct CouplingArguments {
   std::string stiffness;  ///< N/m in the hand, or "auto": the stiffest that is safe in any hand; empty: no coupling
   double damping = 0;     ///< N s/m in the hand, at least 0
   double rate = 1000;     ///< Hz of the force loop
+  int places = 1;         ///< at which the tool is felt at most: all may push one way, and their stiffnesses add
 };
 
 /// In the hand; nothing where none is asked for, or "auto" finds that none is needed (it says so). Warns of one that is

@@ -47,6 +47,7 @@ Station with_glove(const runtime::View& view, std::uint32_t tool, const StationO
   if (!options.coupling.stiffness.empty()) {
     throw Error(ExitCode::usage, "--coupling: a glove has none; its pulls are smoothed and limited in their rate");
   }
+  if (options.several) throw Error(ExitCode::usage, "--several: a glove's fingertips are felt at one place each");
   device::SimGloveOptions glove;
   const auto tips = device::SimGlove(glove).tips_at_rest();
   FrameOptions placing = options.placing;
@@ -72,6 +73,15 @@ Station with_glove(const runtime::View& view, std::uint32_t tool, const StationO
   return station;
 }
 
+template <class Contact>
+std::unique_ptr<device::ForceSource> source(const runtime::View& view, std::uint32_t tool, const Station& station) {
+  if (!station.coupling) {
+    return std::make_unique<device::ContactSource<runtime::Rigid, Contact>>(view, tool, station.frame);
+  }
+  return std::make_unique<device::ContactSource<runtime::VirtualCoupling, Contact>>(
+      view, tool, station.frame, device::coupling_in(station.frame, *station.coupling));
+}
+
 }  // namespace
 
 Station set_up(const runtime::View& view, std::uint32_t tool, const device::DeviceKind& kind,
@@ -79,13 +89,10 @@ Station set_up(const runtime::View& view, std::uint32_t tool, const device::Devi
   if (kind.glove) return with_glove(view, tool, options, globals);
   Station station;
   station.frame = place_device(view, tool, options.placing);
+  station.several = options.several;
   station.coupling = choose_coupling(options.coupling, view, station.frame, kind, globals);
-  if (station.coupling) {
-    const auto tie = device::coupling_in(station.frame, *station.coupling);
-    station.source = std::make_unique<device::CoupledSource>(view, tool, station.frame, tie);
-  } else {
-    station.source = std::make_unique<device::ContactSource<>>(view, tool, station.frame);
-  }
+  station.source = station.several ? source<device::FeltPlaces>(view, tool, station)
+                                   : source<runtime::Contact>(view, tool, station);
   DriveDeviceOptions device = options.device;
   device.probing = probing(view, options.placing);
   station.device = open_drive_device(device);

@@ -17,20 +17,22 @@ struct StationOptions {
   DriveDeviceOptions device;
   FrameOptions placing;
   CouplingArguments coupling;
-  double limit = 3;  ///< N, of a force or of a glove's pull
+  double limit = 3;      ///< N, of a force or of a glove's pull
+  bool several = false;  ///< the tool is felt at several places; a glove's fingertips are not
 };
 
 struct Station {
   runtime::DeviceFrame frame;
   std::optional<runtime::CouplingOptions> coupling;  ///< in the hand
+  bool several = false;                              ///< the tool is felt at several places
   std::optional<device::RunHand> hand;               ///< of a glove: as it was calibrated
   std::unique_ptr<device::ForceSource> source;
   std::unique_ptr<device::Device> device;  ///< open
 };
 
 /// The view must outlive it. A glove's hand is calibrated by its extreme poses first. Throws Error as place_device(),
-/// choose_coupling() and open_drive_device() do; for a glove also Error(usage) with a coupling or a tool that is no
-/// sphere, and Error(numerical) where its hand cannot be calibrated.
+/// choose_coupling() and open_drive_device() do; for a glove also Error(usage) with a coupling, with several
+/// places or a tool that is no sphere, and Error(numerical) where its hand cannot be calibrated.
 Station set_up(const runtime::View& view, std::uint32_t tool, const device::DeviceKind& kind,
                const StationOptions& options, const Globals& globals);
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "palpate/several.hpp"
+#include "tools/elsewhere.hpp"
 #include "tools/plot.hpp"
 
 namespace palpate::cli {
@@ -30,54 +30,6 @@ const char* state_name(State state) {
   }
   return "fault";
 }
-
-/// A tool that is felt at one place.
-class OnePlace {
-public:
-  OnePlace(const runtime::View& view, std::uint32_t tool) : contact_(view, tool), finder_(view, tool) {}
-
-  Tick tick(const runtime::Pose& pose) {
-    places_.pose = pose;
-    const Tick tick = contact_.tick(pose);
-    places_.count = tick.touches() ? 1 : 0;
-    places_.at[0] = tick.body_point;
-    return tick;
-  }
-  /// Of the last tick: it touches at another, too.
-  [[nodiscard]] bool elsewhere() const { return places_.count > 0 && finder_.look(places_, 0).touch.clearance < 0; }
-  static bool near() { return false; }
-
-private:
-  runtime::Contact contact_;
-  runtime::PlaceFinder<> finder_;
-  runtime::Places<1> places_;
-};
-
-/// A tool that is felt at up to three.
-class ThreePlaces {
-public:
-  ThreePlaces(const runtime::View& view, std::uint32_t tool) : contacts_(view, tool) {}
-
-  Tick tick(const runtime::Pose& pose) {
-    last_ = contacts_.tick(pose);
-    Tick sum = last_.each[0];
-    sum.force = last_.force;
-    sum.torque = last_.torque;
-    for (const Tick& each : last_.each) {
-      sum.depth = std::max(sum.depth, each.depth);
-      sum.beyond = sum.beyond || each.beyond;
-      sum.covered = std::max(sum.covered, each.covered);
-    }
-    return sum;
-  }
-  static bool elsewhere() { return false; }
-  /// Of the last tick: the sum is too large.
-  [[nodiscard]] bool near() const { return last_.overlap.near(); }
-
-private:
-  runtime::SeveralContacts<3> contacts_;
-  runtime::SeveralTick<3> last_;
-};
 
 bool of_glove(const std::vector<PlayedRow>& rows) { return !rows.empty() && rows.front().finger > 0; }
 
@@ -137,6 +89,7 @@ template <class Contact>
 std::vector<PlayedRow> play_with(Contact&& contact, const runtime::View& view, std::uint32_t tool,
                                  const std::vector<MotionRow>& motion, PlaySummary& summary) {
   summary = {};
+  Elsewhere elsewhere(view, tool);
   const double reach = runtime::skeleton_radius(view, tool) + view.tools[tool].probe_radius;
   const double longest = 0.01 * view.meta->depth_scale;
   std::vector<PlayedRow> rows;
@@ -155,8 +108,8 @@ std::vector<PlayedRow> play_with(Contact&& contact, const runtime::View& view, s
     }
     summary.rows_beyond += beyond ? 1 : 0;
     summary.rows_covered += covered ? 1 : 0;
-    summary.rows_elsewhere += contact.elsewhere() ? 1 : 0;
-    summary.rows_near += contact.near() ? 1 : 0;
+    summary.rows_elsewhere += elsewhere.missed(contact, pose_between(from, motion[i], 1), tick) ? 1 : 0;
+    summary.rows_near += elsewhere.near(contact) ? 1 : 0;
     summary.starts_inside = summary.starts_inside || (i == 0 && summary.touching);
     rows.push_back({motion[i].time, tick});
   }
@@ -167,8 +120,8 @@ std::vector<PlayedRow> play_with(Contact&& contact, const runtime::View& view, s
 
 std::vector<PlayedRow> play(const runtime::View& view, std::uint32_t tool, const std::vector<MotionRow>& motion,
                             PlaySummary& summary, bool several) {
-  return several ? play_with(ThreePlaces(view, tool), view, tool, motion, summary)
-                 : play_with(OnePlace(view, tool), view, tool, motion, summary);
+  return several ? play_with(runtime::ContactsAsOne<3>(view, tool), view, tool, motion, summary)
+                 : play_with(runtime::Contact(view, tool), view, tool, motion, summary);
 }
 
 std::string forces_csv(const std::vector<PlayedRow>& rows) {

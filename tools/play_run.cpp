@@ -11,6 +11,7 @@
 #include "formats/error.hpp"
 #include "formats/response.hpp"
 #include "palpate/checksum.hpp"
+#include "tools/elsewhere.hpp"
 #include "tools/plot.hpp"
 
 namespace palpate::cli {
@@ -21,15 +22,23 @@ using runtime::Tick;
 
 namespace {
 
-template <class Tie>
-std::array<Tick, 1> ticks_of(const device::ContactSource<Tie>& source) {
+template <class Tie, class Contact>
+std::array<Tick, 1> ticks_of(const device::ContactSource<Tie, Contact>& source) {
   return {source.tick()};
 }
 std::array<Tick, kFingers> ticks_of(const device::GloveSource& source) { return source.ticks(); }
 
+/// Adds what the last tick felt of several places.
+template <class Tie, class Contact>
+void look_elsewhere(PlaySummary& summary, Elsewhere& elsewhere, const device::ContactSource<Tie, Contact>& source) {
+  summary.rows_elsewhere += elsewhere.missed(source.contact(), source.tool(), source.tick()) ? 1 : 0;
+  summary.rows_near += elsewhere.near(source.contact()) ? 1 : 0;
+}
+void look_elsewhere(PlaySummary&, Elsewhere&, const device::GloveSource&) {}
+
 /// Source: as new, of the file.
 template <class Source>
-void replay_into(PlayedRun& played, const device::RunLog& log, Source&& source) {
+void replay_into(PlayedRun& played, const device::RunLog& log, Elsewhere elsewhere, Source&& source) {
   using Ticks = decltype(ticks_of(source));
   std::array<PlaySummary, std::tuple_size_v<Ticks>> each{};
   played.rows.reserve(each.size() * log.records.size());
@@ -44,8 +53,22 @@ void replay_into(PlayedRun& played, const device::RunLog& log, Source&& source) 
       const int finger = each.size() > 1 ? static_cast<int>(k) + 1 : 0;
       played.rows.push_back({record.time - log.records.front().time, ticks[k], finger});
     }
+    if (out.answer.usable) look_elsewhere(played.summary, elsewhere, source);
   });
   for (const PlaySummary& one : each) add(played.summary, one);
+}
+
+template <class Contact>
+void replay_held(PlayedRun& played, const device::RunLog& log, const Elsewhere& elsewhere, const runtime::View& view,
+                 std::uint32_t tool) {
+  const runtime::DeviceFrame frame = device::device_frame(log.header);
+  if (const auto coupling = device::coupling_options(log.header)) {
+    replay_into(played, log, elsewhere,
+                device::ContactSource<runtime::VirtualCoupling, Contact>(view, tool, frame,
+                                                                        device::coupling_in(frame, *coupling)));
+  } else {
+    replay_into(played, log, elsewhere, device::ContactSource<runtime::Rigid, Contact>(view, tool, frame));
+  }
 }
 
 /// Force on the hand and where it is.
@@ -99,19 +122,19 @@ PlayedRun play_run(const device::RunLog& log, const ResponseInput& input, std::u
   PlayedRun played;
   played.same_response =
       input.view().size == log.header.response_size && response_hash(input) == log.header.response_hash;
-  const runtime::DeviceFrame frame = device::device_frame(log.header);
+  const Elsewhere elsewhere(input.view(), tool);
   if (log.hand) {
-    device::GloveSource glove(input.view(), tool, device::calibration_of(*log.hand), frame,
+    device::GloveSource glove(input.view(), tool, device::calibration_of(*log.hand), device::device_frame(log.header),
                               device::glove_options(*log.hand));
     if (const char* problem = glove.problem()) {
       throw Error(ExitCode::bad_input, std::string("tool '") + input.view().tools[tool].name + "': " + problem +
                                            ", and the run was a glove's");
     }
-    replay_into(played, log, glove);
-  } else if (const auto coupling = device::coupling_options(log.header)) {
-    replay_into(played, log, device::CoupledSource(input.view(), tool, frame, device::coupling_in(frame, *coupling)));
+    replay_into(played, log, elsewhere, glove);
+  } else if (log.header.several == 1) {
+    replay_held<device::FeltPlaces>(played, log, elsewhere, input.view(), tool);
   } else {
-    replay_into(played, log, device::ContactSource<>(input.view(), tool, frame));
+    replay_held<runtime::Contact>(played, log, elsewhere, input.view(), tool);
   }
   return played;
 }

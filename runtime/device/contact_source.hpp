@@ -3,6 +3,7 @@
 #pragma once
 
 #include "device/scene_answer.hpp"
+#include "palpate/as_one.hpp"
 #include "palpate/contact.hpp"
 #include "palpate/output.hpp"
 #include "palpate/virtual_coupling.hpp"
@@ -10,8 +11,9 @@
 namespace palpate::device {
 
 /// Scene force through the frame and the output's steps. The view must outlive it.
-/// Tie: what the device holds the tool by, runtime::Rigid or runtime::VirtualCoupling.
-template <class Tie = runtime::Rigid, class... Steps>
+/// Tie: what the device holds the tool by, runtime::Rigid or runtime::VirtualCoupling. Contact: runtime::Contact, or
+/// runtime::ContactsAsOne for a tool that is felt at several places.
+template <class Tie = runtime::Rigid, class Contact = runtime::Contact, class... Steps>
 class ContactSource : public ForceSource {
 public:
   ContactSource(const runtime::View& view, std::uint32_t tool, const runtime::DeviceFrame& frame, const Tie& tie = {},
@@ -19,7 +21,8 @@ public:
       : contact_(view, tool), frame_(frame), tie_(tie), output_(output) {}
 
   Answer answer(const Sample& sample, double seconds) noexcept override {
-    tick_ = tie_.tick(contact_, frame_.to_scene(sample.pose), seconds);
+    device_ = frame_.to_scene(sample.pose);
+    tick_ = tie_.tick(contact_, device_, seconds);
     Answer answer = scene_answer(frame_, tick_);
     if (answer.usable) answer.force = output_(answer.force, seconds);
     return answer;
@@ -32,18 +35,31 @@ public:
     tick_ = {};
   }
 
-  /// In the scene.
+  /// Of the last answer, in the scene.
   [[nodiscard]] const runtime::Tick& tick() const { return tick_; }
+  [[nodiscard]] Pose tool() const { return held(tie_, device_); }
+  [[nodiscard]] const Contact& contact() const { return contact_; }
 
 private:
-  runtime::Contact contact_;
+  static Pose held(const runtime::Rigid&, const Pose& device) { return device; }
+  static Pose held(const runtime::VirtualCoupling& tie, Pose device) {
+    device.translation = tie.tool();
+    return device;
+  }
+
+  Contact contact_;
   runtime::DeviceFrame frame_;
   Tie tie_;
   runtime::Output<Steps...> output_;
+  Pose device_;
   runtime::Tick tick_;
 };
 
 using CoupledSource = ContactSource<runtime::VirtualCoupling>;
+
+/// As many places as hold a point: a concave body's walls, or lobes.
+inline constexpr int kFeltPlaces = 3;
+using FeltPlaces = runtime::ContactsAsOne<kFeltPlaces>;
 
 /// The coupling that is `hand` (N/m, N s/m) in the hand, for a frame whose force_scale is above 0.
 inline runtime::VirtualCoupling coupling_in(const runtime::DeviceFrame& frame, runtime::CouplingOptions hand) {

@@ -28,6 +28,9 @@ const char* wrong_in(const RunHeader& h) {
     if (!(frame.force_scale > 0)) return "a coupling, and no force";
   }
   if (h.glove > 1 || (h.glove == 1 && h.version < 3)) return "neither of a glove nor of another device";
+  if (h.several > 1 || (h.several == 1 && (h.version < 5 || h.glove == 1))) {
+    return "felt neither at one place nor at several";
+  }
   // Up to version 3 a torque was the scene's times force_scale alone: another one, where metres are scaled.
   if (h.version < 4 && h.glove == 0 && h.torque_limit > 0 && frame.scale != 1) {
     return "torques of a scaled hand, which versions before 4 made wrong: they cannot be replayed";

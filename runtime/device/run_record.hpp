@@ -16,7 +16,7 @@ namespace palpate::device {
 /// First in the file: what the forces were made with. Little-endian, IEEE 754, SI units.
 struct RunHeader {
   static constexpr char kMagic[8] = {'P', 'A', 'L', 'P', 'R', 'U', 'N', 0};
-  static constexpr std::uint32_t kVersion = 4;  ///< 1 knows no coupling, 2 no gloves, 3 other torques
+  static constexpr std::uint32_t kVersion = 5;  ///< 1 knows no coupling, 2 no gloves, 3 other torques, 4 one place
 
   char magic[8] = {'P', 'A', 'L', 'P', 'R', 'U', 'N', 0};
   std::uint32_t version = kVersion;
@@ -28,7 +28,7 @@ struct RunHeader {
          missed_share = 0;                                              ///< GovernorOptions
   double rotation[9] = {}, origin[3] = {}, scale = 0, force_scale = 0;  ///< DeviceFrame
   std::uint32_t stop_buttons = 0;
-  std::uint32_t spare_too = 0;
+  std::uint32_t several = 0;  ///< 1: the tool was felt at several places (FeltPlaces)
   char device[96] = {}, tool_name[64] = {}, response[256] = {};  ///< names, zero-terminated; the path as it was given
   double coupling_stiffness = 0, coupling_damping = 0;  ///< CouplingOptions, in the hand; 0: the tool is the device
   std::uint32_t coupling_trials = 0;

@@ -322,7 +322,11 @@ TEST_F(Recorded, WhatAWriterCannotHaveWrittenIsRefused) {
   refused(
       "rate", [](RunHeader& h) { h.rate = NAN; }, 0, RunHeader());
   refused(
-      "version 5", [](RunHeader& h) { h.version = 5; }, 0, RunHeader());
+      "version 6", [](RunHeader& h) { h.version = 6; }, 0, RunHeader());
+  refused(
+      "felt neither", [](RunHeader& h) { h.several = 2; }, 0, RunHeader());
+  refused(
+      "felt neither", [](RunHeader& h) { h.several = 1, h.version = 4; }, 0, RunHeader());
   refused(
       "no pose", [](RunHeader& h) { h.rotation[0] = 7; }, 0, RunHeader());
   refused(

@@ -48,7 +48,8 @@ EveryTick every_tick(const void* bytes, std::size_t size, int ticks, void (*half
     AnimatedSurface surface(view, memory);
     AnimatedContact animated(surface, tool);
     Contact tied(view, tool);
-    VirtualCoupling tie(CouplingOptions{300, 0.1});
+    VirtualCoupling tie(CouplingOptions{300, 0.1}), tie_of_several(tie);
+    ContactsAsOne<3> tied_several(view, tool);
     AdjustedContact adjusted(view, tool, scales);
     MovingContact served_moving(view, tool);
     AdjustedContact served_adjusted(view, tool, scales);
@@ -83,6 +84,7 @@ EveryTick every_tick(const void* bytes, std::size_t size, int ticks, void (*half
                               several.tick(pose).each[0],
                               tools.tick({pose, pose})[1],
                               tie.tick(tied, pose, 1e-3),
+                              tie_of_several.tick(tied_several, pose, 1e-3),
                               animated.tick(pose),
                               at_several.each[0],
                               served_moving.tick(breathing, breathing * pose, latest),

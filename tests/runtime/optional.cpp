@@ -47,6 +47,7 @@ Tick use_VirtualCoupling(const View& view, const Pose& pose) {
   return VirtualCoupling(CouplingOptions()).tick(contact, pose, 1e-3);
 }
 Tick use_SeveralContacts(const View& view, const Pose& pose) { return SeveralContacts<>(view, 0).tick(pose).each[0]; }
+Tick use_ContactsAsOne(const View& view, const Pose& pose) { return ContactsAsOne<>(view, 0).tick(pose); }
 Tick use_SeveralTools(const View& view, const Pose& pose) { return SeveralTools<1>(view, {0}).tick({pose})[0]; }
 Tick use_AdjustedContact(const View& view, const Pose& pose, SiteScales::Scale* memory) {
   SiteScales scales(view, memory);

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One tool between two lobes, a stem over both, several tools at once; what adding their forces is wrong by.
-#include "palpate/several.hpp"
+#include "palpate/as_one.hpp"
 
 #include <cmath>
 
 #include "tests/runtime/allocation_counter.hpp"
+#include "palpate/virtual_coupling.hpp"
 #include "tests/runtime/two_lobes.hpp"
 
 namespace palpate {
@@ -12,6 +13,7 @@ namespace {
 
 using namespace test;
 using runtime::Contact;
+using runtime::ContactsAsOne;
 using runtime::SeveralContacts;
 using runtime::SeveralTick;
 using runtime::SeveralTools;
@@ -45,6 +47,44 @@ TEST(Several, ATipBetweenTwoLobesTouchesBoth) {
     EXPECT_EQ(length(t.force), 0);
     EXPECT_LT(largest, 2 * 3000 * kStride) << friction;  // N/m, above any slope of two sample curves
   }
+}
+
+// Behind a coupling, too, both lobes are felt: with one of them the tool would be pushed aside.
+TEST(Several, ContactsTickAsOneDoes) {
+  const Opened body(two_lobes(smooth(true)));
+  SeveralContacts<3> apart(body.view, 0);
+  ContactsAsOne<3> as_one(body.view, 0), tied(body.view, 0);
+  Contact alone(body.view, 0);
+  runtime::VirtualCoupling tie({300, 0}), tie_alone({300, 0});
+  EXPECT_EQ(as_one.size(), alone.size());
+  Tick held, held_alone;
+  double work = 0;
+  Vec3 felt;
+  constexpr double kStride = 1e-5;
+  const auto go = [&](double z) {
+    const Pose pose = upright({0, 0, z});
+    const SeveralTick<3> each = apart.tick(pose);
+    const Tick sum = as_one.tick(pose);
+    ASSERT_EQ(distance(sum.force, each.force) + distance(sum.torque, each.torque), 0);
+    ASSERT_EQ(sum.depth, std::fmax(each.each[0].depth, std::fmax(each.each[1].depth, each.each[2].depth)));
+    ASSERT_EQ(sum.touches(), each.touching > 0);
+    const Vec3 before = felt;
+    held = tie.tick(tied, pose, 1e-3);
+    felt = held.force;
+    held_alone = tie_alone.tick(alone, pose, 1e-3);
+    work += 0.5 * (before.z + felt.z) * kStride;
+  };
+  for (double z = between() + 1e-3; z > between() - 5e-3; z -= kStride) go(z);
+  EXPECT_EQ(tied.last().touching, 2);
+  EXPECT_GT(held.force.z, 0.3);
+  EXPECT_LT(std::fabs(held.force.x), 0.1 * held.force.z);
+  EXPECT_GT(std::fabs(held_alone.force.x), 0.3 * held_alone.force.z);
+  const double given = work;
+  work = 0;
+  for (double z = between() - 5e-3; z < between() + 1e-3; z += kStride) go(z);
+  EXPECT_LE(work, 1.01 * given) << "gave back more than it took";
+  EXPECT_EQ(length(held.force), 0);
+  EXPECT_EQ(tied.last().touching, 0);
 }
 
 // Pressed into one lobe, a tip comes to the other one: felt there from a tenth of a millimetre on, whatever else of the

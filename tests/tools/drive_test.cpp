@@ -12,10 +12,12 @@
 #include <csignal>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "device/run_record.hpp"
 #include "formats/error.hpp"
 #include "tests/cli/palpate_program.hpp"
+#include "tests/runtime/two_lobes.hpp"
 #include "tests/support/response_samples.hpp"
 #include "tools/drive_view.hpp"
 
@@ -153,6 +155,46 @@ TEST_F(Drive, ACouplingIsChosenRecordedAndReplayed) {
       << stiff.error;
   EXPECT_EQ(Json::parse(stiff.out)["coupling"], 9000);
   expect_failure(drive({"--coupling", "auto", "--coupling-damping", "2"}), 5, {"--coupling-damping"});
+}
+
+// Pressed down between two balls, with a sway from one to the other: one of them pushes aside, both push up.
+TEST_F(Drive, AToolBetweenTwoLobesIsFeltAtBoth) {
+  write_response_file(folder() / "lobes.palp", encode(two_lobes(smooth(false))));
+  for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--coupling", "300"}}) {
+    std::vector<std::string> arguments{"drive", "lobes.palp", "--device", "sim", "--seconds", "1", "--ramp", "0.05",
+                                       "--at", "0,0," + std::to_string(between() + 0.007), "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    double aside[2] = {};  // the mean sideways force over the mean upward one
+    for (const bool several : {false, true}) {
+      if (several) arguments.emplace_back("--several");
+      const RunResult driven = run(arguments);
+      if (driven.exit_code == 5) GTEST_SKIP() << "the machine is too busy: " << driven.error;
+      ASSERT_EQ(driven.exit_code, 0) << driven.error;
+      const RunResult played = run({"play", "lobes.palprun", "--json", "--out", "forces.csv"});
+      ASSERT_EQ(played.exit_code, 0) << played.error;
+      const Json json = Json::parse(played.out);
+      EXPECT_EQ(json["run"]["ticks_different"], 0);
+      EXPECT_EQ(json["run"]["ticks_compared"], Json::parse(driven.out)["ticks"]);
+      EXPECT_EQ(json["rows_elsewhere"] > 0, !several) << played.error;
+      EXPECT_EQ(played.error.find("not felt without --several") != std::string::npos, !several) << played.error;
+      std::istringstream rows(file_content(folder() / "forces.csv"));
+      std::string row;
+      std::getline(rows, row);
+      double x = 0, z = 0;
+      while (std::getline(rows, row)) {
+        double t = 0, fx = 0, fy = 0, fz = 0;
+        ASSERT_EQ(std::sscanf(row.c_str(), "%lf,%lf,%lf,%lf", &t, &fx, &fy, &fz), 4) << row;
+        x += std::abs(fx);
+        z += fz;
+      }
+      EXPECT_GT(z, 1);
+      aside[several ? 1 : 0] = x / z;
+    }
+    EXPECT_GT(aside[0], 3);
+    EXPECT_LT(aside[1], 0.6 * aside[0]);
+  }
+  expect_failure(run({"play", "lobes.palprun", "--several"}), 1, {"--several", "as it was felt"});
+  expect_failure(run({"drive", "lobes.palp", "--device", "sim-glove", "--several"}), 1, {"--several", "glove"});
 }
 
 TEST_F(Drive, AGloveIsCalibratedDrivenAndReplayed) {

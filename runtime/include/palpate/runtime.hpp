@@ -7,6 +7,7 @@
 /// below, for a program that finds its contacts itself. Lengths in metres, forces in newtons, body frame.
 #include "palpate/adjust.hpp"
 #include "palpate/animated.hpp"
+#include "palpate/as_one.hpp"
 #include "palpate/contact.hpp"
 #include "palpate/grasp.hpp"
 #include "palpate/latest.hpp"
