@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a contact owes where its field was replaced, and what went through the hand.
+// What a contact owes of what it stores, and what went through the hand.
 #pragma once
 
 #include "palpate/tick.hpp"
@@ -8,12 +8,12 @@
 
 namespace palpate::runtime {
 
-/// A contact that sticks gives back what it took. One whose field is replaced (c goes on over a body that is harder
-/// elsewhere, the tool tilts, factors change) may store more than the hand gave: the difference is owed. It is not
-/// taken from the force, which stays the place's own, but from what comes back: a lift loses of the stored energy in
-/// the same proportion as is owed, so the force falls sooner than it rose, without a step, and is zero where nothing of
-/// what the hand gave is left. More than half of what is stored is not owed for long: beyond that the depth is held
-/// back. All losses follow motions: a hand at rest feels none.
+/// A contact whose field is replaced (c goes on over a body that is harder elsewhere, the tool tilts, factors change)
+/// may store more than the hand gave, and sideways forces that are no gradient may give back more (StrainTally): the
+/// difference is owed. It is not taken from the force, which stays the place's own, but from what comes back: a lift
+/// loses of the stored energy in the same proportion as is owed, so the force falls sooner than it rose, without a
+/// step, and is zero where nothing of what the hand gave is left. More than half of what is stored is not owed for
+/// long: beyond that the depth is held back. All losses follow motions: a hand at rest feels none.
 class EnergyAccount {
 public:
   void reset() { owed_ = lost_ = 0; }
@@ -27,7 +27,18 @@ public:
     const double least = friction ? std::fmin(owed_, 0.0) : owed_ + more;
     owed_ = std::fmax(owed_ + more, least);
     if (rubbed < 0 || owed_ > 0) owed_ = rubbed < 0 ? owed_ - rubbed : std::fmax(0.0, owed_ - rubbed);
-    return more > 0 && owed_ > 0.5 * after ? std::fmin(2 * owed_ - after, 2 * more) : 0;
+    return too_much(after, more);
+  }
+
+  /// J, of which `more` are owed since the last tick, while `stored` (J) is stored: what is to be lost at once.
+  [[nodiscard]] double too_much(double stored, double more) const {
+    return more > 0 && owed_ > 0.5 * stored ? std::fmin(2 * owed_ - stored, 2 * more) : 0;
+  }
+
+  /// The hand got, or did not give, so much (J) of what is stored.
+  void owe(double more) {
+    if (!(owed_ > 0)) stored_ = 0;  // to be told
+    owed_ += more;
   }
 
   /// Joules are `ratio` (above 0, infinite where there were none) times as large from now on.

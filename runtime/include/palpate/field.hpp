@@ -173,7 +173,7 @@ public:
   }
 
   /// What the deflection stores (J). The sideways forces of a separable response are no gradient: what they take is
-  /// not counted. `lean` as in couple().
+  /// not counted here (StrainTally does). `lean` as in couple().
   [[nodiscard, gnu::noinline]] double stored(const DepthTerms& terms, const Vec3& deflection, double lean = 1) const {
     if (!(terms.depth > 0)) return 0;
     if constexpr (kCoupled) {

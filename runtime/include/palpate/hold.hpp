@@ -6,6 +6,7 @@
 #include "palpate/rest.hpp"
 #include "palpate/rim.hpp"
 #include "palpate/slip.hpp"
+#include "palpate/strain.hpp"
 #include "palpate/tick.hpp"
 
 #include <cmath>
@@ -32,6 +33,7 @@ public:
     rest_.begin(touch, first, pose);
     rim_.leave({}, {});
     account_.reset();
+    if constexpr (kFriction) tally_.reset();
     lasts_ = true;
     slides_ = false;
     last_ = first.at;
@@ -71,12 +73,14 @@ public:
     if (friction && !slides_ && rest_.slow(dot(way, way)) && rest_.far_aside(q)) let_go_round(length(way), d, terms);
     for (;;) {
       if (!(d.depth > 0)) return release(d);
+      const Vec3 aside = d.sideways;
       if (friction) deepen(d, terms);
       if (account_.owed() > 0 && !pay(d, terms)) return release(d);
       if (!kFriction || !friction)
         return slide(pose, d, {{}, terms.straight}, terms, way, depth, terms.straight, served);
       const Vec3 core = straight_of_core(terms) + field().sideways(terms, d.sideways);
       const Vec3 pull = rim_.present() ? with_rim_alone(core, d, terms) : core;
+      if (tallies() && tell(aside, pull, core, d, terms)) continue;
       if (length(core) > rim_.core_limit() * terms.limit * (1 + 1e-9)) {
         return slide(pose, d, slipped(d, terms, core, begins_), terms, way, depth, pull, served);
       }
@@ -109,12 +113,18 @@ public:
     account_.rescale(ratio);
     Deflection d;
     DepthTerms terms;
-    replaced(stored() / ratio, last_, d, terms);
+    stand(last_, d, terms);
+    Held before = held(terms, d);
+    before.stored /= ratio;
+    before.lean /= ratio;
+    if constexpr (kFriction) tally_.rescale(ratio);
+    replaced(before, last_, d, terms);
   }
 
   /// What the tool did up to here counts as done at `by` times its poses.
   void rebase(const Pose& by) {
     last_ = by.apply(last_);
+    if constexpr (kFriction) tally_.rotate(by);
     rest_.rebase(by);
   }
 
@@ -225,9 +235,9 @@ private:
   [[gnu::noinline]] void let_go_round(double moved, Deflection& d, DepthTerms& terms) {
     const double way = std::fmin(rest_.past_edge(last_), d.depth - depth_ + moved);
     if (!(way > 0)) return;
-    const double held = stored(terms, d);
+    const Held before = held(terms, d);
     rest_.subtract(way);
-    replaced(held, last_, d, terms);
+    replaced(before, last_, d, terms);
   }
 
   /// What a lift loses of what is owed. False where no depth is left.
@@ -239,10 +249,11 @@ private:
 
   /// Gives up `due` (J) of what is stored by as much depth; returns what is left.
   double lose(double due, Deflection& d, DepthTerms& terms) {
-    const double way = std::fmin(d.depth, due / terms.normal_force);
+    const double way = std::fmin(d.depth, due / terms.normal_force), leant = lean(terms, d);
     rest_.subtract(way);
     depth_ = d.depth -= way;
     field().set_depth(d.depth, terms);
+    if constexpr (kFriction) tally_.shift({}, lean(terms, d) - leant);
     return stored(terms, d);
   }
 
@@ -254,10 +265,20 @@ private:
     if (due > 0) account_.held_back(now - lose(due, d, terms));
     return due > 0;
   }
+
+  /// What is stored before something goes elsewhere: J, of it the straight push's sideways force, and m, sideways.
+  struct Held {
+    double stored, lean;
+    Vec3 aside;
+  };
+  [[nodiscard]] Held held(const DepthTerms& terms, const Deflection& d) const {
+    return {stored(terms, d), lean(terms, d), d.sideways};
+  }
   /// The same for the tool at q, with nothing rubbed; sets what is there now.
-  void replaced(double held, const Vec3& q, Deflection& d, DepthTerms& terms) {
+  void replaced(const Held& before, const Vec3& q, Deflection& d, DepthTerms& terms) {
     stand(q, d, terms);
-    replaced(held, 0, d, terms);
+    if constexpr (kFriction) tally_.shift(d.sideways - before.aside, lean(terms, d) - before.lean);
+    replaced(before.stored, 0, d, terms);
   }
 
   /// Deflection of the tool at q, and its terms.
@@ -284,7 +305,8 @@ private:
     } else if (rests) {
       pull = at_rest(core_force(d, terms), d, terms);
     } else {
-      const double held = stored(terms, d), strained = sideways_strain(terms, d, before);
+      const double held = stored(terms, d), strained = strain(before, d, terms);
+      const Vec3 pushed = terms.normal_force * field().normal() + before;
       const Vec3 rim = rim_deflection(d);
       const bool went =
           rest_.follow(pose, last_, wanted.deflection, terms.normal_force, length(way), d.depth - depth, served);
@@ -293,7 +315,8 @@ private:
       rim_.leave(d.sideways, rim);
       field().set_depth(d.depth, terms);
       pull = give_way(core_force(d, terms), d, terms, went);
-      if (replaced(held, strained - sideways_strain(terms, d, pull), d, terms)) {
+      const Vec3 less = pushed - terms.normal_force * field().normal() - pull;
+      if (replaced(held, rubbed(strained, pull, less, way, d, terms), d, terms)) {
         if (!(d.depth > 0)) return release(d);
         pull = at_rest(core_force(d, terms), d, terms);
       }
@@ -302,14 +325,68 @@ private:
     if (size > terms.limit) pull = (terms.limit / size) * pull;
     depth_ = d.depth;
     field().remember(terms);
+    if constexpr (kFriction) {
+      if (tallies()) tally_.keep(d.sideways, pull, lean(terms, d), most_strain(terms, d, pull, core_force(d, terms)));
+    }
     if (field().is_coupled()) couple(terms, d, core_force(d, terms));
     return output(State::slide, pose, last_, terms, pull);
   }
 
-  /// J that sideways forces which are no gradient, and so not in stored(), hold about; `pull` (N) is theirs and the
-  /// straight push's.
-  [[nodiscard]] double sideways_strain(const DepthTerms& terms, const Deflection& d, const Vec3& pull) const {
-    return field().is_coupled() ? 0 : 0.5 * dot(terms.straight - pull, d.sideways);
+  /// The sideways forces are no gradient, and what they hold is not in stored().
+  [[nodiscard]] bool tallies() const {
+    return kFriction && view_->has(layout::feature_friction) && !field().is_coupled();
+  }
+  [[nodiscard]] double strain(const Vec3& pull, const Deflection& d, const DepthTerms& terms) const {
+    return tallies() ? most_strain(terms, d, pull, core_force(d, terms)) : 0;
+  }
+
+  /// J of the hand's that friction took of what the sideways deflections hold, where strain() was `before`. With
+  /// `less` (N) in place of what pushed before c went on, the hand gave less on its `way` (m), too.
+  double rubbed(double before, const Vec3& pull, const Vec3& less, const Vec3& way, const Deflection& d,
+                const DepthTerms& terms) {
+    if constexpr (kFriction) {
+      if (before > 0) return tally_.rub(strain(pull, d, terms) / before) + 0.5 * dot(less, way);
+    }
+    return 0;
+  }
+
+  /// J that the straight push's sideways force holds, as in stored(); of a coupled file that has all in one.
+  [[nodiscard]] double lean(const DepthTerms& terms, const Deflection& d) const {
+    if (!kFriction || field().is_coupled()) return 0;
+    const double core = -rim_.core_limit() * dot(terms.straight, d.sideways);
+    return rim_.present() ? rim_.mean(core, -rim_.limit() * dot(terms.straight, rim_deflection(d))) : core;
+  }
+
+  /// J that the sideways deflections hold at most; `pull` (N) is what they and the straight push do, the core's `core`.
+  [[nodiscard]] PALPATE_TICK_INLINE double most_strain(const DepthTerms& terms, const Deflection& d, const Vec3& pull,
+                                                       const Vec3& core) const {
+    const auto most = [&](double lean, const Vec3& force, const Vec3& deflection) {
+      return std::fabs(dot(lean * terms.straight - force, deflection));
+    };
+    if (!rim_.present()) return most(1, pull, d.sideways);
+    const double share = rim_.share();
+    const Vec3 rim = (1 / share) * (pull - (1 - share) * core);
+    return rim_.mean(most(rim_.core_limit(), core, d.sideways), most(rim_.limit(), rim, rim_deflection(d)));
+  }
+
+  /// Has the account owe what the hand got sideways and had not given, in a tick whose motion took the deflection to
+  /// `aside` (m). True where depth was lost for it.
+  PALPATE_TICK_INLINE bool tell(const Vec3& aside, const Vec3& pull, const Vec3& core, Deflection& d,
+                                DepthTerms& terms) {
+    if constexpr (kFriction) {
+      const double most = most_strain(terms, d, pull, core),
+                   more = tally_.add(aside, d.sideways, pull, lean(terms, d), most);
+      if (more > 0) return owe(more, d, terms);
+    }
+    return false;
+  }
+  [[gnu::noinline]] bool owe(double more, Deflection& d, DepthTerms& terms) {
+    account_.owe(more);
+    // A push of some power of the depth stores at least a fifth of this.
+    if (!(account_.owed() > 0.1 * terms.normal_force * d.depth)) return false;
+    const double now = stored(terms, d), due = account_.too_much(now, more);
+    if (due > 0) account_.held_back(now - lose(due, d, terms));
+    return due > 0;
   }
 
   /// Where a new place holds clearly less of the `core` (N) there than friction held at the old one, the rest gives way
@@ -335,9 +412,9 @@ private:
   /// Without this the torque on a round skin that turns would do work that is nobody's. A contact that slides needs it
   /// not: its c goes on anyway.
   [[gnu::noinline]] void roll_on(const Pose& pose, Deflection& d, DepthTerms& terms) {
-    const double held = stored(terms, d);
+    const Held before = held(terms, d);
     rest_.roll_on(pose, last_, d);
-    replaced(held, last_, d, terms);
+    replaced(before, last_, d, terms);
   }
 
   /// Moves p, which the pose takes to q, and sets what is there then. False, with nothing set, where it stays.
@@ -345,10 +422,10 @@ private:
     if (!rest_.lies_otherwise(pose)) return false;
     d = rest_.deflection(q);
     if (!(d.depth > 0)) return false;
-    const double held = stored(d);
+    const Held before = held(field().energy_terms(d.depth), d);
     rest_.lie_down(pose, d);
     q = rest_.point(pose);
-    replaced(held, q, d, terms);
+    replaced(before, q, d, terms);
     return true;
   }
 
@@ -378,6 +455,7 @@ private:
   Vec3 last_;         ///< m, p in the last tick
   double depth_ = 0;  ///< m, of the last tick
   EnergyAccount account_;
+  detail::If<kFriction, StrainTally> tally_;  ///< of a separable file
   BasicRest<kFeatures> rest_;
   BasicRim<kFeatures> rim_;
 };
