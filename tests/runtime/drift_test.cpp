@@ -3,6 +3,7 @@
 // friction applied to haptic rendering", 2000): Dahl's model creeps there, and does so on the very same motion.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "tests/runtime/support.hpp"
@@ -120,6 +121,31 @@ TEST(Drift, VibrationBelowTheLimitMovesNothing) {
     vibrate(drawn, {0.1, 100000, 1});
     // The rim slips to and fro, each time along its force: at first it loses what it bears across.
     vibrate(drawn, {0.4, 10000, 1000});
+  });
+}
+
+// What a trembling hand lets go and takes up again bears nothing the second time: the force is lost once, not by every
+// cycle. (By every cycle it would be gone within seconds.)
+TEST(Drift, AHandThatTremblesUpAndDownKeepsItsSidewaysForce) {
+  of_all([](const Drawn& drawn) {
+    const auto at = [&](double lift) { return drawn.tip(drawn.direction * drawn.middle, Drawn::kPressed - lift); };
+    std::mt19937 random(4);
+    const auto noise = [&](int) { return 5e-6 * (static_cast<double>(random() % 3) - 1); };
+    const auto tremor = [](int k) { return 5e-5 * std::sin(2 * std::numbers::pi * k / 100); };
+    const auto breath = [](int k) { return 2e-4 * std::sin(2 * std::numbers::pi * k / 4000); };
+    const std::pair<std::function<double(int)>, double> hands[] = {{noise, 0.98}, {tremor, 0.9}, {breath, 0.75}};
+    for (const auto& [hand, kept] : hands) {
+      Contact contact = drawn.contact;
+      const double before = drawn.along(contact.tick(at(0)));
+      double early = 0;
+      for (int k = 1; k <= 60000; ++k) {
+        ASSERT_EQ(contact.tick(at(hand(k))).state, State::stick) << k;
+        if (k == 8000) early = drawn.along(Contact(contact).tick(at(0)));
+      }
+      const double late = drawn.along(contact.tick(at(0)));
+      EXPECT_GT(late, kept * before);
+      EXPECT_GT(late, 0.95 * early);
+    }
   });
 }
 

@@ -149,16 +149,38 @@ public:
     if constexpr (kCoupled) {
       if (is_coupled()) {
         const double t0 = law_.abscissa(z0), t1 = law_.abscissa(at_z1.depth);
-        if (known_.depth != z0) {
-          known_.depth = z0;
-          law_.set_at(t0, true, known_.terms);
-        }
+        know(z0, t0);
         const coupled::Vec2 held = in_basis(deflection);
         const coupled::Vec2 u = law_.deepen(t0, known_.terms, t1, at_z1.coupled, held, lean);
         return view_->meta->sideways_scale * in_space(u);
       }
     }
     return separable_.share_kept(z0, at_z1) * deflection;
+  }
+
+  /// The sideways stiffness at a depth z > 0 over that at the terms' depth, or the other way round where that is less.
+  [[nodiscard, gnu::noinline]] double share_between(double z, const DepthTerms& terms) const {
+    if constexpr (kCoupled) {
+      if (is_coupled()) {
+        const double there = known_at(z).energy.square.m, here = terms.coupled.energy.square.m;
+        const double share = terms.depth > z ? there / here : here / there;
+        return share > 0 && share < 1 ? share : 1;
+      }
+    }
+    return separable_.share_between(z, terms);
+  }
+
+  /// J by which the deflection `after` holds less at these terms than `before` (m) at a depth z > 0, of a coupled file.
+  /// The sideways forces of a separable one are no gradient: 0.
+  [[nodiscard, gnu::noinline]] double released(double z, const Vec3& before, const DepthTerms& terms, const Vec3& after,
+                                               double lean = 1) const {
+    if constexpr (kCoupled) {
+      if (is_coupled()) {
+        const auto& from = z == terms.depth ? terms.coupled : known_at(z);
+        return sideways_energy(from, before, lean) - sideways_energy(terms.coupled, after, lean);
+      }
+    }
+    return 0;
   }
 
   /// Says that deepened() will be asked for these terms' depth as z0.
@@ -178,10 +200,7 @@ public:
     if (!(terms.depth > 0)) return 0;
     if constexpr (kCoupled) {
       if (is_coupled()) {
-        const coupled::Vec2 u = in_basis(deflection);
-        return law_.pushed(law_.abscissa(terms.depth)) +
-               view_->meta->sideways_scale *
-                   (law_.energy(terms.coupled, u) + (lean - 1) * dot(terms.coupled.straight, u));
+        return law_.pushed(law_.abscissa(terms.depth)) + sideways_energy(terms.coupled, deflection, lean);
       }
     }
     return separable_.pushed(terms.depth) - lean * dot(terms.straight, deflection);
@@ -291,6 +310,23 @@ private:
     }
     if (!is_coupled()) separable_.clear(m, basis_x_, basis_y_);
     per_scale_ = m.sideways_scale > 0 ? 1 / m.sideways_scale : 0;
+  }
+
+  /// Has what a coupled law has at a depth z (m), the abscissa t, remembered.
+  void know(double z, double t) const {
+    if (known_.depth == z) return;
+    known_.depth = z;
+    law_.set_at(t, true, known_.terms);
+  }
+  /// The same of a depth alone.
+  [[nodiscard, gnu::noinline]] const coupled::AtDepth& known_at(double z) const {
+    know(z, law_.abscissa(z));
+    return known_.terms;
+  }
+  /// J of a coupled law's W less the straight push's.
+  [[nodiscard]] double sideways_energy(const coupled::AtDepth& at, const Vec3& deflection, double lean) const {
+    const coupled::Vec2 u = in_basis(deflection);
+    return view_->meta->sideways_scale * (law_.energy(at, u) + (lean - 1) * dot(at.straight, u));
   }
 
   /// u of a deflection (m).

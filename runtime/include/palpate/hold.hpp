@@ -3,6 +3,7 @@
 #pragma once
 
 #include "palpate/energy.hpp"
+#include "palpate/inner.hpp"
 #include "palpate/rest.hpp"
 #include "palpate/rim.hpp"
 #include "palpate/slip.hpp"
@@ -20,7 +21,12 @@ class BasicHold {
   static constexpr bool kFriction = (kFeatures & layout::feature_friction) != 0;
 
 public:
-  BasicHold(const View& view, std::uint32_t tool) : view_(&view), rest_(view, tool), rim_(view) {}
+  BasicHold(const View& view, std::uint32_t tool) : view_(&view), rest_(view, tool), rim_(view) {
+    if constexpr (kFriction) {
+      rubs_ = view.has(layout::feature_friction);
+      tallies_ = rubs_ && !view.coupled;
+    }
+  }
 
   [[nodiscard]] bool lasts() const { return lasts_; }
   void end() { lasts_ = false; }
@@ -34,6 +40,7 @@ public:
     rim_.leave({}, {});
     account_.reset();
     if constexpr (kFriction) tally_.reset();
+    let_go();
     lasts_ = true;
     slides_ = false;
     last_ = first.at;
@@ -43,7 +50,7 @@ public:
     // grows with the root of the depth, as under a round tip.
     if (const Vec3 way = q - first.at; dot(way, way) > 0) depth_ *= 4.0 / 9;
     if (depth_ > 0) {
-      begins_ = kFriction && view_->has(layout::feature_friction);
+      begins_ = rubs();
       const Tick first_tick = tick(pose, q);
       begins_ = false;
       return first_tick;
@@ -55,7 +62,7 @@ public:
 
   /// Force of a contact that lasts; `before`: where the pose takes p. `served`: a tracker's latest search, or null.
   Tick tick(const Pose& pose, const Vec3& before, const Search* served = nullptr) {
-    const bool friction = kFriction && view_->has(layout::feature_friction);
+    const bool friction = rubs();
     bool rolled = friction && rest_.probe() > 0 && rest_.turned(pose) && rest_.roll(pose);
     Vec3 q = before;
     Deflection d;
@@ -73,8 +80,9 @@ public:
     if (friction && !slides_ && rest_.slow(dot(way, way)) && rest_.far_aside(q)) let_go_round(length(way), d, terms);
     for (;;) {
       if (!(d.depth > 0)) return release(d);
-      const Vec3 aside = d.sideways;
-      if (friction) deepen(d, terms);
+      Vec3 aside;
+      if (tallies()) aside = d.sideways;
+      if (friction) deepen(way, d, terms);
       if (account_.owed() > 0 && !pay(d, terms)) return release(d);
       if (!kFriction || !friction)
         return slide(pose, d, {{}, terms.straight}, terms, way, depth, terms.straight, served);
@@ -114,9 +122,7 @@ public:
     Deflection d;
     DepthTerms terms;
     stand(last_, d, terms);
-    Held before = held(terms, d);
-    before.stored /= ratio;
-    before.lean /= ratio;
+    const double before = leave(terms, d) / ratio;
     if constexpr (kFriction) tally_.rescale(ratio);
     replaced(before, last_, d, terms);
   }
@@ -124,7 +130,11 @@ public:
   /// What the tool did up to here counts as done at `by` times its poses.
   void rebase(const Pose& by) {
     last_ = by.apply(last_);
-    if constexpr (kFriction) tally_.rotate(by);
+    if constexpr (kFriction) {
+      tally_.rotate(by);
+      inner_.core.rotate(by);
+      inner_.rim.rotate(by);
+    }
     rest_.rebase(by);
   }
 
@@ -216,17 +226,50 @@ private:
     return rim_.present() ? rim_.mean(core, field().stored(terms, rim_deflection(d), rim_.limit())) : core;
   }
 
-  /// The anchor rule: sideways motion has been added to the effective deflection; going deeper moves its anchor.
-  void deepen(Deflection& d, const DepthTerms& terms) {
-    if (d.depth > depth_ || !(depth_ > 0)) {
-      const Vec3 core = field().deepened(depth_, terms, d.sideways, rim_.core_limit());
-      if (rim_.present()) {
-        rim_.leave(core, field().deepened(depth_, terms, rim_deflection(d), rim_.limit()));
+  /// The anchor rule: sideways motion has been added to the effective deflection; going deeper moves its anchor, and
+  /// lifting what was pushed down after a lift moves it back.
+  void deepen(const Vec3& way, Deflection& d, const DepthTerms& terms) {
+    if constexpr (kFriction) {
+      // A hand that trembles is slow.
+      if (inner_.core.known() && !rest_.slow(dot(way, way))) let_go();
+      if (d.depth > depth_ || !(depth_ > 0)) {
+        if (inner_.lifts) turn();
+        const Vec3 core = deeper(inner_.core, d.sideways, terms, rim_.core_limit());
+        if (rim_.present()) rim_.leave(core, deeper(inner_.rim, rim_deflection(d), terms, rim_.limit()));
+        rest_.leave(d, core);
+      } else if (d.depth < depth_) {
+        inner_.lifts = true;
+        if (inner_.core.known()) lift(d, terms);
       }
-      rest_.leave(d, core);
     }
     depth_ = d.depth;
     field().remember(terms);
+  }
+  /// What a part of the contact keeps of a deflection (m).
+  PALPATE_TICK_INLINE Vec3 deeper(InnerPart& part, const Vec3& deflection, const DepthTerms& terms, double lean) {
+    const Vec3 kept = field().deepened(depth_, terms, deflection, lean);
+    if (part.known()) part.deepened(field(), depth_, deflection, terms, kept, lean);
+    return kept;
+  }
+  [[gnu::noinline]] void lift(Deflection& d, const DepthTerms& terms) {
+    const Vec3 core = inner_.core.lifted(field(), depth_, terms, d.sideways, rim_.core_limit());
+    if (rim_.present()) {
+      rim_.leave(core, inner_.rim.lifted(field(), depth_, terms, rim_deflection(d), rim_.limit()));
+    }
+    rest_.leave(d, core);
+  }
+  void turn() {
+    inner_.lifts = false;
+    inner_.core.turn();
+    inner_.rim.turn();
+  }
+  /// What slides bears no more than its limit anywhere.
+  void let_go() {
+    if constexpr (kFriction) {
+      inner_.lifts = false;
+      inner_.core.forget();
+      inner_.rim.forget();
+    }
   }
 
   /// Beyond an edge the tool pushes as far as it overlaps the body there, not as deep as it is under the plane of c, to
@@ -235,7 +278,7 @@ private:
   [[gnu::noinline]] void let_go_round(double moved, Deflection& d, DepthTerms& terms) {
     const double way = std::fmin(rest_.past_edge(last_), d.depth - depth_ + moved);
     if (!(way > 0)) return;
-    const Held before = held(terms, d);
+    const double before = leave(terms, d);
     rest_.subtract(way);
     replaced(before, last_, d, terms);
   }
@@ -249,11 +292,13 @@ private:
 
   /// Gives up `due` (J) of what is stored by as much depth; returns what is left.
   double lose(double due, Deflection& d, DepthTerms& terms) {
-    const double way = std::fmin(d.depth, due / terms.normal_force), leant = lean(terms, d);
+    const double way = std::fmin(d.depth, due / terms.normal_force), leant = tallies() ? lean(terms, d) : 0;
     rest_.subtract(way);
     depth_ = d.depth -= way;
     field().set_depth(d.depth, terms);
-    if constexpr (kFriction) tally_.shift({}, lean(terms, d) - leant);
+    if constexpr (kFriction) {
+      if (tallies()) tally_.shift({}, lean(terms, d) - leant);
+    }
     return stored(terms, d);
   }
 
@@ -261,24 +306,25 @@ private:
   /// friction took of what is stored sideways and not counted in that. True where depth was lost.
   PALPATE_TICK_INLINE bool replaced(double held, double rubbed, Deflection& d, DepthTerms& terms) {
     const double now = stored(terms, d);
-    const double due = account_.replaced(held, now, view_->has(layout::feature_friction), rubbed);
+    const double due = account_.replaced(held, now, rubs(), rubbed);
     if (due > 0) account_.held_back(now - lose(due, d, terms));
     return due > 0;
   }
 
-  /// What is stored before something goes elsewhere: J, of it the straight push's sideways force, and m, sideways.
-  struct Held {
-    double stored, lean;
-    Vec3 aside;
-  };
-  [[nodiscard]] Held held(const DepthTerms& terms, const Deflection& d) const {
-    return {stored(terms, d), lean(terms, d), d.sideways};
+  /// J that is stored before c or p goes elsewhere; replaced() is to follow.
+  [[nodiscard]] double leave(const DepthTerms& terms, const Deflection& d) {
+    if constexpr (kFriction) {
+      if (tallies()) tally_.shift(-d.sideways, -lean(terms, d));
+    }
+    return stored(terms, d);
   }
   /// The same for the tool at q, with nothing rubbed; sets what is there now.
-  void replaced(const Held& before, const Vec3& q, Deflection& d, DepthTerms& terms) {
+  PALPATE_TICK_INLINE void replaced(double left, const Vec3& q, Deflection& d, DepthTerms& terms) {
     stand(q, d, terms);
-    if constexpr (kFriction) tally_.shift(d.sideways - before.aside, lean(terms, d) - before.lean);
-    replaced(before.stored, 0, d, terms);
+    if constexpr (kFriction) {
+      if (tallies()) tally_.shift(d.sideways, lean(terms, d));
+    }
+    replaced(left, 0, d, terms);
   }
 
   /// Deflection of the tool at q, and its terms.
@@ -293,6 +339,7 @@ private:
              const Vec3& before, const Search* served) {
     Vec3 pull;
     slides_ = true;
+    let_go();
     // c rests while the tool moves along n(c): 0.1 nm on a contact of 10 mm.
     const bool rests = !(length(d.sideways - wanted.deflection) > 1e-8 * rest_.size()) &&
                        !(rest_.lies_in_place(pose) && rest_.lies_otherwise(pose));
@@ -306,7 +353,7 @@ private:
       pull = at_rest(core_force(d, terms), d, terms);
     } else {
       const double held = stored(terms, d), strained = strain(before, d, terms);
-      const Vec3 pushed = terms.normal_force * field().normal() + before;
+      const double done = strained > 0 ? work(terms, before, way) : 0;
       const Vec3 rim = rim_deflection(d);
       const bool went =
           rest_.follow(pose, last_, wanted.deflection, terms.normal_force, length(way), d.depth - depth, served);
@@ -315,8 +362,7 @@ private:
       rim_.leave(d.sideways, rim);
       field().set_depth(d.depth, terms);
       pull = give_way(core_force(d, terms), d, terms, went);
-      const Vec3 less = pushed - terms.normal_force * field().normal() - pull;
-      if (replaced(held, rubbed(strained, pull, less, way, d, terms), d, terms)) {
+      if (replaced(held, rubbed(strained, done, pull, way, d, terms), d, terms)) {
         if (!(d.depth > 0)) return release(d);
         pull = at_rest(core_force(d, terms), d, terms);
       }
@@ -326,33 +372,43 @@ private:
     depth_ = d.depth;
     field().remember(terms);
     if constexpr (kFriction) {
-      if (tallies()) tally_.keep(d.sideways, pull, lean(terms, d), most_strain(terms, d, pull, core_force(d, terms)));
+      if (tallies()) tally_.keep(d.sideways, pull, lean(terms, d), strain(pull, d, terms));
     }
-    if (field().is_coupled()) couple(terms, d, core_force(d, terms));
+    if (field().is_coupled()) couple(terms, d, rim_.present() ? core_force(d, terms) : pull);
     return output(State::slide, pose, last_, terms, pull);
   }
 
+  /// There is friction.
+  [[nodiscard]] bool rubs() const {
+    if constexpr (kFriction) return rubs_;
+    return false;
+  }
   /// The sideways forces are no gradient, and what they hold is not in stored().
   [[nodiscard]] bool tallies() const {
-    return kFriction && view_->has(layout::feature_friction) && !field().is_coupled();
+    if constexpr (kFriction) return tallies_;
+    return false;
   }
   [[nodiscard]] double strain(const Vec3& pull, const Deflection& d, const DepthTerms& terms) const {
-    return tallies() ? most_strain(terms, d, pull, core_force(d, terms)) : 0;
+    return tallies() ? most_strain(terms, d, pull, rim_.present() ? core_force(d, terms) : pull) : 0;
   }
 
-  /// J of the hand's that friction took of what the sideways deflections hold, where strain() was `before`. With
-  /// `less` (N) in place of what pushed before c went on, the hand gave less on its `way` (m), too.
-  double rubbed(double before, const Vec3& pull, const Vec3& less, const Vec3& way, const Deflection& d,
+  /// J of the hand's that friction took of what the sideways deflections hold, where strain() was `before` and the body
+  /// did `done` (J) on the tool at the motion's end. With the force that is left there the hand gave less on its `way`
+  /// (m), too.
+  double rubbed(double before, double done, const Vec3& pull, const Vec3& way, const Deflection& d,
                 const DepthTerms& terms) {
     if constexpr (kFriction) {
-      if (before > 0) return tally_.rub(strain(pull, d, terms) / before) + 0.5 * dot(less, way);
+      if (before > 0) return tally_.rub(strain(pull, d, terms) / before) + done - work(terms, pull, way);
     }
     return 0;
   }
+  /// J, of a force at one end of a way (m), by the rule of trapezoids.
+  [[nodiscard]] double work(const DepthTerms& terms, const Vec3& pull, const Vec3& way) const {
+    return 0.5 * dot(terms.normal_force * field().normal() + pull, way);
+  }
 
-  /// J that the straight push's sideways force holds, as in stored(); of a coupled file that has all in one.
+  /// J that the straight push's sideways force holds, as in stored() of a separable file.
   [[nodiscard]] double lean(const DepthTerms& terms, const Deflection& d) const {
-    if (!kFriction || field().is_coupled()) return 0;
     const double core = -rim_.core_limit() * dot(terms.straight, d.sideways);
     return rim_.present() ? rim_.mean(core, -rim_.limit() * dot(terms.straight, rim_deflection(d))) : core;
   }
@@ -412,7 +468,7 @@ private:
   /// Without this the torque on a round skin that turns would do work that is nobody's. A contact that slides needs it
   /// not: its c goes on anyway.
   [[gnu::noinline]] void roll_on(const Pose& pose, Deflection& d, DepthTerms& terms) {
-    const Held before = held(terms, d);
+    const double before = leave(terms, d);
     rest_.roll_on(pose, last_, d);
     replaced(before, last_, d, terms);
   }
@@ -422,7 +478,7 @@ private:
     if (!rest_.lies_otherwise(pose)) return false;
     d = rest_.deflection(q);
     if (!(d.depth > 0)) return false;
-    const Held before = held(field().energy_terms(d.depth), d);
+    const double before = leave(field().energy_terms(d.depth), d);
     rest_.lie_down(pose, d);
     q = rest_.point(pose);
     replaced(before, q, d, terms);
@@ -454,7 +510,14 @@ private:
   bool slides_ = false, begins_ = false;
   Vec3 last_;         ///< m, p in the last tick
   double depth_ = 0;  ///< m, of the last tick
+  struct Inner {
+    InnerPart core, rim;
+    bool lifts = false;  ///< the last depth was less than that before
+  };
+
   EnergyAccount account_;
+  detail::If<kFriction, Inner> inner_;
+  detail::If<kFriction, bool> rubs_ = {}, tallies_ = {};
   detail::If<kFriction, StrainTally> tally_;  ///< of a separable file
   BasicRest<kFeatures> rest_;
   BasicRim<kFeatures> rim_;

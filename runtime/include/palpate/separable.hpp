@@ -145,10 +145,7 @@ public:
   [[nodiscard]] double share_kept(double z0, const DepthTerms& at_z1) const {
     double kept = 1;
     if constexpr (kFriction) {
-      if (known_.depth != z0) {
-        known_.depth = z0;
-        curves_.growths_once(abscissa(z0), known_.growth);
-      }
+      know(z0);
       for (int j = 0; j < curves_.layers(); ++j) {
         for (int k = 0; k < Curves::kSites; ++k) {
           const Two ratio = known_.growth[j].of[k] / at_z1.growth[j].of[k];  // no number where there is none
@@ -158,6 +155,25 @@ public:
       }
     }
     return kept;
+  }
+
+  /// The sideways stiffness at a depth z > 0 over that at the terms' depth, or the other way round where that is less:
+  /// what is nearest to 1 of the curves' growths; 1 where none grows.
+  [[nodiscard]] double share_between(double z, const DepthTerms& terms) const {
+    double share = 0;
+    if constexpr (kFriction) {
+      know(z);
+      const bool deeper = terms.depth > z;
+      for (int j = 0; j < curves_.layers(); ++j) {
+        for (int k = 0; k < Curves::kSites; ++k) {
+          const Two there = known_.growth[j].of[k], here = terms.growth[j].of[k];
+          const Two ratio = deeper ? there / here : here / there;  // no number where there is none
+          share = ratio[0] > share ? ratio[0] : share;
+          share = ratio[1] > share ? ratio[1] : share;
+        }
+      }
+    }
+    return share > 0 && share < 1 ? share : 1;
   }
 
   /// Keeps what share_kept needs of the terms of a depth that will be its z0.
@@ -248,6 +264,11 @@ private:
     double depth = 0;  ///< m; none where it is 0
     typename Curves::Growths growth;
   };
+  void know(double z) const {
+    if (known_.depth == z) return;
+    known_.depth = z;
+    curves_.growths_once(abscissa(z), known_.growth);
+  }
   [[nodiscard]] const float* friction_of(const From& from) const {
     return from.coefs + meta_->normal_coefs + 2 * meta_->lateral_coefs;
   }
