@@ -139,6 +139,39 @@ TEST(Contact, WrongPosesAreFaultsWithoutForce) {
   }
 }
 
+// As find_tool gives it for a name that is not in the file: the index after the last, or any.
+TEST(Contact, OfAToolThatIsNotThereEveryTickIsAFault) {
+  for (const auto tools : {Options::Tools::sphere, Options::Tools::all}) {
+    Options options;
+    options.tools = tools;
+    options.search = true;
+    const Opened ball(ball_content(options));
+    const runtime::View& view = ball.view;
+    const double far = 1;
+    for (const std::uint32_t tool : {view.find_tool("no such tool"), 1000u, 0xffffffffu}) {
+      Contact contact(view, tool), searched(view, tool);
+      runtime::MovingContact moving(view, tool);
+      runtime::SeveralContacts<2> several(view, tool);
+      runtime::SeveralTools<2> tools_of(view, {0, tool});
+      runtime::VirtualCoupling tie(runtime::CouplingOptions{});
+      Contact tied(view, tool);
+      for (const double height : {far, 0.05, 0.0, far}) {
+        const Pose pose = upright({0, 0, height});
+        const runtime::Search latest = runtime::search(view, tool, pose);
+        const Tick ticks[] = {contact.tick(pose),        searched.tick(pose, latest), searched.tick_found(pose, latest),
+                              moving.tick(Pose(), pose), several.tick(pose).each[0],  tools_of.tick({pose, pose})[1],
+                              tie.tick(tied, pose, 1e-3)};
+        for (const Tick& tick : ticks) {
+          ASSERT_EQ(tick.state, State::fault) << tool << ' ' << height;
+          ASSERT_EQ(length(tick.force), 0);
+        }
+      }
+      const runtime::Places<2> places{upright({0, 0, far}), 0, {}};
+      EXPECT_GT(runtime::search(view, tool, places).first.touch.clearance, 0);
+    }
+  }
+}
+
 TEST(Contact, TorqueIsTheLeverTimesTheForce) {
   const Opened ball(ball_content());
   Contact contact(ball.view, 0);

@@ -16,12 +16,12 @@ namespace palpate::runtime {
 template <std::uint32_t kFeatures = layout::feature_all>
 class BasicContact {
 public:
-  /// `tool`: an index below view.meta->tool_count.
+  /// `tool`: an index below view.meta->tool_count; with any other every tick is a fault.
   BasicContact(const View& view, std::uint32_t tool)
       : view_(&view),
         tool_(tool),
         reach_(skeleton_radius<kFeatures>(view, tool)),
-        probe_(view.tools[tool].probe_radius),
+        probe_(view.tool(tool).probe_radius),
         hold_(view, tool) {}
 
   /// Forgets the contact. The next tick must be outside the body, else the contact starts at zero force, and what it is
@@ -37,7 +37,7 @@ public:
   Tick tick(const Pose& pose) {
     if (!fits() || !pose.valid()) return fault();
     if (const Vec3 q = hold_.rest().point(pose); keeps(q)) return keep(pose, q);
-    return seek(pose);
+    return exists() ? seek(pose) : fault();
   }
 
   /// The same in a force loop whose searches are made elsewhere, at a lower rate: `latest` is the last that arrived.
@@ -52,6 +52,7 @@ public:
   Tick tick_found(const Pose& pose, const Search& found, const Search* served = nullptr) {
     if (!fits() || !pose.valid() || !found.pose.valid()) return fault();
     if (const Vec3 q = hold_.rest().point(pose); keeps(q)) return keep(pose, q, served);
+    if (!exists()) return fault();
     search_ = found;
     return motion_since_search(pose) < search_.touch.safe ? free(pose) : meet(pose, false);
   }
@@ -90,6 +91,8 @@ private:
     constexpr std::uint32_t kOfContacts = layout::feature_all & ~(layout::feature_grasp | layout::feature_turn);
     return (view_->features & kOfContacts & ~kFeatures) == 0;
   }
+  /// Of a tool that the file does not have no contact begins, so one that lasts need not ask.
+  [[nodiscard]] bool exists() const { return tool_ < view_->meta->tool_count; }
 
   [[nodiscard]] bool keeps(const Vec3& q) {
     if (hold_.lasts() && hold_.jumped(q)) reset();
