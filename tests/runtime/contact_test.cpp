@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <type_traits>
 
 #include "tests/runtime/straight_moves.hpp"
 
@@ -170,6 +171,24 @@ TEST(Contact, OfAToolThatIsNotThereEveryTickIsAFault) {
       EXPECT_GT(runtime::search(view, tool, places).first.touch.clearance, 0);
     }
   }
+}
+
+// A contact keeps the view's address: of a temporary, as View::open(...).view, it does not compile.
+TEST(Contact, IsNotMadeOfATemporaryView) {
+  using runtime::View;
+  const auto refuses = [](auto type) {
+    using Kept = typename decltype(type)::type;
+    return std::is_constructible_v<Kept, const View&, std::uint32_t> &&
+           std::is_constructible_v<Kept, View&, std::uint32_t> && !std::is_constructible_v<Kept, View, std::uint32_t> &&
+           !std::is_constructible_v<Kept, const View, std::uint32_t>;
+  };
+  static_assert(refuses(std::type_identity<Contact>()));
+  static_assert(refuses(std::type_identity<runtime::SeveralContacts<2>>()));
+  static_assert(refuses(std::type_identity<runtime::ContactsAsOne<2>>()));
+  static_assert(refuses(std::type_identity<runtime::PlaceFinder<>>()));
+  using Tools = std::array<std::uint32_t, 2>;
+  static_assert(std::is_constructible_v<runtime::SeveralTools<2>, const View&, Tools>);
+  static_assert(!std::is_constructible_v<runtime::SeveralTools<2>, View, Tools>);
 }
 
 TEST(Contact, TorqueIsTheLeverTimesTheForce) {

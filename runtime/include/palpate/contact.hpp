@@ -10,7 +10,8 @@
 namespace palpate::runtime {
 
 /// Follows one tool. Every tick takes bounded time, allocates nothing and throws nothing. Not for several
-/// threads at once; any number of contacts may share a view, which must outlive them.
+/// threads at once; any number of contacts may share a view, which must outlive them and stay where it is (they keep
+/// its address, as all that is made of a view does).
 /// kFeatures (layout::Feature bits): what it can do; of what is left out it has neither code nor memory, and with a
 /// file that holds it every tick is a fault. View::open<kFeatures> says so beforehand.
 template <std::uint32_t kFeatures = layout::feature_all>
@@ -23,6 +24,7 @@ public:
         reach_(skeleton_radius<kFeatures>(view, tool)),
         probe_(view.tool(tool).probe_radius),
         hold_(view, tool) {}
+  BasicContact(const View&&, std::uint32_t) = delete;  ///< of a temporary nothing would be left
 
   /// Forgets the contact. The next tick must be outside the body, else the contact starts at zero force, and what it is
   /// deep then is subtracted for as long as it lasts.

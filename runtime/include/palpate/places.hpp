@@ -53,6 +53,7 @@ public:
     const double contact = Tip(view, tool).contact(view.meta->depth_scale);
     gap_ = contact > 0 ? contact : view.meta->depth_scale;
   }
+  PlaceFinder(const View&&, std::uint32_t) = delete;
 
   /// m, between the points c of two contacts.
   [[nodiscard]] double gap() const { return gap_; }
