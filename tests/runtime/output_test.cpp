@@ -90,6 +90,18 @@ TEST(Output, ALowPassIsFirstOrderAtAnyRateOfTicks) {
   EXPECT_LT(distance(given, {0.3, -2, 1}), 1e-12);
 }
 
+// Each component for itself: one may rest while another is held.
+TEST(Output, ALowPassComesToRest) {
+  for (const Vec3& held : {Vec3{}, Vec3{0, 0, 1}}) {
+    Output<output::LowPass> out({30});
+    for (int i = 0; i < 100; ++i) (void)out({2, -1, 1}, kTick);
+    Vec3 given{1, 1, 1};
+    int ticks = 0;
+    for (; distance(given, held) > 0 && ticks < 1000; ++ticks) given = out(held, kTick);
+    EXPECT_NEAR(ticks, std::log(std::hypot(2, 1, 1 - held.z) / 1e-12) / (2 * kPi * 30 * kTick), 2);
+  }
+}
+
 TEST(Output, WhatADeviceCannotGiveIsLeftOut) {
   std::mt19937 random(22);
   for (int i = 0; i < 1000; ++i) {

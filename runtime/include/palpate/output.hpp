@@ -41,11 +41,16 @@ struct RateLimit {
 struct LowPass {
   double frequency;
   Vec3 operator()(const Vec3& force, double seconds) {
-    last = last + (1 - std::exp(-kFullTurn * frequency * seconds)) * (force - last);
+    const Vec3 change = force - last;
+    // Arrives where nobody feels a difference: else what is left falls for ever, to numbers that are slow to reckon
+    // with.
+    last = dot(change, change) > kNothing * kNothing ? last + (1 - std::exp(-kFullTurn * frequency * seconds)) * change
+                                                     : force;
     return last;
   }
   void reset() { last = {}; }
   Vec3 last{};
+  static constexpr double kNothing = 1e-12;
 };
 
 /// What a device with one actuated direction (a cable on a finger) can give: it pulls along `direction` (unit), and
