@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What stands between a force of the scene and a device: bounds that hold, directions that stay, filters by frequency.
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <type_traits>
 
@@ -134,6 +135,41 @@ TEST(Output, WhatIsNoForceGivesZeroAndIsForgotten) {
     EXPECT_EQ(length(out(force, seconds)), 0);
     EXPECT_EQ(distance(out({0, 2, 0}, kTick), fresh({0, 2, 0}, kTick)), 0);
   }
+}
+
+template <class... Steps>
+void refused(const char* wrong, const Steps&... steps) {
+  Output<Steps...> out(steps...);
+  ASSERT_NE(out.validate(), nullptr);
+  EXPECT_NE(std::strstr(out.validate(), wrong), nullptr) << out.validate();
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(length(out({3, -4, 5}, kTick)), 0) << wrong;
+}
+
+TEST(Output, StepsWithWrongParametersAreNamedAndGiveNoForce) {
+  using namespace output;
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  for (const double most : {kNan, -1.0}) refused("limit is", Limit{most});
+  for (const double most : {kNan, -1.0, 0.0}) {
+    refused("rate", RateLimit{most});
+    refused("low-pass", LowPass{most});
+  }
+  for (const Vec3& axis : {Vec3{}, Vec3{0, 0, 2}, Vec3{1, 1, 0}, Vec3{kNan, 0, 1}}) {
+    refused("actuated direction", OneAxis{axis});
+    refused("not actuated", TwoAxes{axis});
+  }
+  // The first of several that is wrong; a step of somebody else's is not asked.
+  struct Twice {
+    Vec3 operator()(const Vec3& force, double) const { return 2 * force; }
+    void reset() {}
+  };
+  refused("low-pass", Twice{}, LowPass{-1}, Limit{-1});
+  refused("limit", LowPass{80}, RateLimit{100}, Twice{}, Limit{-1});
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  Output<Limit, LowPass, RateLimit, Twice> open({kInf}, {kInf}, {kInf}, {});
+  EXPECT_EQ(open.validate(), nullptr);
+  EXPECT_EQ(distance(open({3, -4, 5}, kTick), {6, -8, 10}), 0);
+  EXPECT_EQ(length(Output<Limit>({0})({1, 2, 3}, kTick)), 0);
+  EXPECT_EQ(Output<>().validate(), nullptr);
 }
 
 TEST(DeviceFrame, PosesGoToTheSceneAndForcesBackWithTheirWork) {

@@ -135,14 +135,17 @@ TEST(Passivity, AllocatesNothing) {
 }
 
 TEST(Passivity, KnowsUsableOptions) {
-  EXPECT_TRUE(PassivityOptions().valid());
+  EXPECT_STREQ(PassivityOptions().validate(), nullptr);
   for (const auto change :
        {+[](PassivityOptions& o) { o.delay = 0.03; }, +[](PassivityOptions& o) { o.trace = 0; },
         +[](PassivityOptions& o) { o.damping = NAN; }, +[](PassivityOptions& o) { o.friction = -1; },
         +[](PassivityOptions& o) { o.stiffness = -1; }}) {
     PassivityOptions options;
     change(options);
-    EXPECT_FALSE(options.valid());
+    EXPECT_NE(options.validate(), nullptr);
+    Out out{Passivity(options)};
+    EXPECT_STREQ(out.validate(), options.validate());
+    EXPECT_EQ(length(out({1, 0, 0}, kTick, {})), 0);
   }
 }
 

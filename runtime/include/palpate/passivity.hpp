@@ -17,9 +17,14 @@ struct PassivityOptions {
   double stiffness = 0;  ///< N/m, of the stiffest contact, where it is known beforehand; at least 0
   double trace = 5e-5;   ///< J, that may have been given out beyond what went in; above 0
 
-  [[nodiscard]] bool valid() const {
-    return delay >= 0 && delay <= 0.02 && damping >= 0 && damping < 1e6 && friction >= 0 && friction < 1e6 &&
-           stiffness >= 0 && stiffness < 1e12 && trace > 0 && trace < 1e6;
+  /// Null, or what is wrong.
+  [[nodiscard]] const char* validate() const {
+    if (!(delay >= 0 && delay <= 0.02)) return "the device's delay is outside 0 to 0.02 s";
+    if (!(damping >= 0 && damping < 1e6)) return "the device's damping is outside 0 to 1e6 N s/m";
+    if (!(friction >= 0 && friction < 1e6)) return "the device's friction is outside 0 to 1e6 N";
+    if (!(stiffness >= 0 && stiffness < 1e12)) return "the contact's stiffness is outside 0 to 1e12 N/m";
+    if (!(trace > 0 && trace < 1e6)) return "the passivity controller's trace is outside 0 to 1e6 J";
+    return nullptr;
   }
 };
 
@@ -59,6 +64,9 @@ public:
     send(share_ * force, seconds);
     return share_ * force;
   }
+
+  /// Of its options.
+  [[nodiscard]] const char* validate() const { return options_.validate(); }
 
   /// As if nothing had been sent or made.
   void reset() { *this = Passivity(options_); }
