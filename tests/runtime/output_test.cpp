@@ -127,7 +127,7 @@ TEST(Output, WhatIsNoForceGivesZeroAndIsForgotten) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
   const auto make = [] { return Output<output::LowPass, output::RateLimit, output::Limit>({80}, {500}, {3}); };
   const std::pair<Vec3, double> bad[] = {{{kNan, 0, 0}, kTick}, {{0, kInf, 0}, kTick}, {{0, 0, 1e300}, kTick},
-                                         {{1, 0, 0}, 0},        {{1, 0, 0}, -1},       {{1, 0, 0}, kNan},
+                                         {{kNan, 0, 0}, 0},     {{1, 0, 0}, -1},       {{1, 0, 0}, kNan},
                                          {{1, 0, 0}, kInf}};
   for (const auto& [force, seconds] : bad) {
     auto out = make(), fresh = make();
@@ -135,6 +135,24 @@ TEST(Output, WhatIsNoForceGivesZeroAndIsForgotten) {
     EXPECT_EQ(length(out(force, seconds)), 0);
     EXPECT_EQ(distance(out({0, 2, 0}, kTick), fresh({0, 2, 0}, kTick)), 0);
   }
+}
+
+// No time went by, so no filter may have, either; nor may a clock that stands still hold a force.
+TEST(Output, ASampleThatComesTwiceChangesNothing) {
+  Output<output::LowPass, output::RateLimit, output::Limit> once({80}, {100}, {3}), twice = once;
+  Walk walk;
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 force = walk.next(), given = twice(force, kTick);
+    ASSERT_EQ(distance(given, once(force, kTick)), 0);
+    for (int again = 0; again < i % 4; ++again) ASSERT_EQ(distance(twice(walk.next(), 0), given), 0);
+  }
+  (void)twice({1, 2, 3}, kTick);
+  int held = 0;
+  while (length(twice({1, 2, 3}, 0)) > 0 && held < 100) ++held;
+  EXPECT_EQ(held, twice.kRepeats);
+  for (int i = 0; i < 100; ++i) ASSERT_EQ(length(twice({1, 2, 3}, 0)), 0);
+  once.reset();
+  for (int i = 0; i < 10; ++i) ASSERT_EQ(distance(twice({1, 2, 3}, kTick), once({1, 2, 3}, kTick)), 0);
 }
 
 template <class... Steps>

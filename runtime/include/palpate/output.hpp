@@ -92,12 +92,15 @@ struct TwoAxes {
 
 /// Steps one after the other: Output<output::LowPass, output::Limit> out({80}, {3.0}). Output<> is empty and changes
 /// nothing. A force that is not finite, or a time that is not above 0, gives zero and resets every step: nothing of it
-/// is remembered. With a step whose parameters are wrong (validate()) there is never a force. Steps that ask for it
-/// (passivity.hpp) are given where the device was seen (m, its frame), too: then out(force, seconds, position), where a
-/// position that is not finite counts as such a force.
+/// is remembered. But a time of 0 (a sample that came twice) gives once more what was given, kRepeats times in a row:
+/// no time went by, yet a clock that stands still must hold no force. With a step whose parameters are wrong
+/// (validate()) there is never a force. Steps that ask for it (passivity.hpp) are given where the device was seen (m,
+/// its frame), too: then out(force, seconds, position), where a position that is not finite counts as such a force.
 template <class... Steps>
 class Output {
 public:
+  static constexpr int kRepeats = 8;
+
   Output() = default;
   explicit Output(const Steps&... steps) : steps_(steps...) {}
 
@@ -118,18 +121,25 @@ public:
   }
 
   Vec3 operator()(Vec3 force, double seconds, const Vec3& position) {
-    if (!(usable_ && std::isfinite(dot(force, force) + dot(position, position)) && seconds > 0 &&
-          std::isfinite(seconds))) {
+    const bool finite = std::isfinite(dot(force, force) + dot(position, position));
+    if (seconds == 0 && finite && repeated_ < kRepeats) {
+      ++repeated_;
+      return given_;
+    }
+    if (!(usable_ && finite && seconds > 0 && std::isfinite(seconds))) {
       reset();
       return {};
     }
+    repeated_ = 0;
     std::apply([&](auto&... step) { ((force = take(step, force, seconds, position)), ...); }, steps_);
+    given_ = force;
     return force;
   }
 
   /// As if the last force had been zero.
   void reset() {
     std::apply([](auto&... step) { (step.reset(), ...); }, steps_);
+    given_ = {};
   }
 
   /// A step, by its type.
@@ -167,6 +177,8 @@ private:
 
   std::tuple<Steps...> steps_;
   bool usable_ = validate() == nullptr;
+  int repeated_ = 0;  ///< in a row
+  Vec3 given_;        ///< in the last tick
 };
 
 template <>
