@@ -191,6 +191,31 @@ TEST(Contact, IsNotMadeOfATemporaryView) {
   static_assert(!std::is_constructible_v<runtime::SeveralTools<2>, View, Tools>);
 }
 
+// As the README says of a host that takes another file while the tool presses.
+TEST(Contact, OfAnotherFileTakesOverWhatATickOutsideAndOneAtThePoseGive) {
+  Options options = flat();
+  const Opened hard(box_content(options));
+  ResponseFileContent softer = box_content(options);
+  for (auto& response : softer.responses) {
+    for (float& coef : response.normal) coef *= 0.5F;
+  }
+  const Opened soft(softer);
+  Contact contact(hard.view, 0);
+  move(contact, centre(-1e-4), centre(0.003));
+  move(contact, centre(0.003), centre(0.003, 5e-4));
+  const Pose pose = upright(centre(0.003, 5e-4));
+  const Tick before = contact.tick(pose);
+  EXPECT_GT(before.force.x * before.force.x, 1e-6);
+  // Begun inside it has no force, and what was deep then is subtracted.
+  Contact inside(soft.view, 0);
+  for (int i = 0; i < 1000; ++i) EXPECT_EQ(length(inside.tick(pose).force), 0);
+  contact = Contact(soft.view, 0);
+  EXPECT_EQ(contact.tick(upright(centre(-1e-4, 5e-4))).state, State::free);
+  const Tick after = contact.tick(pose);
+  EXPECT_EQ(after.state, State::stick);
+  EXPECT_LT(distance(after.force, {0, 0, 0.5 * hertz(0.003)}), 1e-4);  // the anchor was under the tool then
+}
+
 TEST(Contact, TorqueIsTheLeverTimesTheForce) {
   const Opened ball(ball_content());
   Contact contact(ball.view, 0);
