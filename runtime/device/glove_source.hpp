@@ -26,7 +26,8 @@ public:
       : calibration_(std::move(calibration)), frame_(frame), tools_(view, {tool, tool, tool, tool, tool}) {
     if (!calibration_.usable()) {
       problem_ = calibration_.problem.c_str();
-    } else if (view.tools[tool].kind != static_cast<std::uint32_t>(layout::ToolKind::point_sphere)) {
+    } else if (tool >= view.meta->tool_count ||
+               view.tools[tool].kind != static_cast<std::uint32_t>(layout::ToolKind::point_sphere)) {
       problem_ = "the tool is no sphere";
     } else if (!options.valid()) {
       problem_ = "the glove's limit, rate or frequency is out of range";

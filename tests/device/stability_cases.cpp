@@ -234,6 +234,7 @@ Response controlled(const StabilityCase& c, const Response& response, Made& made
   options.damping = c.kind->plant.damping;
   options.friction = 0.5 * c.kind->plant.friction;
   options.trace = 0.5 * kTrace;
+  options.pause = HUGE_VAL;  // one of the hands has no damping
   using Out = runtime::Output<runtime::output::Limit, runtime::output::Passivity>;
   const auto out =
       std::make_shared<Out>(runtime::output::Limit{c.kind->plant.peak_force}, runtime::output::Passivity(options));

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <type_traits>
 
 #include "tests/runtime/straight_moves.hpp"
 
@@ -137,6 +138,82 @@ TEST(Contact, WrongPosesAreFaultsWithoutForce) {
     // Afterwards the contact was forgotten: inside the body it begins at zero.
     EXPECT_EQ(length(contact.tick(upright(in)).force), 0);
   }
+}
+
+// As find_tool gives it for a name that is not in the file: the index after the last, or any.
+TEST(Contact, OfAToolThatIsNotThereEveryTickIsAFault) {
+  for (const auto tools : {Options::Tools::sphere, Options::Tools::all}) {
+    Options options;
+    options.tools = tools;
+    options.search = true;
+    const Opened ball(ball_content(options));
+    const runtime::View& view = ball.view;
+    const double far = 1;
+    for (const std::uint32_t tool : {view.find_tool("no such tool"), 1000u, 0xffffffffu}) {
+      Contact contact(view, tool), searched(view, tool);
+      runtime::MovingContact moving(view, tool);
+      runtime::SeveralContacts<2> several(view, tool);
+      runtime::SeveralTools<2> tools_of(view, {0, tool});
+      runtime::VirtualCoupling tie(runtime::CouplingOptions{});
+      Contact tied(view, tool);
+      for (const double height : {far, 0.05, 0.0, far}) {
+        const Pose pose = upright({0, 0, height});
+        const runtime::Search latest = runtime::search(view, tool, pose);
+        const Tick ticks[] = {contact.tick(pose),        searched.tick(pose, latest), searched.tick_found(pose, latest),
+                              moving.tick(Pose(), pose), several.tick(pose).each[0],  tools_of.tick({pose, pose})[1],
+                              tie.tick(tied, pose, 1e-3)};
+        for (const Tick& tick : ticks) {
+          ASSERT_EQ(tick.state, State::fault) << tool << ' ' << height;
+          ASSERT_EQ(length(tick.force), 0);
+        }
+      }
+      const runtime::Places<2> places{upright({0, 0, far}), 0, {}};
+      EXPECT_GT(runtime::search(view, tool, places).first.touch.clearance, 0);
+    }
+  }
+}
+
+// A contact keeps the view's address: of a temporary, as View::open(...).view, it does not compile.
+TEST(Contact, IsNotMadeOfATemporaryView) {
+  using runtime::View;
+  const auto refuses = [](auto type) {
+    using Kept = typename decltype(type)::type;
+    return std::is_constructible_v<Kept, const View&, std::uint32_t> &&
+           std::is_constructible_v<Kept, View&, std::uint32_t> && !std::is_constructible_v<Kept, View, std::uint32_t> &&
+           !std::is_constructible_v<Kept, const View, std::uint32_t>;
+  };
+  static_assert(refuses(std::type_identity<Contact>()));
+  static_assert(refuses(std::type_identity<runtime::SeveralContacts<2>>()));
+  static_assert(refuses(std::type_identity<runtime::ContactsAsOne<2>>()));
+  static_assert(refuses(std::type_identity<runtime::PlaceFinder<>>()));
+  using Tools = std::array<std::uint32_t, 2>;
+  static_assert(std::is_constructible_v<runtime::SeveralTools<2>, const View&, Tools>);
+  static_assert(!std::is_constructible_v<runtime::SeveralTools<2>, View, Tools>);
+}
+
+// As the README says of a host that takes another file while the tool presses.
+TEST(Contact, OfAnotherFileTakesOverWhatATickOutsideAndOneAtThePoseGive) {
+  Options options = flat();
+  const Opened hard(box_content(options));
+  ResponseFileContent softer = box_content(options);
+  for (auto& response : softer.responses) {
+    for (float& coef : response.normal) coef *= 0.5F;
+  }
+  const Opened soft(softer);
+  Contact contact(hard.view, 0);
+  move(contact, centre(-1e-4), centre(0.003));
+  move(contact, centre(0.003), centre(0.003, 5e-4));
+  const Pose pose = upright(centre(0.003, 5e-4));
+  const Tick before = contact.tick(pose);
+  EXPECT_GT(before.force.x * before.force.x, 1e-6);
+  // Begun inside it has no force, and what was deep then is subtracted.
+  Contact inside(soft.view, 0);
+  for (int i = 0; i < 1000; ++i) EXPECT_EQ(length(inside.tick(pose).force), 0);
+  contact = Contact(soft.view, 0);
+  EXPECT_EQ(contact.tick(upright(centre(-1e-4, 5e-4))).state, State::free);
+  const Tick after = contact.tick(pose);
+  EXPECT_EQ(after.state, State::stick);
+  EXPECT_LT(distance(after.force, {0, 0, 0.5 * hertz(0.003)}), 1e-4);  // the anchor was under the tool then
 }
 
 TEST(Contact, TorqueIsTheLeverTimesTheForce) {

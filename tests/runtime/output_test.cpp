@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What stands between a force of the scene and a device: bounds that hold, directions that stay, filters by frequency.
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <type_traits>
 
@@ -90,6 +91,18 @@ TEST(Output, ALowPassIsFirstOrderAtAnyRateOfTicks) {
   EXPECT_LT(distance(given, {0.3, -2, 1}), 1e-12);
 }
 
+// Each component for itself: one may rest while another is held.
+TEST(Output, ALowPassComesToRest) {
+  for (const Vec3& held : {Vec3{}, Vec3{0, 0, 1}}) {
+    Output<output::LowPass> out({30});
+    for (int i = 0; i < 100; ++i) (void)out({2, -1, 1}, kTick);
+    Vec3 given{1, 1, 1};
+    int ticks = 0;
+    for (; distance(given, held) > 0 && ticks < 1000; ++ticks) given = out(held, kTick);
+    EXPECT_NEAR(ticks, std::log(std::hypot(2, 1, 1 - held.z) / 1e-12) / (2 * kPi * 30 * kTick), 2);
+  }
+}
+
 TEST(Output, WhatADeviceCannotGiveIsLeftOut) {
   std::mt19937 random(22);
   for (int i = 0; i < 1000; ++i) {
@@ -114,7 +127,7 @@ TEST(Output, WhatIsNoForceGivesZeroAndIsForgotten) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
   const auto make = [] { return Output<output::LowPass, output::RateLimit, output::Limit>({80}, {500}, {3}); };
   const std::pair<Vec3, double> bad[] = {{{kNan, 0, 0}, kTick}, {{0, kInf, 0}, kTick}, {{0, 0, 1e300}, kTick},
-                                         {{1, 0, 0}, 0},        {{1, 0, 0}, -1},       {{1, 0, 0}, kNan},
+                                         {{kNan, 0, 0}, 0},     {{1, 0, 0}, -1},       {{1, 0, 0}, kNan},
                                          {{1, 0, 0}, kInf}};
   for (const auto& [force, seconds] : bad) {
     auto out = make(), fresh = make();
@@ -122,6 +135,59 @@ TEST(Output, WhatIsNoForceGivesZeroAndIsForgotten) {
     EXPECT_EQ(length(out(force, seconds)), 0);
     EXPECT_EQ(distance(out({0, 2, 0}, kTick), fresh({0, 2, 0}, kTick)), 0);
   }
+}
+
+// No time went by, so no filter may have, either; nor may a clock that stands still hold a force.
+TEST(Output, ASampleThatComesTwiceChangesNothing) {
+  Output<output::LowPass, output::RateLimit, output::Limit> once({80}, {100}, {3}), twice = once;
+  Walk walk;
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 force = walk.next(), given = twice(force, kTick);
+    ASSERT_EQ(distance(given, once(force, kTick)), 0);
+    for (int again = 0; again < i % 4; ++again) ASSERT_EQ(distance(twice(walk.next(), 0), given), 0);
+  }
+  (void)twice({1, 2, 3}, kTick);
+  int held = 0;
+  while (length(twice({1, 2, 3}, 0)) > 0 && held < 100) ++held;
+  EXPECT_EQ(held, twice.kRepeats);
+  for (int i = 0; i < 100; ++i) ASSERT_EQ(length(twice({1, 2, 3}, 0)), 0);
+  once.reset();
+  for (int i = 0; i < 10; ++i) ASSERT_EQ(distance(twice({1, 2, 3}, kTick), once({1, 2, 3}, kTick)), 0);
+}
+
+template <class... Steps>
+void refused(const char* wrong, const Steps&... steps) {
+  Output<Steps...> out(steps...);
+  ASSERT_NE(out.validate(), nullptr);
+  EXPECT_NE(std::strstr(out.validate(), wrong), nullptr) << out.validate();
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(length(out({3, -4, 5}, kTick)), 0) << wrong;
+}
+
+TEST(Output, StepsWithWrongParametersAreNamedAndGiveNoForce) {
+  using namespace output;
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  for (const double most : {kNan, -1.0}) refused("limit is", Limit{most});
+  for (const double most : {kNan, -1.0, 0.0}) {
+    refused("rate", RateLimit{most});
+    refused("low-pass", LowPass{most});
+  }
+  for (const Vec3& axis : {Vec3{}, Vec3{0, 0, 2}, Vec3{1, 1, 0}, Vec3{kNan, 0, 1}}) {
+    refused("actuated direction", OneAxis{axis});
+    refused("not actuated", TwoAxes{axis});
+  }
+  // The first of several that is wrong; a step of somebody else's is not asked.
+  struct Twice {
+    Vec3 operator()(const Vec3& force, double) const { return 2 * force; }
+    void reset() {}
+  };
+  refused("low-pass", Twice{}, LowPass{-1}, Limit{-1});
+  refused("limit", LowPass{80}, RateLimit{100}, Twice{}, Limit{-1});
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  Output<Limit, LowPass, RateLimit, Twice> open({kInf}, {kInf}, {kInf}, {});
+  EXPECT_EQ(open.validate(), nullptr);
+  EXPECT_EQ(distance(open({3, -4, 5}, kTick), {6, -8, 10}), 0);
+  EXPECT_EQ(length(Output<Limit>({0})({1, 2, 3}, kTick)), 0);
+  EXPECT_EQ(Output<>().validate(), nullptr);
 }
 
 TEST(DeviceFrame, PosesGoToTheSceneAndForcesBackWithTheirWork) {

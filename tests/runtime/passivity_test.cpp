@@ -2,6 +2,7 @@
 // The passivity observer against the energy that a held and delayed spring makes; what the controller does and leaves.
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "tests/runtime/allocation_counter.hpp"
 #include "tests/runtime/support.hpp"
@@ -114,6 +115,39 @@ TEST(Passivity, GivesBackItsShareOnlyWithoutForce) {
   EXPECT_EQ(distance(out({1, 2, 3}, kTick, {0, 4e-3, 0}), {1, 2, 3}), 0);
 }
 
+/// Shares of the force at the bottoms of presses on a wall of 500 N/m: 5 mm at 50 mm/s, then `free` ticks without it.
+std::vector<double> shares_of_presses(const PassivityOptions& options, int presses, int free) {
+  Out out{Passivity(options)};
+  std::vector<double> shares;
+  for (int press = 0; press < presses; ++press) {
+    for (int k = 0; k < 200 + free; ++k) {
+      const double depth = 5e-5 * std::fmax(0, 100 - std::abs(k - 100));
+      out({0, 0, 500 * depth}, kTick, {0, 0, -depth});
+      EXPECT_LE(out.step<Passivity>().made(), out.step<Passivity>().bound());
+      if (k == 100) shares.push_back(out.step<Passivity>().share());
+    }
+  }
+  return shares;
+}
+
+// A device of which nothing is known: a hand that was free for a while has lost what it was given.
+TEST(Passivity, BeginsAnewAfterAPause) {
+  const std::vector<double> shares = shares_of_presses({}, 6, 600);
+  EXPECT_GT(shares[0], 0.2);
+  for (const double share : shares) EXPECT_NEAR(share, shares[0], 0.02);
+  // A pause that is too short counts for nothing, nor does any for a hand of which nothing is known, either.
+  PassivityOptions any_hand;
+  any_hand.pause = HUGE_VAL;
+  for (const std::vector<double>& muted : {shares_of_presses({}, 6, 400), shares_of_presses(any_hand, 6, 5000)}) {
+    EXPECT_EQ(muted[0], shares[0]);
+    for (std::size_t k = 2; k < muted.size(); ++k) EXPECT_LT(muted[k], 0.01);
+  }
+  // Damping of K T / 2 pays for it all.
+  PassivityOptions damped;
+  damped.damping = 0.26;
+  for (const double share : shares_of_presses(damped, 6, 0)) EXPECT_EQ(share, 1);
+}
+
 TEST(Passivity, ComesAfterALimitAndForgetsWhatIsNotFinite) {
   Output<Limit, Passivity> out(Limit{3}, Passivity(watching(0.001)));
   EXPECT_NEAR(length(out({30, 40, 0}, kTick, {})), 3, 1e-3);
@@ -135,14 +169,17 @@ TEST(Passivity, AllocatesNothing) {
 }
 
 TEST(Passivity, KnowsUsableOptions) {
-  EXPECT_TRUE(PassivityOptions().valid());
+  EXPECT_STREQ(PassivityOptions().validate(), nullptr);
   for (const auto change :
        {+[](PassivityOptions& o) { o.delay = 0.03; }, +[](PassivityOptions& o) { o.trace = 0; },
         +[](PassivityOptions& o) { o.damping = NAN; }, +[](PassivityOptions& o) { o.friction = -1; },
-        +[](PassivityOptions& o) { o.stiffness = -1; }}) {
+        +[](PassivityOptions& o) { o.stiffness = -1; }, +[](PassivityOptions& o) { o.pause = 0; }}) {
     PassivityOptions options;
     change(options);
-    EXPECT_FALSE(options.valid());
+    EXPECT_NE(options.validate(), nullptr);
+    Out out{Passivity(options)};
+    EXPECT_STREQ(out.validate(), options.validate());
+    EXPECT_EQ(length(out({1, 0, 0}, kTick, {})), 0);
   }
 }
 

@@ -14,6 +14,7 @@ template <int Most = 2, std::uint32_t kFeatures = layout::feature_all>
 class ContactsAsOne {
 public:
   ContactsAsOne(const View& view, std::uint32_t tool) : contacts_(view, tool) {}
+  ContactsAsOne(const View&&, std::uint32_t) = delete;
 
   void reset() {
     contacts_.reset();

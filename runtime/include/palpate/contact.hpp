@@ -10,19 +10,21 @@
 namespace palpate::runtime {
 
 /// Follows one tool. Every tick takes bounded time, allocates nothing and throws nothing. Not for several
-/// threads at once; any number of contacts may share a view, which must outlive them.
+/// threads at once; any number of contacts may share a view, which must outlive them and stay where it is (they keep
+/// its address, as all that is made of a view does).
 /// kFeatures (layout::Feature bits): what it can do; of what is left out it has neither code nor memory, and with a
 /// file that holds it every tick is a fault. View::open<kFeatures> says so beforehand.
 template <std::uint32_t kFeatures = layout::feature_all>
 class BasicContact {
 public:
-  /// `tool`: an index below view.meta->tool_count.
+  /// `tool`: an index below view.meta->tool_count; with any other every tick is a fault.
   BasicContact(const View& view, std::uint32_t tool)
       : view_(&view),
         tool_(tool),
         reach_(skeleton_radius<kFeatures>(view, tool)),
-        probe_(view.tools[tool].probe_radius),
+        probe_(view.tool(tool).probe_radius),
         hold_(view, tool) {}
+  BasicContact(const View&&, std::uint32_t) = delete;  ///< of a temporary nothing would be left
 
   /// Forgets the contact. The next tick must be outside the body, else the contact starts at zero force, and what it is
   /// deep then is subtracted for as long as it lasts.
@@ -37,7 +39,7 @@ public:
   Tick tick(const Pose& pose) {
     if (!fits() || !pose.valid()) return fault();
     if (const Vec3 q = hold_.rest().point(pose); keeps(q)) return keep(pose, q);
-    return seek(pose);
+    return exists() ? seek(pose) : fault();
   }
 
   /// The same in a force loop whose searches are made elsewhere, at a lower rate: `latest` is the last that arrived.
@@ -52,6 +54,7 @@ public:
   Tick tick_found(const Pose& pose, const Search& found, const Search* served = nullptr) {
     if (!fits() || !pose.valid() || !found.pose.valid()) return fault();
     if (const Vec3 q = hold_.rest().point(pose); keeps(q)) return keep(pose, q, served);
+    if (!exists()) return fault();
     search_ = found;
     return motion_since_search(pose) < search_.touch.safe ? free(pose) : meet(pose, false);
   }
@@ -90,6 +93,8 @@ private:
     constexpr std::uint32_t kOfContacts = layout::feature_all & ~(layout::feature_grasp | layout::feature_turn);
     return (view_->features & kOfContacts & ~kFeatures) == 0;
   }
+  /// Of a tool that the file does not have no contact begins, so one that lasts need not ask.
+  [[nodiscard]] bool exists() const { return tool_ < view_->meta->tool_count; }
 
   [[nodiscard]] bool keeps(const Vec3& q) {
     if (hold_.lasts() && hold_.jumped(q)) reset();

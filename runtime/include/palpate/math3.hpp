@@ -4,6 +4,12 @@
 
 #include <cmath>
 
+// What is no pose, no force or no record of a file is found by comparing with NaN and infinity, and a sum is taken in
+// the order in which it stands. Clang has no macro for a change of that order alone.
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || defined(__ASSOCIATIVE_MATH__)
+#error "Palpate needs IEEE arithmetic: no -ffast-math, -Ofast, -ffinite-math-only or -funsafe-math-optimizations"
+#endif
+
 /// Of small functions that every tick calls often: the more else a program holds, the fewer of them compilers would
 /// inline, some 4 % of a tick. Where size is asked for it is left to them.
 #ifdef __OPTIMIZE_SIZE__

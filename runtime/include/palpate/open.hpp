@@ -6,6 +6,8 @@
 #include "palpate/validate_records.hpp"
 #include "palpate/view.hpp"
 
+#include <initializer_list>
+
 namespace palpate::runtime {
 namespace detail {
 

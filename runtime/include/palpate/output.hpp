@@ -7,16 +7,22 @@
 #include <cmath>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 
 namespace palpate::runtime {
 
 /// Steps take a force or a torque (any unit, the device's frame) and the time since the last one (s, above 0), and give
-/// what goes on. None allocates, and each passes zero on as zero once it has come to rest.
+/// what goes on. None allocates, and each passes zero on as zero once it has come to rest. validate(): null, or what is
+/// wrong with its parameters.
 namespace output {
+
+/// As far as a Pose's axes may be.
+inline bool is_unit(const Vec3& direction) { return std::fabs(dot(direction, direction) - 1) < 1e-3; }
 
 /// No longer than `most`, along the same line.
 struct Limit {
-  double most;
+  double most;  ///< at least 0
+  [[nodiscard]] const char* validate() const { return most >= 0 ? nullptr : "the limit is below 0 or no number"; }
   Vec3 operator()(const Vec3& force, double /*seconds*/) const {
     const double size = length(force);
     return size > most ? (most / size) * force : force;
@@ -26,7 +32,8 @@ struct Limit {
 
 /// Changes by no more than `most` in a second, along the straight way to where it should be.
 struct RateLimit {
-  double most;
+  double most;  ///< above 0
+  [[nodiscard]] const char* validate() const { return most > 0 ? nullptr : "the limit of the rate is not above 0"; }
   Vec3 operator()(const Vec3& force, double seconds) {
     const Vec3 change = force - last;
     const double size = length(change), allowed = most * seconds;
@@ -39,13 +46,21 @@ struct RateLimit {
 
 /// First order, 3 dB down at `frequency` (Hz) where ticks are much faster; the same at any rate of ticks.
 struct LowPass {
-  double frequency;
+  double frequency;  ///< Hz, above 0
+  [[nodiscard]] const char* validate() const {
+    return frequency > 0 ? nullptr : "the frequency of the low-pass is not above 0";
+  }
   Vec3 operator()(const Vec3& force, double seconds) {
-    last = last + (1 - std::exp(-kFullTurn * frequency * seconds)) * (force - last);
+    const Vec3 change = force - last;
+    // Arrives where nobody feels a difference: else what is left falls for ever, to numbers that are slow to reckon
+    // with.
+    last = dot(change, change) > kNothing * kNothing ? last + (1 - std::exp(-kFullTurn * frequency * seconds)) * change
+                                                     : force;
     return last;
   }
   void reset() { last = {}; }
   Vec3 last{};
+  static constexpr double kNothing = 1e-12;
 };
 
 /// What a device with one actuated direction (a cable on a finger) can give: it pulls along `direction` (unit), and
@@ -53,6 +68,9 @@ struct LowPass {
 struct OneAxis {
   Vec3 direction;
   bool pulls_only = false;
+  [[nodiscard]] const char* validate() const {
+    return is_unit(direction) ? nullptr : "the actuated direction is no unit vector";
+  }
   Vec3 operator()(const Vec3& force, double /*seconds*/) const {
     const double along = dot(force, direction);
     return (pulls_only && along < 0 ? 0 : along) * direction;
@@ -63,6 +81,9 @@ struct OneAxis {
 /// What a device with two actuated directions, across the unit vector `free`, can give.
 struct TwoAxes {
   Vec3 free;
+  [[nodiscard]] const char* validate() const {
+    return is_unit(free) ? nullptr : "the direction that is not actuated is no unit vector";
+  }
   Vec3 operator()(const Vec3& force, double /*seconds*/) const { return tangential(force, free); }
   void reset() {}
 };
@@ -71,13 +92,28 @@ struct TwoAxes {
 
 /// Steps one after the other: Output<output::LowPass, output::Limit> out({80}, {3.0}). Output<> is empty and changes
 /// nothing. A force that is not finite, or a time that is not above 0, gives zero and resets every step: nothing of it
-/// is remembered. Steps that ask for it (passivity.hpp) are given where the device was seen (m, its frame), too: then
-/// out(force, seconds, position), where a position that is not finite counts as such a force.
+/// is remembered. But a time of 0 (a sample that came twice) gives once more what was given, kRepeats times in a row:
+/// no time went by, yet a clock that stands still must hold no force. With a step whose parameters are wrong
+/// (validate()) there is never a force. Steps that ask for it (passivity.hpp) are given where the device was seen (m,
+/// its frame), too: then out(force, seconds, position), where a position that is not finite counts as such a force.
 template <class... Steps>
 class Output {
 public:
+  static constexpr int kRepeats = 8;
+
   Output() = default;
   explicit Output(const Steps&... steps) : steps_(steps...) {}
+
+  /// Null, or what is wrong with the first step of which something is. Asks those that have a validate().
+  [[nodiscard]] const char* validate() const {
+    return std::apply(
+        [](const auto&... step) {
+          const char* wrong = nullptr;
+          ((wrong = wrong ? wrong : wrong_with(step)), ...);
+          return wrong;
+        },
+        steps_);
+  }
 
   Vec3 operator()(Vec3 force, double seconds) {
     static_assert(!(kWantsPosition<Steps> || ...), "a step asks for the position");
@@ -85,17 +121,25 @@ public:
   }
 
   Vec3 operator()(Vec3 force, double seconds, const Vec3& position) {
-    if (!(std::isfinite(dot(force, force) + dot(position, position)) && seconds > 0 && std::isfinite(seconds))) {
+    const bool finite = std::isfinite(dot(force, force) + dot(position, position));
+    if (seconds == 0 && finite && repeated_ < kRepeats) {
+      ++repeated_;
+      return given_;
+    }
+    if (!(usable_ && finite && seconds > 0 && std::isfinite(seconds))) {
       reset();
       return {};
     }
+    repeated_ = 0;
     std::apply([&](auto&... step) { ((force = take(step, force, seconds, position)), ...); }, steps_);
+    given_ = force;
     return force;
   }
 
   /// As if the last force had been zero.
   void reset() {
     std::apply([](auto&... step) { (step.reset(), ...); }, steps_);
+    given_ = {};
   }
 
   /// A step, by its type.
@@ -117,13 +161,31 @@ private:
     }
   }
 
+  template <class Step, class = void>
+  struct Checked : std::false_type {};
+  template <class Step>
+  struct Checked<Step, std::void_t<decltype(std::declval<const Step&>().validate())>> : std::true_type {};
+
+  template <class Step>
+  static const char* wrong_with(const Step& step) {
+    if constexpr (Checked<Step>::value) {
+      return step.validate();
+    } else {
+      return nullptr;
+    }
+  }
+
   std::tuple<Steps...> steps_;
+  bool usable_ = validate() == nullptr;
+  int repeated_ = 0;  ///< in a row
+  Vec3 given_;        ///< in the last tick
 };
 
 template <>
 class Output<> {
 public:
   Vec3 operator()(const Vec3& force, double /*seconds*/, const Vec3& /*position*/ = {}) const { return force; }
+  [[nodiscard]] const char* validate() const { return nullptr; }
   void reset() {}
 };
 

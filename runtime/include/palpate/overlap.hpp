@@ -30,7 +30,7 @@ class Tip {
 public:
   Tip() = default;
   Tip(const View& view, std::uint32_t tool) {
-    const layout::ToolRecord& record = view.tools[tool];
+    const layout::ToolRecord& record = view.tool(tool);
     if (record.kind == static_cast<std::uint32_t>(layout::ToolKind::mesh)) {
       round_ = std::fmax(skeleton_radius(view, tool), record.probe_radius);
     } else {

@@ -9,17 +9,25 @@
 
 namespace palpate::runtime::output {
 
-/// What the observer knows of the device, in its frame. What is not known is 0: then more is taken for made.
+/// What the observer knows of the device, in its frame. What is not known is 0: then more is taken for made. With
+/// neither damping nor friction all that a press makes counts until the pause after it.
 struct PassivityOptions {
   double delay = 0;      ///< s, from an encoder through the loop to the motor; [0, 0.02]
   double damping = 0;    ///< N s/m, viscous, that the device has at least; at least 0
   double friction = 0;   ///< N, Coulomb, that the device has at least; at least 0
   double stiffness = 0;  ///< N/m, of the stiffest contact, where it is known beforehand; at least 0
   double trace = 5e-5;   ///< J, that may have been given out beyond what went in; above 0
+  double pause = 0.5;    ///< s without force in which a hand loses what it was given; at least 0.1, infinite: never
 
-  [[nodiscard]] bool valid() const {
-    return delay >= 0 && delay <= 0.02 && damping >= 0 && damping < 1e6 && friction >= 0 && friction < 1e6 &&
-           stiffness >= 0 && stiffness < 1e12 && trace > 0 && trace < 1e6;
+  /// Null, or what is wrong.
+  [[nodiscard]] const char* validate() const {
+    if (!(delay >= 0 && delay <= 0.02)) return "the device's delay is outside 0 to 0.02 s";
+    if (!(damping >= 0 && damping < 1e6)) return "the device's damping is outside 0 to 1e6 N s/m";
+    if (!(friction >= 0 && friction < 1e6)) return "the device's friction is outside 0 to 1e6 N";
+    if (!(stiffness >= 0 && stiffness < 1e12)) return "the contact's stiffness is outside 0 to 1e12 N/m";
+    if (!(trace > 0 && trace < 1e6)) return "the passivity controller's trace is outside 0 to 1e6 J";
+    if (!(pause >= 0.1)) return "the passivity controller's pause is below 0.1 s";
+    return nullptr;
   }
 };
 
@@ -35,7 +43,14 @@ struct PassivityOptions {
 /// smaller share of the contact's, 1 - made / trace, but no smaller than what makes the stiffest secant so far passive
 /// for any hand: 2 damping / (delay + T (1 + ceil(delay / T))) over that slope, T the time between samples (Colgate and
 /// Schenkel 1997, with a delay; device/stability.hpp). Within a contact the share only falls, which takes energy out;
-/// it rises again when there is no force.
+/// without force it rises again to what the energy still made allows.
+///
+/// Of a device without known damping and friction nothing is sure to take that energy, and no stiffness is passive for
+/// any hand: presses add up until next to no force is left, for good. But a hand does not keep what it was given. Left
+/// without force it turns that to heat in a few times its mass over its damping (0.1 s for 0.3 kg and 3 N s/m, with the
+/// handle), so after a pause the observer begins anew. Shorter ones count for nothing, else a handle that bounces off a
+/// wall would be given the trace each time. What follows holds from one pause to the next; with an infinite one for all
+/// time, in any hand or in none.
 ///
 /// So what is made stays below trace + 2 F W, as far as the steepest slope is known or was met: what was sent before
 /// the trace was reached still acts for a delay, and is seen up to two ticks later; in that time the handle goes no
@@ -52,13 +67,18 @@ public:
     time_ += seconds;
     if (started_) observe(force, seconds, position - position_);
     started_ = true;
-    if (!(dot(force, force) > 0)) share_ = 1;
+    idle_ = dot(force, force) > 0 ? 0 : idle_ + seconds;
+    if (idle_ > 0) share_ = 1;
+    if (idle_ >= options_.pause) made_ = 0;
     share_ = std::fmin(share_, std::fmax(1 - made_ / options_.trace, passive_share(seconds)));
     position_ = position;
     contact_ = force;
     send(share_ * force, seconds);
     return share_ * force;
   }
+
+  /// Of its options.
+  [[nodiscard]] const char* validate() const { return options_.validate(); }
 
   /// As if nothing had been sent or made.
   void reset() { *this = Passivity(options_); }
@@ -122,7 +142,8 @@ private:
   PassivityOptions options_;
   bool started_ = false;
   double time_ = 0, made_ = 0, share_ = 1;
-  double slope_;  ///< N/m, steepest secant of force over motion so far
+  double idle_ = 0;  ///< s, without force so far
+  double slope_;     ///< N/m, steepest secant of force over motion so far
   Vec3 position_, contact_;
   double way_ = 0, farthest_ = 0;  ///< m, gone; the longest way within a delay and two ticks
   double strongest_ = 0;           ///< N, that was sent

@@ -49,10 +49,11 @@ struct Places {
 template <std::uint32_t kFeatures = layout::feature_all>
 class PlaceFinder {
 public:
-  PlaceFinder(const View& view, std::uint32_t tool) : view_(&view), tool_(tool), probe_(view.tools[tool].probe_radius) {
+  PlaceFinder(const View& view, std::uint32_t tool) : view_(&view), tool_(tool), probe_(view.tool(tool).probe_radius) {
     const double contact = Tip(view, tool).contact(view.meta->depth_scale);
     gap_ = contact > 0 ? contact : view.meta->depth_scale;
   }
+  PlaceFinder(const View&&, std::uint32_t) = delete;
 
   /// m, between the points c of two contacts.
   [[nodiscard]] double gap() const { return gap_; }
@@ -65,7 +66,7 @@ public:
     Search search;
     search.pose = places.pose;
     search.touch.clearance = search.touch.safe = HUGE_VAL;
-    const layout::ToolRecord& record = view_->tools[tool_];
+    const layout::ToolRecord& record = view_->tool(tool_);
     if (detail::has_probes<kFeatures>(*view_, tool_)) {
       for (std::uint32_t p = record.first_patch; p < record.first_patch + record.patch_count; ++p) {
         const auto& corner = view_->tool_patches[p].vertex;
@@ -133,7 +134,7 @@ struct SeveralSearch {
 /// that is about to touch it says beforehand what it touches besides.
 template <std::uint32_t kFeatures = layout::feature_all, int Most>
 inline SeveralSearch<Most> search(const View& view, std::uint32_t tool, const Places<Most>& places) {
-  const double reach = 0.5 * (view.tools[tool].probe_radius + view.meta->depth_scale);
+  const double reach = 0.5 * (view.tool(tool).probe_radius + view.meta->depth_scale);
   SeveralSearch<Most> result{places, search<kFeatures>(view, tool, places.pose), {}};
   const ToolTouch& nearest = result.first.touch;
   if (places.count == 0 && nearest.clearance < reach) result.asked.at[result.asked.count++] = nearest.body.point;

@@ -29,8 +29,8 @@ class BasicRest {
 
 public:
   BasicRest(const View& view, std::uint32_t tool)
-      : view_(&view), tool_(tool), probe_(view.tools[tool].probe_radius), run_(view, tool) {
-    const layout::ToolRecord& record = view.tools[tool];
+      : view_(&view), tool_(tool), probe_(view.tool(tool).probe_radius), run_(view, tool) {
+    const layout::ToolRecord& record = view.tool(tool);
     profile_ = record.kind == static_cast<std::uint32_t>(layout::ToolKind::profile) && record.axis_length > 0;
     if constexpr (kSpin) {
       for (std::uint32_t i = 0; view.spins != nullptr && i < record.vertex_count; ++i) {

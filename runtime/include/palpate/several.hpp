@@ -25,6 +25,7 @@ class SeveralContacts {
 public:
   SeveralContacts(const View& view, std::uint32_t tool)
       : SeveralContacts(view, tool, std::make_index_sequence<Most>()) {}
+  SeveralContacts(const View&&, std::uint32_t) = delete;
 
   void reset() {
     for (BasicContact<kFeatures>& contact : contacts_) contact.reset();
@@ -217,6 +218,7 @@ public:
   /// `tools`: indices into the file's tools, which may repeat.
   SeveralTools(const View& view, const std::array<std::uint32_t, Count>& tools)
       : SeveralTools(view, tools, std::make_index_sequence<Count>()) {}
+  SeveralTools(const View&&, const std::array<std::uint32_t, Count>&) = delete;
 
   void reset() {
     for (BasicContact<kFeatures>& contact : contacts_) contact.reset();

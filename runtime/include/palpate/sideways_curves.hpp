@@ -2,6 +2,7 @@
 // Sideways curves of separable responses side by side: what grows with the depth, what follows a deflection.
 #pragma once
 
+#include "palpate/depth_terms.hpp"
 #include "palpate/math3.hpp"
 #include "palpate/pieces.hpp"
 #include "palpate/view.hpp"

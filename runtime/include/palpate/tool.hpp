@@ -20,7 +20,7 @@ struct ToolTouch {
 /// Distance of the farthest skeleton point from the tool frame's origin (m).
 template <std::uint32_t kFeatures = layout::feature_all>
 inline double skeleton_radius(const View& view, std::uint32_t tool) {
-  const layout::ToolRecord& record = view.tools[tool];
+  const layout::ToolRecord& record = view.tool(tool);
   double reach = record.axis_length;
   const bool probes =
       record.kind == static_cast<std::uint32_t>(layout::ToolKind::mesh) && view.tool_vertices != nullptr;
@@ -131,7 +131,7 @@ template <std::uint32_t kFeatures>
 
 template <std::uint32_t kFeatures>
 inline bool has_probes(const View& view, std::uint32_t tool) {
-  const bool mesh = view.tools[tool].kind == static_cast<std::uint32_t>(layout::ToolKind::mesh);
+  const bool mesh = view.tool(tool).kind == static_cast<std::uint32_t>(layout::ToolKind::mesh);
   return (kFeatures & layout::feature_tool_patches) != 0 && mesh && view.tool_patches != nullptr;
 }
 
@@ -140,7 +140,7 @@ inline bool has_probes(const View& view, std::uint32_t tool) {
 /// The tool point that is nearest to the body, or deepest in it. `near` as in locate(): where the last search saw it.
 template <std::uint32_t kFeatures = layout::feature_all>
 inline ToolTouch find_touch(const View& view, std::uint32_t tool, const Pose& pose, const BodyPoint& near = {}) {
-  const layout::ToolRecord& record = view.tools[tool];
+  const layout::ToolRecord& record = view.tool(tool);
   if (detail::has_probes<kFeatures>(view, tool)) return detail::touch_probes<kFeatures>(view, record, pose, near);
   return detail::touch_axis<kFeatures>(view, record, pose, locate<kFeatures>(view, pose.translation, near));
 }
@@ -162,7 +162,7 @@ template <std::uint32_t kFeatures = layout::feature_all>
     touch.clearance = touch.safe = 0.5 * gap;
     return touch;
   }
-  const layout::ToolRecord& record = view.tools[tool];
+  const layout::ToolRecord& record = view.tool(tool);
   if (detail::has_probes<kFeatures>(view, tool)) return detail::touch_probes<kFeatures>(view, record, pose, found.at);
   return detail::touch_axis<kFeatures>(view, record, pose, found);
 }

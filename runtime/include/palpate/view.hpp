@@ -19,6 +19,9 @@ struct Nothing {};
 template <bool kept, class T>
 using If = std::conditional_t<kept, T, Nothing>;
 
+/// What is taken for a tool that a file does not have: no contact of it ticks.
+inline constexpr layout::ToolRecord kNoTool{};
+
 /// A microcontroller: memory is small and nowhere far, and what counts is the longest tick.
 #if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M'
 inline constexpr bool kSmall = true;
@@ -124,7 +127,11 @@ struct View {
                                           sizeof(layout::TurnHead));
   }
   [[nodiscard]] bool has(layout::Feature feature) const { return (features & feature) != 0; }
-  /// Index of the tool of that name, or tool_count.
+  /// A tool by its index; one without extent where there is none of that index.
+  [[nodiscard]] const layout::ToolRecord& tool(std::uint32_t index) const {
+    return index < meta->tool_count ? tools[index] : detail::kNoTool;
+  }
+  /// Index of the tool of that name, or tool_count, with which every tick of a contact is a fault.
   [[nodiscard]] std::uint32_t find_tool(const char* name) const {
     for (std::uint32_t i = 0; i < meta->tool_count; ++i) {
       const char *a = tools[i].name, *b = name;
