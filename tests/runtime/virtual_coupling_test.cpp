@@ -146,6 +146,25 @@ TEST(VirtualCoupling, OfAStiffSpringIsThePlainForce) {
   }
 }
 
+// A first touch has lost nothing yet that could pay for what rounding leaves of a balance.
+TEST(VirtualCoupling, TouchesSoftlyHoweverStiffItIs) {
+  const Opened box(box_content({}));
+  std::mt19937 random(13);
+  for (const double stiffness : {1e6, 1e8, 1e10, 1e12}) {
+    for (int i = 0; i < 300; ++i) {
+      Contact contact(box.view, 0), plain(box.view, 0);
+      VirtualCoupling tie(coupling(stiffness));
+      Vec3 way = 5e-5 * random_direction(random);
+      way.z = -std::fabs(way.z);
+      Vec3 at = Vec3{0, 0, kTop + kTipRadius} - 0.5 * way;
+      for (int k = 0; k < 3; ++k, at = at + way) {
+        const Vec3 force = plain.tick(upright(at)).force, tied = tie.tick(contact, upright(at), kTick).force;
+        ASSERT_LT(distance(tied, force), 2e-3 * length(force) + 1e-4) << stiffness << ' ' << i << ' ' << k;
+      }
+    }
+  }
+}
+
 // Against a contact that does not give way the damper answers with the step of Euler, and lets the tool back freely.
 TEST(VirtualCoupling, DampsByTheImplicitStep) {
   Told contact{[](const Vec3& x) { return wall(1e9, x); }};

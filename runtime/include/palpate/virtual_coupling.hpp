@@ -144,6 +144,7 @@ private:
     leap_ = touching_ ? 0.5 * size : HUGE_VAL;
     way_out_ = within(goal_);
     near_ = 1e-5 * size;
+    noise_ = 1e-15 * stiff_ * (length(goal_) + size);
     shorter_ = 1;
     trials_ = 0;
     balanced_ = exact_ = been_out_ = false;
@@ -172,7 +173,8 @@ private:
     if (now.pushes()) learn(now);
     if (out && !now.pushes()) {
       now = {goal_, {}, {}, {}};
-    } else if (!(length(now.left) <= kShare * length(now.force) + near_ * std::fmin(stiff_, slope())) || !pays(now)) {
+    } else if (!(length(now.left) <= kShare * length(now.force) + near_ * std::fmin(stiff_, slope()) + noise_) ||
+               !pays(now)) {
       return false;
     }
     balanced_ = true;
@@ -195,11 +197,12 @@ private:
   [[nodiscard]] bool pays(const Trial& now) const {
     constexpr double kShare = 0.01;
     const double more = gain(now);
-    return lost_ + loss(now) >= 0 && (!touching_ || !(more > 0) || gained_ + more <= kShare * taken_);
+    return lost_ + loss(now) >= -noise_ * length(now.tool - tool_) &&
+           (!touching_ || !(more > 0) || gained_ + more <= kShare * taken_);
   }
 
   void keep(const Trial& now) {
-    lost_ += loss(now);
+    lost_ = std::fmax(0, lost_ + loss(now));
     gained_ += gain(now);
     taken_ = std::fmax(taken_, -gained_);
     felt_ = stiff_ * (now.tool - goal_);
@@ -281,6 +284,7 @@ private:
   Vec3 turn_;                      ///< rad, since the last tick
   Vec3 goal_, way_out_;            ///< m, where the tool would be without contact; as far towards it as it may leap
   double leap_ = 0, near_ = 0;     ///< m, that the tool may go; that it may lie beside its balance
+  double noise_ = 0;               ///< N, of the coupling's force by the rounding of positions
   Trial base_;                     ///< nearest to a balance so far
   bool exact_ = false;             ///< it is of this tick, not as the last one left it
   bool been_out_ = false;          ///< the way out was tried
