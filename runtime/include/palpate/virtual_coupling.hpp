@@ -64,13 +64,16 @@ public:
   /// The options must be valid.
   explicit VirtualCoupling(const CouplingOptions& options) : options_(options) {}
 
-  /// Force of `contact` (a BasicContact, or what can be copied and ticks like one) on the hand that holds the device
-  /// (pose in the body's frame), `seconds` (above 0) after the last tick. The rest of the tick is of the tool. What
-  /// else the contact's tick asks for is passed on. A pose that is none, or no time, is a fault that forgets all.
+  /// Force of `contact` on the hand that holds the device (pose in the body's frame), `seconds` (above 0) after the
+  /// last tick. The rest of the tick is of the tool. A pose that is none, or no time, is a fault that forgets all. The
+  /// contact: a BasicContact, or what can be copied, has a size() and ticks like one, ContactsAsOne or an
+  /// AnimatedContact. What else its tick asks for comes last: a Search, or the seconds of an AdjustedContact, which are
+  /// these. For a body that moves rigidly see MovingContact.
   template <class Contact, class... More>
   Tick tick(Contact& contact, const Pose& device, double seconds, const More&... more) {
     if (!(seconds > 0 && std::isfinite(seconds)) || !device.valid()) return fault(contact);
     const double size = contact.size();
+    if (started_) go_along(contact, 0);
     // A device that leaps did not move, as a tool that does.
     if (touching_ && length(device.translation - device_) > size) {
       contact.reset();
@@ -125,6 +128,17 @@ private:
     tick.state = State::fault;
     return tick;
   }
+
+  /// What pushes a tool as it moves does work that is no gain from nothing: all is told as if the body had not moved.
+  template <class Contact>
+  auto go_along(const Contact& contact, int) -> decltype(contact.moved(), void()) {
+    const Pose by = contact.moved();
+    for (Vec3* point : {&device_, &tool_}) *point = by.apply(*point);
+    for (Vec3* way : {&lag_, &force_, &felt_, &torque_}) *way = by.rotate(*way);
+    pose_ = by * pose_;
+  }
+  template <class Contact>
+  void go_along(const Contact& /*contact*/, long /*stands still*/) {}
 
   void begin(const Pose& device, double seconds, double size) {
     if (!started_) {
