@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Two instruments at once, each with a Contact of its own: one presses, one presses and strokes: two_tools FILE.palp
+// Two instruments at once: the left one presses, the right one strokes towards it and comes too near: two_tools
+// FILE.palp
+#include <array>
 #include <cstdio>
 
 #include "palpate/mapped_file.hpp"
@@ -14,17 +16,28 @@ int main(int argc, char** argv) {
   if (!opened) return std::fprintf(stderr, "%s: %s\n", argv[1], opened.error), 2;
 
   const View& view = opened.view;
-  const std::uint32_t tools[2] = {0, view.meta->tool_count - 1}, sites[2] = {0, view.meta->site_count - 1};
-  Contact contacts[2] = {{view, tools[0]}, {view, tools[1]}};
-  for (int tick = 0; tick <= 1000; ++tick) {  // 1 kHz: one second
+  const std::array<std::uint32_t, 2> tools{0, view.meta->tool_count - 1};
+  SeveralTools<2> hands(view, tools);  // each has its own contact
+  const Vec3 c = to_vec(view.sites[0].position), aside = any_orthogonal(to_vec(view.sites[0].normal));
+  // 1 kHz: one second.
+  for (int ms = 0; ms <= 1000; ++ms) {
+    const double scale = view.meta->depth_scale, from_c[2] = {0, (5 - 0.004 * ms) * scale};  // m
+    std::array<Pose, 2> poses;
     for (int hand = 0; hand < 2; ++hand) {
-      const Vec3 up = to_vec(view.sites[sites[hand]].normal), c = to_vec(view.sites[sites[hand]].position);
-      Pose pose = Pose::from_quaternion(1.000001 + up.z, -up.y, up.x, 0, c);  // the tool's z axis along the normal
-      const double depth = 1e-6 * tick, aside = hand == 1 && tick > 500 ? 1e-5 * (tick - 500) : 0;  // m
-      pose.translation = c + (view.tools[tools[hand]].probe_radius - depth) * up + aside * any_orthogonal(up);
-      const Tick t = contacts[hand].tick(pose);
-      if (tick % 200 == 0) std::printf("%s%4d ms: %.3f N", hand == 1 ? ", right " : "left ", tick, length(t.force));
-      if (tick % 200 == 0 && hand == 1) std::printf(" (%s)\n", t.state == State::slide ? "slides" : "sticks");
+      const Location place = locate(view, c + from_c[hand] * aside);
+      const Vec3 up = normal(view, place.at);
+      poses[hand] = Pose::from_quaternion(1.000001 + up.z, -up.y, up.x, 0, {});  // the tool's z axis along the normal
+      poses[hand].translation = place.point + (view.tools[tools[hand]].probe_radius - 2e-4 * ms * scale) * up;
     }
+    const std::array<Tick, 2> at = hands.tick(poses);
+    if (ms % 200 != 0) continue;
+    std::printf("%4d ms:", ms);  // of each handle its force, and the torque about the origin of its frame
+    for (int hand = 0; hand < 2; ++hand) {
+      const Tick& t = at[hand];
+      std::printf(" %s %.3f N %.3f mN m", hand == 0 ? "left" : "right", length(t.force), 1e3 * length(t.torque));
+    }
+    const Overlap& both = hands.overlap();  // each answers as if it were alone, without the other's dent
+    if (both.near()) std::printf(", near: the sum is up to %.0f %% too large", 100 * both.error);
+    std::printf("\n");
   }
 }

@@ -50,7 +50,9 @@ EveryTick every_tick(const void* bytes, std::size_t size, int ticks, void (*half
     Contact tied(view, tool);
     VirtualCoupling tie(CouplingOptions{300, 0.1}), tie_of_several(tie);
     ContactsAsOne<3> tied_several(view, tool);
-    AdjustedContact adjusted(view, tool, scales);
+    AdjustedContact adjusted(view, tool, scales), tied_adjusted(view, tool, scales);
+    AnimatedContact tied_animated(surface, tool);
+    VirtualCoupling tie_of_adjusted(tie), tie_of_animated(tie);
     MovingContact served_moving(view, tool);
     AdjustedContact served_adjusted(view, tool, scales);
     SeveralContacts<> served_several(view, tool);
@@ -60,6 +62,8 @@ EveryTick every_tick(const void* bytes, std::size_t size, int ticks, void (*half
     SeveralSearch<2> seen;
     Places<2> places;
     Output<output::LowPass, output::RateLimit, output::Limit> out({200}, {500}, {3});
+    Output<output::TwoAxes, output::Passivity> across({{0, 1, 0}}, output::Passivity({2e-3, 0.5, 0.1, 500, 5e-5}));
+    Output<output::OneAxis> cable({{0, 0, 1}, true});
     const DeviceFrame device{Pose::from_quaternion(1, 0.1, 0.2, 0.3, {0.1, 0.2, 0.3}), 2, 0.5};
     for (int i = 0; i < ticks; ++i) {
       if (i == ticks / 2 && tool == 0) halfway();
@@ -85,6 +89,8 @@ EveryTick every_tick(const void* bytes, std::size_t size, int ticks, void (*half
                               tools.tick({pose, pose})[1],
                               tie.tick(tied, pose, 1e-3),
                               tie_of_several.tick(tied_several, pose, 1e-3),
+                              tie_of_adjusted.tick(tied_adjusted, pose, 1e-3, 1e-3),
+                              tie_of_animated.tick(tied_animated, pose, 1e-3),
                               animated.tick(pose),
                               at_several.each[0],
                               served_moving.tick(breathing, breathing * pose, latest),
@@ -92,7 +98,9 @@ EveryTick every_tick(const void* bytes, std::size_t size, int ticks, void (*half
                               served_tools.tick({pose, pose}, {latest, latest})[1]};
       for (const Tick& tick : answers) {
         sum.touching += tick.touches();
-        sum.finite = sum.finite && std::isfinite(length(device.to_device(out(tick.force, 1e-3))));
+        const Vec3 sent = device.to_device(out(tick.force, 1e-3));
+        const Vec3 pulled = across(sent, 1e-3, pose.translation) + cable(sent, 1e-3);
+        sum.finite = sum.finite && std::isfinite(length(sent) + length(pulled));
       }
       if (i % 50 != 0 || !answers[0].touches()) continue;
       hold_on<Grasp>(view, tool, pose, answers[0], sum);

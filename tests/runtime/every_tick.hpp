@@ -13,8 +13,8 @@ struct EveryTick {
 };
 
 /// Opens the bytes and ticks every tool `ticks` times along a varied motion: contacts that search and contacts that are
-/// served, moving, animated, adjusted, grasping and coupled ones, with the output chain behind them. Calls `halfway`
-/// once on the way.
+/// served, moving, animated, adjusted, grasping and coupled ones, with every step of an output behind them. Calls
+/// `halfway` once on the way.
 EveryTick every_tick(const void* bytes, std::size_t size, int ticks, void (*halfway)());
 
 }  // namespace palpate::test

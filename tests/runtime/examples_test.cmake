@@ -26,8 +26,10 @@ function(example name most_lines pattern)
   endif()
 endfunction()
 
-# Both press: the one that strokes slides and its force stays behind.
-example(two_tools 30 "left  800 ms: 0\\.[1-9][0-9]+ N, right  800 ms: 0\\.0[1-9][0-9]+ N .slides" ${file})
+# Both press, the one that strokes feels friction at its handle, and a warning comes where they are near.
+set(felt "0\\.[0-9]*[1-9][0-9]* N")
+example(two_tools 45 " 600 ms: left ${felt} 0\\.000 mN m right ${felt} 0\\.[1-9][0-9]* mN m\n.*1000 ms: left ${felt} [^\n]*, near: the sum is up to [12][0-9] % too large"
+        ${file})
 # Felt while the body is up, and the same on its way down as on its way up.
 example(moving_body 30 "   0 ms: [^\n]*force 0.000 N.*1000 ms: [^\n]* (force 0\\.[0-9]+ N)\n.*3000 ms: [^\n]* \\1.*4000 ms: [^\n]*force 0.000 N"
         ${file})

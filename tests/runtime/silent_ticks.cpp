@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
   const auto nothing = [] {};
   const auto call = [] { ::syscall(SYS_getppid); };
   if (!forbid_system_calls()) return std::perror("silent_ticks: seccomp"), 77;
-  const test::EveryTick sum = test::every_tick(file.data(), file.size(), 25000, argc > 2 ? +call : +nothing);
+  const test::EveryTick sum = test::every_tick(file.data(), file.size(), 10000, argc > 2 ? +call : +nothing);
   // The exit code is all that it may still say.
   ::_exit(sum.error != nullptr ? 2 : !sum.finite ? 3 : sum.touching < 10000 ? 5 : sum.held > 0 ? 10 : 0);
 }

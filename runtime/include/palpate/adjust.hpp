@@ -57,7 +57,8 @@ public:
     touching_ = false;
   }
 
-  /// Contact::tick, `seconds` after the one before.
+  /// Contact::tick, `seconds` after the one before. Behind a virtual coupling tie.tick(contact, pose, seconds,
+  /// seconds).
   Tick tick(const Pose& pose, double seconds) { return scaled(contact_.tick(pose), seconds); }
   Tick tick(const Pose& pose, double seconds, const Search& latest) {
     return scaled(contact_.tick(pose, latest), seconds);
@@ -65,6 +66,8 @@ public:
 
   /// The factor of the last tick in contact.
   [[nodiscard]] double scale() const { return scale_; }
+  /// m, BasicContact::size().
+  [[nodiscard]] double size() const { return contact_.size(); }
   [[nodiscard]] const BasicContact<kFeatures>& contact() const { return contact_; }
 
 private:

@@ -224,6 +224,13 @@ public:
 
   /// Where the body as baked would lie if all of it had moved as the surface at c has.
   [[nodiscard]] Pose frame() const { return motion_.at(share_); }
+  /// How the surface at c has moved since the last tick, before the next one: a virtual coupling goes along.
+  [[nodiscard]] Pose moved() const {
+    const bool same = number_ == surface_->number();
+    return (same ? motion_ : LocalMotion(*surface_, at_)).at(surface_->share()) * inverse(frame());
+  }
+  /// m, BasicContact::size().
+  [[nodiscard]] double size() const { return contact_.size(); }
   /// Its tool is that of the last tick in frame().
   [[nodiscard]] const BasicContact<kFeatures>& contact() const { return contact_; }
 

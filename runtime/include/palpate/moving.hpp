@@ -6,8 +6,9 @@
 
 namespace palpate::runtime {
 
-/// A tick of a body, seen from where `body` takes the body's frame.
+/// A tick of a body, seen from where `body` takes the body's frame. A fault stays as it is, for `body` may be no pose.
 inline Tick carried(const Pose& body, Tick tick) {
+  if (tick.state == State::fault) return tick;
   tick.force = body.rotate(tick.force);
   tick.torque = body.rotate(tick.torque);
   tick.body_point = body.apply(tick.body_point);
@@ -30,7 +31,9 @@ inline Search search(const View& view, std::uint32_t index, const Pose& body, co
 /// A Contact whose body has a pose of its own in the world. The response is that of the body at rest: what it does to
 /// inertia or to supports that move with it is not felt. Whether the tool or the body moves makes no difference, so the
 /// force is as continuous as the two motions are, and a body that presses itself on a tool at rest does the work.
-/// kFeatures as those of BasicContact.
+/// A virtual coupling holds a tool against such a body in the body's frame, where what is passive at rest stays so,
+/// with a Contact: carried(body, tie.tick(contact, seen_from(body, device), seconds)). kFeatures as those of
+/// BasicContact.
 template <std::uint32_t kFeatures = layout::feature_all>
 class BasicMovingContact {
 public:

@@ -64,13 +64,16 @@ public:
   /// The options must be valid.
   explicit VirtualCoupling(const CouplingOptions& options) : options_(options) {}
 
-  /// Force of `contact` (a BasicContact, or what can be copied and ticks like one) on the hand that holds the device
-  /// (pose in the body's frame), `seconds` (above 0) after the last tick. The rest of the tick is of the tool. What
-  /// else the contact's tick asks for is passed on. A pose that is none, or no time, is a fault that forgets all.
+  /// Force of `contact` on the hand that holds the device (pose in the body's frame), `seconds` (above 0) after the
+  /// last tick. The rest of the tick is of the tool. A pose that is none, or no time, is a fault that forgets all. The
+  /// contact: a BasicContact, or what can be copied, has a size() and ticks like one, ContactsAsOne or an
+  /// AnimatedContact. What else its tick asks for comes last: a Search, or the seconds of an AdjustedContact, which are
+  /// these. For a body that moves rigidly see MovingContact.
   template <class Contact, class... More>
   Tick tick(Contact& contact, const Pose& device, double seconds, const More&... more) {
     if (!(seconds > 0 && std::isfinite(seconds)) || !device.valid()) return fault(contact);
     const double size = contact.size();
+    if (started_) go_along(contact, 0);
     // A device that leaps did not move, as a tool that does.
     if (touching_ && length(device.translation - device_) > size) {
       contact.reset();
@@ -126,6 +129,17 @@ private:
     return tick;
   }
 
+  /// What pushes a tool as it moves does work that is no gain from nothing: all is told as if the body had not moved.
+  template <class Contact>
+  auto go_along(const Contact& contact, int) -> decltype(contact.moved(), void()) {
+    const Pose by = contact.moved();
+    for (Vec3* point : {&device_, &tool_}) *point = by.apply(*point);
+    for (Vec3* way : {&lag_, &force_, &felt_, &torque_}) *way = by.rotate(*way);
+    pose_ = by * pose_;
+  }
+  template <class Contact>
+  void go_along(const Contact& /*contact*/, long /*stands still*/) {}
+
   void begin(const Pose& device, double seconds, double size) {
     if (!started_) {
       tool_ = device.translation;
@@ -144,6 +158,7 @@ private:
     leap_ = touching_ ? 0.5 * size : HUGE_VAL;
     way_out_ = within(goal_);
     near_ = 1e-5 * size;
+    noise_ = 1e-15 * stiff_ * (length(goal_) + size);
     shorter_ = 1;
     trials_ = 0;
     balanced_ = exact_ = been_out_ = false;
@@ -172,7 +187,8 @@ private:
     if (now.pushes()) learn(now);
     if (out && !now.pushes()) {
       now = {goal_, {}, {}, {}};
-    } else if (!(length(now.left) <= kShare * length(now.force) + near_ * std::fmin(stiff_, slope())) || !pays(now)) {
+    } else if (!(length(now.left) <= kShare * length(now.force) + near_ * std::fmin(stiff_, slope()) + noise_) ||
+               !pays(now)) {
       return false;
     }
     balanced_ = true;
@@ -195,11 +211,12 @@ private:
   [[nodiscard]] bool pays(const Trial& now) const {
     constexpr double kShare = 0.01;
     const double more = gain(now);
-    return lost_ + loss(now) >= 0 && (!touching_ || !(more > 0) || gained_ + more <= kShare * taken_);
+    return lost_ + loss(now) >= -noise_ * length(now.tool - tool_) &&
+           (!touching_ || !(more > 0) || gained_ + more <= kShare * taken_);
   }
 
   void keep(const Trial& now) {
-    lost_ += loss(now);
+    lost_ = std::fmax(0, lost_ + loss(now));
     gained_ += gain(now);
     taken_ = std::fmax(taken_, -gained_);
     felt_ = stiff_ * (now.tool - goal_);
@@ -281,6 +298,7 @@ private:
   Vec3 turn_;                      ///< rad, since the last tick
   Vec3 goal_, way_out_;            ///< m, where the tool would be without contact; as far towards it as it may leap
   double leap_ = 0, near_ = 0;     ///< m, that the tool may go; that it may lie beside its balance
+  double noise_ = 0;               ///< N, of the coupling's force by the rounding of positions
   Trial base_;                     ///< nearest to a balance so far
   bool exact_ = false;             ///< it is of this tick, not as the last one left it
   bool been_out_ = false;          ///< the way out was tried

@@ -44,6 +44,30 @@ std::vector<TickRecord> run_board() {
   return records;
 }
 
+// Both compute in double precision and round to float: the same one, or now and then the next, for the board's compiler
+// fuses multiplications and additions, which the host's leaves two (-ffp-contract=off).
+bool same_but_for_rounding(float host, float there) { return host == there || std::nextafter(host, there) == there; }
+
+/// Whether every number of a tick is the host's; how many ticks are not to the last bit of the force is counted.
+testing::AssertionResult the_same(const TickRecord& host, const TickRecord& there, int& beside) {
+  constexpr float kCancels = 1e-15f;  // m: lever arms of some centimetres, beside which such a torque is none
+  if (host.state != there.state) return testing::AssertionFailure() << "state " << there.state << " for " << host.state;
+  const float none = kCancels * std::hypot(host.force[0], host.force[1], host.force[2]);
+  bool exact = true;
+  for (int k = 0; k < 3; ++k) {
+    if (!same_but_for_rounding(host.force[k], there.force[k])) {
+      return testing::AssertionFailure() << "force " << k << ": " << there.force[k] << " for " << host.force[k];
+    }
+    if (!same_but_for_rounding(host.torque[k], there.torque[k]) &&
+        !(std::abs(host.torque[k] - there.torque[k]) <= none)) {
+      return testing::AssertionFailure() << "torque " << k << ": " << there.torque[k] << " for " << host.torque[k];
+    }
+    exact = exact && host.force[k] == there.force[k];
+  }
+  beside += !exact;
+  return testing::AssertionSuccess();
+}
+
 struct Longest {
   std::uint32_t tick = 0, search = 0, alone = 0;
   void include(const TickRecord& r) {
@@ -60,14 +84,14 @@ constexpr std::uint32_t kMostInstructions = 20000;
 TEST(CortexM7, GivesTheForcesOfTheHostInSoManyInstructions) {
   const std::vector<TickRecord> board = run_board();
   std::size_t next = 0;
-  int seen[5] = {};
+  int seen[5] = {}, beside = 0;
   for (const char* name : {PALPATE_M7_FILES}) {
     SCOPED_TRACE(name);
     const std::vector<std::byte> bytes = read_bytes(std::filesystem::path(PALPATE_GOLDENS) / name);
     const runtime::OpenResult opened = runtime::View::open(bytes.data(), bytes.size());
     ASSERT_TRUE(opened) << opened.error;
     const std::size_t first = next;
-    float force = 0, force_apart = 0, torque_apart = 0;
+    float force = 0;
     Longest longest;
     std::uint32_t stabbing = 0, leaping = 0;
     int stabs = 0, leaps = 0;
@@ -79,6 +103,7 @@ TEST(CortexM7, GivesTheForcesOfTheHostInSoManyInstructions) {
     tick_all(opened.view, uncounted, none, [&](const TickRecord& host, Hand hand) {
       ASSERT_LT(next, board.size());
       const TickRecord& there = board[next++];
+      ASSERT_TRUE(the_same(host, there, beside)) << "hand " << static_cast<int>(hand) << ", tick " << next - first;
       const auto state = static_cast<State>(there.state);
       const bool touches = state == State::stick || state == State::slide;
       if (hand == Hand::stabbing) {
@@ -91,13 +116,8 @@ TEST(CortexM7, GivesTheForcesOfTheHostInSoManyInstructions) {
         leaps += touches;
         return;
       }
-      ASSERT_EQ(host.state, there.state) << next - first;
       ++seen[there.state];
-      for (int k = 0; k < 3; ++k) {
-        force = std::max(force, std::abs(host.force[k]));
-        force_apart = std::max(force_apart, std::abs(host.force[k] - there.force[k]));
-        torque_apart = std::max(torque_apart, std::abs(host.torque[k] - there.torque[k]));
-      }
+      for (const float part : host.force) force = std::max(force, std::abs(part));
       longest.include(there);
       all += there.tick;
       lean += there.lean;
@@ -106,11 +126,7 @@ TEST(CortexM7, GivesTheForcesOfTheHostInSoManyInstructions) {
       dearer += there.lean >= there.tick;
     });
     ASSERT_GT(next, first);
-    // Both compute in double precision and round to float.
-    constexpr float kLever = 0.03f;  // m
     EXPECT_GT(force, 0.1f);
-    EXPECT_LE(force_apart, 2e-7f * force);
-    EXPECT_LE(torque_apart, 2e-7f * force * kLever);
     EXPECT_LE(longest.tick, kMostInstructions);
     EXPECT_GT(stabs, 250);
     EXPECT_LE(stabbing, kMostInstructions);
@@ -132,6 +148,8 @@ TEST(CortexM7, GivesTheForcesOfTheHostInSoManyInstructions) {
         static_cast<double>(lean) / static_cast<double>(all));
   }
   EXPECT_EQ(next, board.size());
+  EXPECT_LE(beside, next / 20000);  // 1 of 69 000
+  std::printf("%d of %zu ticks beside the host's last bit of a float\n", beside, next);
   EXPECT_GT(seen[static_cast<int>(State::stick)], 1000);
   EXPECT_GT(seen[static_cast<int>(State::slide)], 1000);
   EXPECT_GT(seen[static_cast<int>(State::free)], 1000);
