@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "tests/runtime/support.hpp"
+#include "tests/support/concave_samples.hpp"
 
 namespace palpate {
 namespace {
@@ -227,6 +228,118 @@ TEST(FirstTouch, FromAThinPlateTheToolIsPushedOutWhereItCameIn) {
       }
     }
   }
+}
+
+// A sheet of 1 mm, its top at 0, for one tool whose tip is as large: a ball, a rod, or a gem with so much from its
+// middle to its corners.
+ResponseFileContent sheet_content(Options options, double tip) {
+  options.search = true;
+  ResponseFileContent content;
+  for (const ConcaveShape& shape : concave_shapes()) {
+    if (shape.name == "sheet") content = concave_content(shape, options);
+  }
+  ResponseTool& tool = content.tools[0];
+  const double smaller = tip / tool.radius;
+  tool.radius = tip;
+  tool.probe_radius *= smaller;
+  for (auto& vertex : tool.vertices) {
+    const bool stem = vertex.point[2] == kStemLength;
+    for (double& x : vertex.point) x *= smaller;
+    vertex.meridian *= smaller;
+    if (!stem) continue;
+    vertex.point[2] = kStemLength;
+    vertex.meridian = tip * std::numbers::pi / 2 + kStemLength;
+  }
+  return content;
+}
+
+constexpr double kTips[] = {2e-5, 2e-4, 5e-4}, kFastSteps[] = {1e-3, 1.2e-3, 2e-3, 3e-3, 4.9e-3};
+constexpr int kPushes = 200;
+
+// Pushes that come from 6 mm above the sheet and end anywhere within a tick's way, from where the tool is through with
+// all of its tip. None is missed, and the force is that of a finer motion: out where it came in.
+void expect_felt(Options::Tools kind, double angle, const Vec3& start, const Vec3& aside) {
+  Options options = alike(false);
+  options.tools = kind;
+  for (const double tip : kTips) {
+    const Opened sheet(sheet_content(options, tip));
+    for (const double step : kFastSteps) {
+      int felt = 0;
+      for (int k = 0; k < kPushes; ++k) {
+        const Path down = [&](double way) {
+          return turned(angle, {0, 1, 0}, start + Vec3{0, 0, 0.006 + tip} + way * aside - Vec3{0, 0, way});
+        };
+        const double through = 0.0071 + 2 * tip + step * k / kPushes, longer = std::hypot(length(aside), 1);
+        const Tick there = ticks_of(sheet.view, down, through, step / longer).back();
+        felt += in_touch(there) && there.force.z > 0;
+        if (k % 40 != 0) continue;
+        const Tick slow = ticks_of(sheet.view, down, through, step / longer / 100).back();
+        EXPECT_GT(slow.force.z, 0.1);
+        EXPECT_LT(distance(there.force, slow.force), 0.05 * length(slow.force)) << tip << ' ' << step << ' ' << k;
+      }
+      EXPECT_EQ(felt, kPushes) << tip << ' ' << step;
+    }
+  }
+}
+
+TEST(FirstTouch, NoBallGoesThroughASheetInATick) {
+  expect_felt(Options::Tools::sphere, 0, {0.003, 0.002, 0}, {});
+  expect_felt(Options::Tools::sphere, 0, {0.003, 0.002, 0}, {0.8, 0.3, 0});
+}
+
+TEST(FirstTouch, NoRodGoesThroughASheetInATick) {
+  expect_felt(Options::Tools::capsule, 0, {0.003, 0.002, 0}, {});
+  expect_felt(Options::Tools::capsule, 0.5, {0.003, 0.002, 0}, {0.4, 0, 0});
+}
+
+TEST(FirstTouch, NoGemGoesThroughASheetInATick) {
+  expect_felt(Options::Tools::mesh, 0, {0.003, 0.002, 0}, {});
+  expect_felt(Options::Tools::mesh, 0.2, {0.003, 0.002, 0}, {0.8, 0.3, 0});
+}
+
+// Flat on it the rod is free again behind the sheet; it turns meanwhile, so that one end comes first.
+TEST(FirstTouch, NorOneThatSwings) {
+  Options options = alike(false);
+  options.tools = Options::Tools::capsule;
+  for (const double tip : kTips) {
+    const Opened sheet(sheet_content(options, tip));
+    for (const double step : {1e-3, 1.2e-3, 2e-3, 2.8e-3}) {
+      const Path fall = [&](double way) {
+        const double height = 0.006 - way;
+        return turned(std::numbers::pi / 2 + 12 * height, {0, 1, 0}, {-0.015, 0.002, height});
+      };
+      int felt = 0;
+      for (int k = 0; k < kPushes; ++k) {
+        const Tick there = ticks_of(sheet.view, fall, 0.008 + step * k / kPushes, step).back();
+        felt += in_touch(there) && there.force.z > 0;
+      }
+      EXPECT_EQ(felt, kPushes) << tip << ' ' << step;
+    }
+  }
+}
+
+TEST(FirstTouch, BehindASheetTheHandIsGivenBackNoMoreThanItGave) {
+  const Opened sheet(sheet_content(alike(true), kTips[0]));
+  const Path down = onward({0.003, 0.002, 0.002}, unit(Vec3{0.5, 0, -1}, {}));
+  const auto stored = [&](double step) {
+    Contact contact(sheet.view, 0);
+    for (double way = 0; way < 0.0055; way += step) contact.tick(down(way));
+    contact.tick(down(0.0055));
+    EXPECT_LE(contact.owed(), 0);
+    return contact.stored();
+  };
+  const double slow = stored(1e-5);
+  EXPECT_GT(slow, 1e-4);
+  EXPECT_NEAR(stored(4.9e-3), slow, 0.1 * slow);
+}
+
+TEST(FirstTouch, WhatIsPutBehindASheetIsFree) {
+  const Opened sheet(sheet_content(alike(false), kTips[1]));
+  Contact contact(sheet.view, 0);
+  const auto at = [](double height) { return upright({0.003, 0.002, height}); };
+  EXPECT_FALSE(contact.tick(at(0.002)).touches());
+  EXPECT_FALSE(contact.tick(at(0.002 - 1.01 * contact.size())).touches());
+  EXPECT_TRUE(contact.tick(at(0.0005)).touches());
 }
 
 }  // namespace

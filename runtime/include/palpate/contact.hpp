@@ -4,6 +4,7 @@
 
 #include "palpate/first_touch.hpp"
 #include "palpate/hold.hpp"
+#include "palpate/way_between.hpp"
 
 #include <cmath>
 
@@ -34,8 +35,14 @@ public:
     search_.touch.safe = -1;
   }
 
-  /// Force at `pose`. Ticks are meant to follow a motion. Between a free one and one that touches the tool counts as
-  /// having gone straight: the contact begins where it first touched on that way (first_touch.hpp).
+  /// Force at `pose`. Ticks are meant to follow a motion. From a free one to the next the tool counts as having gone
+  /// straight: the contact begins where it first touched on that way (first_touch.hpp), also where it is beyond
+  /// something thin by now. Where the searches at both ends leave a stretch of the way unseen, up to seven more look
+  /// there, and four for the place where it came in: what overlaps the tool for an eighth of the way is found, as far
+  /// as a search sees it. Missed may be what does so for less beside other stretches that are unseen, what the tool has
+  /// left over an edge by the end, and the first of two. Before a body that it overlaps at the end no stretch is looked
+  /// at that is shorter than 2 % of the depth scale. A tool that goes farther than size() was put elsewhere, and looks
+  /// nowhere; nor does one that touches, or lets go in this tick.
   Tick tick(const Pose& pose) {
     if (!fits() || !pose.valid()) return fault();
     if (const Vec3 q = hold_.rest().point(pose); keeps(q)) return keep(pose, q);
@@ -46,7 +53,7 @@ public:
   /// Beyond what that search knew to be free, the surface near its nearest point is looked at; a body met elsewhere is
   /// felt from the first search that sees it on, without force at first. No tick searches, so its bound has nothing to
   /// do with how large the body is: where c cannot follow the tool, it goes to where the search saw the body if p has
-  /// not gone half a contact's size since.
+  /// not gone half a contact's size since. Nor does it look between ticks: what the tool passes in one is not felt.
   Tick tick(const Pose& pose, const Search& latest) { return tick_found(pose, latest, &latest); }
 
   /// As tick(pose), with `found` instead of the search for a contact that it would make: for hosts that search within
@@ -129,7 +136,9 @@ private:
 
   Tick seek(const Pose& pose) {
     if (search_.touch.safe > 0 && motion_since_search(pose) < search_.touch.safe) return free(pose);
+    const double clear = search_.touch.clearance - motion_since_search(free_at_);
     search_ = {pose, touch_at(pose)};
+    if (was_free_ && touched_between(pose, clear)) return meet(pose, false);
     return search_.touch.clearance >= 0 ? free(pose) : meet(pose, was_free_);
   }
 
@@ -149,7 +158,7 @@ private:
     const double size = hold_.rest().size();
     const bool seen = search_.touch.clearance < 0 && motion_since_search(pose) < 0.5 * size;
     const Projection found = seen ? first_point(search_.touch, q) : project(*view_, search_.touch.body.at, q);
-    const double depth = probe_ - dot(q - found.point, found.normal);
+    const double depth = depth_under(found, q);
     // Of what has not been seen the surface near an old point says something as far as it reaches.
     if (!seen && (!found.converged || depth > 0.5 * size)) {
       was_free_ = false;
@@ -160,8 +169,10 @@ private:
     // Farther it did not move, it was put elsewhere.
     if (const Vec3 from = free_at_.apply(search_.touch.anchor); was_free_ && length(q - from) <= size) {
       first = first_touch(*view_, found, depth, probe_, from, q);
+      // The tool was clear of all, yet not of the surface that is nearest now: it came in by another, past the middle
+      // of something thin.
       if (first.late && clear) {
-        look_between(pose);
+        look_between(pose, skeleton_motion(free_at_, pose, reach_), {0, 0, 1, 1});
         return meet(pose, false);
       }
     }
@@ -170,28 +181,76 @@ private:
     return tick;
   }
 
-  /// The tool was clear of all, yet not of the surface that is nearest now: it came in by another, past the middle of
-  /// something thin. Looks for the place where it came in on the way between.
-  [[gnu::noinline]] void look_between(const Pose& pose) {
-    constexpr int kLooks = 4;
-    Vec3 from = free_at_.translation, to = pose.translation;
+  /// The tool was free a tick ago, with nothing of the body within `clear` (m). Sets the search to where it first
+  /// touched on the way from there, if that is a place which neither end knows of and where it still pushes.
+  [[gnu::noinline]] bool touched_between(const Pose& pose, double clear) {
+    constexpr double kShallow = 0.02;  // of the depth scale
+    // A tool that overlaps the body at its pose has done so for as long a way as it is deep. Seen askew a stretch is
+    // left, with nothing on it mostly.
+    const double way = skeleton_motion(free_at_, pose, reach_), known = std::fabs(search_.touch.clearance);
+    const double least = search_.touch.clearance < 0 ? kShallow * view_->meta->depth_scale : 0;
+    clear = std::fmax(0, clear);
+    // Farther it did not move, it was put elsewhere.
+    if (!(way - clear - known > least) || way > hold_.rest().size()) return false;
+    Unseen<kLooks> unseen(clear / way, known / way);
     for (int i = 0; i < kLooks; ++i) {
-      Pose between = pose;
-      between.translation = 0.5 * (from + to);
-      const ToolTouch touch = find_touch<kFeatures>(*view_, tool_, between, search_.touch.body.at);
+      Stretch stretch = unseen.longest();
+      if (!(stretch.low < stretch.high)) break;
+      const double middle = 0.5 * (stretch.low + stretch.high);
+      const ToolTouch touch = touch_between(pose, middle);
+      if (touch.clearance >= 0) {
+        unseen.add(stretch, middle, touch.clearance / way);
+        continue;
+      }
+      const ToolTouch there = search_.touch;
+      const Pose before = free_at_;
+      search_.touch = touch;
+      stretch.high = middle;
+      look_between(pose, way, stretch);
+      if (still_in(pose.apply(search_.touch.anchor))) return true;
+      search_.touch = there;
+      free_at_ = before;
+      return false;
+    }
+    return false;
+  }
+
+  /// Looks for the place where the tool came in on its way (m): in a stretch at whose end it overlaps the body.
+  [[gnu::noinline]] void look_between(const Pose& pose, double way, Stretch stretch) {
+    constexpr int kNarrower = 4;
+    for (int i = 0; i < kNarrower; ++i) {
+      const double middle = 0.5 * (std::fmin(stretch.low, stretch.high) + stretch.high);
+      const ToolTouch touch = touch_between(pose, middle);
       if (touch.clearance < 0) {
         search_.touch = touch;
-        to = between.translation;
+        stretch.high = middle;
       } else {
-        free_at_ = between;
-        from = between.translation;
+        stretch.free = middle;
+        stretch.low = middle + (way > 0 ? touch.clearance / way : 0);
       }
     }
+    free_at_ = between(free_at_, pose, stretch.free);
+  }
+
+  [[nodiscard]] ToolTouch touch_between(const Pose& pose, double share) const {
+    return find_touch<kFeatures>(*view_, tool_, between(free_at_, pose, share), search_.touch.body.at);
   }
 
   /// Most that any skeleton point can have moved since the last search.
   [[nodiscard]] double motion_since_search(const Pose& pose) const {
     return skeleton_motion(search_.pose, pose, reach_);
+  }
+
+  /// Where the search saw the body a tool pushes that is at q by now. Where c may have followed it over an edge it has
+  /// left the body, though not the plane of that place.
+  [[nodiscard]] bool still_in(const Vec3& q) const {
+    const Projection foot = project(*view_, search_.touch.body.at, q);
+    return depth_under(first_point(search_.touch, q), q) > 0 && !(foot.converged && depth_under(foot, q) <= 0);
+  }
+
+  /// m, of the skin about q under the plane of a point of the surface.
+  [[nodiscard]] double depth_under(const Projection& found, const Vec3& q) const {
+    return probe_ - dot(q - found.point, found.normal);
   }
 
   /// Where the smooth normals meet the tool: there the first deflection is purely along n(c). The nearest
@@ -206,6 +265,8 @@ private:
     found.normal = normal(*view_, found.at);
     return found;
   }
+
+  static constexpr int kLooks = 7;  // no stretch of an eighth of the way stays unseen
 
   const View* view_;
   std::uint32_t tool_;
