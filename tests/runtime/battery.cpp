@@ -209,6 +209,7 @@ void BatteryResult::add(const BatteryResult& o) {
   broken += o.broken;
   force = std::max(force, o.force);
   step = std::max(step, o.step);
+  leap = std::max(leap, o.leap);
   begin = std::max(begin, o.begin);
   gain = std::max(gain, o.gain);
   gained += o.gained;
@@ -313,6 +314,11 @@ BatteryResult run_battery(const View& view, const BatteryCase& c) {
       r.begin = std::max(r.begin, (length(tick.force - last.force) - 2 * k * moved) / (k * scale));
     } else if (c.motion != Motion::fast || moved < 0.5 * scale) {
       r.step = std::max(r.step, step);
+      // A tool that turns rolls on by 1e-3 of its size at once.
+      if (goes_on && c.motion != Motion::fast && c.motion != Motion::turn) {
+        const double anyhow = late + drift + 2.5e-5 * (view.tools[c.tool].probe_radius + scale);
+        r.leap = std::max(r.leap, length(tick.force - last.force) / (k * (moved + anyhow)));
+      }
     }
     if (c.motion != Motion::fast) {
       const double w = -0.5 * (dot(last.force + tick.force, way) + dot(last.torque + tick.torque, turn));
@@ -345,6 +351,7 @@ std::string broken_promise(const BatteryCase& c, const BatteryResult& r) {
   if (r.broken > 0) return "a force that is not finite, or without depth, or a fault at a good pose";
   if (r.force > 1.2) return "a force beyond what the stiffest place answers with";
   if (r.step > (fast ? 2.5 : 2)) return "a force that changed by more than its bound a metre";
+  if (r.leap > 5) return "a force that leapt while the tool hardly moved";
   if (r.begin > (fast && c.driver == Driver::animated ? 0.25 : 5e-3))
     return "a contact that began or ended with a force";
   if (r.gain > 0.03) return "a contact that gave back more than it took";

@@ -43,6 +43,7 @@ struct BatteryResult {
   std::uint64_t broken = 0;  ///< ticks that are not finite, push without depth, or call a good pose a fault
   double force = 0;          ///< largest force, as a share of stiffness * max(depth, depth scale)
   double step = 0;           ///< largest change of the force over stiffness * the way of the tool's skin and of c
+  double leap = 0;           ///< the same over that of the skin alone, of a slow tool that keeps its direction
   double begin = 0;          ///< largest force with which a contact began or ended on a fast motion or an old search
   double gain = 0;           ///< most that any contact had given back beyond what it took, over what went through it
   double gained = 0;         ///< J, sum of that over the contacts
@@ -57,10 +58,11 @@ struct BatteryResult {
 
 /// The bounds that every result is held to; empty, or which of them does not hold. Per metre that the tool's skin
 /// (against the surface) and c move (where the body is animated, in the tick before, too), the force changes by at most
-/// twice the stiffness, two and a half times in fast motions. A contact begins and ends with less than 0.5 % of
-/// stiffness * depth scale, in fast motions of a body that is animated with a quarter of it. A contact gives back at
-/// most 3 % of what went through it more than it took: the error of the sum at sharp corners, a tenth of a per cent
-/// elsewhere.
+/// twice the stiffness, two and a half times in fast motions. Of a slow tool that keeps its direction c may go where it
+/// will: per metre that the skin moves, by at most five times the stiffness. A contact begins and ends with less than
+/// 0.5 % of stiffness * depth scale, in fast motions of a body that is animated with a quarter of it. A contact gives
+/// back at most 3 % of what went through it more than it took: the error of the sum at sharp corners, a tenth of a per
+/// cent elsewhere.
 std::string broken_promise(const BatteryCase& c, const BatteryResult& result);
 
 /// Newtons a metre that no push of the tool, straight or sideways, exceeds within the depth scale; a tenth of margin.

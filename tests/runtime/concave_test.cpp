@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tests/runtime/battery.hpp"
+#include "tests/runtime/battery_hand.hpp"
 #include "tests/runtime/support.hpp"
 #include "tests/support/concave_samples.hpp"
 
@@ -23,10 +24,12 @@ ConcaveShape shape_named(const std::string& name) {
 }
 
 struct Rough : Opened {
-  explicit Rough(const ConcaveShape& shape, double mu = 1) : Opened(content(shape, mu)) {}
+  explicit Rough(const ConcaveShape& shape, double mu = 1, bool uniform = false)
+      : Opened(content(shape, mu, uniform)) {}
 
-  static ResponseFileContent content(const ConcaveShape& shape, double mu) {
+  static ResponseFileContent content(const ConcaveShape& shape, double mu, bool uniform) {
     Options options;
+    options.uniform = uniform;
     options.search = true;
     options.friction = options.lateral = mu > 0;
     ResponseFileContent made = concave_content(shape, options);
@@ -160,6 +163,43 @@ TEST(Concave, ARodLetsGoWithoutALeap) {
         EXPECT_LT(largest, (lean > 0 ? 80 : 4.5) * stiffest(body.view, 1) * kStride)
             << name << " " << mu << " " << lean;
       }
+    }
+  }
+}
+
+// Drawn slowly from anywhere to anywhere c comes to the bottom of a fold, where the other wall is pressed deeper. It
+// leapt there, though its foot was on the surface then, and the force turned by more than a right angle at once.
+TEST(Concave, DrawnSlowlyFromAnywhereItDoesNotLeap) {
+  constexpr double kStride = 2e-5;
+  for (const char* name : {"dent", "fissure", "groove_40", "trough", "wall"}) {
+    for (const double mu : {0.0, 0.3, 1.0}) {
+      const Rough body(shape_named(name), mu, true);
+      const double k = stiffest(body.view, 0);
+      battery::Random random(1);
+      double largest = 0;
+      int strokes = 0;
+      for (int i = 0; i < 300; ++i) {
+        const auto at = battery::anywhere(body.view, random);
+        const Vec3 n = normal(body.view, at), down = -1 * n,
+                   across = runtime::unit(runtime::tangential(random.direction(), n), n);
+        Vec3 p = position(body.view, at) + (kTipRadius + 0.1 * kDepthScale) * n;
+        if (overlap(body, p) > -1e-5) continue;
+        ++strokes;
+        Contact contact(body.view, 0);
+        Tick last;
+        const auto go = [&](const Vec3& way, double far) {
+          for (double gone = 0; gone < far; gone += kStride) {
+            p = p + kStride * way;
+            const Tick tick = contact.tick(upright(p));
+            largest = std::max(largest, distance(tick.force, last.force));
+            last = tick;
+          }
+        };
+        go(down, random.between(0.2, 0.7) * kDepthScale);
+        go(across, 3 * kDepthScale);
+      }
+      EXPECT_GT(strokes, 100) << name;
+      EXPECT_LT(largest, 4.5 * k * kStride) << name << " " << mu;
     }
   }
 }

@@ -123,19 +123,26 @@ public:
   /// by `sideways` (m) from it. False where c cannot go on and the anchor does instead: at a corner, where the tool is
   /// off the body wherever c would go, as beyond the lip of a fold, and in a slow motion wherever c would have to leap.
   /// To end there would drop the force at once, to leap would turn it, so c stays and the contact lets go as the tool
-  /// moves. `served`: see hand_over().
+  /// moves. A leap it is, too, where c has a foot, but the force would change by far more than by the tool's way: c
+  /// goes after the tool as far as that may be, if it can. `served`: see hand_over().
   PALPATE_TICK_INLINE bool follow(const Pose& pose, const Vec3& q, const Vec3& sideways, double force, double moved,
                                   double deepened, const Search* served = nullptr) {
     take_over(held_up_ ? HUGE_VAL : moved);
-    const Projection found = foot(q, sideways);
-    const bool beyond = found.residual > 0.1 * size(), waits = beyond && slow(moved * moved);
+    Projection found = foot(q, sideways);
+    const bool beyond = found.residual > kBeyond * size(), waits = beyond && slow(moved * moved);
     if (beyond && !waits && hand_over(pose, q, force, served)) return true;
     const double before = deflection(q).depth, there = overlap(found, q);
-    const bool goes = there > 0 && !waits;
+    bool goes = there > 0 && !waits;
+    // The tool touches here as well, and in a slow motion as deep.
+    const double least = kFriction && view_->has(layout::feature_friction) && slow(moved * moved) ? before : 0;
+    double less = still_subtracted(there, before, least);
+    // A hand at rest goes nowhere: what is left of a slip settles.
+    const double most = kLeap * moved + kLeast * size(), change = change_of_force(found.normal, before, there - less);
+    if (change > most * most && goes && moved > 0 && slow(moved * moved)) {
+      goes = hold_back(found, less, q, sideways, {before, least, most, std::sqrt(change)});
+    }
     if (goes) {
-      // What is subtracted is that of the old place: the tool touches here as well, and in a slow motion as deep.
-      const double least = kFriction && slow(moved * moved) && view_->has(layout::feature_friction) ? before : 0;
-      if (!(there - subtracted_ > least)) subtracted_ = std::fmax(0, there - before);
+      subtracted_ = less;
       place(found, pose);
     } else {
       subtract(moved + std::fmax(0, deepened));
@@ -243,6 +250,38 @@ public:
   }
 
 private:
+  /// m, of what is subtracted, that is so where the depth is `there` less that: it is that of the old place, where the
+  /// depth was `before` less all. The tool is to be deeper than `least`.
+  [[nodiscard]] PALPATE_TICK_INLINE double still_subtracted(double there, double before, double least) const {
+    return there - subtracted_ > least ? subtracted_ : std::fmax(0, there - before);
+  }
+
+  /// By how much the force is another where n is normal and the depth is `now` (m) instead of `before`, as depth that
+  /// pushes with the stiffness (m, squared): it turns, and grows or falls across that.
+  [[nodiscard]] PALPATE_TICK_INLINE double change_of_force(const Vec3& n, double before, double now) const {
+    return (now - before) * (now - before) + 2 * before * before * (1 - dot(n, field_.normal()));
+  }
+
+  /// m, depths.
+  struct Leap {
+    double before, least;
+    double most, change;  ///< that the force may change by, and would
+  };
+
+  /// Where c would leap: has it go a part of the way, no deeper, and the anchor the rest. False where c leaps all the
+  /// same, as to the other wall of a fold.
+  [[gnu::noinline]] bool hold_back(Projection& found, double& less, const Vec3& q, const Vec3& sideways,
+                                   const Leap& leap) const {
+    constexpr double kPart = 0.5;  // of what it may, for the surface may bend more than on the whole way
+    const Vec3 to = q - offset_ - anchored_ - sideways, across = tangential(to - c_, field_.normal());
+    found = project(*view_, at_, to - (1 - kPart * leap.most / leap.change) * across);
+    found.converged = false;
+    const double there = overlap(found, q);
+    less = std::fmax(still_subtracted(there, leap.before, leap.least), there - leap.before);
+    return there > 0 && found.residual <= kBeyond * size() &&
+           change_of_force(found.normal, leap.before, there - less) <= leap.most * leap.most;
+  }
+
   /// Moves the anchor to where the tool at q is deflected by `sideways` from it, for c could not follow.
   void lead_anchor(const Vec3& q, const Vec3& sideways) {
     anchored_ = anchored_ + deflection(q).sideways - tangential(sideways, field_.normal());
@@ -383,6 +422,9 @@ private:
   // up; along the axis the skin that went farthest counts, for there c runs with p.
   static constexpr double kRound = 3, kAlong = 8;
   static constexpr double kSlow = 0.05;   // of the depth scale, in a tick: 25 cm/s at 1 kHz where that is 5 mm
+  static constexpr double kBeyond = 0.1;  // of a contact's size, that c may be off its foot
+  static constexpr double kLeap = 4;      // times p's way, that the force may change by where c goes slowly, and
+  static constexpr double kLeast = 1e-4;  // as much of a contact's size, which nobody feels
   static constexpr double kFar = 0.1;     // of a contact's size, in a tick: 50 cm/s at 1 kHz where that is 5 mm
   static constexpr double kExact = 1e-9;  // of a depth and its force, where c is handed over
   static constexpr double kBend = 0.05;   // of a contact's size, that a bend of the surface may add to a depth
