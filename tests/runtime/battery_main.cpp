@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// runtime_battery TICKS FILE...: the property battery on response files, so many ticks for each tool, driver and
-// motion, as two tables in Markdown (battery.md); exits 5 where a promise is broken. A file more is named by
-// PALPATE_BATTERY_FILE.
+// runtime_battery TICKS[:SEED] FILE...: the property battery on response files, so many ticks for each tool, driver and
+// motion, as two tables in Markdown (battery.md); exits 5 where a promise is broken. Another SEED (1 unless told) draws
+// other motions. A file more is named by PALPATE_BATTERY_FILE.
 #include <cinttypes>
 #include <cstdarg>
 #include <cstdio>
@@ -43,13 +43,14 @@ private:
 struct Tables {
   std::uint64_t ticks = 0;
   int broken = 0;  ///< promises, which are told as they come
+  unsigned seed = 1;
   Rows promises, account;
 
   void add(const char* file, std::uint64_t each, const runtime::View& view, std::uint32_t tool) {
     BatteryResult fine, fast;  // apart, for a step is another thing in fast motions
     for (const Driver driver : {Driver::alone, Driver::late, Driver::online, Driver::several}) {
       for (const Motion motion : kMotions) {
-        const BatteryCase c{motion, driver, tool, each, 1 + tool, 0.25};
+        const BatteryCase c{motion, driver, tool, each, seed + tool, 0.25};
         const BatteryResult r = run_battery(view, c);
         if (const std::string fault = broken_promise(c, r); !fault.empty()) {
           ++broken;
@@ -83,9 +84,13 @@ private:
 int main(int argc, char** argv) {
   std::vector<std::string> files(argv + (argc < 2 ? argc : 2), argv + argc);
   if (const char* more = std::getenv("PALPATE_BATTERY_FILE")) files.emplace_back(more);
-  const std::uint64_t ticks = argc < 2 ? 0 : std::strtoull(argv[1], nullptr, 10);
-  if (ticks == 0 || files.empty()) return std::fprintf(stderr, "usage: runtime_battery TICKS FILE...\n"), 1;
+  char* rest = nullptr;
+  const std::uint64_t ticks = argc < 2 ? 0 : std::strtoull(argv[1], &rest, 10);
   palpate::test::Tables tables;
+  if (ticks > 0 && *rest == ':') tables.seed = static_cast<unsigned>(std::strtoul(rest + 1, &rest, 10));
+  if (ticks == 0 || *rest != 0 || tables.seed == 0 || files.empty()) {
+    return std::fprintf(stderr, "usage: runtime_battery TICKS[:SEED] FILE...\n"), 1;
+  }
   for (const std::string& file : files) {
     const palpate::runtime::MappedFile bytes(file.c_str());
     const palpate::runtime::OpenResult opened = palpate::runtime::View::open(bytes.data(), bytes.size());

@@ -80,15 +80,16 @@ public:
     if (friction && !slides_ && rest_.slow(dot(way, way)) && rest_.far_aside(q)) let_go_round(length(way), d, terms);
     for (;;) {
       if (!(d.depth > 0)) return release(d);
-      Vec3 aside;
-      if (tallies()) aside = d.sideways;
+      if constexpr (kFriction) {
+        if (tallies()) tally_.move(d.sideways);
+      }
       if (friction) deepen(way, d, terms);
       if (account_.owed() > 0 && !pay(d, terms)) return release(d);
       if (!kFriction || !friction)
         return slide(pose, d, {{}, terms.straight}, terms, way, depth, terms.straight, served);
       const Vec3 core = straight_of_core(terms) + field().sideways(terms, d.sideways);
       const Vec3 pull = rim_.present() ? with_rim_alone(core, d, terms) : core;
-      if (tallies() && tell(aside, pull, core, d, terms)) continue;
+      if (tallies() && tell(pull, core, d, terms)) continue;
       if (length(core) > rim_.core_limit() * terms.limit * (1 + 1e-9)) {
         return slide(pose, d, slipped(d, terms, core, begins_), terms, way, depth, pull, served);
       }
@@ -425,13 +426,10 @@ private:
     return rim_.mean(most(rim_.core_limit(), core, d.sideways), most(rim_.limit(), rim, rim_deflection(d)));
   }
 
-  /// Has the account owe what the hand got sideways and had not given, in a tick whose motion took the deflection to
-  /// `aside` (m). True where depth was lost for it.
-  PALPATE_TICK_INLINE bool tell(const Vec3& aside, const Vec3& pull, const Vec3& core, Deflection& d,
-                                DepthTerms& terms) {
+  /// Has the account owe what the hand got sideways in this tick and had not given. True where depth was lost for it.
+  PALPATE_TICK_INLINE bool tell(const Vec3& pull, const Vec3& core, Deflection& d, DepthTerms& terms) {
     if constexpr (kFriction) {
-      const double most = most_strain(terms, d, pull, core),
-                   more = tally_.add(aside, d.sideways, pull, lean(terms, d), most);
+      const double most = most_strain(terms, d, pull, core), more = tally_.add(d.sideways, pull, lean(terms, d), most);
       if (more > 0) return owe(more, d, terms);
     }
     return false;

@@ -18,11 +18,13 @@ public:
   /// A contact begins, without force.
   void reset() { *this = StrainTally(); }
 
-  /// After the tool's motion took the sideways deflection to `moved` (m), and its anchor went so that `aside` (m) is
-  /// left. There the sideways force is `pull` (N), the straight push's holds `lean` (J), and the deflection's at most
-  /// `most` (J). Returns J, at least 0, that the hand got and had not given.
-  [[nodiscard]] double add(const Vec3& moved, const Vec3& aside, const Vec3& pull, double lean, double most) {
-    const double given = given_ - 0.5 * dot(pull_ + pull, moved - aside_) - (lean - lean_);
+  /// The tool's motion took the sideways deflection to so much (m).
+  void move(const Vec3& aside) { moved_ = aside; }
+  /// After that its anchor went so that `aside` (m) is left. There the sideways force is `pull` (N), the straight
+  /// push's holds `lean` (J), and the deflection's at most `most` (J). Returns J, at least 0, that the hand got and had
+  /// not given.
+  [[nodiscard]] double add(const Vec3& aside, const Vec3& pull, double lean, double most) {
+    const double given = given_ - 0.5 * dot(pull_ + pull, moved_ - aside_) - (lean - lean_);
     given_ = std::fmax(0, given);
     keep(aside, pull, lean, most);
     return given < 0 ? -given : 0;
@@ -60,6 +62,7 @@ public:
 
 private:
   double given_ = 0;  ///< J, by the hand and held by the deflection
+  Vec3 moved_;        ///< m, by this tick's motion
   Vec3 aside_;        ///< m, of the last tick
   Vec3 pull_;         ///< N
   double lean_ = 0;   ///< J
