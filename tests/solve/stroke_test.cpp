@@ -69,6 +69,30 @@ TEST_F(Stroking, SticksSlipsTurnsRoundAndLetsGo) {
   }
 }
 
+// Held sideways by a hand that trembles up and down: what a lift lets go and a push takes up again bears nothing the
+// second time, so the force is lost once (the runtime's InnerPart).
+TEST_F(Stroking, ATremblingHandLosesItsSidewaysForceOnce) {
+  path.friction = 1;
+  path.stations = {{0, 0, 0.1 * depth}};
+  for (int k = 1; k <= 4; ++k) path.stations.emplace_back(0, 0, -depth * k * k / 16);
+  const double aside = 0.3 * depth;
+  for (const double share : {0.5, 1.0}) path.stations.emplace_back(share * aside, 0, -depth);
+  const std::size_t held = path.stations.size() - 1;
+  constexpr double kTurn = 0.64;  // of the depth: where the contact's radius is 0.8 of its own
+  for (int cycle = 0; cycle < 3; ++cycle) {
+    for (const double share : {0.82, kTurn, 0.82, 1.0}) path.stations.emplace_back(aside, 0, -share * depth);
+  }
+  const StrokeResult r = stroke();
+  ASSERT_TRUE(r.usable) << r.cause;
+  const auto force = [&](int cycle) { return -r.steps[held + 4 * static_cast<std::size_t>(cycle)].force.x(); };
+  // The sideways stiffness grows like the radius, and what slips at the rim is lost besides.
+  EXPECT_LT(force(1), 0.85 * force(0));
+  EXPECT_GT(force(1), 0.7 * force(0));
+  EXPECT_NEAR(force(2), force(1), 0.02 * force(1));
+  EXPECT_NEAR(force(3), force(1), 0.03 * force(1));
+  EXPECT_LT(std::abs(r.imbalance), 0.05);
+}
+
 TEST_F(Stroking, WhatIsOutOfRangeOrHeldIsRefusedByName) {
   EXPECT_THROW(stroke(), Error) << "no station";
   path.stations = {{0, 0, depth}};
