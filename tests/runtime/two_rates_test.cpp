@@ -226,7 +226,8 @@ TEST(TwoRates, AServedContactNeverSearches) {
   const Opened box(box_content(options));
   const Trap trap(box.view);
   ASSERT_NE(box.view.search, nullptr);
-  // A slow hand's c waits where it would leap, until it can follow; a fast one's goes to where the body was seen.
+  // A slow hand's c waits where it would turn the force, and goes on by parts of the way as it can; a fast one's goes to
+  // where the body was seen.
   for (const auto& [depth, stride] : {std::pair{0.012, 2e-6}, {0.013, 2e-6}, {0.012, 3e-4}, {0.013, 3e-4}}) {
     const std::size_t searched = stride > 1e-5 ? 1 : 0;
     Contact alone(box.view, 0), served(box.view, 0), trapped(trap.view, 0), searching(trap.view, 0), stale(box.view, 0);
@@ -260,10 +261,11 @@ TEST(TwoRates, AServedContactNeverSearches) {
     for (double in = -0.001; in < depth; in += 1e-5) go({0.015, 0, kTop + kTipRadius - in}, 0.1);
     const double pressed = length(last.force);
     for (double x = 0.015; x < 0.035; x += stride) go({x, 0, kTop + kTipRadius - depth}, 3000 * 2 * stride);
-    EXPECT_EQ(leaps_alone, 1) << depth;
-    EXPECT_EQ(leaps, 1) << depth;
+    EXPECT_GE(leaps_alone, 1) << depth;
+    EXPECT_LE(leaps_alone, searched == 1 ? 1 : 6) << depth;
+    EXPECT_EQ(leaps, leaps_alone) << depth;
     EXPECT_EQ(fell, searched) << "one that searches is caught";
-    EXPECT_EQ(leaps_stale, 1 - searched) << "a search of another place says nothing";
+    EXPECT_EQ(leaps_stale, searched == 1 ? 0 : leaps) << "a search of another place says nothing";
     // A fast one, whose searches are old, may leap two ticks later than one that searches itself.
     std::sort(apart.rbegin(), apart.rend());
     EXPECT_LT(apart[2 * searched], 0.05 * pressed) << depth;
