@@ -234,7 +234,7 @@ private:
       // A hand that trembles is slow.
       if (inner_.core.known() && !rest_.slow(dot(way, way))) let_go();
       if (d.depth > depth_ || !(depth_ > 0)) {
-        if (inner_.lifts) turn();
+        if (inner_.lifts) turn(d);
         const Vec3 core = deeper(inner_.core, d.sideways, terms, rim_.core_limit());
         if (rim_.present()) rim_.leave(core, deeper(inner_.rim, rim_deflection(d), terms, rim_.limit()));
         rest_.leave(d, core);
@@ -259,7 +259,10 @@ private:
     }
     rest_.leave(d, core);
   }
-  void turn() {
+  /// A lift ends. What is hardly deflected bears nothing that could be lost.
+  void turn(const Deflection& d) {
+    const double least = 1e-5 * rest_.size();
+    if (!(dot(d.sideways, d.sideways) > least * least)) return let_go();
     inner_.lifts = false;
     inner_.core.turn();
     inner_.rim.turn();

@@ -45,15 +45,15 @@ public:
   [[nodiscard]] Vec3 lifted(const Field& field, double depth, const DepthTerms& terms, const Vec3& deflection,
                             double lean) {
     if (!known()) return deflection;
-    lost_ += field.released(depth, deflection, terms, deflection, lean);
     const double share = std::fmin(1, share_ / field.share_between(depth, terms));
     const double left = share_ < 1 ? (1 - share) / (1 - share_) : 0;
     Vec3 back = (1 - left) * lead_;
-    const double rise = -field.released(terms.depth, deflection, terms, deflection + back, lean);
-    if (rise > 0) {
-      if (rise > lost_) back = (std::fmax(0, lost_) / rise) * back;
-      lost_ -= std::fmin(rise, lost_);
+    const double lost = lost_ + field.released(depth, deflection, terms, deflection + back, lean);
+    if (lost < 0) {
+      const double rise = -field.released(terms.depth, deflection, terms, deflection + back, lean);
+      back = (rise > 0 ? std::fmax(0, 1 + lost / rise) : 0) * back;
     }
+    lost_ = std::fmax(0, lost);
     lead_ = left * lead_;
     share_ = share;
     known_ = share < 1;
