@@ -67,6 +67,13 @@ TEST(Battery, AContactThatIsDrawnOffTheBodyLetsGoAsTheToolMoves) {
   EXPECT_GT(r.force, 0.5);  // it pressed hard
 }
 
+// Where c goes on over a body that swells, the body lies otherwise about it: what is stored more by that nobody gave.
+TEST(Battery, ABodyThatSwellsGivesBackNoMoreThanItTook) {
+  EXPECT_LT(run_golden("frictionless.palp", {Motion::press, Driver::animated, 0, 40000, 14, 0.25}).gain, 2e-3);
+  EXPECT_LT(run_golden("coupled_2.palp", {Motion::press, Driver::animated, 0, 40000, 14, 0.25}).gain, 2e-3);
+  EXPECT_LT(run_golden("three_tools.palp", {Motion::press, Driver::animated, 1, 40000, 12, 0.25}).gain, 2e-3);
+}
+
 // Wherever a fast hand comes to rest, the force changes as c goes on only: what slid in one leap from first touch to
 // beyond the limit, or at a corner that holds c up, has given way in that tick.
 TEST(Battery, AtRestTheForceStaysWhereCDoes) {

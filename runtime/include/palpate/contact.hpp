@@ -91,7 +91,7 @@ public:
   /// the poses that were told. The contact stays where it is on the body.
   void rebase(const Pose& by) {
     free_at_ = by * free_at_;
-    hold_.rebase(by);
+    if (hold_.lasts()) hold_.rebase(by);
   }
 
 private:

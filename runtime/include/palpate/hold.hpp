@@ -128,8 +128,13 @@ public:
     replaced(before, last_, d, terms);
   }
 
-  /// What the tool did up to here counts as done at `by` times its poses.
+  /// Of a contact that lasts: what the tool did up to here counts as done at `by` times its poses. It is no motion of the
+  /// tool against the body, so what is stored more by that is no work of the hand.
   void rebase(const Pose& by) {
+    Deflection d;
+    DepthTerms terms;
+    stand(last_, d, terms);
+    const double before = leave(terms, d);
     last_ = by.apply(last_);
     if constexpr (kFriction) {
       tally_.rotate(by);
@@ -137,6 +142,8 @@ public:
       inner_.rim.rotate(by);
     }
     rest_.rebase(by);
+    replaced(before, last_, d, terms);
+    depth_ = d.depth;
   }
 
 private:
