@@ -186,7 +186,7 @@ void run_drive(DriveArguments options, const Globals& globals) {
   const DriveTitle title{options.file, input.view().tools[tool].name, kind.name, loop_settings.governor.limit,
                          kind.glove};
   options.coupling.rate = options.rate;
-  if (options.several) options.coupling.places = device::kFeltPlaces;
+  if (options.several) options.coupling.places = runtime::kFeltPlaces;
   // Before the last run's recording is replaced.
   const Station station = set_up(input.view(), tool, kind,
                                  {{options.device, options.rate, options.priority, options.firmware, {}},

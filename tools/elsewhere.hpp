@@ -19,17 +19,11 @@ public:
     place_.at[0] = tick.body_point;
     return finder_.look(place_, 0).touch.clearance < 0;
   }
-  template <int Most>
-  static bool missed(const runtime::ContactsAsOne<Most>&, const runtime::Pose&, const runtime::Tick&) {
-    return false;
-  }
+  static bool missed(const runtime::FeltPlaces&, const runtime::Pose&, const runtime::Tick&) { return false; }
 
   /// Felt at several, these lie so near each other that their sum is too large.
   static bool near(const runtime::Contact&) { return false; }
-  template <int Most>
-  static bool near(const runtime::ContactsAsOne<Most>& contacts) {
-    return contacts.last().overlap.near();
-  }
+  static bool near(const runtime::FeltPlaces& places) { return places.last().overlap.near(); }
 
 private:
   runtime::PlaceFinder<> finder_;

@@ -120,7 +120,7 @@ std::vector<PlayedRow> play_with(Contact&& contact, const runtime::View& view, s
 
 std::vector<PlayedRow> play(const runtime::View& view, std::uint32_t tool, const std::vector<MotionRow>& motion,
                             PlaySummary& summary, bool several) {
-  return several ? play_with(runtime::ContactsAsOne<3>(view, tool), view, tool, motion, summary)
+  return several ? play_with(runtime::FeltPlaces(view, tool), view, tool, motion, summary)
                  : play_with(runtime::Contact(view, tool), view, tool, motion, summary);
 }
 

@@ -65,7 +65,7 @@ void replay_held(PlayedRun& played, const device::RunLog& log, const Elsewhere& 
   if (const auto coupling = device::coupling_options(log.header)) {
     replay_into(played, log, elsewhere,
                 device::ContactSource<runtime::VirtualCoupling, Contact>(view, tool, frame,
-                                                                        device::coupling_in(frame, *coupling)));
+                                                                         device::coupling_in(frame, *coupling)));
   } else {
     replay_into(played, log, elsewhere, device::ContactSource<runtime::Rigid, Contact>(view, tool, frame));
   }
@@ -132,7 +132,7 @@ PlayedRun play_run(const device::RunLog& log, const ResponseInput& input, std::u
     }
     replay_into(played, log, elsewhere, glove);
   } else if (log.header.several == 1) {
-    replay_held<device::FeltPlaces>(played, log, elsewhere, input.view(), tool);
+    replay_held<runtime::FeltPlaces>(played, log, elsewhere, input.view(), tool);
   } else {
     replay_held<runtime::Contact>(played, log, elsewhere, input.view(), tool);
   }

@@ -57,10 +57,6 @@ private:
 
 using CoupledSource = ContactSource<runtime::VirtualCoupling>;
 
-/// As many places as hold a point: a concave body's walls, or lobes.
-inline constexpr int kFeltPlaces = 3;
-using FeltPlaces = runtime::ContactsAsOne<kFeltPlaces>;
-
 /// The coupling that is `hand` (N/m, N s/m) in the hand, for a frame whose force_scale is above 0.
 inline runtime::VirtualCoupling coupling_in(const runtime::DeviceFrame& frame, runtime::CouplingOptions hand) {
   const double share = 1 / (frame.scale * frame.force_scale);

@@ -47,4 +47,8 @@ private:
   SeveralTick<Most> last_;
 };
 
+/// As many places as hold a point: a concave body's walls, or lobes.
+inline constexpr int kFeltPlaces = 3;
+using FeltPlaces = ContactsAsOne<kFeltPlaces>;
+
 }  // namespace palpate::runtime
