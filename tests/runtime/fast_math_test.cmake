@@ -1,12 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Arithmetic that forgets NaN is refused by name: a tick would take what is no pose for one.
+include(${CMAKE_CURRENT_LIST_DIR}/../support/compiler.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/../support/run.cmake)
-find_program(compiler NAMES ${NAMES})
-if(NOT compiler)
-  list(JOIN NAMES " or " names)
-  message(STATUS "skipped: no ${names}")
-  return()
-endif()
+need_compiler()
 set(command ${compiler} -std=c++17 -fsyntax-only -x c++ -I ${SOURCE}/runtime/include -I ${SOURCE}/formats/include)
 set(header ${SOURCE}/runtime/include/palpate/math3.hpp)
 run(${command} -w -O2 -fno-math-errno ${header})

@@ -1,13 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # The runtime as one file, under one compiler (g++ or clang++) and one standard: warning-free without exceptions and RTTI,
 # linked from two translation units, and with the forces of the headers that it was made of.
+include(${CMAKE_CURRENT_LIST_DIR}/../support/compiler.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/../support/run.cmake)
-find_program(compiler NAMES ${NAMES})
-if(NOT compiler)
-  list(JOIN NAMES " or " names)
-  message(STATUS "skipped: no ${names}")
-  return()
-endif()
+need_compiler()
 file(REMOVE_RECURSE ${FOLDER})
 file(MAKE_DIRECTORY ${FOLDER})
 
