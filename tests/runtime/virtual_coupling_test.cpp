@@ -8,26 +8,13 @@
 #include <type_traits>
 
 #include "tests/runtime/allocation_counter.hpp"
-#include "tests/runtime/support.hpp"
+#include "tests/runtime/coupling.hpp"
 #include "tests/runtime/wandering.hpp"
 
 namespace palpate::coupling_test {
 namespace {
 
-using namespace test;
-using runtime::Contact;
-using runtime::CouplingOptions;
 using runtime::Rigid;
-using runtime::VirtualCoupling;
-
-constexpr double kTick = 1e-3;
-
-CouplingOptions coupling(double stiffness, double damping = 0) {
-  CouplingOptions options;
-  options.stiffness = stiffness;
-  options.damping = damping;
-  return options;
-}
 
 /// A contact that is any function of position, and leaves what it last answered with outside.
 struct Told {
@@ -207,25 +194,6 @@ struct Ledger {
     started = true;
     device = at;
     tool = tool_at;
-  }
-};
-
-/// What the hand gave in all loops from free space to free space, and the most that it got back in one.
-struct Loops {
-  double taken = 0, given = 0, work = 0;
-  int touches = 0;
-  Vec3 at, felt;
-
-  void add(const Vec3& at_now, const Vec3& force) {
-    work += 0.5 * dot(felt + force, at_now - at);
-    if (!(length(force) > 0) && length(felt) > 0) {
-      ++touches;
-      taken += std::fmax(-work, 0);
-      given = std::fmax(given, work);
-      work = 0;
-    }
-    at = at_now;
-    felt = force;
   }
 };
 
@@ -420,166 +388,6 @@ TEST(VirtualCoupling, BeginsAnewWhereTheDeviceLeaps) {
     tie.tick(contact, upright(top + Vec3{0, 0, 0.02}), kTick);
   }
   EXPECT_NEAR(press(), pressed, 1e-9);
-}
-
-TEST(VirtualCoupling, TakesSearchesFromElsewhere) {
-  const Opened box(box_content({}));
-  Contact served(box.view, 0), alone(box.view, 0);
-  VirtualCoupling tie(coupling(300)), other(coupling(300));
-  double most = 0;
-  for (int i = 0; i < 2000; ++i) {
-    const double t = 2e-3 * i;
-    const Pose pose = upright({0.003 * std::sin(t), 0, kTop + kTipRadius - 0.003 * std::sin(2 * t)});
-    const Vec3 a = tie.tick(served, pose, kTick, runtime::search(box.view, 0, pose)).force;
-    const Vec3 b = other.tick(alone, pose, kTick).force;
-    ASSERT_LT(distance(a, b), 5e-3) << i;
-    most = std::fmax(most, length(a));
-  }
-  EXPECT_GT(most, 0.1);
-}
-
-// Factors that fall and rise while the tool presses and strokes.
-TEST(VirtualCoupling, HoldsAnAdjustedContact) {
-  const Opened box(box_content({}));
-  std::vector<runtime::SiteScales::Scale> memory(box.view.meta->site_count);
-  runtime::SiteScales scales(box.view, memory.data());
-  for (const double stiffness : {150.0, 1e8}) {
-    runtime::AdjustedContact contact(box.view, 0, scales), plain(box.view, 0, scales);
-    VirtualCoupling tie(coupling(stiffness));
-    Wandering wandering(12);
-    std::mt19937 random(12);
-    Loops loops;
-    double least = 1, most = 1;
-    for (int i = 0; i < 20000; ++i) {
-      if (i % 100 == 0) {
-        const auto site = static_cast<std::uint32_t>(random() % box.view.meta->site_count);
-        scales.set(site, 1e-3f * static_cast<float>(random() % 2000));
-      }
-      const Pose pose = upright(wandering.next().translation);
-      const Vec3 force = tie.tick(contact, pose, kTick, kTick).force, stiff = plain.tick(pose, kTick).force;
-      loops.add(pose.translation, force);
-      ASSERT_TRUE(stiffness < 1e6 || distance(force, stiff) < 2e-3 * length(stiff) + 2e-3) << i;
-      least = std::fmin(least, contact.scale());
-      most = std::fmax(most, contact.scale());
-    }
-    EXPECT_GT(loops.touches, 20);
-    EXPECT_GT(loops.taken, 1e-3);
-    EXPECT_LT(loops.given, 1e-5) << stiffness;
-    EXPECT_LT(least, 0.5);
-    EXPECT_GT(most, 1.5);
-  }
-}
-
-// A body that is carried in and out under tools that go over it: only how they move against it is felt, and pays.
-TEST(VirtualCoupling, HoldsAToolAgainstABodyThatMoves) {
-  Options options;
-  options.search = true;
-  options.subdivision = 3;
-  const Opened box(box_content(options));
-  std::vector<double> memory(runtime::AnimatedSurface::bytes(box.view) / sizeof(double) + 1);
-  std::vector<Vec3> sites(box.view.meta->site_count);
-  const auto carry = [](double t) { return Vec3{0.004 * std::sin(5 * t), 0, 0.003 * std::sin(7 * t)}; };
-  for (const double stiffness : {150.0, 1e8}) {
-    runtime::AnimatedSurface surface(box.view, memory.data());
-    runtime::AnimatedContact contact(surface, 0), plain(surface, 0);
-    Contact rest(box.view, 0);
-    VirtualCoupling tie(coupling(stiffness)), tie_at_rest(coupling(stiffness));
-    Loops loops;
-    double most = 0, apart = 0;
-    for (int i = 0; i < 12000; ++i) {
-      // Shapes 16 ms apart, between which the body goes straight.
-      const double now = 1e-3 * (i % 16), from = 1e-3 * (i - i % 16);
-      const Vec3 body = i == 0 ? Vec3{} : carry(from) + (now / 0.016) * (carry(from + 0.016) - carry(from));
-      if (i % 16 == 0) {
-        for (std::uint32_t k = 0; k < sites.size(); ++k) {
-          sites[k] = runtime::to_vec(box.view.sites[k].position) + carry(from + 0.016);
-        }
-        ASSERT_TRUE(surface.set(sites.data(), static_cast<std::uint32_t>(sites.size()), 0.016));
-      }
-      if (i > 0) surface.advance(kTick);
-      Pose tool = probing(kTick * i);  // against the body
-      const Vec3 at = tool.translation;
-      const Vec3 at_rest = tie_at_rest.tick(rest, tool, kTick).force;
-      tool.translation = at + body;
-      const Vec3 force = tie.tick(contact, tool, kTick).force, stiff = plain.tick(tool).force;
-      loops.add(at, force);
-      most = std::fmax(most, length(force));
-      apart = std::fmax(apart, distance(force, at_rest));
-      ASSERT_TRUE(stiffness < 1e6 || distance(force, stiff) < 2e-3 * length(stiff) + 2e-3) << i;
-    }
-    EXPECT_GT(most, stiffness > 1e6 ? 0.5 : 0.2);
-    EXPECT_LT(apart, 0.01 * most) << stiffness;
-    EXPECT_GE(loops.touches, 3);
-    EXPECT_GT(loops.taken, 1e-4);
-    EXPECT_LT(loops.given, 1e-5) << stiffness;
-  }
-}
-
-// It comes to a tool that is held still: the hand feels it in series with the spring, and gives and gets nothing.
-TEST(VirtualCoupling, FeelsABodyThatSwells) {
-  Options options;
-  options.search = true;
-  options.subdivision = 3;
-  const Opened ball(ball_content(options));
-  std::vector<double> memory(runtime::AnimatedSurface::bytes(ball.view) / sizeof(double) + 1);
-  std::vector<Vec3> sites(ball.view.meta->site_count);
-  const Pose tool = upright({0, 0, kBallRadius + kTipRadius + 0.001});
-  double plain_most = 0;
-  for (const double stiffness : {1e8, 200.0}) {
-    runtime::AnimatedSurface surface(ball.view, memory.data());
-    runtime::AnimatedContact contact(surface, 0), plain(surface, 0);
-    VirtualCoupling tie(coupling(stiffness));
-    double most = 0, work = 0, height = 0;
-    Vec3 last;
-    for (int i = 0; i < 16 * 132; ++i) {
-      if (i % 16 == 0) {
-        const double beat = 1 + 0.05 * (1 - std::cos(6.283185307179586 * std::fmin(i / 16, 128) / 128));
-        for (std::uint32_t k = 0; k < sites.size(); ++k) sites[k] = beat * runtime::to_vec(ball.view.sites[k].position);
-        ASSERT_TRUE(surface.set(sites.data(), static_cast<std::uint32_t>(sites.size()), 0.016));
-      }
-      surface.advance(kTick);
-      const double before = height, share = surface.share();
-      height = (1 - share) * locate(surface.from().view, {0, 0, 1}).point.z +
-               share * locate(surface.to().view, {0, 0, 1}).point.z;
-      const Vec3 force = tie.tick(contact, tool, kTick).force;
-      work += i > 0 ? 0.5 * (force.z + last.z) * (height - before) : 0;
-      most = std::fmax(most, force.z);
-      if (stiffness > 1e6) plain_most = std::fmax(plain_most, plain.tick(tool).force.z);
-      last = force;
-    }
-    EXPECT_EQ(length(last), 0);
-    EXPECT_GE(work, -0.02 * most * 0.002);
-    if (stiffness > 1e6) {
-      EXPECT_GT(plain_most, 0.3);
-      EXPECT_NEAR(most, plain_most, 2e-3 * plain_most);
-    } else {
-      // The spring takes its share of the body's 9 mm beyond the first touch.
-      EXPECT_GT(most, 0.25 * plain_most);
-      EXPECT_LT(most, 0.6 * plain_most);
-    }
-  }
-}
-
-// In the body's frame, as MovingContact says: the same as on the body at rest.
-TEST(VirtualCoupling, HoldsAToolOnABodyThatTurns) {
-  const Opened box(box_content({}));
-  Contact contact(box.view, 0), rest(box.view, 0);
-  VirtualCoupling tie(coupling(200, 0.1)), tie_at_rest(coupling(200, 0.1));
-  double most = 0;
-  for (int i = 0; i < 3000; ++i) {
-    const double t = kTick * i;
-    const Pose body = turned(0.4 * std::sin(3 * t), unit(Vec3{1, 2, -1}, {}), {0.02 * std::sin(7 * t), 0.5, 0.01 * t});
-    const Tick there = carried(body, tie.tick(contact, runtime::seen_from(body, body * probing(t)), kTick));
-    const Vec3 force = tie_at_rest.tick(rest, probing(t), kTick).force;
-    ASSERT_LT(distance(there.force, body.rotate(force)), 1e-6 * (1 + length(force))) << i;
-    most = std::fmax(most, length(force));
-  }
-  EXPECT_GT(most, 0.1);
-  Pose none;
-  none.rotation[4] = std::numeric_limits<double>::quiet_NaN();
-  const Tick fault = carried(none, tie.tick(contact, runtime::seen_from(none, probing(0)), kTick));
-  EXPECT_EQ(fault.state, State::fault);
-  EXPECT_EQ(length(fault.force), 0);
 }
 
 TEST(VirtualCoupling, AllocatesNothingAndGivesTheSameBits) {
