@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: MIT
+// What a contact owes and pays: its account, kept as its parts move.
+#pragma once
+
+#include "palpate/energy.hpp"
+#include "palpate/parts.hpp"
+#include "palpate/strain.hpp"
+
+#include <cmath>
+
+namespace palpate::runtime {
+
+/// Keeps the account (EnergyAccount) of a contact's parts, and, of a separable file with friction, that of the hand's
+/// sideways work (StrainTally). Losses are of depth.
+template <std::uint32_t kFeatures>
+class BasicLedger {
+  static constexpr bool kFriction = (kFeatures & layout::feature_friction) != 0;
+  using Parts = BasicParts<kFeatures>;
+
+public:
+  explicit BasicLedger(const View& view) {
+    if constexpr (kFriction) {
+      rubs_ = view.has(layout::feature_friction);
+      tallies_ = rubs_ && !view.coupled;
+    }
+  }
+
+  void begin() {
+    account_.reset();
+    if constexpr (kFriction) tally_.reset();
+  }
+
+  /// There is friction.
+  [[nodiscard]] bool rubs() const {
+    if constexpr (kFriction) return rubs_;
+    return false;
+  }
+  [[nodiscard]] double owed() const { return account_.owed(); }  ///< J
+  [[nodiscard]] double lost() const { return account_.lost(); }  ///< J
+
+  /// The tool's motion took the deflection there; it is not deepened yet.
+  PALPATE_TICK_INLINE void move(const Deflection& d) {
+    if constexpr (kFriction) {
+      if (tallies()) tally_.move(d.sideways);
+    }
+  }
+  /// After that, with the sideways force `pull` (N) of all and `core` of the core: owes what the hand got sideways in
+  /// this tick and had not given. True where depth was lost for it.
+  PALPATE_TICK_INLINE bool tell(Parts& parts, const Vec3& pull, const Vec3& core, Deflection& d, DepthTerms& terms) {
+    if constexpr (kFriction) {
+      if (!tallies()) return false;
+      const double most = parts.most_strain(terms, d, pull, core);
+      const double more = tally_.add(d.sideways, pull, parts.lean(terms, d), most);
+      if (more > 0) return owe(parts, more, d, terms);
+    }
+    return false;
+  }
+  /// A slide is over, and all was told.
+  void keep(const Parts& parts, const Vec3& pull, const Deflection& d, const DepthTerms& terms) {
+    if constexpr (kFriction) {
+      if (tallies()) tally_.keep(d.sideways, pull, parts.lean(terms, d), strain(parts, pull, d, terms));
+    }
+  }
+
+  /// What a lift loses of what is owed. False where no depth is left.
+  [[gnu::noinline]] bool pay(Parts& parts, Deflection& d, DepthTerms& terms) {
+    const double held = parts.stored(terms, d), due = account_.due(held),
+                 left = due > 0 ? lose(parts, due, d, terms) : held;
+    account_.paid(held - left, left);
+    return d.depth > 0;
+  }
+
+  /// Has `slip` take of what is stored, where the tool is: it is no lift.
+  template <class Slip>
+  PALPATE_TICK_INLINE Vec3 rub(const Parts& parts, const Deflection& d, const DepthTerms& terms, const Slip& slip) {
+    const bool owes = account_.owed() > 0;
+    const double held = owes ? parts.stored(terms, d) : 0;
+    const Vec3 pull = slip();
+    if (owes) account_.replaced(held, parts.stored(terms, d), true, 0);
+    return pull;
+  }
+
+  /// J that is stored before c or p goes elsewhere; replaced() is to follow.
+  [[nodiscard]] double leave(const Parts& parts, const DepthTerms& terms, const Deflection& d) {
+    if constexpr (kFriction) {
+      if (tallies()) tally_.shift(-d.sideways, -parts.lean(terms, d));
+    }
+    return parts.stored(terms, d);
+  }
+  /// For the tool at q, which stood still; sets what is there now.
+  PALPATE_TICK_INLINE void replaced(Parts& parts, double left, const Vec3& q, Deflection& d, DepthTerms& terms) {
+    parts.stand(q, d, terms);
+    if constexpr (kFriction) {
+      if (tallies()) tally_.shift(d.sideways, parts.lean(terms, d));
+    }
+    replaced(parts, left, 0, d, terms);
+  }
+
+  /// Before c slides: J stored, at most by sideways deflections, and done by the body on the tool at its motion's end.
+  struct Slide {
+    double held, strained, done;
+  };
+  /// With the sideways force `pull` (N), after a motion by `way` (m).
+  [[nodiscard]] PALPATE_TICK_INLINE Slide slides(const Parts& parts, const Vec3& pull, const Vec3& way,
+                                                 const Deflection& d, const DepthTerms& terms) const {
+    const double strained = strain(parts, pull, d, terms);
+    return {parts.stored(terms, d), strained, strained > 0 ? work(parts, terms, pull, way) : 0};
+  }
+  /// After it. Friction took of what the sideways deflections hold, and with the force that is left at the motion's end
+  /// the hand gave less in it, too. True where depth was lost.
+  PALPATE_TICK_INLINE bool slid(Parts& parts, const Slide& before, const Vec3& pull, const Vec3& way, Deflection& d,
+                                DepthTerms& terms) {
+    double rubbed = 0;
+    if constexpr (kFriction) {
+      if (before.strained > 0) {
+        rubbed =
+            tally_.rub(strain(parts, pull, d, terms) / before.strained) + before.done - work(parts, terms, pull, way);
+      }
+    }
+    return replaced(parts, before.held, rubbed, d, terms);
+  }
+
+  /// Newtons are `ratio` (above 0) times as large from now on.
+  void rescale(double ratio) {
+    account_.rescale(ratio);
+    if constexpr (kFriction) tally_.rescale(ratio);
+  }
+  void rotate(const Pose& by) {
+    if constexpr (kFriction) tally_.rotate(by);
+  }
+
+private:
+  /// The sideways forces are no gradient, and what they hold is not in stored().
+  [[nodiscard]] bool tallies() const {
+    if constexpr (kFriction) return tallies_;
+    return false;
+  }
+  [[nodiscard]] double strain(const Parts& parts, const Vec3& pull, const Deflection& d,
+                              const DepthTerms& terms) const {
+    return tallies() ? parts.most_strain(terms, d, pull, parts.has_rim() ? parts.core_force(d, terms) : pull) : 0;
+  }
+  /// J, of a force at one end of a way (m), by the rule of trapezoids.
+  [[nodiscard]] double work(const Parts& parts, const DepthTerms& terms, const Vec3& pull, const Vec3& way) const {
+    return 0.5 * dot(terms.normal_force * parts.field().normal() + pull, way);
+  }
+
+  /// `held` (J) was stored before, and `rubbed` (J) is what friction took and is not counted in that. True where depth
+  /// was lost.
+  PALPATE_TICK_INLINE bool replaced(Parts& parts, double held, double rubbed, Deflection& d, DepthTerms& terms) {
+    const double now = parts.stored(terms, d), due = account_.replaced(held, now, rubs(), rubbed);
+    if (due > 0) account_.held_back(now - lose(parts, due, d, terms));
+    return due > 0;
+  }
+
+  [[gnu::noinline]] bool owe(Parts& parts, double more, Deflection& d, DepthTerms& terms) {
+    account_.owe(more);
+    // A push of some power of the depth stores at least a fifth of this.
+    if (!(account_.owed() > 0.1 * terms.normal_force * d.depth)) return false;
+    const double now = parts.stored(terms, d), due = account_.too_much(now, more);
+    if (due > 0) account_.held_back(now - lose(parts, due, d, terms));
+    return due > 0;
+  }
+
+  /// Gives up `due` (J) of what is stored by as much depth; returns what is left.
+  double lose(Parts& parts, double due, Deflection& d, DepthTerms& terms) {
+    const double way = std::fmin(d.depth, due / terms.normal_force), leant = tallies() ? parts.lean(terms, d) : 0;
+    parts.rest().subtract(way);
+    d.depth -= way;
+    parts.set_depth(d.depth);
+    parts.field().set_depth(d.depth, terms);
+    if constexpr (kFriction) {
+      if (tallies()) tally_.shift({}, parts.lean(terms, d) - leant);
+    }
+    return parts.stored(terms, d);
+  }
+
+  EnergyAccount account_;
+  detail::If<kFriction, bool> rubs_ = {}, tallies_ = {};
+  detail::If<kFriction, StrainTally> tally_;
+};
+
+}  // namespace palpate::runtime
