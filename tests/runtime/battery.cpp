@@ -89,6 +89,7 @@ public:
     sum.force = now.force;
     sum.torque = now.torque;
     sum.friction_limit = HUGE_VAL;  // that of none
+    deepest_ = 0;
     std::array<double, 3> crept = {};
     for (std::size_t k = 0; k < now.each.size(); ++k) {
       const Tick& each = now.each[k];
@@ -96,6 +97,7 @@ public:
       if (!touches(each)) continue;
       if (sum.state != State::slide) sum.state = each.state;
       sum.depth += each.depth;  // so much force may be theirs
+      deepest_ = std::max(deepest_, each.depth);
       double least = HUGE_VAL;
       for (const Tick& before : last_.each) {
         if (touches(before)) least = std::min(least, length(each.body_point - before.body_point));
@@ -111,11 +113,12 @@ public:
   }
   void reset() { contacts_.reset(); }
   [[nodiscard]] const runtime::Contact& first() const { return contacts_.contact(0); }
+  [[nodiscard]] double deepest() const { return deepest_; }  ///< m, of them in the last tick
 
 private:
   runtime::SeveralContacts<3> contacts_;
   runtime::SeveralTick<3> last_;
-  double along_ = 0;
+  double along_ = 0, deepest_ = 0;
 };
 
 /// One contact loop behind one call.
@@ -175,6 +178,8 @@ public:
     if (together_) return tick.body_point;
     return animation_ ? animation_->contact.frame().apply(animation_->contact.contact().anchor()) : contact().anchor();
   }
+  /// m, of the last tick's deepest contact.
+  [[nodiscard]] double deepest(const Tick& tick) const { return together_ ? together_->deepest() : tick.depth; }
   /// J that the account of the contact took so far.
   [[nodiscard]] double lost() const { return animation_ ? animation_->contact.contact().lost() : contact().lost(); }
   /// How the surface at the last tick's c moved in this tick.
@@ -220,11 +225,24 @@ void BatteryResult::add(const BatteryResult& o) {
   hash = 31 * hash + o.hash;
 }
 
-double stiffest(const View& view, std::uint32_t tool) {
+namespace {
+
+// N/m, of pushes sideways in both ways across n(c) that no field keeps for others to see.
+double sideways_stiffness(const runtime::Field& field, const runtime::DepthTerms& terms, double aside) {
+  if (!(aside > 0)) return 0;
+  const Vec3 x = aside * runtime::any_orthogonal(field.normal()), y = cross(field.normal(), x);
+  return std::max(length(field.sideways(terms, x)), length(field.sideways(terms, y))) / aside;
+}
+
+}  // namespace
+
+double Stiffest::at(double depth) const { return within + further * std::max(0.0, depth / depth_scale - 1); }
+
+Stiffest stiffest(const View& view, std::uint32_t tool) {
   Random random(1);
-  const double z = view.meta->depth_scale;
+  const double z = view.meta->depth_scale, aside = 0.02 * view.meta->sideways_scale;
   const layout::ToolRecord& record = view.tools[tool];
-  double most = 0;
+  double most = 0, further = 0;
   for (std::uint32_t t = 0; t < view.meta->triangle_count; ++t) {
     for (int k = 0; k < 3; ++k) {
       BodyPoint at{t, {0, 0, 0}};
@@ -234,20 +252,17 @@ double stiffest(const View& view, std::uint32_t tool) {
       const runtime::Field field(view, tool, at, on_tool);
       const double slope = (field.at_depth(1.2 * z).normal_force - field.at_depth(1.1 * z).normal_force) / (0.1 * z);
       const runtime::DepthTerms terms = field.at_depth(z);
-      most = std::max({most, slope, terms.normal_force / z});
-      const double aside = 0.02 * view.meta->sideways_scale;
-      if (aside > 0) {
-        const Vec3 way = aside * runtime::any_orthogonal(field.normal());
-        most = std::max({most, length(field.sideways(terms, way)) / aside,
-                         length(field.sideways(terms, cross(field.normal(), way))) / aside});
-      }
+      const double sideways = sideways_stiffness(field, terms, aside);
+      most = std::max({most, slope, terms.normal_force / z, sideways});
+      further = std::max(further, sideways_stiffness(field, field.at_depth(2 * z), aside) - sideways);
     }
   }
-  return 1.1 * most;
+  return {1.1 * most, 1.1 * further, z};
 }
 
 BatteryResult run_battery(const View& view, const BatteryCase& c) {
-  const double k = stiffest(view, c.tool) * (c.driver == Driver::online ? 3 : 1), scale = view.meta->depth_scale;
+  const Stiffest stiff = stiffest(view, c.tool);
+  const double factor = c.driver == Driver::online ? 3 : 1, k = factor * stiff.within, scale = view.meta->depth_scale;
   const double reach = runtime::skeleton_radius(view, c.tool) + view.tools[c.tool].probe_radius;
   Hand hand(view, c);
   Loop loop(view, c);
@@ -259,6 +274,7 @@ BatteryResult run_battery(const View& view, const BatteryCase& c) {
   Pose before = loop.in_world(asked);
   Tick last = loop.tick(before);
   Vec3 anchor = loop.anchor(last);
+  double deepest = loop.deepest(last);
   double before_that = 0;  // m moved in the tick before: where the body is animated, a part is told a tick late
   double work = 0, gross = 0, worst = 0, taken = 0, given = 0, lost = 0;
   const auto close = [&] {
@@ -307,17 +323,20 @@ BatteryResult run_battery(const View& view, const BatteryCase& c) {
     const bool goes_on = touches(tick) && touches(last);
     const double crept = goes_on ? length(tick.body_point - last.body_point) : 0;
     const double late = c.driver == Driver::animated ? before_that : 0;
-    const double step = length(tick.force - last.force) / (k * (moved + crept + late + drift + 1e-9 * scale));
+    const double change = length(tick.force - last.force),
+                 here = factor * stiff.at(std::max(deepest, loop.deepest(tick)));
+    const double step = change / (here * (moved + crept + late + drift + 1e-9 * scale));
     before_that = moved + crept;
     const bool begins = touches(tick) != touches(last) && (c.driver == Driver::late || c.motion == Motion::fast);
     if (begins) {
-      r.begin = std::max(r.begin, (length(tick.force - last.force) - 2 * k * moved) / (k * scale));
+      r.begin = std::max(r.begin, (change - 2 * k * moved) / (k * scale));
     } else if (c.motion != Motion::fast || moved < 0.5 * scale) {
       r.step = std::max(r.step, step);
-      // A tool that turns rolls on by 1e-3 of its size at once.
+      // A tool that turns rolls on by 1e-3 of its size at once; against a body whose vertices move it always turns.
       if (goes_on && c.motion != Motion::fast && c.motion != Motion::turn) {
-        const double anyhow = late + drift + 2.5e-5 * (view.tools[c.tool].probe_radius + scale);
-        r.leap = std::max(r.leap, length(tick.force - last.force) / (k * (moved + anyhow)));
+        const double rolls = c.driver == Driver::animated ? 1e-3 : 2.5e-5;
+        const double anyhow = late + drift + rolls * (view.tools[c.tool].probe_radius + scale);
+        r.leap = std::max(r.leap, change / (here * (moved + anyhow)));
       }
     }
     if (c.motion != Motion::fast) {
@@ -339,6 +358,7 @@ BatteryResult run_battery(const View& view, const BatteryCase& c) {
     }
     last = tick;
     anchor = loop.anchor(tick);
+    deepest = loop.deepest(tick);
     before = pose;
   }
   r.drag = taken > 0 ? given / taken : 0;

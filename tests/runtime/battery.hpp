@@ -58,15 +58,23 @@ struct BatteryResult {
 
 /// The bounds that every result is held to; empty, or which of them does not hold. Per metre that the tool's skin
 /// (against the surface) and c move (where the body is animated, in the tick before, too), the force changes by at most
-/// twice the stiffness, two and a half times in fast motions. Of a slow tool that keeps its direction c may go where it
-/// will: per metre that the skin moves, by at most five times the stiffness. A contact begins and ends with less than
-/// 0.5 % of stiffness * depth scale, in fast motions of a body that is animated with a quarter of it. A contact gives
-/// back at most 3 % of what went through it more than it took: the error of the sum at sharp corners, a tenth of a per
-/// cent elsewhere.
+/// twice the stiffness (Stiffest, of the contact's depth), two and a half times in fast motions. Of a slow tool that
+/// keeps its direction c may go where it will: per metre that the skin moves, by at most five times the stiffness. A
+/// contact begins and ends with less than 0.5 % of stiffness * depth scale, in fast motions of a body that is animated
+/// with a quarter of it. A contact gives back at most 3 % of what went through it more than it took: the error of the
+/// sum at sharp corners, a tenth of a per cent elsewhere.
 std::string broken_promise(const BatteryCase& c, const BatteryResult& result);
 
-/// Newtons a metre that no push of the tool, straight or sideways, exceeds within the depth scale; a tenth of margin.
-double stiffest(const runtime::View& view, std::uint32_t tool);
+/// Newtons a metre that no push of the tool, straight or sideways, exceeds; a tenth of margin. Deeper than the depth
+/// scale the sideways stiffness goes on growing with the depth.
+struct Stiffest {
+  double within = 0;       ///< N/m, within the depth scale
+  double further = 0;      ///< N/m, more with each depth scale beyond
+  double depth_scale = 0;  ///< m
+
+  [[nodiscard]] double at(double depth) const;  ///< N/m, down to there (m)
+};
+Stiffest stiffest(const runtime::View& view, std::uint32_t tool);
 
 BatteryResult run_battery(const runtime::View& view, const BatteryCase& c);
 

@@ -77,7 +77,7 @@ TEST(Concave, PastAnEdgeATipIsPushedAsFarAsItOverlaps) {
       last = tick.force;
     });
     EXPECT_LT(deepest, 0.0012) << name;
-    EXPECT_LT(largest, 4.5 * stiffest(body.view, 0) * 5e-6) << name;
+    EXPECT_LT(largest, 4.5 * stiffest(body.view, 0).within * 5e-6) << name;
     EXPECT_LT(strongest, 2) << name;
     EXPECT_LT(resting, 1e-9) << name << ": a hand at rest loses nothing";
   }
@@ -124,7 +124,7 @@ TEST(Concave, PressedDeepItLetsGoWithoutALeap) {
           last = tick.force;
         };
         draw_across(contact, shape.reach, stride, see, 1.4);
-        EXPECT_LT(largest, 4.5 * stiffest(body.view, 0) * stride) << name << " " << mu << " " << stride;
+        EXPECT_LT(largest, 4.5 * stiffest(body.view, 0).within * stride) << name << " " << mu << " " << stride;
         EXPECT_GT(least, -1e-6) << name << " " << mu << " " << stride;
       }
     }
@@ -160,7 +160,7 @@ TEST(Concave, ARodLetsGoWithoutALeap) {
         for (double in = 0; in < 1.4 * kDepthScale; in += kStride) step({0, 0, -kStride});
         EXPECT_GT(last.depth, 0.9 * kDepthScale) << name;
         for (double x = -shape.reach; x < shape.reach; x += kStride) step({kStride, 0, 0});
-        EXPECT_LT(largest, (lean > 0 ? 80 : 4.5) * stiffest(body.view, 1) * kStride)
+        EXPECT_LT(largest, (lean > 0 ? 80 : 4.5) * stiffest(body.view, 1).within * kStride)
             << name << " " << mu << " " << lean;
       }
     }
@@ -174,7 +174,7 @@ TEST(Concave, DrawnSlowlyFromAnywhereItDoesNotLeap) {
   for (const char* name : {"dent", "fissure", "groove_40", "trough", "wall"}) {
     for (const double mu : {0.0, 0.3, 1.0}) {
       const Rough body(shape_named(name), mu, true);
-      const double k = stiffest(body.view, 0);
+      const double k = stiffest(body.view, 0).within;
       battery::Random random(1);
       double largest = 0;
       int strokes = 0;
@@ -233,7 +233,7 @@ TEST(Concave, ABallRollsIntoACornerWithoutAStep) {
   } kPlaces[] = {{"ridge_30", 0.0075}, {"ridge_30", 0.009}, {"ridge_15", 0.006}};
   for (const auto& [name, x] : kPlaces) {
     const Rough body(shape_named(name));
-    const double k = stiffest(body.view, 0);
+    const double k = stiffest(body.view, 0).within;
     for (const double side : {-1.0, 1.0}) {
       Contact contact(body.view, 0);
       Tick last;

@@ -116,15 +116,18 @@ public:
   }
 
   /// Of a contact that lasts: what the tool did up to here counts as done at `by` times its poses. It is no motion of
-  /// the tool against the body, so what is stored more by that is no work of the hand.
+  /// the tool against the body, so what is stored more by that is no work of the hand. Where the tool would be off the
+  /// body there, as after a leap, the contact keeps its depth: it goes as the tool moves.
   void rebase(const Pose& by) {
     Deflection d;
     DepthTerms terms;
     parts_.stand(last_, d, terms);
-    const double before = ledger_.leave(parts_, terms, d);
+    const double before = ledger_.leave(parts_, terms, d), depth = d.depth;
     last_ = by.apply(last_);
     ledger_.rotate(by);
     parts_.rebase(by);
+    const double there = rest().deflection(last_).depth;
+    if (!(there > 0)) parts_.rest().subtract(there - depth);
     ledger_.replaced(parts_, before, last_, d, terms);
     parts_.set_depth(d.depth);
   }
