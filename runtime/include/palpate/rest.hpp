@@ -6,9 +6,8 @@
 #include "palpate/first_touch.hpp"
 #include "palpate/illinois.hpp"
 #include "palpate/nearby.hpp"
-#include "palpate/patch_run.hpp"
 #include "palpate/project.hpp"
-#include "palpate/tool.hpp"
+#include "palpate/stance.hpp"
 
 #include <cmath>
 
@@ -25,35 +24,16 @@ struct Deflection {
 template <std::uint32_t kFeatures = layout::feature_all>
 class BasicRest {
   static constexpr bool kFriction = (kFeatures & layout::feature_friction) != 0;
-  static constexpr bool kSpin = (kFeatures & layout::feature_spin) != 0;
 
 public:
-  BasicRest(const View& view, std::uint32_t tool)
-      : view_(&view), tool_(tool), probe_(view.tool(tool).probe_radius), run_(view, tool) {
-    const layout::ToolRecord& record = view.tool(tool);
-    profile_ = record.kind == static_cast<std::uint32_t>(layout::ToolKind::profile) && record.axis_length > 0;
-    if constexpr (kSpin) {
-      for (std::uint32_t i = 0; view.spins != nullptr && i < record.vertex_count; ++i) {
-        spins_ = spins_ || view.spins[record.first_vertex + i] > 1;
-      }
-      lies_ = spins_;
-    }
-    lies_ = lies_ || profile_ || run_.runs();
-  }
+  BasicRest(const View& view, std::uint32_t tool) : view_(&view), stance_(view, tool) {}
 
   /// Where a tool's point of a search met the body: deflected by what it went since then.
   void begin(const ToolTouch& touch, const FirstTouch& first, const Pose& pose) {
-    anchor_ = touch.anchor;
-    tool_point_ = touch.tool_point;
     subtracted_ = first.already;
     anchored_ = rolled_ = {};
     held_up_ = false;
-    if (profile_) {
-      along_ = round_ = 0;
-      axis_ = pose.rotate(kAxes[0]);
-      meridian_ = profile_meridian(view_->tools[tool_], anchor_.z, pose.along_axis(first.foot.normal));
-    }
-    run_.begin(pose, {tool_point_, anchor_});
+    stance_.begin(touch, first.foot.normal, pose);
     place(first.foot, pose);
     offset_ = tangential(first.at - c_, field_.normal());
   }
@@ -63,24 +43,24 @@ public:
   [[nodiscard]] const Vec3& c() const { return c_; }
   /// m, from where on the sideways deflection counts: not across n(c) exactly.
   [[nodiscard]] Vec3 anchor() const { return c_ + offset_ + anchored_; }
-  [[nodiscard]] const ToolPoint& on_tool() const { return tool_point_; }
+  [[nodiscard]] const ToolPoint& on_tool() const { return stance_.on_tool(); }
   /// m, from p to the skin.
-  [[nodiscard]] double probe() const { return probe_; }
+  [[nodiscard]] double probe() const { return stance_.probe(); }
   /// m, of a contact.
-  [[nodiscard]] double size() const { return probe_ + view_->meta->depth_scale; }
+  [[nodiscard]] double size() const { return probe() + view_->meta->depth_scale; }
   /// What answers depends on how the tool lies.
-  [[nodiscard]] bool lies() const { return lies_; }
+  [[nodiscard]] bool lies() const { return stance_.lies(); }
 
   /// However it does, its point of the axis stays: then whatever moves c blends for how it lies now.
-  [[nodiscard]] bool lies_in_place(const Pose& pose) const { return lies_ && !(runs(pose) > 1e-9 * probe_); }
+  [[nodiscard]] bool lies_in_place(const Pose& pose) const { return stance_.lies_in_place(pose, field_.normal()); }
 
   /// Where the pose takes p.
-  [[nodiscard]] Vec3 point(const Pose& pose) const { return pose.apply(anchor_); }
+  [[nodiscard]] Vec3 point(const Pose& pose) const { return pose.apply(stance_.in_tool()); }
 
   [[nodiscard]] Deflection deflection(const Vec3& q) const {
     const Vec3& n = field_.normal();
     const Vec3 gap = q - c_;
-    return {probe_ - dot(gap, n) - subtracted_, tangential(gap - offset_ - anchored_, n)};
+    return {probe() - dot(gap, n) - subtracted_, tangential(gap - offset_ - anchored_, n)};
   }
   /// The skin overlaps the body by this depth (m), too.
   [[nodiscard]] bool overlaps(double depth) const { return depth + subtracted_ > 0; }
@@ -155,17 +135,12 @@ public:
   }
 
   /// The tool turned since this was asked last, and its skin is round.
-  [[nodiscard]] bool turned(const Pose& pose) const {
-    const Vec3 turned = pose.rotate(normal_in_tool_) - turned_from_;
-    return dot(turned, turned) >= 1e-18;
-  }
+  [[nodiscard]] bool turned(const Pose& pose) const { return stance_.turned(pose); }
 
   /// A round skin that turns does not slip: its turn drags the body along. True where that is so far that c is to go
   /// on instead (roll_on).
   [[nodiscard, gnu::noinline]] bool roll(const Pose& pose) {
-    const Vec3& n = field_.normal();
-    const Vec3 way = probe_ * tangential(pose.rotate(normal_in_tool_) - turned_from_, n);
-    note_turn(n, pose);
+    const Vec3 way = stance_.take_turn(pose, field_.normal());
     rolled_ = rolled_ + way;
     anchored_ = anchored_ + way;
     constexpr double kShare = 1e-3;  // of a contact's size
@@ -181,55 +156,35 @@ public:
     if (!found.converged) lead_anchor(q, d.sideways);
   }
 
-  /// In this tick the tool moved, where p is by `way` (m). So p may run over its profile, several times as far as the
-  /// skin went, for a small tilt takes the deepest place of a stem from end to end; a mesh tool's over its patches. A
-  /// tool at rest keeps p where it is.
-  [[gnu::noinline]] void let_run(const Pose& pose, const Vec3& way) {
-    if (run_.runs()) run_.tick(*view_, tool_, {tool_point_, anchor_}, pose, way, field_.normal(), size());
-    if (!profile_) return;
-    const Vec3 axis = pose.rotate(kAxes[0]);
-    const double turn = length(axis - axis_), skin = length(way) + probe_ * turn;
-    axis_ = axis;
-    round_ = kRound * skin;
-    along_ = kAlong * (skin + view_->tools[tool_].axis_length * turn);
-  }
+  /// BasicStance::let_run().
+  void let_run(const Pose& pose, const Vec3& way) { stance_.let_run(pose, way, field_.normal(), size()); }
 
   /// The tool lies otherwise than when its responses were blended, and has moved.
   [[nodiscard]] PALPATE_TICK_INLINE bool lies_otherwise(const Pose& pose) const {
-    if constexpr (kSpin) {
-      if (spins_) {
-        if (spun(pose)) return true;
-        if (!profile_ && !run_.runs()) return false;
-      }
-    }
-    if (run_.runs()) return runs(pose) > 0;
-    if (!(along_ > 0)) return false;
-    const double cosine = pose.along_axis(field_.normal());
-    return runs(pose) > 1e-9 * probe_ ||
-           std::fabs(profile_meridian(view_->tools[tool_], anchor_.z, cosine) - meridian_) > 1e-6 * probe_;
+    return stance_.lies_otherwise(pose, field_.normal());
   }
 
   /// Blends the responses for how the tool lies. A capsule lays itself down: p runs along the axis to where it is
   /// deepest, c with it, as far as it may and without changing the deflection d of the tool at q: what is gained in
   /// depth that way is no work of the hand and is subtracted. So does p on a mesh tool, over its patches.
   void lie_down(const Pose& pose, const Deflection& d) {
-    ToolPlace there = next(pose);
-    if (length(there.point - anchor_) > 1e-9 * probe_) {
+    ToolPlace there = stance_.next(pose, field_.normal());
+    const Vec3& from = stance_.in_tool();
+    if (length(there.point - from) > 1e-9 * probe()) {
       Vec3 q = pose.apply(there.point);
       Projection to = foot(q, d.sideways);
-      if (profile_) {
+      if (stance_.is_profile()) {
         // On a sharp edge p may cross the deepest place: there c and p would go to and fro.
         const double before = pose.along_axis(field_.normal()), after = pose.along_axis(to.normal);
         if (before * after < 0) {
-          there.point = anchor_ + before / (before - after) * (there.point - anchor_);
+          there.point = from + before / (before - after) * (there.point - from);
           q = pose.apply(there.point);
           to = foot(q, d.sideways);
         }
       }
       const double gained = overlap(to, q) - subtracted_ - d.depth;
       if (to.converged && gained >= 0) {
-        anchor_ = there.point;
-        tool_point_ = there.at;
+        stance_.go_to(there);
         subtract(gained);
         return place(to, pose);
       }
@@ -238,16 +193,7 @@ public:
   }
 
   /// Turns the tool's pose of the last tick by that of `by`.
-  void rebase(const Pose& by) {
-    turned_from_ = by.rotate(turned_from_);
-    axis_ = by.rotate(axis_);
-    run_.rebase(by);
-    if constexpr (kSpin) {
-      if (spins_) {
-        for (Vec3& axis : lay_) axis = by.rotate(axis);
-      }
-    }
-  }
+  void rebase(const Pose& by) { stance_.rebase(by); }
 
 private:
   /// m, of what is subtracted, that is so where the depth is `there` less that: it is that of the old place, where the
@@ -303,7 +249,7 @@ private:
 
   /// m, of the skin at q with the body at a point of its surface.
   [[nodiscard]] double overlap(const Projection& there, const Vec3& q) const {
-    return probe_ - dot(q - there.point, there.normal);
+    return probe() - dot(q - there.point, there.normal);
   }
 
   /// Rests the contact at a point of the surface and blends its responses.
@@ -314,76 +260,7 @@ private:
   }
 
   /// Blends the responses for the present point of the body and the tool's present orientation.
-  void turn(const Vec3& n, const Pose& pose) {
-    if (profile_) run_round(pose.along_axis(n));
-    note_turn(n, pose);
-    if constexpr (kSpin) {
-      if (spins_) return build_spun(n, pose);
-    }
-    field_.build(*view_, tool_, at_, tool_point_, n);
-  }
-
-  // What only tools with spins need stays out of line.
-  [[gnu::noinline]] void build_spun(const Vec3& n, const Pose& pose) {
-    for (int k = 0; k < 2; ++k) lay_[k] = pose.rotate(kAxes[k]);
-    // A tip that lags behind at the pole is turned about it faster than p may run.
-    const double lags = profile_ ? kRound * probe_ / std::fmin(meridian_, profile_stem(view_->tools[tool_])) : HUGE_VAL;
-    field_.build_spun(*view_, tool_, at_, tool_point_, n, {&pose, 0, lags});
-  }
-
-  /// A turn of a profile about its own axis is none.
-  [[nodiscard, gnu::noinline]] bool spun(const Pose& pose) const {
-    double turned = 0;
-    for (int k = 0; k < (profile_ ? 1 : 2); ++k) {
-      const Vec3 way = pose.rotate(kAxes[k]) - lay_[k];
-      turned += dot(way, way);
-    }
-    return turned >= 1e-18;
-  }
-
-  /// What the pose makes of n(c) is kept with it: a rotation is taken that is orthonormal to 1e-3 only, and what is
-  /// missing must not count as a turn in every tick.
-  void note_turn(const Vec3& n, const Pose& pose) {
-    normal_in_tool_ = inverse(pose).rotate(n);
-    turned_from_ = pose.rotate(normal_in_tool_);
-  }
-
-  /// Where on the axis p is to be in this tick (m), for a cosine between n(c) and the axis: as near as it may to where
-  /// it is deepest. From the tip it gets there by the end of the axis.
-  [[nodiscard]] double along(double cosine) const {
-    const layout::ToolRecord& tool = view_->tools[tool_];
-    if (!(anchor_.z > 0) && meridian_ < profile_stem(tool)) return 0;
-    constexpr double kBody = 16;  // probe radii, of curvature: a body that is sharper p would cross
-    const double step = std::fmax(-along_, std::fmin(along_, -cosine * kBody * probe_));
-    return std::fmax(0, std::fmin(tool.axis_length, anchor_.z + step));
-  }
-
-  /// Where on the tool p is to be in this tick.
-  [[nodiscard]] ToolPlace next(const Pose& pose) const {
-    if (run_.runs()) return run_.next();
-    return {tool_point_, {0, 0, profile_ ? along(pose.along_axis(field_.normal())) : anchor_.z}};
-  }
-  /// m, that it is from where it was.
-  [[nodiscard]] double runs(const Pose& pose) const {
-    if (run_.runs()) return length(run_.next().point - anchor_);
-    return profile_ ? std::fabs(along(pose.along_axis(field_.normal())) - anchor_.z) : 0;
-  }
-
-  /// Moves p round the tip to where the skin is parallel to the body, as near as it may: where p comes to the end of
-  /// the axis while the tool is tilted, that is elsewhere at once. On the stem p lies beside its point of the axis.
-  [[gnu::noinline]] void run_round(double cosine) {
-    const layout::ToolRecord& tool = view_->tools[tool_];
-    const double wanted = profile_meridian(tool, anchor_.z, cosine);
-    if (!(anchor_.z > 0)) {
-      const double from = std::fmin(meridian_, profile_stem(tool)), way = wanted - from;
-      const bool there = std::fabs(way) <= round_;
-      meridian_ = there ? wanted : from + std::copysign(round_, way);
-      round_ = there ? round_ - std::fabs(way) : 0;
-    } else {
-      meridian_ = wanted;
-    }
-    tool_point_ = profile_point(*view_, tool, meridian_);
-  }
+  void turn(const Vec3& n, const Pose& pose) { stance_.build(at_, n, pose, field_); }
 
   /// c cannot follow along the surface (the tool straddles a fissure or left over an edge): takes the point
   /// nearest to the tool instead, at a depth that answers with no more than the present force (N). Where that is, a
@@ -417,10 +294,6 @@ private:
     return true;
   }
 
-  static constexpr Vec3 kAxes[2] = {{0, 0, 1}, {1, 0, 0}};
-  // How many times as far as the skin p may run. A tip that rolls runs once as far round itself, the rest is to catch
-  // up; along the axis the skin that went farthest counts, for there c runs with p.
-  static constexpr double kRound = 3, kAlong = 8;
   static constexpr double kSlow = 0.05;   // of the depth scale, in a tick: 25 cm/s at 1 kHz where that is 5 mm
   static constexpr double kBeyond = 0.1;  // of a contact's size, that c may be off its foot
   static constexpr double kLeap = 4;      // times p's way, that the force may change by where c goes slowly, and
@@ -430,28 +303,15 @@ private:
   static constexpr double kBend = 0.05;   // of a contact's size, that a bend of the surface may add to a depth
 
   const View* view_;
-  std::uint32_t tool_;
-  double probe_;  ///< m
-  bool profile_ = false, lies_ = false;
-  detail::If<kSpin, bool> spins_ = {};
-
+  BasicStance<kFeatures> stance_;
   BodyPoint at_;
   Vec3 c_;
-  Vec3 anchor_;  ///< m, p in the tool's frame
-  ToolPoint tool_point_;
-  PatchRun<kFeatures> run_;
-  double meridian_ = 0;           ///< m, of p on a profile
-  double along_ = 0, round_ = 0;  ///< m, that p may run along the axis and round the tip in this tick
-  Vec3 axis_;                     ///< of a profile in the last tick
-  double subtracted_ = 0;         ///< m, from the depth
-  Vec3 offset_;                   ///< m, across n(c), from c to p at first sight
-  Vec3 anchored_;                 ///< m, how far the anchor has gone from c (c takes it over when it slides)
-  bool held_up_ = false;          ///< by what c could not follow when it slid last
-  Vec3 rolled_;                   ///< m, the part of it that c goes on by once it is large enough to matter
-  Vec3 normal_in_tool_;           ///< n(c) when the tool last turned, in its frame
-  Vec3 turned_from_;              ///< and by the pose of that tick in the body's
+  double subtracted_ = 0;  ///< m, from the depth
+  Vec3 offset_;            ///< m, across n(c), from c to p at first sight
+  Vec3 anchored_;          ///< m, how far the anchor has gone from c (c takes it over when it slides)
+  bool held_up_ = false;   ///< by what c could not follow when it slid last
+  Vec3 rolled_;            ///< m, the part of it that c goes on by once it is large enough to matter
   BasicField<kFeatures> field_;
-  detail::If<kSpin, Vec3[2]> lay_ = {};  ///< where the tool's axes were when its responses were blended
 };
 
 }  // namespace palpate::runtime
