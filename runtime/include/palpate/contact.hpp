@@ -40,9 +40,10 @@ public:
   /// something thin by now. Where the searches at both ends leave a stretch of the way unseen, up to seven more look
   /// there, and four for the place where it came in: what overlaps the tool for an eighth of the way is found, as far
   /// as a search sees it. Missed may be what does so for less beside other stretches that are unseen, what the tool has
-  /// left over an edge by the end, and the first of two. Before a body that it overlaps at the end no stretch is looked
-  /// at that is shorter than 2 % of the depth scale. A tool that goes farther than size() was put elsewhere, and looks
-  /// nowhere; nor does one that touches, or lets go in this tick.
+  /// left over an edge by the end, and the first of two. No stretch is looked at that is shorter than 0.1 % of the
+  /// depth scale, or than 2 % before a body that the tool overlaps at the end. A tool that goes farther than size() was
+  /// put elsewhere, and looks nowhere; nor does one that touches, or that let go or overlapped the body unfelt, as by
+  /// an edge, a tick ago.
   Tick tick(const Pose& pose) {
     if (!fits() || !pose.valid()) return fault();
     if (const Vec3 q = hold_.rest().point(pose); keeps(q)) return keep(pose, q);
@@ -138,7 +139,7 @@ private:
     if (search_.touch.safe > 0 && motion_since_search(pose) < search_.touch.safe) return free(pose);
     const double clear = search_.touch.clearance - motion_since_search(free_at_);
     search_ = {pose, touch_at(pose)};
-    if (was_free_ && touched_between(pose, clear)) return meet(pose, false);
+    if (was_free_ && clear >= 0 && touched_between(pose, clear)) return meet(pose, false);
     return search_.touch.clearance >= 0 ? free(pose) : meet(pose, was_free_);
   }
 
@@ -184,18 +185,17 @@ private:
   /// The tool was free a tick ago, with nothing of the body within `clear` (m). Sets the search to where it first
   /// touched on the way from there, if that is a place which neither end knows of and where it still pushes.
   [[gnu::noinline]] bool touched_between(const Pose& pose, double clear) {
-    constexpr double kShallow = 0.02;  // of the depth scale
     // A tool that overlaps the body at its pose has done so for as long a way as it is deep. Seen askew a stretch is
-    // left, with nothing on it mostly.
+    // left, with nothing on it mostly; of one that leaves the body askew ever shorter ones where it began.
+    constexpr double kShallow = 0.02, kThin = 1e-3;  // of the depth scale
     const double way = skeleton_motion(free_at_, pose, reach_), known = std::fabs(search_.touch.clearance);
-    const double least = search_.touch.clearance < 0 ? kShallow * view_->meta->depth_scale : 0;
-    clear = std::fmax(0, clear);
+    const double least = (search_.touch.clearance < 0 ? kShallow : kThin) * view_->meta->depth_scale;
     // Farther it did not move, it was put elsewhere.
     if (!(way - clear - known > least) || way > hold_.rest().size()) return false;
     Unseen<kLooks> unseen(clear / way, known / way);
     for (int i = 0; i < kLooks; ++i) {
       Stretch stretch = unseen.longest();
-      if (!(stretch.low < stretch.high)) break;
+      if (!((stretch.high - stretch.low) * way > least)) break;
       const double middle = 0.5 * (stretch.low + stretch.high);
       const ToolTouch touch = touch_between(pose, middle);
       if (touch.clearance >= 0) {
