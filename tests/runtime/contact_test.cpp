@@ -216,6 +216,30 @@ TEST(Contact, OfAnotherFileTakesOverWhatATickOutsideAndOneAtThePoseGive) {
   EXPECT_LT(distance(after.force, {0, 0, 0.5 * hertz(0.003)}), 1e-4);  // the anchor was under the tool then
 }
 
+// A device tells the same pose again and again between two steps of its encoders.
+TEST(Contact, BegunInsideItWaitsForTheToolToMove) {
+  for (const bool friction : {true, false}) {
+    Options options = flat();
+    options.friction = friction;
+    const Opened box(box_content(options));
+    Contact contact(box.view, 0);
+    const auto wait = [&](double depth) {
+      Tick tick;
+      for (int i = 0; i < 10; ++i) {
+        tick = contact.tick(upright(centre(depth)));
+        EXPECT_EQ(tick.state, friction ? State::stick : State::slide) << depth << " " << i;
+      }
+      return tick;
+    };
+    double depth = 0.001;
+    EXPECT_EQ(length(wait(depth).force), 0);
+    Tick tick;
+    for (int step = 0; step < 30; ++step) tick = wait(depth += 2e-5);
+    EXPECT_NEAR(tick.depth, 6e-4, 1e-9);
+    EXPECT_GT(tick.force.z, 0);
+  }
+}
+
 TEST(Contact, TorqueIsTheLeverTimesTheForce) {
   const Opened ball(ball_content());
   Contact contact(ball.view, 0);

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "tests/runtime/allocation_counter.hpp"
 #include "palpate/virtual_coupling.hpp"
+#include "tests/runtime/allocation_counter.hpp"
 #include "tests/runtime/two_lobes.hpp"
 
 namespace palpate {
@@ -68,6 +68,13 @@ TEST(Several, ContactsTickAsOneDoes) {
     ASSERT_EQ(distance(sum.force, each.force) + distance(sum.torque, each.torque), 0);
     ASSERT_EQ(sum.depth, std::fmax(each.each[0].depth, std::fmax(each.each[1].depth, each.each[2].depth)));
     ASSERT_EQ(sum.touches(), each.touching > 0);
+    double limit = 0;
+    for (const Tick& tick : each.each) {
+      limit += tick.friction_limit;
+      const Vec3 aside = runtime::tangential(tick.force, runtime::normal(body.view, tick.at));
+      ASSERT_LE(length(aside), tick.friction_limit * (1 + 1e-9));
+    }
+    ASSERT_EQ(sum.friction_limit, limit);
     const Vec3 before = felt;
     held = tie.tick(tied, pose, 1e-3);
     felt = held.force;
@@ -260,6 +267,26 @@ TEST(Several, AFaultForgetsEverything) {
   EXPECT_EQ(wrong.touching, 0);
   EXPECT_EQ(length(wrong.force), 0);
   EXPECT_EQ(length(both.tick(upright({0, 0, between() - 2e-3})).force), 0);
+}
+
+// A search that is none is a fault of all contacts, too: what is told of them is nothing.
+TEST(Several, ASearchThatIsNoneIsAFaultOfAll) {
+  const Opened body(two_lobes(smooth(true)));
+  ContactsAsOne<> both(body.view, 0);
+  runtime::Places<2> places;
+  runtime::SeveralSearch<2> found;
+  for (double z = between() + 1e-3; z > between() - 2e-3; z -= 1e-5) {
+    const Pose pose = upright({0, 0, z});
+    places = runtime::Places<2>::of(pose, both.last());
+    found = runtime::search(body.view, 0, places);
+    both.tick(pose, found);
+  }
+  ASSERT_EQ(both.last().touching, 2);
+  found.first.pose.translation.x = std::nan("");
+  const Tick wrong = both.tick(upright({0, 0, between() - 2e-3}), found);
+  EXPECT_EQ(wrong.state, State::fault);
+  EXPECT_EQ(wrong.depth, 0);
+  for (const Tick& each : both.last().each) EXPECT_FALSE(each.touches());
 }
 
 }  // namespace

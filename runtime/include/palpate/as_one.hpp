@@ -8,8 +8,9 @@
 
 namespace palpate::runtime {
 
-/// SeveralContacts that tick as a Contact does. The tick is the first contact's, with the forces and torques of all
-/// added, the most of depth and of covered that any has, and beyond where any is. kFeatures as those of BasicContact.
+/// SeveralContacts that tick as a Contact does. The tick is the first contact's, with the forces, torques and friction
+/// limits of all added, the most of depth and of covered that any has, and beyond where any is. kFeatures as those of
+/// BasicContact.
 template <int Most = 2, std::uint32_t kFeatures = layout::feature_all>
 class ContactsAsOne {
 public:
@@ -35,7 +36,9 @@ private:
     Tick tick = ticks.each[0];
     tick.force = ticks.force;
     tick.torque = ticks.torque;
+    tick.friction_limit = 0;
     for (const Tick& each : ticks.each) {
+      tick.friction_limit += each.friction_limit;
       tick.depth = std::fmax(tick.depth, each.depth);
       tick.covered = std::fmax(tick.covered, each.covered);
       tick.beyond = tick.beyond || each.beyond;

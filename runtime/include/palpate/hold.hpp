@@ -43,9 +43,8 @@ public:
       begins_ = false;
       return first_tick;
     }
-    // At zero depth there is no force yet, but the contact has begun: from here on the tool may push.
     last_ = q;
-    return output(State::stick, pose, q, field().at_depth(0), {});
+    return begun(pose);
   }
 
   /// Force of a contact that lasts; `before`: where the pose takes p. `served`: a tracker's latest search, or null.
@@ -66,6 +65,7 @@ public:
     const Vec3 way = q - last_;
     const double depth = parts_.depth();
     last_ = q;
+    if (!(depth > 0 || d.depth > 0 || dot(way, way) > 0)) return begun(pose);
     if (friction && !slides_ && rest.slow(dot(way, way)) && rest.far_aside(q)) let_go_round(length(way), d, terms);
     for (;;) {
       if (!(d.depth > 0)) return release(d);
@@ -117,7 +117,7 @@ public:
 
   /// Of a contact that lasts: what the tool did up to here counts as done at `by` times its poses. It is no motion of
   /// the tool against the body, so what is stored more by that is no work of the hand. Where the tool would be off the
-  /// body there, as after a leap, the contact keeps its depth: it goes as the tool moves.
+  /// body there, as after a leap, the contact keeps its depth: it goes as c follows or the tool lifts.
   void rebase(const Pose& by) {
     Deflection d;
     DepthTerms terms;
@@ -220,7 +220,7 @@ private:
     ledger_.replaced(parts_, before, last_, d, terms);
   }
 
-  /// Moves p, which the pose takes to q, and sets what is there then. False, with nothing set, where it stays.
+  /// Moves p, which the pose takes to q, and sets what is there then. False where it stays: q and terms stay, too.
   bool lie_down(const Pose& pose, Vec3& q, Deflection& d, DepthTerms& terms) {
     if (!rest().lies_otherwise(pose)) return false;
     d = rest().deflection(q);
@@ -230,6 +230,11 @@ private:
     q = rest().point(pose);
     ledger_.replaced(parts_, before, q, d, terms);
     return true;
+  }
+
+  /// At zero depth there is no force yet, but the contact has begun: from here on the tool may push, when it moves.
+  [[nodiscard, gnu::noinline]] Tick begun(const Pose& pose) const {
+    return output(ledger_.rubs() ? State::stick : State::slide, pose, last_, field().at_depth(0), {});
   }
 
   Tick release(const Deflection& d) {

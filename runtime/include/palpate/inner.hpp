@@ -60,8 +60,6 @@ public:
     return deflection + back;
   }
 
-  void rotate(const Pose& by) { lead_ = by.rotate(lead_); }
-
 private:
   bool known_ = false;
   double share_ = 0;  ///< of the sideways stiffness

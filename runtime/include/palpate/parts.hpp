@@ -166,13 +166,7 @@ public:
   }
 
   /// BasicRest::rebase().
-  void rebase(const Pose& by) {
-    if constexpr (kFriction) {
-      inner_.core.rotate(by);
-      inner_.rim.rotate(by);
-    }
-    rest_.rebase(by);
-  }
+  void rebase(const Pose& by) { rest_.rebase(by); }
 
 private:
   [[nodiscard]] Vec3 straight_of_core(const DepthTerms& terms) const {

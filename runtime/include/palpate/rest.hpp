@@ -134,7 +134,7 @@ public:
     return !held_up_;
   }
 
-  /// The tool turned since this was asked last, and its skin is round.
+  /// The tool turned since roll() or the last blend.
   [[nodiscard]] bool turned(const Pose& pose) const { return stance_.turned(pose); }
 
   /// A round skin that turns does not slip: its turn drags the body along. True where that is so far that c is to go
@@ -309,8 +309,8 @@ private:
   double subtracted_ = 0;  ///< m, from the depth
   Vec3 offset_;            ///< m, across n(c), from c to p at first sight
   Vec3 anchored_;          ///< m, how far the anchor has gone from c (c takes it over when it slides)
+  Vec3 rolled_;            ///< m, the part of that which c goes on by once it is large enough to matter
   bool held_up_ = false;   ///< by what c could not follow when it slid last
-  Vec3 rolled_;            ///< m, the part of it that c goes on by once it is large enough to matter
   BasicField<kFeatures> field_;
 };
 

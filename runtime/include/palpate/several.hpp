@@ -30,6 +30,7 @@ public:
   void reset() {
     for (BasicContact<kFeatures>& contact : contacts_) contact.reset();
     share_.fill(1);
+    last_ = {};
     free_ = -1;
   }
 
@@ -60,8 +61,8 @@ private:
       if (last_[k].touches()) sum.each[k] = contacts_[k].tick_found(pose, none(pose), latest ? &latest->more : nullptr);
     }
     if (sum.each[0].state == State::fault) {
+      for (std::size_t k = 1; k < Most; ++k) sum.each[k] = {};
       reset();
-      last_ = sum.each;
       return sum;
     }
     for (int k = 1; k < Most; ++k) {
@@ -128,6 +129,7 @@ private:
     share_[at] = share;
     tick.force = share * tick.force;
     tick.torque = share * tick.torque;
+    if (share < 1) tick.friction_limit *= share;
     sum.force = sum.force + tick.force;
     sum.torque = sum.torque + tick.torque;
     ++sum.touching;

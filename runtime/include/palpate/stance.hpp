@@ -56,7 +56,7 @@ public:
     return lies_ && !(runs(pose, n) > 1e-9 * probe_);
   }
 
-  /// The tool turned since this was asked last, and its skin is round.
+  /// The tool turned since take_turn() or the last blend.
   [[nodiscard]] bool turned(const Pose& pose) const {
     const Vec3 turned = pose.rotate(normal_in_tool_) - turned_from_;
     return dot(turned, turned) >= 1e-18;

@@ -22,7 +22,7 @@ struct Tick {
   Vec3 force;                   ///< N on the tool
   Vec3 torque;                  ///< N m on the tool, about the origin of its frame
   double depth = 0;             ///< m, along -n(c); 0 without contact
-  double friction_limit = 0;    ///< N; infinite in a frictionless file
+  double friction_limit = 0;    ///< N; 0 without depth, else infinite in a frictionless file
   double covered = 0;           ///< share of the blend's weights on responses taken from neighbours, [0, 1]
   bool beyond = false;          ///< deeper than the pair was sampled: the force is an extrapolation
   Vec3 body_point, tool_point;  ///< c and p (m); only in contact
