@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "device/device.hpp"
 #include "device/replay.hpp"
 #include "device/sim_glove.hpp"
@@ -286,7 +288,9 @@ TEST(Glove, GivesNothingWhereNothingIsSure) {
   // A fault in the middle of a press: zero at once, and what still overlaps begins without force.
   GloveSource source(box.view, 0, found, over_the_box());
   for (int k = 0; k < 600; ++k) source.answer(worn(glove.read(reaching(kTick * k))), kTick);
-  ASSERT_GT(source.answer(worn(raw), kTick).pull[2], 0.05);
+  const Pulls pressed = source.answer(worn(raw), kTick).pull;
+  const auto most = std::max_element(pressed.begin(), pressed.end());
+  ASSERT_GT(*most, 0.1);
   HandJoints broken = raw;
   broken[3][Joint::middle] = NAN;
   HandJoints leapt = raw;
@@ -301,7 +305,7 @@ TEST(Glove, GivesNothingWhereNothingIsSure) {
   fails({}, broken, kTick);
   const Answer after = source.answer(worn(raw), kTick);
   EXPECT_TRUE(after.usable);
-  EXPECT_NEAR(after.pull[2], 0, 1e-12);
+  EXPECT_NEAR(after.pull[static_cast<std::size_t>(most - pressed.begin())], 0, 1e-12);
   fails({}, leapt, kTick);
   fails(nowhere, raw, kTick);
   fails({}, raw, 0);
