@@ -76,8 +76,6 @@ bool same_place(const runtime::ToolPoint& a, const runtime::ToolPoint& b) {
   return a.patch == b.patch && std::equal(a.weights, a.weights + 3, b.weights);
 }
 
-bool touches(const Tick& tick) { return tick.state == State::stick || tick.state == State::slide; }
-
 /// Three contacts as if they were one, whose c goes as far in a tick as the one that goes farthest.
 class Together {
 public:
@@ -94,13 +92,13 @@ public:
     for (std::size_t k = 0; k < now.each.size(); ++k) {
       const Tick& each = now.each[k];
       if (each.state == State::fault) return each;
-      if (!touches(each)) continue;
+      if (!each.touches()) continue;
       if (sum.state != State::slide) sum.state = each.state;
       sum.depth += each.depth;  // so much force may be theirs
       deepest_ = std::max(deepest_, each.depth);
       double least = HUGE_VAL;
       for (const Tick& before : last_.each) {
-        if (touches(before)) least = std::min(least, length(each.body_point - before.body_point));
+        if (before.touches()) least = std::min(least, length(each.body_point - before.body_point));
       }
       if (std::isfinite(least)) crept[k] = least;
     }
@@ -227,7 +225,7 @@ void BatteryResult::add(const BatteryResult& o) {
 
 namespace {
 
-// N/m, of pushes sideways in both ways across n(c) that no field keeps for others to see.
+// N/m, of small pushes sideways, in two directions across n(c).
 double sideways_stiffness(const runtime::Field& field, const runtime::DepthTerms& terms, double aside) {
   if (!(aside > 0)) return 0;
   const Vec3 x = aside * runtime::any_orthogonal(field.normal()), y = cross(field.normal(), x);
@@ -312,7 +310,7 @@ BatteryResult run_battery(const View& view, const BatteryCase& c) {
     const Vec3 way = pose.translation - surface.apply(before.translation);
     const Vec3 turned = turn_between({}, surface), turn = turn_between(before, pose) - turned;
     const double moved = length(way) + reach * (length(turn) + length(turned));
-    r.touching += touches(tick);
+    r.touching += tick.touches();
     r.sliding += tick.state == State::slide;
     if (const double paid = loop.lost(); paid != lost) {  // a contact that begins has paid nothing
       r.acting += paid > 0;
@@ -320,14 +318,14 @@ BatteryResult run_battery(const View& view, const BatteryCase& c) {
       lost = paid;
     }
     r.force = std::max(r.force, size / (k * std::max(scale, tick.depth)));
-    const bool goes_on = touches(tick) && touches(last);
+    const bool goes_on = tick.touches() && last.touches();
     const double crept = goes_on ? length(tick.body_point - last.body_point) : 0;
     const double late = c.driver == Driver::animated ? before_that : 0;
     const double change = length(tick.force - last.force),
                  here = factor * stiff.at(std::max(deepest, loop.deepest(tick)));
     const double step = change / (here * (moved + crept + late + drift + 1e-9 * scale));
     before_that = moved + crept;
-    const bool begins = touches(tick) != touches(last) && (c.driver == Driver::late || c.motion == Motion::fast);
+    const bool begins = tick.touches() != last.touches() && (c.driver == Driver::late || c.motion == Motion::fast);
     if (begins) {
       r.begin = std::max(r.begin, (change - 2 * k * moved) / (k * scale));
     } else if (c.motion != Motion::fast || moved < 0.5 * scale) {
@@ -354,7 +352,7 @@ BatteryResult run_battery(const View& view, const BatteryCase& c) {
                                      -dot(bears, loop.anchor(tick) - surface.apply(anchor)));
         (loss > 0 ? taken : given) += std::fabs(loss);
       }
-      if (!touches(tick) && touches(last)) close();
+      if (!tick.touches() && last.touches()) close();
     }
     last = tick;
     anchor = loop.anchor(tick);

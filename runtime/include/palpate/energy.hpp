@@ -52,7 +52,7 @@ public:
 
   /// J to lose on a motion after which `stored` would be left.
   [[nodiscard]] double due(double stored) const {
-    constexpr double kMostShare = 2;
+    constexpr double kMostShare = 2;  // the force falls at most three times as fast as the tool's lift asks
     if (!(stored < stored_) || !(owed_ > 0)) return 0;
     const double share = owed_ < kMostShare * (stored_ - owed_) ? owed_ / (stored_ - owed_) : kMostShare;
     return std::fmin(share * (stored_ - stored), owed_);

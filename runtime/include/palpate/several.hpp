@@ -129,7 +129,7 @@ private:
     share_[at] = share;
     tick.force = share * tick.force;
     tick.torque = share * tick.torque;
-    if (share < 1) tick.friction_limit *= share;
+    tick.friction_limit *= share;
     sum.force = sum.force + tick.force;
     sum.torque = sum.torque + tick.torque;
     ++sum.touching;
