@@ -10,6 +10,7 @@
 #include <fstream>
 #include <functional>
 #include <memory>
+#include <numeric>
 #include <random>
 #include <thread>
 
@@ -53,37 +54,62 @@ FieldForce build_and_push(const View& view, std::uint32_t tool, const BodyPoint&
   return field.force((-0.5 * view.meta->depth_scale) * field.normal());
 }
 
-// Keeps the times instead of printing them: processor time, for other programs must not count.
+// Keeps the times of repetitions instead of printing them: processor time, for other programs must not count.
 class Collector : public benchmark::BenchmarkReporter {
 public:
   bool ReportContext(const Context& /*context*/) override { return true; }
   void ReportRuns(const std::vector<Run>& runs) override {
     for (const Run& run : runs) {
-      if (!run.error_occurred) nanoseconds.push_back(run.GetAdjustedCPUTime());
+      if (run.run_type == Run::RT_Iteration && !run.error_occurred) nanoseconds.push_back(run.GetAdjustedCPUTime());
     }
   }
   std::vector<double> nanoseconds;
 };
 
-// Times once(i, k) over the indices i = 0 .. count - 1, each for k = 0, 1, ...
+// Means of so many blocks of so many calls each, the k-th call of once(i, k).
 template <class Row, class Once>
-TickTimes timed(Row /*row*/, std::size_t count, double seconds, const Once& once) {
-  benchmark::ClearRegisteredBenchmarks();
-  for (std::size_t i = 0; i < count; ++i) {
-    benchmark::RegisterBenchmark("tick", [&once, i](benchmark::State& state) {
-      std::size_t k = 0;
-      for (const auto _ : state) {
-        benchmark::DoNotOptimize(_);
-        const auto answer = measured<Row>(once, i, k++);
-        benchmark::DoNotOptimize(answer);
-      }
-    })->MinTime(seconds);
-  }
+std::vector<double> blocks(std::size_t calls, int count, const Once& once, std::size_t i, std::size_t& k) {
+  const auto block = [&](benchmark::State& state) {
+    std::size_t next = k;
+    for (const auto _ : state) {
+      benchmark::DoNotOptimize(_);
+      const auto answer = measured<Row>(once, i, next++);
+      benchmark::DoNotOptimize(answer);
+    }
+    k = next;
+  };
+  const auto iterations = static_cast<benchmark::IterationCount>(calls);
+  benchmark::RegisterBenchmark("tick", block)->Iterations(iterations)->Repetitions(count);
   Collector collector;
-  if (count > 0) benchmark::RunSpecifiedBenchmarks(&collector);
+  benchmark::RunSpecifiedBenchmarks(&collector);
   benchmark::ClearRegisteredBenchmarks();
-  std::sort(collector.nanoseconds.begin(), collector.nanoseconds.end());
-  return {collector.nanoseconds};
+  return collector.nanoseconds;
+}
+
+// After how many calls a row has been everywhere it goes, or at as many random places as tell their mean.
+constexpr std::size_t kRound = 256, kRandomRound = 1U << 13;
+
+// Times once(i, k) over the indices i = 0 .. count - 1, each for k = 0, 1, ...: in blocks of whole rounds, long beside
+// the reading of the clock and short beside what others on the machine do.
+template <class Row, class Once>
+TickTimes timed(Row /*row*/, std::size_t count, double seconds, const Once& once, std::size_t round = kRound) {
+  constexpr double kBlockNanoseconds = 3e4, kFewest = 3, kMost = 1e6;
+  TickTimes times;
+  std::vector<double> means;
+  for (std::size_t i = 0; i < count; ++i) {
+    std::size_t k = 0;
+    const double warm = static_cast<double>(round) * blocks<Row>(round, 1, once, i, k).front();
+    const double rounds = std::ceil(std::clamp(kBlockNanoseconds / warm, 1.0, kMost));
+    const double repetitions = std::clamp(1e9 * seconds / (rounds * warm), kFewest, kMost);
+    const std::vector<double> block =
+        blocks<Row>(static_cast<std::size_t>(rounds) * round, static_cast<int>(repetitions), once, i, k);
+    times.nanoseconds.push_back(*std::min_element(block.begin(), block.end()));
+    means.push_back(std::accumulate(block.begin(), block.end(), 0.0) / static_cast<double>(block.size()));
+  }
+  std::sort(times.nanoseconds.begin(), times.nanoseconds.end());
+  std::sort(means.begin(), means.end());
+  times.mean = means[means.size() / 2];
+  return times;
 }
 
 // The k-th of them, round and round. They are a power of two, for a division would be timed as well.
@@ -91,15 +117,21 @@ template <class T>
 const T& around(const std::vector<T>& all, std::size_t k) {
   return all[k & (all.size() - 1)];
 }
+// Of few, how many they are is not even asked: a vector divides for that.
+constexpr std::size_t kFew = 16;
+template <class T>
+const T& around(const std::array<T, kFew>& all, std::size_t k) {
+  return all[k % kFew];
+}
 
 Tick next_tick(TickCase& of, std::size_t k) { return of.contact->tick(around(of.poses, k)); }
 
 // Deflections about half the depth scale, a little aside.
-std::vector<Vec3> deflections(const View& view, const Vec3& n) {
-  std::vector<Vec3> all;
+std::array<Vec3, kFew> deflections(const View& view, const Vec3& n) {
+  std::array<Vec3, kFew> all;
   const double scale = view.meta->depth_scale;
-  for (int k = 0; k < 16; ++k) {
-    all.push_back(4e-3 * scale * runtime::any_orthogonal(n) - (0.5 + 1e-3 * std::abs(k - 8)) * scale * n);
+  for (int k = 0; k < static_cast<int>(kFew); ++k) {
+    all[k] = 4e-3 * scale * runtime::any_orthogonal(n) - (0.5 + 1e-3 * std::abs(k - 8)) * scale * n;
   }
   return all;
 }
@@ -113,11 +145,11 @@ ToolPoint amid_patch(const View& view, std::uint32_t tool, ToolPoint on) {
 }
 
 // Points of the triangle about its middle, as c passes them.
-std::vector<BodyPoint> within_triangle(std::uint32_t triangle) {
-  std::vector<BodyPoint> all;
-  for (int k = 0; k < 16; ++k) {
+std::array<BodyPoint, kFew> within_triangle(std::uint32_t triangle) {
+  std::array<BodyPoint, kFew> all;
+  for (int k = 0; k < static_cast<int>(kFew); ++k) {
     const double aside = 0.01 * std::abs(k - 8);
-    all.push_back({triangle, {0.3 + aside, 0.36, 0.34 - aside}});
+    all[k] = {triangle, {0.3 + aside, 0.36, 0.34 - aside}};
   }
   return all;
 }
@@ -181,46 +213,55 @@ private:
   std::vector<Centre> centres_ = std::vector<Centre>(1000);
 };
 
-// Strokes of one contact after the other until so many ticks are timed, one by one.
-TickTimes every_tick(std::vector<TickCases>& cases, std::uint64_t ticks) {
-  TickTimes times;
-  times.nanoseconds.reserve(ticks);
-  for (std::size_t i = 0; times.nanoseconds.size() < ticks; i = (i + 1) % cases.size()) {
-    const Pose in = cases[i].slide.poses.front(), out = cases[i].free.poses.front();
-    Contact& contact = *cases[i].free.contact;
-    const auto timed_tick = [&](const Pose& pose) {
-      if (times.nanoseconds.size() == ticks) return;
-      const auto begun = std::chrono::steady_clock::now();
-      const Tick tick = contact.tick(pose);
-      benchmark::DoNotOptimize(tick);
-      const std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - begun;
-      times.nanoseconds.push_back(took.count());
-    };
-    constexpr int kApproach = 256;
-    Pose pose = in;
-    const auto approach = [&](double share) {
-      pose.translation = out.translation + share * (in.translation - out.translation);
-      timed_tick(pose);
-    };
-    for (int k = 0; k < kApproach; ++k) approach(static_cast<double>(k) / kApproach);
-    for (const Pose& aside : cases[i].slide.poses) timed_tick(aside);
-    for (int k = kApproach; k > 0; --k) approach(static_cast<double>(k) / kApproach);
-    timed_tick(out);
+// Strokes of one contact after the other, over and over until so many ticks are timed, one by one.
+EveryTick every_tick(std::vector<TickCases>& cases, std::uint64_t ticks) {
+  EveryTick times;
+  times.all.nanoseconds.reserve(ticks);
+  std::vector<double>& least = times.undisturbed.nanoseconds;
+  while (times.all.nanoseconds.size() < ticks) {
+    std::size_t place = 0;  // of the tick among those of all strokes
+    for (TickCases& of : cases) {
+      const Pose in = of.slide.poses.front(), out = of.free.poses.front();
+      Contact& contact = *of.free.contact;
+      const auto timed_tick = [&](const Pose& pose) {
+        if (times.all.nanoseconds.size() == ticks) return;
+        const auto begun = std::chrono::steady_clock::now();
+        const Tick tick = contact.tick(pose);
+        benchmark::DoNotOptimize(tick);
+        const std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - begun;
+        times.all.nanoseconds.push_back(took.count());
+        if (place == least.size()) least.push_back(took.count());
+        least[place] = std::min(least[place], took.count());
+        ++place;
+      };
+      constexpr int kApproach = 256;
+      Pose pose = in;
+      const auto approach = [&](double share) {
+        pose.translation = out.translation + share * (in.translation - out.translation);
+        timed_tick(pose);
+      };
+      for (int k = 0; k < kApproach; ++k) approach(static_cast<double>(k) / kApproach);
+      for (const Pose& aside : of.slide.poses) timed_tick(aside);
+      for (int k = kApproach; k > 0; --k) approach(static_cast<double>(k) / kApproach);
+      timed_tick(out);
+    }
   }
-  std::sort(times.nanoseconds.begin(), times.nanoseconds.end());
+  for (Times* sorted : {&times.all, &times.undisturbed}) {
+    std::sort(sorted->nanoseconds.begin(), sorted->nanoseconds.end());
+  }
   return times;
 }
 
 }  // namespace
 
-double TickTimes::quantile(double share) const {
+double Times::quantile(double share) const {
   const auto last = static_cast<double>(nanoseconds.size() - 1);
   return nanoseconds[static_cast<std::size_t>(std::lround(share * last))];
 }
 
 TickBench bench_ticks(const View& view, const TickBenchOptions& options) {
   std::vector<TickCases> cases = random_contacts(view, options.tool, options.contacts, options.seed);
-  std::vector<std::vector<Vec3>> pushed;
+  std::vector<std::array<Vec3, kFew>> pushed;
   std::vector<Field> fields;
   for (TickCases& c : cases) {
     const Tick touched = next_tick(c.press, 0);
@@ -249,10 +290,10 @@ TickBench bench_ticks(const View& view, const TickBenchOptions& options) {
 
 LatencyBench bench_latency(const View& view, const View& large, const TickBenchOptions& options, std::uint64_t ticks) {
   std::vector<TickCases> cases = random_contacts(view, options.tool, options.contacts, options.seed);
-  std::vector<std::vector<BodyPoint>> sliding;
+  std::vector<std::array<BodyPoint, kFew>> sliding;
   std::vector<ToolPoint> on_tool;
   std::vector<Plain> plain;
-  std::vector<std::vector<Vec3>> pushed;
+  std::vector<std::array<Vec3, kFew>> pushed;
   for (TickCases& c : cases) {
     const Tick touched = next_tick(c.press, 0);
     sliding.push_back(within_triangle(touched.at.triangle));
@@ -268,7 +309,7 @@ LatencyBench bench_latency(const View& view, const View& large, const TickBenchO
     for (BodyPoint& place : places) place = points.draw(random);
     return places;
   };
-  const std::vector<BodyPoint> places = drawn(large, kPlaces), few = drawn(view, 16);
+  const std::vector<BodyPoint> places = drawn(large, kPlaces), few = drawn(view, kFew);
   const Network network(options.seed);
   std::vector<std::size_t> first;  // of the places
   std::vector<std::array<TickCase*, 5>> hands(cases.size());
@@ -279,7 +320,9 @@ LatencyBench bench_latency(const View& view, const View& large, const TickBenchO
     }
   }
   Field field;
-  const auto each = [&](auto row, const auto& once) { return timed(row, cases.size(), options.seconds, once); };
+  const auto each = [&](auto row, const auto& once, std::size_t round = kRound) {
+    return timed(row, cases.size(), options.seconds, once, round);
+  };
   LatencyBench result;
   result.responses = 3 * runtime::tool_corners(view, options.tool, on_tool.front()).count;
   result.blend = each(row::blend(), [&](std::size_t i, std::size_t k) {
@@ -288,9 +331,12 @@ LatencyBench bench_latency(const View& view, const View& large, const TickBenchO
   result.anew = each(row::anew(), [&](std::size_t i, std::size_t k) {
     return build_and_push(view, options.tool, around(few, k), on_tool[i], field);
   });
-  result.random = each(row::random(), [&](std::size_t i, std::size_t k) {
-    return build_and_push(large, options.tool, around(places, first[i] + k), on_tool[i], field);
-  });
+  result.random = each(
+      row::random(),
+      [&](std::size_t i, std::size_t k) {
+        return build_and_push(large, options.tool, around(places, first[i] + k), on_tool[i], field);
+      },
+      kRandomRound);
   result.five = each(row::five(), [&](std::size_t i, std::size_t k) {
     Vec3 sum;
     for (TickCase* finger : hands[i]) sum = sum + next_tick(*finger, k).force;

@@ -10,11 +10,23 @@
 
 namespace palpate::cli {
 
-/// Processor time, ascending, of each contact the mean of many ticks or of each tick.
-struct TickTimes {
-  std::vector<double> nanoseconds;  ///< not empty
+/// Nanoseconds, ascending; not empty.
+struct Times {
+  std::vector<double> nanoseconds;
   /// share in [0, 1].
   [[nodiscard]] double quantile(double share) const;
+};
+
+/// Processor time of a tick, of each contact the least mean of a block of ticks: what others do on the machine (the
+/// other half of a core above all, which the system counts as nobody's) disturbs the blocks by turns, never for less.
+struct TickTimes : Times {
+  double mean = 0;  ///< of all blocks, the median over the contacts
+};
+
+/// Each tick of strokes (in, aside, back, out) by the clock, its own time included.
+struct EveryTick {
+  Times all;          ///< of every tick
+  Times undisturbed;  ///< of each that the strokes repeat, the least
 };
 
 struct TickBenchOptions {
@@ -43,9 +55,9 @@ struct LatencyBench {
       0;            ///< that are interpolated: of three sites for each vertex of the tool's patch, in whose middle p is
   TickTimes blend;  ///< these interpolated and evaluated (full double interpolation), while c slides within its patch
   TickTimes anew;   ///< the same at 16 places in turn: all of it anew, of memory that is near
-  TickTimes random;   ///< the same at places in random order of the body, or of a large one
-  TickTimes five;     ///< five of the pressed contacts, a tick each
-  TickTimes every;    ///< each tick of strokes (in, aside, back, out), with the clock's own time; by the clock
+  TickTimes random;  ///< the same at places in random order of the body, or of a large one
+  TickTimes five;    ///< five of the pressed contacts, a tick each
+  EveryTick every;
   TickTimes plain;    ///< the formula as the paper writes it: every response evaluated, then the forces summed
   TickTimes network;  ///< a radial-basis network with 1000 centres
 };
