@@ -190,8 +190,9 @@ const Keys<ResponseScene>& response_keys() {
                  "With friction. partial: a contact slips from its rim inwards before all of it slides, as solved "
                  "ones do; whole: it sticks as a whole until it slides, for less time a tick. auto: partial in "
                  "the coupled model, else whole.")),
-      affecting(Affects::file, choice("search", &R::search, {"auto", "none", "bvh"},
-                                      "Contact search stored in the file; auto: where the body is large.")),
+      affecting(Affects::file,
+                choice("search", &R::search, {"auto", "none", "bvh"},
+                       "Contact search stored in the file; auto: where the body has more than 32 triangles.")),
       affecting(Affects::file, number("tolerance", &R::tolerance, {0, 0.99, true, ""},
                                       "Asked relative force error: palpate verify tells whether the 95th percentile of "
                                       "straight pushes meets it; only its option --max-p95 makes it fail.")),

@@ -100,7 +100,7 @@ TEST_F(SlabPipeline, FrictionlessSlabLeavesOutWhatItDoesNotNeed) {
   ASSERT_GE(bytes.size(), sizeof(layout::FileHeader));
   layout::FileHeader header;
   std::memcpy(&header, bytes.data(), sizeof header);
-  EXPECT_EQ(header.features & (layout::feature_friction | layout::feature_tool_patches | layout::feature_search), 0U);
+  EXPECT_EQ(header.features & (layout::feature_friction | layout::feature_tool_patches), 0U);
 }
 
 // One tool that only presses and one that can hold on and turn: solved, fitted, stored and answered again.

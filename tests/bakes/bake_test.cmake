@@ -47,7 +47,7 @@ if(count EQUAL 0 OR median GREATER 0.03 OR p95 GREATER 0.12)
   message(FATAL_ERROR "${NAME}: beyond a median of 3 % or a 95th percentile of 12 %")
 endif()
 if(COUNT LESS 30)
-  set(contacts --contacts 4 --seconds 0.02)  # a quick form has no use for the median of forty
+  set(contacts --contacts 4 --seconds 0.02 --ticks 10000)  # a quick form has no use for the median of forty
 endif()
 run(bench ${NAME}.palp ${contacts})
 message(STATUS "${out}")

@@ -17,11 +17,11 @@ namespace {
 struct Ball {
   Scene scene;
   Tool tool;
-  HapticMesh mesh = ball_mesh(1, 0.05, 0.005);
-  Plan plan = ball_plan(mesh);
+  HapticMesh mesh;
+  Plan plan;
   JournalContent journal;
 
-  explicit Ball(double friction) {
+  explicit Ball(double friction, int level = 1) : mesh(ball_mesh(level, 0.05, 0.005)), plan(ball_plan(mesh)) {
     scene.name = "ball";
     scene.friction = friction;
     tool.name = "tip";
@@ -78,10 +78,17 @@ TEST(Assemble, SupportIsMarked) {
 }
 
 TEST(Assemble, SearchFollowsTheScene) {
-  Ball ball(0.0);
-  ball.scene.response.search = ResponseScene::Search::bvh;
-  EXPECT_FALSE(ball.content().search.empty());
-  EXPECT_FALSE(encode(ball.content()).empty());
+  using Search = ResponseScene::Search;
+  Ball small(0.0), large(0.0, 2);
+  EXPECT_LE(small.mesh.triangles.size(), kSearchThreshold);
+  EXPECT_GT(large.mesh.triangles.size(), kSearchThreshold);
+  EXPECT_TRUE(small.content().search.empty());
+  EXPECT_FALSE(large.content().search.empty());
+  small.scene.response.search = Search::bvh;
+  large.scene.response.search = Search::none;
+  EXPECT_FALSE(small.content().search.empty());
+  EXPECT_FALSE(encode(small.content()).empty());
+  EXPECT_TRUE(large.content().search.empty());
 }
 
 TEST(Assemble, ProvenanceNamesInputsAndErrors) {

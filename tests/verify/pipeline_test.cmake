@@ -22,7 +22,7 @@ within_box = { min = [-0.015, -0.015, -0.001], max = [0.015, 0.015, 0.001] }\n\
 [solver]\nmax_size = 0.03\nmesh_size = 0.8\n")
 file(WRITE ${FOLDER}/slab.toml "${common}")
 string(REPLACE "0.015" "0.012" few "${common}")  # a rough site takes many more solves
-file(WRITE ${FOLDER}/rough.toml "${few}[contact]\nfriction = 0.3\n")
+file(WRITE ${FOLDER}/rough.toml "${few}[contact]\nfriction = 0.3\n[response]\nsearch = \"none\"\n")
 
 # Frictionless: no tangential solve, and nothing in the file that the scene does not use.
 run(0 ${PALPATE} build slab.toml --json)
@@ -35,11 +35,14 @@ endif()
 run(0 ${PALPATE} inspect slab.palp)
 run(0 ${PALPATE} inspect slab.palp --json)
 string(JSON sections GET "${out}" sections)
-foreach(name IN ITEMS FRICTION TOOL_PATCHES SEARCH)
+foreach(name IN ITEMS FRICTION TOOL_PATCHES)
   if("${sections}" MATCHES "\"${name}\"")
     message(FATAL_ERROR "frictionless slab: its file has a section ${name}:\n${sections}")
   endif()
 endforeach()
+if(NOT sections MATCHES "\"SEARCH\"")
+  message(FATAL_ERROR "frictionless slab: a search of its hundreds of triangles goes through all:\n${sections}")
+endif()
 
 # What cannot end well is refused before anything is solved, and leaves nothing behind.
 function(refuse code says)
@@ -125,7 +128,7 @@ run(0 ${PALPATE} inspect rough.palp --json)
 string(JSON sections GET "${out}" sections)
 string(JSON features GET "${out}" features)
 if(NOT features MATCHES "\"friction\"" OR sections MATCHES "\"(TOOL_PATCHES|SEARCH)\"")
-  message(FATAL_ERROR "rough slab: expected friction, no TOOL_PATCHES and no SEARCH:\n${sections}")
+  message(FATAL_ERROR "rough slab: expected friction, no TOOL_PATCHES and, as it asks, no SEARCH:\n${sections}")
 endif()
 refuse(2 "old.palp: was not made from the plan in .*rough.work" rough.toml --response old.palp)
 run(0 ${PALPATE} verify rough.toml --count 4 --max-p95 0.12 --max-p95-sideways 0.4 --report rough.json --json)

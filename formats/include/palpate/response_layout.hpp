@@ -37,7 +37,7 @@ enum class Section : std::uint32_t {
   responses = 9,          ///< ResponseHead, then the curves or the coupled law of that response
   grasp = 10,             ///< GraspHead, then float[6 * coefs]; absent when no tool holds on
   turn = 11,              ///< TurnHead, then float[15 * coefs]; absent when no tool's turns have a torque
-  search = 12,            ///< SearchNode; absent when the contact surface is small
+  search = 12,            ///< SearchNode; absent where a scene does without
   provenance = 13         ///< UTF-8 JSON text
 };
 
