@@ -45,7 +45,8 @@ struct BatteryResult {
   double step = 0;           ///< largest change of the force over stiffness * the way of the tool's skin and of c
   double leap = 0;           ///< the same over that of the skin alone, of a slow tool that keeps its direction
   double begin = 0;          ///< largest force with which a contact began or ended on a fast motion or an old search
-  double gain = 0;           ///< most that any contact had given back beyond what it took, over what went through it
+  double gain = 0;           ///< most that any contact had given back beyond what it took, over what went through it or
+                             ///< a thousandth (in fast motions a fiftieth) of stiffness * depth scale squared
   double gained = 0;         ///< J, sum of that over the contacts
   double gross = 0;          ///< J that hand and surface gave or got
   std::uint64_t acting = 0;  ///< touching ticks, and their ends, in which the energy account took something
@@ -60,9 +61,10 @@ struct BatteryResult {
 /// (against the surface) and c move (where the body is animated, in the tick before, too), the force changes by at most
 /// twice the stiffness (Stiffest, of the contact's depth), two and a half times in fast motions. Of a slow tool that
 /// keeps its direction c may go where it will: per metre that the skin moves, by at most five times the stiffness. A
-/// contact begins and ends with less than 0.5 % of stiffness * depth scale, in fast motions of a body that is animated
-/// with a quarter of it. A contact gives back at most 3 % of what went through it more than it took: the error of the
-/// sum at sharp corners, a tenth of a per cent elsewhere.
+/// contact begins and ends with less than 0.5 % of stiffness * depth scale. A contact gives back at most 3 % of what
+/// went through it more than it took: the error of the sum at sharp corners, a tenth of a per cent elsewhere. In fast
+/// motions that is beyond what the hand may have given otherwise than the sum over trapezoids says: half of each tick's
+/// change of the force times its way.
 std::string broken_promise(const BatteryCase& c, const BatteryResult& result);
 
 /// Newtons a metre that no push of the tool, straight or sideways, exceeds; a tenth of margin. Deeper than the depth

@@ -80,6 +80,15 @@ TEST(Battery, ABodyThatSwellsGivesBackNoMoreThanItTook) {
   EXPECT_LT(run_golden("three_tools.palp", {Motion::press, Driver::animated, 1, 40000, 12, 0.25}).gain, 2e-3);
 }
 
+// A hand that goes a depth scale in one tick: what c's way stores is no gift either, nor what a law would have stored
+// of a way on which friction slipped.
+TEST(Battery, AFastHandGetsBackNoMoreThanItGave) {
+  for (const char* file : {"frictionless.palp", "linear.palp", "coupled_4.palp", "separable.palp"}) {
+    EXPECT_LT(run_golden(file, {Motion::fast, Driver::alone, 0, 40000, 1, 0.25}).gain, 2e-3) << file;
+  }
+  EXPECT_LT(run_golden("spin_coupled.palp", {Motion::fast, Driver::animated, 2, 20000, 11, 0.25}).gain, 2e-3);
+}
+
 // Wherever a fast hand comes to rest, the force changes as c goes on only: what slid in one leap from first touch to
 // beyond the limit, or at a corner that holds c up, has given way in that tick.
 TEST(Battery, AtRestTheForceStaysWhereCDoes) {

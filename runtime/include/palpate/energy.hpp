@@ -19,14 +19,14 @@ public:
   void reset() { owed_ = lost_ = 0; }
 
   /// Stored energy (J) before and after the field was replaced at one pose; returns what of it is to be lost at once.
-  /// With `friction` a loss pays what is owed but buys nothing; so does what was `rubbed` (J) besides, which is owed
-  /// itself where it is negative: the hand got it.
+  /// With `friction` a loss pays what is owed but buys nothing; so does what was `rubbed` (J) besides. Where that is
+  /// negative the hand got it, or gave so much less than `before` tells.
   double replaced(double before, double after, bool friction, double rubbed) {
-    const double more = after - before;
-    stored_ = owed_ > 0 ? stored_ + more : after;  // what the motion of this tick changed is still to be told
+    const double change = after - before, more = rubbed < 0 ? change - rubbed : change;
+    stored_ = owed_ > 0 ? stored_ + change : after;  // what the motion of this tick changed is still to be told
     const double least = friction ? std::fmin(owed_, 0.0) : owed_ + more;
     owed_ = std::fmax(owed_ + more, least);
-    if (rubbed < 0 || owed_ > 0) owed_ = rubbed < 0 ? owed_ - rubbed : std::fmax(0.0, owed_ - rubbed);
+    if (rubbed > 0 && owed_ > 0) owed_ = std::fmax(0.0, owed_ - rubbed);
     return too_much(after, more);
   }
 
@@ -58,6 +58,8 @@ public:
     return std::fmin(share * (stored_ - stored), owed_);
   }
 
+  /// What the motion of this tick changed was told, and `stored` (J) is what it left.
+  void told(double stored) { stored_ = stored; }
   /// After `lost` (J) of it was paid; `stored` is left.
   void paid(double lost, double stored) {
     lose(lost);

@@ -62,7 +62,7 @@ public:
       waits = (rolled || slides_ || rest.far(before - last_)) && rest.lies_in_place(pose);
     }
     if (waits || !rest.lies() || !lie_down(pose, q, d, terms)) parts_.stand(q, d, terms);
-    const Vec3 way = q - last_;
+    const Vec3 way = before - last_;
     const double depth = parts_.depth();
     last_ = q;
     if (!(depth > 0 || d.depth > 0 || dot(way, way) > 0)) return begun(pose);
@@ -78,7 +78,8 @@ public:
       const Vec3 pull = parts_.has_rim() ? with_rim(core, d, terms) : core;
       if (ledger_.tell(parts_, pull, core, d, terms)) continue;
       if (length(core) > parts_.limit(terms) * (1 + 1e-9)) {
-        return slide(pose, d, parts_.slipped(d, terms, core, begins_), terms, way, depth, pull, served);
+        const Slipped to = parts_.slipped(d, terms, core, begins_);
+        return slide(pose, d, to, terms, way, depth, ledger_.bears(parts_, pull, core, to), served);
       }
       if (rolled) {
         roll_on(pose, d, terms);
@@ -170,7 +171,7 @@ private:
     } else if (rests) {
       pull = at_rest(parts_.core_force(d, terms), d, terms);
     } else {
-      const auto at_first = ledger_.slides(parts_, before, way, d, terms);
+      const auto at_first = ledger_.slides(parts_, wanted, before, way, d, terms);
       const Vec3 rim = parts_.rim_deflection(d);
       const bool went = parts_.rest().follow(pose, last_, wanted.deflection, terms.normal_force, length(way),
                                              d.depth - depth, served);

@@ -65,7 +65,7 @@ public:
   /// What a lift loses of what is owed. False where no depth is left.
   [[gnu::noinline]] bool pay(Parts& parts, Deflection& d, DepthTerms& terms) {
     const double held = parts.stored(terms, d), due = account_.due(held),
-                 left = due > 0 ? lose(parts, due, d, terms) : held;
+                 left = due > 0 ? lose(parts, held, due, d, terms) : held;
     account_.paid(held - left, left);
     return d.depth > 0;
   }
@@ -96,27 +96,35 @@ public:
     replaced(parts, left, 0, d, terms);
   }
 
-  /// Before c slides: J stored, at most by sideways deflections, and done by the body on the tool at its motion's end.
+  /// N across n(c) before c slides, of what stretches the parts by `pull`, the core by `core`, and slips `to`. What a
+  /// coupled law would answer beyond what friction holds, and store, was never there: it slipped on the way.
+  [[nodiscard]] Vec3 bears(const Parts& parts, const Vec3& pull, const Vec3& core, const Slipped& to) const {
+    return tallies() ? pull : parts.instead(pull, core, to.force);
+  }
+  /// Before c slides: J stored, at most by sideways deflections, and done by the body on the tool at its motion's end;
+  /// the sideways force (N, bears()) and the way (m) of the slip.
   struct Slide {
     double held, strained, done;
+    Vec3 pull, slipped;
   };
-  /// With the sideways force `pull` (N), after a motion by `way` (m).
-  [[nodiscard]] PALPATE_TICK_INLINE Slide slides(const Parts& parts, const Vec3& pull, const Vec3& way,
-                                                 const Deflection& d, const DepthTerms& terms) const {
-    const double strained = strain(parts, pull, d, terms);
-    return {parts.stored(terms, d), strained, strained > 0 ? work(parts, terms, pull, way) : 0};
+  /// After a motion by `way` (m).
+  [[nodiscard]] PALPATE_TICK_INLINE Slide slides(const Parts& parts, const Slipped& to, const Vec3& pull,
+                                                 const Vec3& way, const Deflection& d, const DepthTerms& terms) const {
+    const double done = work(parts, terms, pull, way);
+    if (!rubs() || tallies()) return {parts.stored(terms, d), strain(parts, pull, d, terms), done, pull, {}};
+    return {parts.stored(terms, to.deflection, parts.rim_deflection(d)), 0, done, pull,
+            parts.core_share() * (d.sideways - to.deflection)};
   }
   /// After it. Friction took of what the sideways deflections hold, and with the force that is left at the motion's end
   /// the hand gave less in it, too. True where depth was lost.
   PALPATE_TICK_INLINE bool slid(Parts& parts, const Slide& before, const Vec3& pull, const Vec3& way, Deflection& d,
                                 DepthTerms& terms) {
-    double rubbed = 0;
+    double rubbed = before.done - work(parts, terms, pull, way);
     if constexpr (kFriction) {
-      if (before.strained > 0) {
-        rubbed =
-            tally_.rub(strain(parts, pull, d, terms) / before.strained) + before.done - work(parts, terms, pull, way);
-      }
+      rubbed += before.strained > 0 ? tally_.rub(strain(parts, pull, d, terms) / before.strained)
+                                    : std::fmax(0, -0.5 * dot(before.pull + pull, before.slipped));
     }
+    account_.told(before.held);
     return replaced(parts, before.held, rubbed, d, terms);
   }
 
@@ -148,7 +156,7 @@ private:
   /// was lost.
   PALPATE_TICK_INLINE bool replaced(Parts& parts, double held, double rubbed, Deflection& d, DepthTerms& terms) {
     const double now = parts.stored(terms, d), due = account_.replaced(held, now, rubs(), rubbed);
-    if (due > 0) account_.held_back(now - lose(parts, due, d, terms));
+    if (due > 0) account_.held_back(now - lose(parts, now, due, d, terms));
     return due > 0;
   }
 
@@ -157,21 +165,28 @@ private:
     // A push of some power of the depth stores at least a fifth of this.
     if (!(account_.owed() > 0.1 * terms.normal_force * d.depth)) return false;
     const double now = parts.stored(terms, d), due = account_.too_much(now, more);
-    if (due > 0) account_.held_back(now - lose(parts, due, d, terms));
+    if (due > 0) account_.held_back(now - lose(parts, now, due, d, terms));
     return due > 0;
   }
 
-  /// Gives up `due` (J) of what is stored by as much depth; returns what is left.
-  double lose(Parts& parts, double due, Deflection& d, DepthTerms& terms) {
-    const double way = std::fmin(d.depth, due / terms.normal_force), leant = tallies() ? parts.lean(terms, d) : 0;
-    parts.rest().subtract(way);
-    d.depth -= way;
+  /// Gives up about `due` (J) of the `held` (J) that is stored, by as much depth; returns what is left. Each time by
+  /// what the present force would take, which falls with the depth: never too much.
+  double lose(Parts& parts, double held, double due, Deflection& d, DepthTerms& terms) {
+    constexpr int kMostTimes = 3;
+    constexpr double kNear = 0.1;  // of what is due, that may stay
+    const double leant = tallies() ? parts.lean(terms, d) : 0, least = held - due;
+    for (int k = 0; k < kMostTimes && d.depth > 0 && held - least > kNear * due; ++k) {
+      const double way = std::fmin(d.depth, (held - least) / terms.normal_force);
+      parts.rest().subtract(way);
+      d.depth -= way;
+      parts.field().set_depth(d.depth, terms);
+      held = parts.stored(terms, d);
+    }
     parts.set_depth(d.depth);
-    parts.field().set_depth(d.depth, terms);
     if constexpr (kFriction) {
       if (tallies()) tally_.shift({}, parts.lean(terms, d) - leant);
     }
-    return parts.stored(terms, d);
+    return held;
   }
 
   EnergyAccount account_;

@@ -110,8 +110,19 @@ public:
   /// J in the present field.
   [[nodiscard]] double stored(const Deflection& d) const { return stored(field().energy_terms(d.depth), d); }
   [[nodiscard]] PALPATE_TICK_INLINE double stored(const DepthTerms& terms, const Deflection& d) const {
-    const double core = field().stored(terms, d.sideways, rim_.core_limit());
-    return rim_.present() ? rim_.mean(core, field().stored(terms, rim_deflection(d), rim_.limit())) : core;
+    return stored(terms, d.sideways, rim_.present() ? rim_deflection(d) : Vec3{});
+  }
+  /// The same of the deflections (m, sideways) of core and rim.
+  [[nodiscard]] PALPATE_TICK_INLINE double stored(const DepthTerms& terms, const Vec3& of_core,
+                                                  const Vec3& of_rim) const {
+    const double core = field().stored(terms, of_core, rim_.core_limit());
+    return rim_.present() ? rim_.mean(core, field().stored(terms, of_rim, rim_.limit())) : core;
+  }
+  /// Of the whole, that is the core.
+  [[nodiscard]] double core_share() const { return rim_.present() ? 1 - rim_.share() : 1; }
+  /// N of the parts, which push with `pull`, when the core pushes with `force` instead of `core`.
+  [[nodiscard]] Vec3 instead(const Vec3& pull, const Vec3& core, const Vec3& force) const {
+    return pull + core_share() * (force - core);
   }
 
   /// The anchor rule: sideways motion has been added to the effective deflection; going deeper moves its anchor, and
