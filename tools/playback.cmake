@@ -15,4 +15,5 @@ if(PALPATE_BENCH)
   add_library(palpate_tick_bench STATIC open_bench.cpp tick_bench.cpp tick_cases.cpp)
   target_link_libraries(palpate_tick_bench PUBLIC palpate_runtime PRIVATE palpate_formats benchmark::benchmark
                                                                          palpate_settings)
+  palpate_together(palpate_tick_bench)
 endif()

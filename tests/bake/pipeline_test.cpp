@@ -34,7 +34,8 @@ protected:
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  void write_scene(double young, const std::string& more = {}, double mesh_size = 0.7) const {
+  /// Sites within `half` (m) of the middle, the more the wider.
+  void write_scene(double young, const std::string& more = {}, double mesh_size = 0.7, double half = 0.011) const {
     std::ofstream(folder_ / "slab.toml") << "[body]\nsurface = \"slab.off\"\n[material]\nyoung = " << young << "\n"
                                          << R"([[support]]
 half_space = {point = [0, 0, 0.0001], normal = [0, 0, 1]}
@@ -45,8 +46,10 @@ radius = 0.005
 spacing = 0.012
 depth = 0.002
 normal_points = 4
-within_box = {min = [-0.013, -0.013, 0.019], max = [0.013, 0.013, 0.021]}
-[solver]
+within_box = )"
+                                         << "{min = [" << -half << ", " << -half << ", 0.019], max = [" << half << ", "
+                                         << half << ", 0.021]}\n"
+                                         << R"([solver]
 max_size = 0.02
 mesh_size = )" << mesh_size << "\n" << more;
   }
@@ -262,7 +265,7 @@ TEST_F(SlabPipeline, ANewFitTakesUpTheOldSolves) {
 // Every slice of the coupled model at once: rays and paths solved, degrees chosen, whole numbers written, read again.
 TEST_F(SlabPipeline, ACoupledSceneIsBakedAndFitted) {
   write_scene(5000, "[contact]\nfriction = 0.3\n[response]\nmodel = \"coupled\"\npath_share = 1\ntolerance = 0.015\n",
-              0.6);
+              0.6, 0.009);
   const Pipeline p = baked();
   const FitReport fit = pipeline::fit(p);
   EXPECT_LT(fit.normal.p95, 0.015);

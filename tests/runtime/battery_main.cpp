@@ -63,9 +63,9 @@ struct Tables {
     }
     BatteryResult all = fine;
     all.add(fast);
-    promises.print("| %s %s | %.0f %% | %.0f %% | %.2f | %.2f | %.2f | %.1g | %.1g | %.1g | %016" PRIx64 " |\n", file,
-                   view.tools[tool].name, percent(all.touching, all.ticks), percent(all.sliding, all.ticks), all.force,
-                   fine.step, fast.step, all.begin, all.gain, all.drag, all.hash);
+    promises.print("| %s %s | %.0f %% | %.0f %% | %.2f | %.2f | %.2f | %.1g | %.1g | %.1g | %.1g | %016" PRIx64 " |\n",
+                   file, view.tools[tool].name, percent(all.touching, all.ticks), percent(all.sliding, all.ticks),
+                   all.force, fine.step, fast.step, all.begin, fine.gain, fast.gain, all.drag, all.hash);
     ticks += all.ticks;
   }
 
@@ -101,8 +101,9 @@ int main(int argc, char** argv) {
     }
   }
   std::printf(
-      "| file, tool | touching | sliding | force | step | step, fast | begin or end | gain | drag | bits |\n"
-      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n%s\n"
+      "| file, tool | touching | sliding | force | step | step, fast | begin or end | gain | gain, fast | drag | bits "
+      "|\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n%s\n"
       "The energy account acts in this share of the touching ticks, and takes this share of the work:\n\n"
       "| file, tool | press | graze | corner | turn | fast |\n"
       "| --- | --- | --- | --- | --- | --- |\n%s\n%" PRIu64 " ticks, %d broken promises\n",

@@ -191,5 +191,19 @@ TEST(EnergyAccount, HoldingBackHidesNoMotion) {
   EXPECT_EQ(account.lost(), 1.25);
 }
 
+// Of 5 J that seemed to be stored before a slide the hand did not give 4: the slide stores 1 J more than it got.
+TEST(EnergyAccount, WhatTheHandDidNotGiveIsNotLost) {
+  runtime::EnergyAccount account;
+  EXPECT_EQ(account.replaced(5, 2, true, -4), 0);
+  EXPECT_EQ(account.owed(), 1);
+  EXPECT_EQ(account.replaced(2, 2, true, 0.25), 0) << "friction pays";
+  EXPECT_EQ(account.owed(), 0.75);
+  account.reset();
+  EXPECT_EQ(account.replaced(5, 2, true, -2), 0);
+  EXPECT_EQ(account.owed(), 0) << "with friction a loss buys nothing";
+  EXPECT_EQ(account.replaced(-4, -3.75, true, 0), 0) << "what is stored may be less than nothing";
+  EXPECT_EQ(account.owed(), 0.25);
+}
+
 }  // namespace
 }  // namespace palpate

@@ -30,9 +30,10 @@ public:
     return too_much(after, more);
   }
 
-  /// J, of which `more` are owed since the last tick, while `stored` (J) is stored: what is to be lost at once.
+  /// J, of which `more` are owed since the last tick, while `stored` (J) is stored, less than nothing where the tool
+  /// went with a straight push's sideways force: what is to be lost at once.
   [[nodiscard]] double too_much(double stored, double more) const {
-    return more > 0 && owed_ > 0.5 * stored ? std::fmin(2 * owed_ - stored, 2 * more) : 0;
+    return more > 0 && owed_ > 0.5 * std::fabs(stored) ? std::fmin(2 * owed_ - stored, 2 * more) : 0;
   }
 
   /// The hand got, or did not give, so much (J) of what is stored.
