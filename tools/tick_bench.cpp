@@ -98,7 +98,7 @@ TickTimes timed(Row /*row*/, std::size_t count, double seconds, const Once& once
   std::vector<double> means;
   for (std::size_t i = 0; i < count; ++i) {
     std::size_t k = 0;
-    const double warm = static_cast<double>(round) * blocks<Row>(round, 1, once, i, k).front();
+    const double warm = std::max(1.0, static_cast<double>(round) * blocks<Row>(round, 1, once, i, k).front());
     const double rounds = std::ceil(std::clamp(kBlockNanoseconds / warm, 1.0, kMost));
     const double repetitions = std::clamp(1e9 * seconds / (rounds * warm), kFewest, kMost);
     const std::vector<double> block =

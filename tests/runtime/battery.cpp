@@ -121,7 +121,7 @@ public:
   template <class Add>
   void each(const Add& add) const {
     for (std::size_t i = 0; i < kPlaces; ++i) {
-      const runtime::Contact& one = contacts_.contact(i);
+      const runtime::Contact& one = contacts_.contact(static_cast<int>(i));
       add(i, last_.each[i], one.anchor(), one.field().normal());
     }
   }

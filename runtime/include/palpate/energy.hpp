@@ -33,7 +33,7 @@ public:
   /// J, of which `more` are owed since the last tick, while `stored` (J) is stored, less than nothing where the tool
   /// went with a straight push's sideways force: what is to be lost at once.
   [[nodiscard]] double too_much(double stored, double more) const {
-    return more > 0 && owed_ > 0.5 * std::fabs(stored) ? std::fmin(2 * owed_ - stored, 2 * more) : 0;
+    return more > 0 ? std::fmax(0, std::fmin(2 * owed_ - std::fabs(stored), 2 * more)) : 0;
   }
 
   /// The hand got, or did not give, so much (J) of what is stored.
@@ -54,7 +54,7 @@ public:
   /// J to lose on a motion after which `stored` would be left.
   [[nodiscard]] double due(double stored) const {
     constexpr double kMostShare = 2;  // the force falls at most three times as fast as the tool's lift asks
-    if (!(stored < stored_) || !(owed_ > 0)) return 0;
+    if (!(stored < stored_ && stored_ > 0) || !(owed_ > 0)) return 0;
     const double share = owed_ < kMostShare * (stored_ - owed_) ? owed_ / (stored_ - owed_) : kMostShare;
     return std::fmin(share * (stored_ - stored), owed_);
   }

@@ -182,7 +182,9 @@ private:
       pull = give_way(parts_.core_force(d, terms), d, terms, went);
       if (ledger_.slid(parts_, at_first, pull, way, d, terms)) {
         if (!(d.depth > 0)) return release(d);
-        pull = at_rest(parts_.core_force(d, terms), d, terms);
+        // Friction holds less there now: all that it does not gives way in this tick, for a hand that rests in the
+        // next.
+        pull = ledger_.rub(parts_, d, terms, [&] { return give_way(parts_.core_force(d, terms), d, terms, false); });
       }
     }
     const double size = length(pull);

@@ -115,17 +115,22 @@ public:
     return {parts.stored(terms, to.deflection, parts.rim_deflection(d)), 0, done, pull,
             parts.core_share() * (d.sideways - to.deflection)};
   }
-  /// After it. Friction took of what the sideways deflections hold, and with the force that is left at the motion's end
-  /// the hand gave less in it, too. True where depth was lost.
+  /// After it. Friction took of what the sideways deflections hold (of a coupled law as much as by the forces at the
+  /// slip's end), and with the force that is left at the motion's end the hand gave less in it, too. True where depth
+  /// was lost.
   PALPATE_TICK_INLINE bool slid(Parts& parts, const Slide& before, const Vec3& pull, const Vec3& way, Deflection& d,
                                 DepthTerms& terms) {
-    double rubbed = before.done - work(parts, terms, pull, way);
+    const double done = work(parts, terms, pull, way);
+    double rubbed = before.done - done;
     if constexpr (kFriction) {
       rubbed += before.strained > 0 ? tally_.rub(strain(parts, pull, d, terms) / before.strained)
                                     : std::fmax(0, -0.5 * dot(before.pull + pull, before.slipped));
     }
     account_.told(before.held);
-    return replaced(parts, before.held, rubbed, d, terms);
+    if (!replaced(parts, before.held, rubbed, d, terms)) return false;
+    // What the loss left of the force the hand gave less by, too.
+    account_.owe(std::fmax(0, work(parts, terms, pull, way) - done));
+    return true;
   }
 
   /// Newtons are `ratio` (above 0) times as large from now on.
@@ -170,7 +175,8 @@ private:
   }
 
   /// Gives up about `due` (J) of the `held` (J) that is stored, by as much depth; returns what is left. Each time by
-  /// what the present force would take, which falls with the depth: never too much.
+  /// what the present force would take, which falls with the depth: hardly too much, where the core is not stretched
+  /// beyond what friction holds.
   double lose(Parts& parts, double held, double due, Deflection& d, DepthTerms& terms) {
     constexpr int kMostTimes = 3;
     constexpr double kNear = 0.1;  // of what is due, that may stay
