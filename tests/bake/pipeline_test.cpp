@@ -46,10 +46,9 @@ radius = 0.005
 spacing = 0.012
 depth = 0.002
 normal_points = 4
-within_box = )"
-                                         << "{min = [" << -half << ", " << -half << ", 0.019], max = [" << half << ", "
-                                         << half << ", 0.021]}\n"
-                                         << R"([solver]
+within_box = {min = [)" << -half << ", " << -half
+                                         << ", 0.019], max = [" << half << ", " << half << R"(, 0.021]}
+[solver]
 max_size = 0.02
 mesh_size = )" << mesh_size << "\n" << more;
   }

@@ -93,6 +93,11 @@ BatteryResult run_battery(const View& view, const BatteryCase& c) {
     if (gross > 0 && worst > 0) r.gain = std::max(r.gain, worst / std::max(gross, least * k * scale * scale));
     work = gross = worst = hidden = 0;
   };
+  const auto begin = [&](const Pose& from) {
+    last = {};
+    for (Friction& one : friction) one.begin();
+    before = from;
+  };
   for (r.ticks = 1; r.ticks < c.ticks; ++r.ticks) {
     const Pose next = hand.next();
     const bool put = length(next.translation - asked.translation) > 0.01 * scale;
@@ -102,9 +107,7 @@ BatteryResult run_battery(const View& view, const BatteryCase& c) {
       loop.reset();
       loop.put(asked);
       close();
-      last = {};
-      for (Friction& one : friction) one.begin();
-      before = loop.in_world(asked);
+      begin(loop.in_world(asked));
     }
     const Pose pose = loop.in_world(asked);
     const Tick tick = loop.tick(pose);
@@ -113,8 +116,7 @@ BatteryResult run_battery(const View& view, const BatteryCase& c) {
     const double size = length(tick.force);
     if (!std::isfinite(size + length(tick.torque)) || (size > 0 && !(tick.depth > 0)) || tick.state == State::fault) {
       ++r.broken;
-      last = {};
-      before = pose;
+      begin(pose);
       continue;
     }
     // Of the tool against the surface: so works the hand, and so the surface.

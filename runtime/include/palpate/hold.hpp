@@ -182,8 +182,7 @@ private:
       pull = give_way(parts_.core_force(d, terms), d, terms, went);
       if (ledger_.slid(parts_, at_first, pull, way, d, terms)) {
         if (!(d.depth > 0)) return release(d);
-        // Friction holds less there now: all that it does not gives way in this tick, for a hand that rests in the
-        // next.
+        // Friction holds less there now. The rest gives way in this tick: in the next the hand may rest.
         pull = ledger_.rub(parts_, d, terms, [&] { return give_way(parts_.core_force(d, terms), d, terms, false); });
       }
     }

@@ -119,7 +119,7 @@ public:
     return rim_.present() ? rim_.mean(core, field().stored(terms, of_rim, rim_.limit())) : core;
   }
   /// Of the whole, that is the core.
-  [[nodiscard]] double core_share() const { return rim_.present() ? 1 - rim_.share() : 1; }
+  [[nodiscard]] double core_share() const { return 1 - rim_.share(); }
   /// N of the parts, which push with `pull`, when the core pushes with `force` instead of `core`.
   [[nodiscard]] Vec3 instead(const Vec3& pull, const Vec3& core, const Vec3& force) const {
     return pull + core_share() * (force - core);
