@@ -17,6 +17,8 @@ inline Two positive(const Two& a) {
   const auto above = a > Two{};
   return reinterpret_cast<Two>(above & reinterpret_cast<decltype(+above)>(a));
 }
+inline Two larger(const Two& a, const Two& b) { return a > b ? a : b; }
+inline Two smaller(const Two& a, const Two& b) { return a < b ? a : b; }
 /// The squares of all are below `limit`; no number is not.
 template <int n>
 PALPATE_TICK_INLINE bool squares_below(const Two (&a)[n], double limit) {
@@ -42,6 +44,12 @@ inline Two& operator+=(Two& a, const Two& b) { return a = a + b; }
 inline Two& operator*=(Two& a, const Two& b) { return a = a * b; }
 
 inline Two positive(const Two& a) { return {{a.at[0] > 0 ? a.at[0] : 0, a.at[1] > 0 ? a.at[1] : 0}}; }
+inline Two larger(const Two& a, const Two& b) {
+  return {{a.at[0] > b.at[0] ? a.at[0] : b.at[0], a.at[1] > b.at[1] ? a.at[1] : b.at[1]}};
+}
+inline Two smaller(const Two& a, const Two& b) {
+  return {{a.at[0] < b.at[0] ? a.at[0] : b.at[0], a.at[1] < b.at[1] ? a.at[1] : b.at[1]}};
+}
 /// The same, of what are all numbers or none.
 template <int n>
 PALPATE_TICK_INLINE bool squares_below(const Two (&a)[n], double limit) {
@@ -50,6 +58,16 @@ PALPATE_TICK_INLINE bool squares_below(const Two (&a)[n], double limit) {
   return most < limit;
 }
 #endif
+
+inline bool any_above_zero(const Two& a) { return a[0] > 0 || a[1] > 0; }
+inline bool all_above_zero(const Two& a) { return a[0] > 0 && a[1] > 0; }
+inline Two square_root(const Two& a) { return Two{std::sqrt(a[0]), std::sqrt(a[1])}; }
+
+/// The same of one number.
+inline double positive(double a) { return a > 0 ? a : 0; }
+inline bool any_above_zero(double a) { return a > 0; }
+inline bool all_above_zero(double a) { return a > 0; }
+inline double square_root(double a) { return std::sqrt(a); }
 
 inline Two two(double x, double y) { return Two{x, y}; }
 inline Two swapped(const Two& a) { return Two{a[1], a[0]}; }

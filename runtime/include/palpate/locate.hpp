@@ -2,7 +2,7 @@
 // Nearest point of the contact surface with its signed distance: by the search tree, or one by one without it.
 #pragma once
 
-#include "palpate/surface.hpp"
+#include "palpate/nearest.hpp"
 
 #include <cmath>
 #include <type_traits>
@@ -16,60 +16,6 @@ struct Location {
 };
 
 namespace detail {
-
-struct Nearest {
-  double squared = 0;
-  double bary[3] = {1, 0, 0};
-};
-
-inline void nearest_on_edge(const Vec3& p, const Vec3& a, const Vec3& b, int i, int j, Nearest& best) {
-  const Vec3 ab = b - a;
-  const double size = dot(ab, ab);
-  double s = size > 0 ? dot(p - a, ab) / size : 0;
-  s = s > 0 ? (s < 1 ? s : 1) : 0;
-  const Vec3 gap = a + s * ab - p;
-  const double squared = dot(gap, gap);
-  if (squared >= best.squared) return;
-  best.squared = squared;
-  best.bary[0] = best.bary[1] = best.bary[2] = 0;
-  best.bary[i] = 1 - s;
-  best.bary[j] = s;
-}
-
-/// Nearest point of a triangle; a triangle of no area is its edges. May be none (`squared` infinite) where that is not
-/// nearer than the root of `most` (m^2).
-inline Nearest nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, double most = HUGE_VAL) {
-  const Vec3 ab = b - a, ac = c - a, ap = p - a;
-  const Vec3 n = cross(ab, ac);
-  const double area = dot(n, n), ab2 = dot(ab, ab), ac2 = dot(ac, ac), longest = ab2 + ac2;
-  Nearest best{HUGE_VAL, {1, 0, 0}};
-  bool beyond_ab = true, beyond_bc = true, beyond_ca = true;
-  if (area > 1e-20 * longest * longest) {
-    // Barycentric weights and height, times the doubled area squared: what divides by it waits until it is wanted.
-    const double wb = dot(cross(ap, ac), n), wc = dot(cross(ab, ap), n), wa = area - wb - wc, height = dot(ap, n);
-    if (wb >= 0 && wc >= 0 && wb + wc <= area) {
-      return {height * height / area, {wa > 0 ? wa / area : 0, wb / area, wc / area}};  // wa may round below zero
-    }
-    // Where rounding is far below the slack the nearest point is on an edge that p lies beyond. Most triangles of a
-    // search are seen off before that: they are at least as far as the plane and, in it, as the line of such an edge.
-    constexpr double kSlack = 1e-9;
-    if (area > 1e-8 * longest * longest) {
-      const Vec3 bc = c - b;
-      const double across = (most + kSlack * dot(ap, ap)) * area - height * height;
-      beyond_ab = wc < 0;
-      beyond_bc = wa < 0;
-      beyond_ca = wb < 0;
-      const auto far = [&](double weight, double edge) { return weight * weight >= across * edge; };
-      if ((beyond_bc && far(wa, dot(bc, bc))) || (beyond_ca && far(wb, ac2)) || (beyond_ab && far(wc, ab2))) {
-        return best;
-      }
-    }
-  }
-  if (beyond_ab) nearest_on_edge(p, a, b, 0, 1, best);
-  if (beyond_bc) nearest_on_edge(p, b, c, 1, 2, best);
-  if (beyond_ca) nearest_on_edge(p, c, a, 2, 0, best);
-  return best;
-}
 
 /// By what the square of a bound on a search is more, lest rounding decide otherwise than it does without a bound.
 inline constexpr double kBoundSlack = 1 + 1e-9;
@@ -93,16 +39,22 @@ inline void consider(const View& view, const Vec3& p, std::uint32_t triangle, co
   at = triangle;
 }
 
-inline double box_distance(const layout::SearchNode& box, const Vec3& p) {
-  const double q[3] = {p.x, p.y, p.z};
-  double squared = 0;
-  for (int k = 0; k < 3; ++k) {
-    const double below = box.lower[k] - q[k], above = q[k] - box.upper[k];
-    double gap = below > above ? below : above;
-    gap = gap > 0 ? gap : 0;  // a branch would be mispredicted every other time
-    squared += gap * gap;
+/// The triangles begin .. end - 1.
+template <class Counts>
+inline void consider_all(const View& view, const Vec3& p, std::uint32_t begin, std::uint32_t end, const Counts& counts,
+                         Nearest& best, std::uint32_t& at) {
+  if constexpr (kTwoARegister) {
+    for (std::uint32_t t = begin; t < end; t += 2) {
+      const std::uint32_t next = t + 1 < end ? t + 1 : t;
+      const auto &v = view.triangles[t].vertex, &w = view.triangles[next].vertex;
+      const auto corners = [&](int k) { return beside(vertex(view, v[k]), vertex(view, w[k])); };
+      const Two far = out_of_reach(beside(p, p), corners(0), corners(1), corners(2), best.squared);
+      if (!(far[0] > 0)) consider(view, p, t, counts, best, at);
+      if (!(far[1] > 0) && next != t) consider(view, p, next, counts, best, at);
+    }
+  } else {
+    for (std::uint32_t t = begin; t < end; ++t) consider(view, p, t, counts, best, at);
   }
-  return squared;
 }
 
 template <class Counts>
@@ -116,15 +68,15 @@ inline void search_tree(const View& view, const Vec3& p, const Counts& counts, N
     if (next.distance < best.squared) {
       const layout::SearchNode& n = view.search[next.node];
       if (n.count == 0) {
-        const Entry left{n.first, box_distance(view.search[n.first], p)};
-        const Entry right{n.first + 1, box_distance(view.search[n.first + 1], p)};
+        const Two distances = squared_distances(view.search[n.first], view.search[n.first + 1], p);
+        const Entry left{n.first, distances[0]}, right{n.first + 1, distances[1]};
         const bool left_first = left.distance <= right.distance;
         const Entry& later = left_first ? right : left;
         if (later.distance < best.squared) stack[top++] = later;
         next = left_first ? left : right;
         continue;
       }
-      for (std::uint32_t t = n.first; t < n.first + n.count; ++t) consider(view, p, t, counts, best, at);
+      consider_all(view, p, n.first, n.first + n.count, counts, best, at);
     }
     if (top == 0) return;
     next = stack[--top];
@@ -180,9 +132,7 @@ inline bool locate_where(const View& view, const Vec3& p, const Counts& counts, 
   if ((kFeatures & layout::feature_search) != 0 && view.search != nullptr) {
     detail::search_tree(view, p, counts, best, found.at.triangle);
   } else {
-    for (std::uint32_t t = 0; t < view.meta->triangle_count; ++t) {
-      detail::consider(view, p, t, counts, best, found.at.triangle);
-    }
+    detail::consider_all(view, p, 0, view.meta->triangle_count, counts, best, found.at.triangle);
   }
   if (!(best.squared < most)) return false;
   for (int k = 0; k < 3; ++k) found.at.bary[k] = best.bary[k];
