@@ -4,6 +4,7 @@
 
 #include "palpate/coupled_blend.hpp"
 #include "palpate/coupled_rows.hpp"
+#include "palpate/coupled_square.hpp"
 
 #include <cmath>
 
@@ -30,18 +31,6 @@
 ///
 /// on any path, and any path from no contact to no contact takes work >= 0, for W(u, 0) = 0.
 namespace palpate::coupled {
-
-/// Everything at one depth.
-struct AtDepth {
-  double s;       ///< min(t, 1)
-  double push;    ///< F (N)
-  double limit;   ///< mu
-  Vec2 straight;  ///< g (N)
-  Vec2 slope;     ///< dg/dt / (2 s) (N)
-  Energy energy;  ///< V (N)
-  Sym2 coupling;  ///< A / (2 s) (N)
-  Energy rate;    ///< V' = dV/dt; only where it is needed: g, C or Q are there, or an anchor moves
-};
 
 /// A response whose coefficients are blended, ready to be evaluated. Fixed size.
 class Law {
@@ -96,9 +85,7 @@ public:
   [[nodiscard]] Vec2 push(const AtDepth& d, const Vec2& u) const { return d.straight + d.energy.gradient(u, order()); }
 
   /// f_z - F (N), without the term that only the anchor rule's loss asks for: linear in the coefficients.
-  [[nodiscard]] double plain_coupling(const AtDepth& d, const Vec2& u, double lean = 1) const {
-    return ratio_ * (lean * dot(d.slope, u) + 0.5 * dot(u, times(d.coupling, u)));
-  }
+  [[nodiscard]] double plain_coupling(const AtDepth& d, const Vec2& u) const { return plain_coupling(d, u, 1.0); }
 
   /// f_z - F (N).
   [[nodiscard]] double coupling(const AtDepth& d, const Vec2& u) const {
@@ -145,8 +132,7 @@ public:
   [[nodiscard]] Vec2 deepen(double t0, const AtDepth& from, double t1, const AtDepth& to, const Vec2& u,
                             double lean = 1) const {
     if (u.x == 0 && u.y == 0) return u;
-    if (!careful()) return solve(to.energy.square, times(from.energy.square, u));
-    constexpr double kStep = 0.05;
+    if (Vec2 once = u; deepen_at_once(t0, from, t1, to, once, lean)) return once;
     constexpr int kMostSteps = 3;
     const double wanted = (t1 - t0) / (kStep * t0);
     const int steps = wanted < kMostSteps ? 1 + static_cast<int>(wanted) : kMostSteps;
@@ -169,7 +155,33 @@ public:
     return last.u;
   }
 
+  /// The same of one part or of two side by side (Two), where the law and what is owed are so simple, as they mostly
+  /// are, that it takes no more than that. Else false, and u is as it was.
+  template <class Number>
+  [[nodiscard]] bool deepen_at_once(double t0, const AtDepth& from, double t1, const AtDepth& to, Vec2Of<Number>& u,
+                                    const Number& lean) const {
+    if (order() > 2) return false;
+    if (careful()) return t1 - t0 < kStep * t0 && square::deepen(t1 - t0, from, to, u, lean);
+    u = square::held(from, to, u);
+    return true;
+  }
+  /// coupling() likewise.
+  template <class Number>
+  [[nodiscard]] bool couple_at_once(const AtDepth& d, const Vec2Of<Number>& u, const Number& lean,
+                                    Number& coupling) const {
+    if (order() > 2 || (careful() && !square::load(d, u, lean).covered())) return false;
+    coupling = plain_coupling(d, u, lean);
+    return true;
+  }
+
 private:
+  static constexpr double kStep = 0.05;  ///< of the abscissa, in which an anchor is moved at once
+
+  template <class Number>
+  [[nodiscard]] Number plain_coupling(const AtDepth& d, const Vec2Of<Number>& u, const Number& lean) const {
+    return ratio_ * (lean * dot(d.slope, u) + 0.5 * dot(u, times(d.coupling, u)));
+  }
+
   void set_scales(double depth_scale, double sideways_scale) {
     depth_scale_ = depth_scale;
     per_depth_ = 1 / depth_scale;
@@ -211,7 +223,7 @@ private:
     [[nodiscard]] double value() const { return std::sqrt(square) / by; }
   };
   [[nodiscard]] LeastLoss least_loss(const AtDepth& d, const Vec2& u, const Vec2& force) const {
-    const Quotient moved = quotient(d.energy.square, times(d.rate.square, u));
+    const Quotient<double> moved = quotient(d.energy.square, times(d.rate.square, u));
     return {dot(force, force) * dot(moved.of, moved.of), moved.by};
   }
 
@@ -258,7 +270,7 @@ private:
 
   /// Moves the anchor on until next to none is, along the mean of T, which errs by the step's square only.
   void give_way(const AtDepth& d, double step, const Anchor& from, Anchor& to, double lean) const {
-    for (int round = 0; round < 2; ++round) {
+    for (int round = 0; round < kMostGivings; ++round) {
       const double lacks = missing(step, from, to), size = dot(to.load.force, to.load.force);
       if (!(lacks > 0 && size > 0)) return;
       const Vec2 mean = 0.5 * (from.load.force + to.load.force);

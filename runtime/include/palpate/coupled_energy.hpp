@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Energy of a sideways deflection at one depth: forms of degree 2 to 4 by their harmonics.
+// Energy of a sideways deflection at one depth: forms of degree 2 to 4 by their harmonics; all else of that depth.
 #pragma once
 
 #include <cmath>
@@ -7,13 +7,30 @@
 namespace palpate::coupled {
 
 // These are trivial types: what is not asked for costs no instruction.
-struct Vec2 {
-  double x, y;
+/// Of one deflection, or of several side by side (Two).
+template <class Number>
+struct Vec2Of {
+  Number x, y;
 };
-inline Vec2 operator+(const Vec2& a, const Vec2& b) { return {a.x + b.x, a.y + b.y}; }
-inline Vec2 operator-(const Vec2& a, const Vec2& b) { return {a.x - b.x, a.y - b.y}; }
-inline Vec2 operator*(double s, const Vec2& a) { return {s * a.x, s * a.y}; }
-inline double dot(const Vec2& a, const Vec2& b) { return a.x * b.x + a.y * b.y; }
+using Vec2 = Vec2Of<double>;
+
+template <class Number>
+inline Vec2Of<Number> operator+(const Vec2Of<Number>& a, const Vec2Of<Number>& b) {
+  return {a.x + b.x, a.y + b.y};
+}
+template <class Number>
+inline Vec2Of<Number> operator-(const Vec2Of<Number>& a, const Vec2Of<Number>& b) {
+  return {a.x - b.x, a.y - b.y};
+}
+template <class Number>
+inline Vec2Of<Number> operator*(double s, const Vec2Of<Number>& a) {
+  return {s * a.x, s * a.y};
+}
+/// `a` of the same numbers as b, or of one number for all of them.
+template <class Each, class Number>
+inline Number dot(const Vec2Of<Each>& a, const Vec2Of<Number>& b) {
+  return a.x * b.x + a.y * b.y;
+}
 /// As complex numbers.
 inline Vec2 product(const Vec2& a, const Vec2& b) { return {a.x * b.x - a.y * b.y, a.x * b.y + a.y * b.x}; }
 inline Vec2 conjugate(const Vec2& a) { return {a.x, -a.y}; }
@@ -22,23 +39,26 @@ inline Vec2 conjugate(const Vec2& a) { return {a.x, -a.y}; }
 struct Sym2 {
   double m, x, y;
 };
-inline Vec2 times(const Sym2& k, const Vec2& u) {
+template <class Number>
+inline Vec2Of<Number> times(const Sym2& k, const Vec2Of<Number>& u) {
   return {(k.m + k.x) * u.x + k.y * u.y, k.y * u.x + (k.m - k.x) * u.y};
 }
 /// A vector that is still to be divided.
+template <class Number>
 struct Quotient {
-  Vec2 of;
+  Vec2Of<Number> of;
   double by;  ///< above 0
 };
 /// k^-1 b, k positive; where k resists along one line only, as good as, what lies on that line (k is 2 m v v then).
-inline Quotient quotient(const Sym2& k, const Vec2& b) {
+template <class Number>
+inline Quotient<Number> quotient(const Sym2& k, const Vec2Of<Number>& b) {
   const double det = k.m * k.m - k.x * k.x - k.y * k.y;
-  if (!(k.m > 0)) return {{}, 1};
+  if (!(k.m > 0)) return {Vec2Of<Number>{}, 1};
   if (!(det > 1e-12 * k.m * k.m)) return {times(k, b), 4 * k.m * k.m};
   return {{(k.m - k.x) * b.x - k.y * b.y, (k.m + k.x) * b.y - k.y * b.x}, det};
 }
 inline Vec2 solve(const Sym2& k, const Vec2& b) {
-  const Quotient q = quotient(k, b);
+  const Quotient<double> q = quotient(k, b);
   return {q.of.x / q.by, q.of.y / q.by};
 }
 
@@ -125,6 +145,18 @@ private:
     const Vec2 c = conjugate(u), p = product(h2, c);
     return (4 * m * r2 + 2 * dot(p, u)) * u + 2 * r2 * p + 4 * product(h4, product(c, product(c, c)));
   }
+};
+
+/// Everything at one depth.
+struct AtDepth {
+  double s;       ///< min(t, 1)
+  double push;    ///< F (N)
+  double limit;   ///< mu
+  Vec2 straight;  ///< g (N)
+  Vec2 slope;     ///< dg/dt / (2 s) (N)
+  Energy energy;  ///< V (N)
+  Sym2 coupling;  ///< A / (2 s) (N)
+  Energy rate;    ///< V' = dV/dt; only where it is needed: g, C or Q are there, or an anchor moves
 };
 
 }  // namespace palpate::coupled

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "palpate/brought.hpp"
+#include "palpate/coupled_law.hpp"
 #include "palpate/separable.hpp"
 #include "palpate/site_laws.hpp"
 #include "palpate/spin.hpp"
@@ -70,7 +71,7 @@ public:
 
   [[nodiscard]] const Vec3& normal() const { return normal_; }
   /// Of a coupled file, what the blend is made of.
-  [[nodiscard]] const coupled::Law& law() const { return law_; }
+  [[nodiscard]] const coupled::Law& law() const { return coupled_.law(); }
   /// Share of the blend that was refused and taken from neighbours, [0, 1].
   [[nodiscard]] double covered() const { return covered_; }
   /// How deep the blended responses were sampled (m).
@@ -119,7 +120,7 @@ public:
                                                            Part part) const {
     if (!(terms.depth > 0)) return {};
     if constexpr (kCoupled) {
-      if (is_coupled()) return coupled_sideways(terms, deflection);
+      if (is_coupled()) return coupled_.sideways(terms.coupled, deflection);
     }
     return separable_.sideways(terms, deflection, part);
   }
@@ -128,11 +129,20 @@ public:
   [[nodiscard]] Vec3 in_space(const coupled::Vec2& v) const { return v.x * basis_x_ + v.y * basis_y_; }
 
   /// Adds what a sideways deflection does to the normal force; the limit stays that of the straight push. `across` is
-  /// the whole force across n(c) there. Of a part of the contact: its own of these, its share, and how many times as
-  /// much it bears of the straight push's sideways force.
-  void couple(DepthTerms& terms, const Vec3& deflection, const Vec3& across, double share = 1, double lean = 1) const {
+  /// the whole force across n(c) there.
+  void couple(DepthTerms& terms, const Vec3& deflection, const Vec3& across) const {
     if constexpr (kCoupled) {
-      if (is_coupled()) terms.normal_force += share * coupling(terms, deflection, across, lean);
+      if (!is_coupled() || !(terms.depth > 0)) return;
+      terms.normal_force += coupled_.coupling(terms.coupled, in_plane(deflection), in_plane(across));
+    }
+  }
+  /// The same of the two parts of a contact: their deflections (m) and shares, and how many times as much they bear of
+  /// the straight push's sideways force.
+  void couple(DepthTerms& terms, const Vec3 (&deflection)[2], const double (&share)[2], const double (&lean)[2]) const {
+    if constexpr (kCoupled) {
+      if (!is_coupled() || !(terms.depth > 0)) return;
+      const Two both = coupled_.coupling(terms.coupled, {in_plane(deflection[0]), in_plane(deflection[1])}, lean);
+      terms.normal_force += share[0] * both[0] + share[1] * both[1];
     }
   }
 
@@ -141,31 +151,35 @@ public:
   [[nodiscard]] Vec3 deepened(double z0, double z1, const Vec3& deflection) const {
     return deepened(z0, at_depth(z1), deflection);
   }
-
-  /// The same for a caller that has the terms at z1; `lean` as in couple().
-  [[nodiscard, gnu::noinline]] Vec3 deepened(double z0, const DepthTerms& at_z1, const Vec3& deflection,
-                                             double lean = 1) const {
+  /// The same for a caller that has the terms at z1.
+  [[nodiscard, gnu::noinline]] Vec3 deepened(double z0, const DepthTerms& at_z1, const Vec3& deflection) const {
     if (!(z0 > 0)) return {};
     if constexpr (kCoupled) {
       if (is_coupled()) {
-        const double t0 = law_.abscissa(z0), t1 = law_.abscissa(at_z1.depth);
-        know(z0, t0);
-        const coupled::Vec2 held = in_basis(deflection);
-        const coupled::Vec2 u = law_.deepen(t0, known_.terms, t1, at_z1.coupled, held, lean);
-        return view_->meta->sideways_scale * in_space(u);
+        return in_space(coupled_.deepened(z0, at_z1.depth, at_z1.coupled, in_plane(deflection)));
       }
     }
     return separable_.share_kept(z0, at_z1) * deflection;
+  }
+  /// The same of the two parts of a contact, in place.
+  [[gnu::noinline]] void deepen(double z0, const DepthTerms& at_z1, Vec3 (&deflection)[2],
+                                const double (&lean)[2]) const {
+    if constexpr (kCoupled) {
+      if (is_coupled() && z0 > 0) {
+        coupled::Vec2 both[2] = {in_plane(deflection[0]), in_plane(deflection[1])};
+        coupled_.deepen(z0, at_z1.depth, at_z1.coupled, both, lean);
+        for (int k = 0; k < 2; ++k) deflection[k] = in_space(both[k]);
+        return;
+      }
+    }
+    const double kept = z0 > 0 ? separable_.share_kept(z0, at_z1) : 0;
+    for (Vec3& each : deflection) each = kept * each;
   }
 
   /// The sideways stiffness at a depth z > 0 over that at the terms' depth, or the other way round where that is less.
   [[nodiscard, gnu::noinline]] double share_between(double z, const DepthTerms& terms) const {
     if constexpr (kCoupled) {
-      if (is_coupled()) {
-        const double there = known_at(z).energy.square.m, here = terms.coupled.energy.square.m;
-        const double share = terms.depth > z ? there / here : here / there;
-        return share > 0 && share < 1 ? share : 1;
-      }
+      if (is_coupled()) return coupled_.share_between(z, terms.depth, terms.coupled);
     }
     return separable_.share_between(z, terms);
   }
@@ -176,8 +190,7 @@ public:
                                                double lean = 1) const {
     if constexpr (kCoupled) {
       if (is_coupled()) {
-        const auto& from = z == terms.depth ? terms.coupled : known_at(z);
-        return sideways_energy(from, before, lean) - sideways_energy(terms.coupled, after, lean);
+        return coupled_.released(z, in_plane(before), terms.depth, terms.coupled, in_plane(after), lean);
       }
     }
     return 0;
@@ -186,12 +199,9 @@ public:
   /// Says that deepened() will be asked for these terms' depth as z0.
   void remember(const DepthTerms& terms) const {
     if constexpr (kCoupled) {
-      if (is_coupled()) {
-        known_.depth = terms.depth;
-        known_.terms = terms.coupled;
-      }
+      if (is_coupled()) return coupled_.remember(terms.depth, terms.coupled);
     }
-    if (!is_coupled()) separable_.remember(terms);
+    separable_.remember(terms);
   }
 
   /// What the deflection stores (J). The sideways forces of a separable response are no gradient: what they take is
@@ -200,7 +210,7 @@ public:
     if (!(terms.depth > 0)) return 0;
     if constexpr (kCoupled) {
       if (is_coupled()) {
-        return law_.pushed(law_.abscissa(terms.depth)) + sideways_energy(terms.coupled, deflection, lean);
+        return coupled_.pushed(terms.depth) + coupled_.energy(terms.coupled, in_plane(deflection), lean);
       }
     }
     return separable_.pushed(terms.depth) - lean * dot(terms.straight, deflection);
@@ -208,27 +218,28 @@ public:
 
   /// Force of a whole deflection p - c (m, body frame), sticking. Zero where its depth is not positive.
   [[nodiscard]] FieldForce force(const Vec3& deflection) const {
-    if constexpr (kCoupled) {
-      if (is_coupled()) return coupled_force(deflection);
-    }
-    FieldForce result;
     const double depth = -dot(deflection, normal_);
-    if (!(depth > 0)) return result;
+    if (!(depth > 0)) return {};
+    if constexpr (kCoupled) {
+      if (is_coupled()) {
+        const CoupledLaw::Force answer = coupled_.force(depth, in_plane(deflection));
+        return whole(depth, answer.normal, in_space(answer.sideways), answer.limit);
+      }
+    }
     DepthTerms terms;
     separable_.at_depth(depth, terms);
-    result.tangential = terms.straight + in_space(separable_.sideways(terms, in_plane(deflection), Part::core));
-    result.normal = terms.normal_force;
-    result.force = result.normal * normal_ + result.tangential;
-    result.limit = terms.limit;
-    result.depth = depth;
-    result.beyond = depth > limit_ * kLimitSlack;
-    return result;
+    const Vec3 across = terms.straight + in_space(separable_.sideways(terms, in_plane(deflection), Part::core));
+    return whole(depth, terms.normal_force, across, terms.limit);
   }
 
   /// The file's responses are of the coupled model.
   [[nodiscard]] bool is_coupled() const { return kCoupled && view_->coupled; }
 
 private:
+  [[nodiscard]] FieldForce whole(double depth, double along, const Vec3& across, double limit) const {
+    return {along * normal_ + across, across, along, limit, depth, depth > limit_ * kLimitSlack};
+  }
+
   /// The sites and tool vertices of a contact.
   struct Shares {
     Shares(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point)
@@ -276,7 +287,7 @@ private:
       limit_ += weight * law.limit;
       covered_ += weight * law.covered;
     }
-    law_.set(parts, view_->meta->depth_scale, view_->meta->sideways_scale);
+    coupled_.set(parts);
   }
 
   /// Of two spins of each tool vertex, or three, each with an x axis of its own.
@@ -306,63 +317,13 @@ private:
     basis_y_ = cross(normal_, basis_x_);
     covered_ = limit_ = 0;
     if constexpr (kCoupled) {
-      if (is_coupled()) known_.depth = 0;
+      if (is_coupled()) return coupled_.clear(m);
     }
-    if (!is_coupled()) separable_.clear(m, basis_x_, basis_y_);
-    per_scale_ = m.sideways_scale > 0 ? 1 / m.sideways_scale : 0;
-  }
-
-  /// Has what a coupled law has at a depth z (m), the abscissa t, remembered.
-  void know(double z, double t) const {
-    if (known_.depth == z) return;
-    known_.depth = z;
-    law_.set_at(t, true, known_.terms);
-  }
-  /// The same of a depth alone.
-  [[nodiscard, gnu::noinline]] const coupled::AtDepth& known_at(double z) const {
-    know(z, law_.abscissa(z));
-    return known_.terms;
-  }
-  /// J of a coupled law's W less the straight push's.
-  [[nodiscard]] double sideways_energy(const coupled::AtDepth& at, const Vec3& deflection, double lean) const {
-    const coupled::Vec2 u = in_basis(deflection);
-    return view_->meta->sideways_scale * (law_.energy(at, u) + (lean - 1) * dot(at.straight, u));
-  }
-
-  /// u of a deflection (m).
-  [[nodiscard]] coupled::Vec2 in_basis(const Vec3& deflection) const { return per_scale_ * in_plane(deflection); }
-
-  // What only the coupled model needs stays out of line: inlined into a tick it would slow the others by a tenth.
-  [[nodiscard, gnu::noinline]] coupled::Vec2 coupled_sideways(const DepthTerms& terms,
-                                                              const coupled::Vec2& deflection) const {
-    return -1 * terms.coupled.energy.gradient(per_scale_ * deflection, law_.degrees().order);
-  }
-
-  [[nodiscard, gnu::noinline]] double coupling(const DepthTerms& terms, const Vec3& deflection, const Vec3& across,
-                                               double lean) const {
-    if (!(terms.depth > 0)) return 0;
-    const auto push = [&] { return -1 * in_plane(across); };
-    return law_.coupling(terms.coupled, in_basis(deflection), push, lean);
-  }
-
-  [[nodiscard, gnu::noinline]] FieldForce coupled_force(const Vec3& deflection) const {
-    FieldForce result;
-    const double depth = -dot(deflection, normal_);
-    if (!(depth > 0)) return result;
-    coupled::AtDepth at;
-    law_.set_at(law_.abscissa(depth), false, at);
-    const coupled::Vec2 u = in_basis(deflection), push = law_.push(at, u);
-    result.tangential = -push.x * basis_x_ - push.y * basis_y_;
-    result.normal = at.push + law_.coupling(at, u, [&] { return push; });
-    result.force = result.normal * normal_ + result.tangential;
-    result.limit = at.limit * at.push;
-    result.depth = depth;
-    result.beyond = depth > limit_ * kLimitSlack;
-    return result;
+    separable_.clear(m, basis_x_, basis_y_);
   }
 
   [[gnu::noinline]] void coupled_at(double z, DepthTerms& terms) const {
-    law_.set_at(law_.abscissa(z), false, terms.coupled);
+    coupled_.at_depth(z, terms.coupled);
     terms.normal_force = terms.coupled.push;
     terms.limit = terms.coupled.limit * terms.coupled.push;
     terms.straight = -terms.coupled.straight.x * basis_x_ - terms.coupled.straight.y * basis_y_;
@@ -385,7 +346,7 @@ private:
   }
   void end_sum([[maybe_unused]] const Sum& sum) {
     if constexpr (kCoupled) {
-      if (is_coupled()) law_.set(sum, view_->meta->depth_scale, view_->meta->sideways_scale);
+      if (is_coupled()) coupled_.set(sum);
     }
   }
 
@@ -410,25 +371,18 @@ private:
     separable_.template add<kSpun>(*view_, index, weight, x);
   }
 
-  struct Known {
-    double depth = 0;  ///< m; none where it is 0
-    coupled::AtDepth terms{};
-  };
-
   /// Limits are stored as floats: a push to just the sampled depth must not count as beyond it.
   static constexpr double kLimitSlack = 1 + 1e-5;
 
   const View* view_ = nullptr;
   Vec3 normal_, basis_x_, basis_y_;
-  double per_scale_ = 0;  ///< 1 / X (1/m)
   double covered_ = 0, limit_ = 0;
   SeparableLaw<kFeatures> separable_;
-  detail::If<kCoupled, coupled::Law> law_;
+  detail::If<kCoupled, CoupledLaw> coupled_;
   detail::If<kBySite, SiteLaws> site_laws_;
   detail::If<kBySite, bool> by_site_ = {};
   Brought<!detail::kSmall> brought_;
   detail::If<kSpin, SpinStep> spin_step_;
-  mutable detail::If<kCoupled, Known> known_;  ///< what deepened() will ask for
 };
 
 using Field = BasicField<>;

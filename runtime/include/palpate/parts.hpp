@@ -99,12 +99,11 @@ public:
     return slip(field(), terms, what, d.sideways, pull);
   }
 
-  /// Adds what the sideways deflections do to the normal force; `core` is core_force().
-  void couple(DepthTerms& terms, const Deflection& d, const Vec3& core) const {
-    if (!rim_.present()) return field().couple(terms, d.sideways, core);
-    const Vec3 e = rim_deflection(d), rim = rim_.limit() * terms.straight + field().sideways(terms, e);
-    field().couple(terms, d.sideways, core, 1 - rim_.share(), rim_.core_limit());
-    field().couple(terms, e, rim, rim_.share(), rim_.limit());
+  /// Adds what the sideways deflections do to the normal force; `across` is the whole sideways force (N).
+  void couple(DepthTerms& terms, const Deflection& d, const Vec3& across) const {
+    if (!rim_.present()) return field().couple(terms, d.sideways, across);
+    field().couple(terms, {d.sideways, rim_deflection(d)}, {1 - rim_.share(), rim_.share()},
+                   {rim_.core_limit(), rim_.limit()});
   }
 
   /// J in the present field.
@@ -133,9 +132,7 @@ public:
       if (inner_.core.known() && !rest_.slow(dot(way, way))) let_go();
       if (d.depth > depth_ || !(depth_ > 0)) {
         if (inner_.lifts) turn(d);
-        const Vec3 core = deeper(inner_.core, d.sideways, terms, rim_.core_limit());
-        if (rim_.present()) rim_.leave(core, deeper(inner_.rim, rim_deflection(d), terms, rim_.limit()));
-        rest_.leave(d, core);
+        deeper(d, terms);
       } else if (d.depth < depth_) {
         inner_.lifts = true;
         if (inner_.core.known()) lift(d, terms);
@@ -190,11 +187,20 @@ private:
     return {part, limit * terms.straight, limit * terms.limit, view_->meta->sideways_scale, part == Part::rim};
   }
 
-  /// What a part of the contact keeps of a deflection (m).
-  PALPATE_TICK_INLINE Vec3 deeper(InnerPart& part, const Vec3& deflection, const DepthTerms& terms, double lean) {
-    const Vec3 kept = field().deepened(depth_, terms, deflection, lean);
-    if (part.known()) part.deepened(field(), depth_, deflection, terms, kept, lean);
-    return kept;
+  PALPATE_TICK_INLINE void deeper(Deflection& d, const DepthTerms& terms) {
+    if (!rim_.present()) {
+      const Vec3 kept = field().deepened(depth_, terms, d.sideways);
+      if (inner_.core.known()) inner_.core.deepened(field(), depth_, d.sideways, terms, kept, 1);
+      return rest_.leave(d, kept);
+    }
+    const Vec3 before[2] = {d.sideways, rim_deflection(d)};
+    const double lean[2] = {rim_.core_limit(), rim_.limit()};
+    Vec3 kept[2] = {before[0], before[1]};
+    field().deepen(depth_, terms, kept, lean);
+    if (inner_.core.known()) inner_.core.deepened(field(), depth_, before[0], terms, kept[0], lean[0]);
+    if (inner_.rim.known()) inner_.rim.deepened(field(), depth_, before[1], terms, kept[1], lean[1]);
+    rim_.leave(kept[0], kept[1]);
+    rest_.leave(d, kept[0]);
   }
   [[gnu::noinline]] void lift(Deflection& d, const DepthTerms& terms) {
     const Vec3 core = inner_.core.lifted(field(), depth_, terms, d.sideways, rim_.core_limit());
