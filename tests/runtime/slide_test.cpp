@@ -169,9 +169,9 @@ TEST(Contact, SlidesOverAnEdgeWithoutAJump) {
   }
 }
 
-// Far deeper than the normals' focal points, c cannot follow round the edge: in a fast motion it goes to the nearest
-// side, where the force may turn but not grow. In a slow one the force does not turn at once either.
-TEST(Contact, HandingOverToAnotherSideDoesNotRaiseTheForce) {
+// Far deeper than the normals' focal points, c cannot follow round the edge: it goes to the nearest side by parts of
+// the way, as far as the force may turn with the tool's way, and the force never grows for it.
+TEST(Contact, HandingOverToAnotherSideNeitherRaisesTheForceNorTurnsItAtOnce) {
   for (const double depth : {0.012, 0.016}) {
     for (const double stride : {2e-6, 4e-4}) {
       Options options = flat();
@@ -181,20 +181,13 @@ TEST(Contact, HandingOverToAnotherSideDoesNotRaiseTheForce) {
       Contact contact(box.view, 0);
       move(contact, centre(-0.001, 0.02), centre(depth, 0.02));
       Tick last = contact.tick(upright(centre(depth, 0.02)));
-      int jumps = 0;
       double largest = 0;
       move(contact, centre(depth, 0.02), centre(depth, 0.04), stride, [&](const Pose&, const Tick& tick) {
-        const bool goes_on = tick.touches() && last.touches();
-        jumps += goes_on && distance(tick.body_point, last.body_point) > 1e-3 + 2 * stride;
         ASSERT_LT(length(tick.force), length(last.force) + 3000 * 2 * stride);
         largest = std::fmax(largest, distance(tick.force, last.force));
         last = tick;
       });
-      if (stride > 1e-4) {
-        EXPECT_EQ(jumps, 1) << depth;
-      } else {
-        EXPECT_LT(largest, 3000 * 4.5 * stride) << depth;
-      }
+      EXPECT_LT(largest, 3000 * 4.5 * stride) << depth << " " << stride;
     }
   }
 }

@@ -217,7 +217,8 @@ struct Served {
   }
 };
 
-// Deep in a box and round its edge: c leaps to the other side, where the search saw it and not by one of its own.
+// Deep in a box and round its edge: c leaps towards the other side, in a tick of a long way to where the search saw it,
+// and never by one of its own.
 TEST(TwoRates, AServedContactNeverSearches) {
   Options options = uniform();
   options.lateral = options.friction = false;
@@ -226,17 +227,19 @@ TEST(TwoRates, AServedContactNeverSearches) {
   const Opened box(box_content(options));
   const Trap trap(box.view);
   ASSERT_NE(box.view.search, nullptr);
-  // A slow hand's c waits where it would turn the force, and goes on by parts of the way as it can; a fast one's goes to
-  // where the body was seen.
-  for (const auto& [depth, stride] : {std::pair{0.012, 2e-6}, {0.013, 2e-6}, {0.012, 3e-4}, {0.013, 3e-4}}) {
-    const std::size_t searched = stride > 1e-5 ? 1 : 0;
+  // c waits where it would turn the force by more than by the tool's way, and goes on by parts of the way as it can.
+  const struct {
+    double depth, stride;
+    std::size_t searched;
+  } kRows[] = {{0.012, 2e-6, 0}, {0.013, 2e-6, 0}, {0.012, 3e-4, 0}, {0.013, 3e-4, 0}, {0.013, 1e-3, 1}};
+  for (const auto& [depth, stride, searched] : kRows) {
     Contact alone(box.view, 0), served(box.view, 0), trapped(trap.view, 0), searching(trap.view, 0), stale(box.view, 0);
     Served searches{box.view, {}, {}};
     const Search old = runtime::search(box.view, 0, upright({0, 0, kTop + kTipRadius + 0.001}));
     Tick last_alone, last, last_stale;
     std::size_t leaps = 0, leaps_alone = 0, leaps_stale = 0, fell = 0;
     std::vector<double> apart;
-    const auto leapt = [far = 1e-3 + 5 * stride](const Tick& tick, Tick& before) {
+    const auto leapt = [far = 1e-3 + 1.5 * stride](const Tick& tick, Tick& before) {
       const bool touched = before.state == State::slide && tick.state == State::slide;
       const bool leap = touched && distance(tick.body_point, before.body_point) > far;
       before = tick;
@@ -262,13 +265,13 @@ TEST(TwoRates, AServedContactNeverSearches) {
     const double pressed = length(last.force);
     for (double x = 0.015; x < 0.035; x += stride) go({x, 0, kTop + kTipRadius - depth}, 3000 * 2 * stride);
     EXPECT_GE(leaps_alone, 1) << depth;
-    EXPECT_LE(leaps_alone, searched == 1 ? 1 : 6) << depth;
-    EXPECT_EQ(leaps, leaps_alone) << depth;
+    EXPECT_LE(leaps_alone, 6) << depth << " " << stride;
+    EXPECT_EQ(leaps, leaps_alone) << depth << " " << stride;
     EXPECT_EQ(fell, searched) << "one that searches is caught";
-    EXPECT_EQ(leaps_stale, searched == 1 ? 0 : leaps) << "a search of another place says nothing";
+    EXPECT_LE(leaps_stale, leaps - searched) << "a search of another place says nothing";
     // A fast one, whose searches are old, may leap two ticks later than one that searches itself.
     std::sort(apart.rbegin(), apart.rend());
-    EXPECT_LT(apart[2 * searched], 0.05 * pressed) << depth;
+    EXPECT_LT(apart[stride > 1e-5 ? 2 : 0], 0.05 * pressed) << depth << " " << stride;
   }
 }
 

@@ -85,7 +85,7 @@ public:
         roll_on(pose, d, terms);
       } else if (!waits || !lie_down(pose, q, d, terms)) {
         parts_.end(d, terms);
-        if (field().is_coupled()) parts_.couple(terms, d, core);
+        if (field().is_coupled()) parts_.couple(terms, d, pull);
         slides_ = false;
         return output(State::stick, pose, q, terms, pull);
       }
@@ -107,13 +107,14 @@ public:
   [[nodiscard]] double lost() const { return ledger_.lost(); }
 
   /// Forces are `ratio` (above 0, infinite where there were none) times what they were in the last tick from now on.
-  void rescaled(double ratio) {
+  /// True where depth was lost for it: then they are less.
+  bool rescaled(double ratio) {
     Deflection d;
     DepthTerms terms;
     parts_.stand(last_, d, terms);
     const double before = ledger_.leave(parts_, terms, d) / ratio;
     ledger_.rescale(ratio);
-    ledger_.replaced(parts_, before, last_, d, terms);
+    return ledger_.replaced(parts_, before, last_, d, terms);
   }
 
   /// Of a contact that lasts: what the tool did up to here counts as done at `by` times its poses. It is no motion of
@@ -190,7 +191,7 @@ private:
     if (size > terms.limit) pull = (terms.limit / size) * pull;
     parts_.end(d, terms);
     ledger_.keep(parts_, pull, d, terms);
-    if (field().is_coupled()) parts_.couple(terms, d, parts_.has_rim() ? parts_.core_force(d, terms) : pull);
+    if (field().is_coupled()) parts_.couple(terms, d, pull);
     return output(State::slide, pose, last_, terms, pull);
   }
 

@@ -87,13 +87,13 @@ public:
     }
     return parts.stored(terms, d);
   }
-  /// For the tool at q, which stood still; sets what is there now.
-  PALPATE_TICK_INLINE void replaced(Parts& parts, double left, const Vec3& q, Deflection& d, DepthTerms& terms) {
+  /// For the tool at q, which stood still; sets what is there now. True where depth was lost.
+  PALPATE_TICK_INLINE bool replaced(Parts& parts, double left, const Vec3& q, Deflection& d, DepthTerms& terms) {
     parts.stand(q, d, terms);
     if constexpr (kFriction) {
       if (tallies()) tally_.shift(d.sideways, parts.lean(terms, d));
     }
-    replaced(parts, left, 0, d, terms);
+    return replaced(parts, left, 0, d, terms);
   }
 
   /// N across n(c) before c slides, of what stretches the parts by `pull`, the core by `core`, and slips `to`. What a

@@ -101,24 +101,30 @@ public:
 
   /// Moves c over the surface until the tool at q, which went `moved` (m) and is deeper by `deepened` (m), is deflected
   /// by `sideways` (m) from it. False where c cannot go on and the anchor does instead: at a corner, where the tool is
-  /// off the body wherever c would go, as beyond the lip of a fold, and in a slow motion wherever c would have to leap.
-  /// To end there would drop the force at once, to leap would turn it, so c stays and the contact lets go as the tool
-  /// moves. A leap it is, too, where c has a foot, but the force would change by far more than by the tool's way: c
-  /// goes after the tool as far as that may be, if it can. `served`: see hand_over().
+  /// off the body wherever c would go, as beyond the lip of a fold, and wherever c would have to leap (in a fast motion
+  /// by more than the tool's way accounts for). To end there would drop the force at once, to leap would turn it, so c
+  /// stays and the contact lets go as the tool moves. A leap it is, too, where c has a foot, but the force would change
+  /// by far more than by the tool's way: c goes after the tool as far as that may be, if it can. `served`: see
+  /// hand_over().
   PALPATE_TICK_INLINE bool follow(const Pose& pose, const Vec3& q, const Vec3& sideways, double force, double moved,
                                   double deepened, const Search* served = nullptr) {
     take_over(held_up_ ? HUGE_VAL : moved);
     Projection found = foot(q, sideways);
-    const bool beyond = found.residual > kBeyond * size(), waits = beyond && slow(moved * moved);
-    if (beyond && !waits && hand_over(pose, q, force, served)) return true;
-    const double before = deflection(q).depth, there = overlap(found, q);
+    const double before = deflection(q).depth, most = kLeap * moved + kLeast * size();
+    bool waits = found.residual > kBeyond * size();
+    if (waits && !slow(moved * moved)) {
+      const Handing next = hand_over(pose, q, before, most, force, served);
+      if (next == Handing::done) return true;
+      waits = next == Handing::waits;
+    }
+    const double there = overlap(found, q);
     bool goes = there > 0 && !waits;
     // The tool touches here as well, and in a slow motion as deep.
     const double least = kFriction && view_->has(layout::feature_friction) && slow(moved * moved) ? before : 0;
     double less = still_subtracted(there, before, least);
     // A hand at rest goes nowhere: what is left of a slip settles.
-    const double most = kLeap * moved + kLeast * size(), change = change_of_force(found.normal, before, there - less);
-    if (change > most * most && goes && moved > 0 && slow(moved * moved)) {
+    const double change = change_of_force(found.normal, before, there - less);
+    if (change > most * most && goes && moved > 0) {
       goes = hold_back(found, less, q, sideways, {before, least, most, std::sqrt(change)});
     }
     if (goes) {
@@ -262,16 +268,23 @@ private:
   /// Blends the responses for the present point of the body and the tool's present orientation.
   void turn(const Vec3& n, const Pose& pose) { stance_.build(at_, n, pose, field_); }
 
+  enum class Handing : std::uint8_t { done, waits, nowhere };
+
   /// c cannot follow along the surface (the tool straddles a fissure or left over an edge): takes the point
-  /// nearest to the tool instead, at a depth that answers with no more than the present force (N). Where that is, a
-  /// tracker's latest search says if there is one: nothing is searched then, and a search that saw nothing, or p
-  /// half a contact's size away, says nothing.
-  [[gnu::noinline]] bool hand_over(const Pose& pose, const Vec3& q, double force, const Search* served) {
-    if (served && !(served->touch.clearance < HUGE_VAL && length(q - point(served->pose)) < 0.5 * size())) return false;
+  /// nearest to the tool instead, at a depth that answers with no more than the present force (N), unless the force
+  /// would change by more than that of a depth of `before` (m) does by `most` (m). Where that is, a tracker's latest
+  /// search says if there is one: nothing is searched then, and a search that saw nothing, or p half a contact's size
+  /// away, says nothing.
+  [[gnu::noinline]] Handing hand_over(const Pose& pose, const Vec3& q, double before, double most, double force,
+                                      const Search* served) {
+    if (served && !(served->touch.clearance < HUGE_VAL && length(q - point(served->pose)) < 0.5 * size())) {
+      return Handing::waits;
+    }
     const Projection found = project(*view_, served ? served->touch.body.at : locate<kFeatures>(*view_, q, at_).at, q);
     // Decided before anything changes: a contact that stays must not lose depth tick by tick.
     const double there = overlap(found, q);
-    if (!found.converged || found.at.triangle == at_.triangle || !(there > 0)) return false;
+    if (!found.converged || found.at.triangle == at_.triangle || !(there > 0)) return Handing::nowhere;
+    if (change_of_force(found.normal, before, std::fmin(there, before)) > most * most) return Handing::waits;
     place(found, pose);
     offset_ = anchored_ = {};
     subtracted_ = 0;
@@ -280,9 +293,9 @@ private:
       field_.set_depth(depth, terms);
       return terms.normal_force - force;
     };
-    if (const double most = excess(there); most > 0) {
+    if (const double above = excess(there); above > 0) {
       // What answers with less is taken.
-      Illinois root{0, -force, there, most};
+      Illinois root{0, -force, there, above};
       double left = force;
       while (root.looks < 40 && root.high - root.low > kExact * there && left > kExact * force) {
         const double depth = root.next(), at = excess(depth);
@@ -291,7 +304,7 @@ private:
       }
       subtract(there - root.low);
     }
-    return true;
+    return Handing::done;
   }
 
   static constexpr double kSlow = 0.05;   // of the depth scale, in a tick: 25 cm/s at 1 kHz where that is 5 mm

@@ -76,7 +76,7 @@ private:
       look(pose, sum);
     }
     for (int k = 0; k < Most; ++k) {
-      if (sum.each[k].touches()) weigh(k, sum);
+      if (sum.each[k].touches()) weigh(k, pose, sum);
     }
     last_ = sum.each;
     return sum;
@@ -109,7 +109,7 @@ private:
   }
 
   /// Adds contact k with the share that its distance from those before it leaves.
-  void weigh(int k, SeveralTick<Most>& sum) {
+  void weigh(int k, const Pose& pose, SeveralTick<Most>& sum) {
     const auto at = static_cast<std::size_t>(k);
     Tick& tick = sum.each[at];
     double share = 1;
@@ -125,7 +125,10 @@ private:
       tick = {};
       return;
     }
-    if (share != share_[at]) contacts_[at].rescaled(share_[at] > 0 ? share / share_[at] : HUGE_VAL);
+    if (share != share_[at] && contacts_[at].rescaled(share_[at] > 0 ? share / share_[at] : HUGE_VAL)) {
+      // What that took is felt in this tick: in the next the hand may rest.
+      tick = contacts_[at].tick_found(pose, none(pose));
+    }
     share_[at] = share;
     tick.force = share * tick.force;
     tick.torque = share * tick.torque;
