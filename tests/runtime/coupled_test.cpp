@@ -202,6 +202,40 @@ TEST(Coupled, DeepeningInOneTickIsNearlyDeepeningInMany) {
   }
 }
 
+// Core and rim go deeper in one go where they can: as each alone.
+TEST(Coupled, TwoPartsSideBySideGoAsEachAlone) {
+  Random random(6);
+  const double lean[2] = {0.7, 1.3};
+  int laws = 0, at_once = 0, coupled = 0;
+  for (int trial = 0; trial < 4000; ++trial) {
+    const Degrees d = every_kind()[static_cast<std::size_t>(trial) % 6];
+    const Law law = law_of(random_coefs(d, random), d);
+    const double t0 = 0.05 * std::pow(20.0, uniform(random, 0, 1)), t1 = t0 * uniform(random, 1, 1.04);
+    const AtDepth from = law.at(t0, true), to = law.at(t1, true);
+    const Vec2 u[2] = {disc(random, 1), disc(random, 0.1)};
+    const runtime::Two leans = runtime::two(lean[0], lean[1]);
+    const Vec2Of<runtime::Two> before{runtime::two(u[0].x, u[1].x), runtime::two(u[0].y, u[1].y)};
+    Vec2Of<runtime::Two> both = before;
+    runtime::Two force{};
+    const bool deeper = law.deepen_at_once(t0, from, t1, to, both, leans),
+               couples = law.couple_at_once(from, before, leans, force);
+    laws += d.order == 2;
+    at_once += deeper;
+    coupled += couples;
+    ASSERT_TRUE(d.order == 2 || !(deeper || couples));
+    for (int k = 0; k < 2; ++k) {
+      const Vec2 alone = deeper ? law.deepen(t0, from, t1, to, u[k], lean[k]) : u[k];
+      ASSERT_NEAR(both.x[k], alone.x, 1e-12) << trial;
+      ASSERT_NEAR(both.y[k], alone.y, 1e-12) << trial;
+      if (!couples) continue;
+      const auto push = [&] { return lean[k] * from.straight + from.energy.gradient(u[k], d.order); };
+      ASSERT_NEAR(force[k], law.coupling(from, u[k], push, lean[k]), 1e-12) << trial;
+    }
+  }
+  EXPECT_GT(at_once, 0.7 * laws);
+  EXPECT_GT(coupled, 0.7 * laws);
+}
+
 TEST(Coupled, NoClosedMotionGainsEnergy) {
   // From no contact to no contact: deeper and less deep under side load, reversals, large and tiny; every clamp off.
   Random random(4);

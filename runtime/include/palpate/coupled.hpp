@@ -62,23 +62,26 @@ public:
   }
   /// The same in place. What the degrees have not is left as it is.
   void set_at(double t, bool rates, AtDepth& d) const {
-    const double s = t < 1 ? t : 1, beyond = t - s;
+    using runtime::Two;
+    const double s = t < 1 ? t : 1;
+    const Two at = runtime::two(s, s), beyond = runtime::two(t - s, t - s);
     const auto sums = rows_.sum(s);
-    const auto part = [&](int column) { return sums.integral(column, s, beyond); };
-    const auto rate = [&](int column) { return sums.rate(column, s); };
-    const auto coupled = [&](int column) { return 0.5 * s * sums.value[column]; };
-    constexpr int kF = Rows::kPush, kG = Rows::kStraight, kK = Rows::kStiffness, kA = Rows::kCoupling;
-    constexpr int kMeanK = Rows::kStiffnessMean, kMeanA = Rows::kCouplingMean;
-    const Vec2 value{sums.value[kG], sums.value[kG + 1]}, rise{sums.rise(kG, s), sums.rise(kG + 1, s)};
+    constexpr int kG = Rows::kStraight, kK = Rows::kStiffness, kA = Rows::kCoupling;
+    constexpr int kScalars = Rows::kStiffnessMean, kMore = Rows::kCouplingMean;
+    static_assert(Rows::kPush == kScalars + 1 && Rows::kLimit == kMore + 1);
+    const Two rise = sums.rise(kG, at), straight = at * at * sums.two(kG) + beyond * rise;
+    const Two rate = sums.rate(kK, at), stiffness = at * sums.two(kK) + beyond * rate;
+    const Two scalars = sums.two(kScalars), scalar_rates = sums.rate(kScalars, at);
+    const Two coupling = 0.5 * at * sums.two(kA);
     d.s = s;
-    d.push = s * s * sums.value[kF] + beyond * sums.rise(kF, s);
-    d.straight = s * s * value + beyond * rise;
-    d.slope = 0.5 * rise;
-    d.energy.square = {part(kMeanK), part(kK), part(kK + 1)};
-    if (rates || careful()) d.rate.square = {rate(kMeanK), rate(kK), rate(kK + 1)};
-    d.coupling = {coupled(kMeanA), coupled(kA), coupled(kA + 1)};
-    d.limit = sums.value[Rows::kLimit];
-    if (order() > 2) set_forms(s, beyond, d);
+    d.push = s * s * scalars[1] + beyond[0] * (scalars[1] + scalar_rates[1]);
+    d.straight = {straight[0], straight[1]};
+    d.slope = {0.5 * rise[0], 0.5 * rise[1]};
+    d.energy.square = {s * scalars[0] + beyond[0] * scalar_rates[0], stiffness[0], stiffness[1]};
+    if (rates || careful()) d.rate.square = {scalar_rates[0], rate[0], rate[1]};
+    d.coupling = {0.5 * s * sums.two(kMore)[0], coupling[0], coupling[1]};
+    d.limit = sums.two(kMore)[1];
+    if (order() > 2) set_forms(s, at, beyond, d);
   }
 
   /// T (N): the hand's sideways push; the force on the tool is -T.
@@ -193,23 +196,25 @@ private:
   [[nodiscard]] bool careful() const { return degrees().straight > 0 || order() > 2; }
 
   /// What is of degree 3 and 4 in u.
-  void set_forms(double s, double beyond, AtDepth& d) const {
-    if (order() == 3) return set_cubic(rows_.sum_cubic(s), s, beyond, d);
+  void set_forms(double s, const runtime::Two& at, const runtime::Two& beyond, AtDepth& d) const {
+    if (order() == 3) return set_cubic(rows_.sum_cubic(s), at, beyond, d);
     const auto sums = rows_.sum_more(s);
-    set_cubic(sums, s, beyond, d);
-    d.energy.m = sums.integral(Rows::kMean, s, beyond), d.rate.m = sums.rate(Rows::kMean, s);
-    set_pair(sums, Rows::kSecond, s, beyond, d.energy.h2, d.rate.h2);
-    set_pair(sums, Rows::kFourth, s, beyond, d.energy.h4, d.rate.h4);
+    set_cubic(sums, at, beyond, d);
+    d.energy.m = sums.integral(Rows::kMean, at, beyond)[0], d.rate.m = sums.rate(Rows::kMean, at)[0];
+    set_pair(sums, Rows::kSecond, at, beyond, d.energy.h2, d.rate.h2);
+    set_pair(sums, Rows::kFourth, at, beyond, d.energy.h4, d.rate.h4);
   }
   template <class Sums>
-  static void set_cubic(const Sums& sums, double s, double beyond, AtDepth& d) {
-    set_pair(sums, Rows::kFirst, s, beyond, d.energy.h1, d.rate.h1);
-    set_pair(sums, Rows::kThird, s, beyond, d.energy.h3, d.rate.h3);
+  static void set_cubic(const Sums& sums, const runtime::Two& at, const runtime::Two& beyond, AtDepth& d) {
+    set_pair(sums, Rows::kFirst, at, beyond, d.energy.h1, d.rate.h1);
+    set_pair(sums, Rows::kThird, at, beyond, d.energy.h3, d.rate.h3);
   }
   template <class Sums>
-  static void set_pair(const Sums& sums, int column, double s, double beyond, Vec2& integral, Vec2& rate) {
-    integral = {sums.integral(column, s, beyond), sums.integral(column + 1, s, beyond)};
-    rate = {sums.rate(column, s), sums.rate(column + 1, s)};
+  static void set_pair(const Sums& sums, int column, const runtime::Two& at, const runtime::Two& beyond, Vec2& integral,
+                       Vec2& rate) {
+    const runtime::Two of = sums.integral(column, at, beyond), by = sums.rate(column, at);
+    integral = {of[0], of[1]};
+    rate = {by[0], by[1]};
   }
 
   /// r.

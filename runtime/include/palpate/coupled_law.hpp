@@ -103,7 +103,7 @@ public:
     double normal, limit;
     Vec2 sideways;
   };
-  [[nodiscard, gnu::noinline]] Force force(double z, const Vec2& deflection) const {
+  [[nodiscard]] Force force(double z, const Vec2& deflection) const {
     AtDepth d;
     law_.set_at(law_.abscissa(z), false, d);
     const Vec2 u = per_scale_ * deflection, push = law_.push(d, u);

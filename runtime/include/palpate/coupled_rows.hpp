@@ -4,6 +4,7 @@
 
 #include "palpate/coupled_energy.hpp"
 #include "palpate/coupled_layout.hpp"
+#include "palpate/lanes.hpp"
 
 #include <type_traits>
 
@@ -13,8 +14,9 @@ namespace palpate::coupled {
 /// of its own for each. Those that an energy is made of are kept as their integrals, divided by s. Fixed size.
 class Rows {
 public:
+  using Two = runtime::Two;
   /// Of the forms of degree 2, and with the straight push; with slopes: the first kSloped. Harmonics are pairs of
-  /// columns that begin at even ones, and scalars lie by twos: so they turn side by side.
+  /// columns that begin at even ones, and scalars lie by twos: so they turn, and are summed, side by side.
   enum Column {
     kStraight = 0,
     kStiffness = 2,
@@ -31,15 +33,17 @@ public:
   /// Of the first columns P, each a polynomial in s, and dP/ds; columns with slopes alone have rates and integrals.
   template <int Columns, int Sloped>
   struct Sums {
-    double value[Columns], slope[Sloped];
+    Two value[Columns / 2], slope[Sloped / 2];
 
+    /// Of the column that is given and the next, all of these.
+    [[nodiscard]] const Two& two(int column) const { return value[column / 2]; }
     /// d(s^2 P)/ds over s.
-    [[nodiscard]] double rise(int column, double s) const { return 2 * value[column] + s * slope[column]; }
+    [[nodiscard]] Two rise(int column, const Two& s) const { return 2.0 * two(column) + s * slope[column / 2]; }
     /// d(s P)/ds.
-    [[nodiscard]] double rate(int column, double s) const { return value[column] + s * slope[column]; }
+    [[nodiscard]] Two rate(int column, const Two& s) const { return two(column) + s * slope[column / 2]; }
     /// s P, continued by `beyond` times its rate.
-    [[nodiscard]] double integral(int column, double s, double beyond) const {
-      return s * value[column] + beyond * rate(column, s);
+    [[nodiscard]] Two integral(int column, const Two& s, const Two& beyond) const {
+      return s * two(column) + beyond * rate(column, s);
     }
   };
 
@@ -124,7 +128,7 @@ public:
   [[nodiscard]] double push(int k) const { return at_[k].of[kPush]; }
 
 private:
-  struct Row {
+  struct alignas(16) Row {
     double of[kColumns];
   };
 
@@ -238,11 +242,13 @@ private:
   /// Horner's rule, and of the first columns the derivative's.
   template <int Columns, int Sloped>
   static Sums<Columns, Sloped> add_up(const Row* rows, int count, double s) {
+    const Two at = runtime::two(s, s);
+    const auto column = [](const Row& row, int i) { return runtime::two(row.of[2 * i], row.of[2 * i + 1]); };
     Sums<Columns, Sloped> sums{};  // in registers until all are added
-    for (int c = 0; c < Columns; ++c) sums.value[c] = rows[count - 1].of[c];
+    for (int i = 0; i < Columns / 2; ++i) sums.value[i] = column(rows[count - 1], i);
     for (int k = count - 2; k >= 0; --k) {
-      for (int c = 0; c < Sloped; ++c) sums.slope[c] = sums.slope[c] * s + sums.value[c];
-      for (int c = 0; c < Columns; ++c) sums.value[c] = sums.value[c] * s + rows[k].of[c];
+      for (int i = 0; i < Sloped / 2; ++i) sums.slope[i] = sums.slope[i] * at + sums.value[i];
+      for (int i = 0; i < Columns / 2; ++i) sums.value[i] = sums.value[i] * at + column(rows[k], i);
     }
     return sums;
   }

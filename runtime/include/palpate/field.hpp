@@ -218,26 +218,42 @@ public:
 
   /// Force of a whole deflection p - c (m, body frame), sticking. Zero where its depth is not positive.
   [[nodiscard]] FieldForce force(const Vec3& deflection) const {
-    const double depth = -dot(deflection, normal_);
-    if (!(depth > 0)) return {};
     if constexpr (kCoupled) {
-      if (is_coupled()) {
-        const CoupledLaw::Force answer = coupled_.force(depth, in_plane(deflection));
-        return whole(depth, answer.normal, in_space(answer.sideways), answer.limit);
-      }
+      if (is_coupled()) return coupled_force(deflection);
     }
+    FieldForce result;
+    const double depth = -dot(deflection, normal_);
+    if (!(depth > 0)) return result;
     DepthTerms terms;
     separable_.at_depth(depth, terms);
-    const Vec3 across = terms.straight + in_space(separable_.sideways(terms, in_plane(deflection), Part::core));
-    return whole(depth, terms.normal_force, across, terms.limit);
+    result.tangential = terms.straight + in_space(separable_.sideways(terms, in_plane(deflection), Part::core));
+    result.normal = terms.normal_force;
+    result.limit = terms.limit;
+    end(depth, result);
+    return result;
   }
 
   /// The file's responses are of the coupled model.
   [[nodiscard]] bool is_coupled() const { return kCoupled && view_->coupled; }
 
 private:
-  [[nodiscard]] FieldForce whole(double depth, double along, const Vec3& across, double limit) const {
-    return {along * normal_ + across, across, along, limit, depth, depth > limit_ * kLimitSlack};
+  /// The rest of what the normal and the sideways force at a depth make.
+  PALPATE_TICK_INLINE void end(double depth, FieldForce& result) const {
+    result.force = result.normal * normal_ + result.tangential;
+    result.depth = depth;
+    result.beyond = depth > limit_ * kLimitSlack;
+  }
+
+  [[nodiscard, gnu::noinline]] FieldForce coupled_force(const Vec3& deflection) const {
+    FieldForce result;
+    const double depth = -dot(deflection, normal_);
+    if (!(depth > 0)) return result;
+    const CoupledLaw::Force answer = coupled_.force(depth, in_plane(deflection));
+    result.tangential = in_space(answer.sideways);
+    result.normal = answer.normal;
+    result.limit = answer.limit;
+    end(depth, result);
+    return result;
   }
 
   /// The sites and tool vertices of a contact.
