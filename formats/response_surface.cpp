@@ -129,7 +129,7 @@ private:
   // points instead of rays). A third at least lies on either side, so the depth is below twice log2 of their number.
   [[nodiscard]] Split best_split(std::uint32_t begin, std::uint32_t end) {
     const std::uint32_t least = (end - begin) / 3;
-    Split best;
+    Split best{0, begin + (end - begin) / 2};
     double cost = std::numeric_limits<double>::infinity();
     for (int axis = 0; axis < 3; ++axis) {
       const std::vector<std::uint32_t>& order = orders_[axis];

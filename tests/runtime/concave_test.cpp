@@ -251,6 +251,38 @@ TEST(Concave, ABallRollsIntoACornerWithoutAStep) {
   }
 }
 
+// Strokes of up to 2.5 mm a tick over edges and out of pockets: c waited at an edge, took the tool that had left the
+// body for one that went on deeper under its plane, and pushed it 30 mm off with ever more.
+TEST(Concave, AFastToolThatLeftTheBodyIsLetGo) {
+  for (const ConcaveShape& shape : concave_shapes()) {
+    if (shape.name == "sheet") continue;  // so thin that a stroke passes it
+    const Rough body(shape, 0, true);
+    std::mt19937 random(3);
+    const auto uniform = [&](double low, double high) {
+      return std::uniform_real_distribution<double>(low, high)(random);
+    };
+    for (int run = 0; run < 120; ++run) {
+      Contact contact(body.view, 0);
+      const double stride = std::pow(10, uniform(-3.5, -2.6));
+      Vec3 at{uniform(-1, 1) * shape.reach, uniform(-1, 1) * 0.005, 0.03}, way{0, 0, -1};
+      for (int i = 0; i < 400; ++i) {
+        if (i % 37 == 36) way = random_direction(random);
+        const runtime::Location near = locate(body.view, at);
+        // Back where it is deeper than a sheet is thick, or far off.
+        if (near.signed_distance < 0.2 * kTipRadius || near.signed_distance > 0.03) {
+          way =
+              (near.signed_distance < 0 || near.signed_distance > 0.03 ? 1.0 : -1.0) * unit(near.point - at, {0, 0, 1});
+        }
+        at = at + stride * way;
+        const double off = locate(body.view, at).signed_distance - kTipRadius;
+        const Tick tick = contact.tick(upright(at));
+        ASSERT_FALSE(off > kDepthScale && length(tick.force) > 0.05)
+            << shape.name << ' ' << run << ' ' << i << ": " << length(tick.force) << " N, " << off << " m off";
+      }
+    }
+  }
+}
+
 // Of a tool that touches at several places one leaps to where another is: they merge as the tool moves, and what pushes
 // more goes on. The other's push was gone at once.
 TEST(Concave, ContactsThatMeetAtOnceMergeAsTheToolMoves) {

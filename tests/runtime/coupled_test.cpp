@@ -236,6 +236,26 @@ TEST(Coupled, TwoPartsSideBySideGoAsEachAlone) {
   EXPECT_GT(coupled, 0.7 * laws);
 }
 
+// Along a line that nothing resists an anchor has no reason to move.
+TEST(Coupled, WhatNothingResistsStaysAsItGoesDeeper) {
+  const Degrees d{2, 4, 4, 2, 0, 0, 0};
+  const Places p = places(d);
+  for (const double stiffness : {0.0, 1.0}) {
+    std::vector<double> coefs(static_cast<std::size_t>(count(d)), 0.0);
+    for (int k = 0; k < p.straight; ++k) coefs[k] = 1 + k;
+    for (int k = p.straight; k < p.stiffness; ++k) coefs[k] = 0.4;
+    for (int i = 0; i <= d.stiffness; ++i) {
+      coefs[p.stiffness + 3 * i] = coefs[p.stiffness + 3 * i + 1] = stiffness;  // along x, or nowhere
+    }
+    const Law law = law_of(coefs, d);
+    for (const double t : {0.1, 0.5, 1.2}) {
+      const Vec2 u{0.3, -0.4}, kept = law.deepen(t, t * (1 + 1e-9), u);
+      EXPECT_NEAR(kept.x, u.x, 1e-6) << stiffness << ' ' << t;
+      EXPECT_NEAR(kept.y, u.y, 1e-6) << stiffness << ' ' << t;
+    }
+  }
+}
+
 TEST(Coupled, NoClosedMotionGainsEnergy) {
   // From no contact to no contact: deeper and less deep under side load, reversals, large and tiny; every clamp off.
   Random random(4);

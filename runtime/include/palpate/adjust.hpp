@@ -59,9 +59,9 @@ public:
 
   /// Contact::tick, `seconds` after the one before. Behind a virtual coupling tie.tick(contact, pose, seconds,
   /// seconds).
-  Tick tick(const Pose& pose, double seconds) { return scaled(contact_.tick(pose), seconds); }
+  Tick tick(const Pose& pose, double seconds) { return scaled(pose, contact_.tick(pose), seconds); }
   Tick tick(const Pose& pose, double seconds, const Search& latest) {
-    return scaled(contact_.tick(pose, latest), seconds);
+    return scaled(pose, contact_.tick(pose, latest), seconds);
   }
 
   /// The factor of the last tick in contact.
@@ -76,7 +76,7 @@ private:
     double scale = 1;
   };
 
-  Tick scaled(Tick tick, double seconds) {
+  Tick scaled(const Pose& pose, Tick tick, double seconds) {
     if (!tick.touches()) {
       touching_ = false;
       return tick;
@@ -86,7 +86,7 @@ private:
     const double before = touching_ ? scale_ : wanted;
     scale_ = touching_ ? std::fmin(std::fmax(wanted, before - most), before + most) : wanted;
     touching_ = true;
-    if (scale_ != before) contact_.rescaled(before > 0 ? scale_ / before : HUGE_VAL);
+    if (scale_ != before) contact_.rescaled(before > 0 ? scale_ / before : HUGE_VAL, pose, tick);
     tick.force = scale_ * tick.force;
     tick.torque = scale_ * tick.torque;
     if (std::isfinite(tick.friction_limit)) tick.friction_limit *= scale_;

@@ -83,8 +83,10 @@ public:
 
   /// For a host that multiplies forces: from now on by `ratio` (>= 0, infinite where the factor was 0) times what it
   /// was in the last tick. What is stored more by that is no work of the hand. With a factor of 0 stored() and owed()
-  /// mean nothing. True where depth was lost for it: the force is less than that, which a tick with the same pose says.
-  bool rescaled(double ratio) { return hold_.lasts() && ratio > 0 && hold_.rescaled(ratio); }
+  /// mean nothing. Where depth is lost for it, `tick`, which was the last, with this pose, becomes what is felt then.
+  void rescaled(double ratio, const Pose& pose, Tick& tick) {
+    if (hold_.lasts() && ratio > 0) hold_.rescaled(ratio, pose, tick);
+  }
 
   /// For a host whose body changes its shape: what the tool did up to here was, in the body's frame, done at `by` times
   /// the poses that were told. The contact stays where it is on the body.

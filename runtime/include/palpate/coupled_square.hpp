@@ -35,11 +35,11 @@ template <class Number>
           loss * loss - dot(force, force) * dot(moved.of, moved.of)};
 }
 
-/// u at another depth such that T - g stays.
+/// u at another depth such that T - g stays, and what of u lies where nothing resists.
 template <class Number>
 [[nodiscard]] inline Vec2Of<Number> held(const AtDepth& from, const AtDepth& to, const Vec2Of<Number>& u) {
-  const Quotient<Number> there = quotient(to.energy.square, times(from.energy.square, u));
-  return (1 / there.by) * there.of;
+  const Quotient<Number> less = quotient(to.energy.square, times(to.energy.square, u) - times(from.energy.square, u));
+  return u - (1 / less.by) * less.of;
 }
 
 /// u after the tool went deeper by one `step` of t. False, and u as it was, where r is more than |T| h or the anchor

@@ -107,14 +107,15 @@ public:
   [[nodiscard]] double lost() const { return ledger_.lost(); }
 
   /// Forces are `ratio` (above 0, infinite where there were none) times what they were in the last tick from now on.
-  /// True where depth was lost for it: then they are less.
-  bool rescaled(double ratio) {
+  /// Where depth is lost for it, `tick`, which was the last, becomes what is felt at its pose then, c at rest.
+  void rescaled(double ratio, const Pose& pose, Tick& tick) {
     Deflection d;
     DepthTerms terms;
     parts_.stand(last_, d, terms);
     const double before = ledger_.leave(parts_, terms, d) / ratio;
     ledger_.rescale(ratio);
-    return ledger_.replaced(parts_, before, last_, d, terms);
+    if (!ledger_.replaced(parts_, before, last_, d, terms)) return;
+    tick = d.depth > 0 ? settle(tick.state, pose, less_held(d, terms), d, terms) : begun(pose);
   }
 
   /// Of a contact that lasts: what the tool did up to here counts as done at `by` times its poses. It is no motion of
@@ -183,16 +184,26 @@ private:
       pull = give_way(parts_.core_force(d, terms), d, terms, went);
       if (ledger_.slid(parts_, at_first, pull, way, d, terms)) {
         if (!(d.depth > 0)) return release(d);
-        // Friction holds less there now. The rest gives way in this tick: in the next the hand may rest.
-        pull = ledger_.rub(parts_, d, terms, [&] { return give_way(parts_.core_force(d, terms), d, terms, false); });
+        pull = less_held(d, terms);
       }
     }
+    return settle(State::slide, pose, pull, d, terms);
+  }
+
+  /// The tick ends, sideways with `pull` (N) or what friction holds of it.
+  Tick settle(State state, const Pose& pose, Vec3 pull, const Deflection& d, DepthTerms& terms) {
     const double size = length(pull);
     if (size > terms.limit) pull = (terms.limit / size) * pull;
     parts_.end(d, terms);
     ledger_.keep(parts_, pull, d, terms);
     if (field().is_coupled()) parts_.couple(terms, d, pull);
-    return output(State::slide, pose, last_, terms, pull);
+    return output(state, pose, last_, terms, pull);
+  }
+
+  /// N, sideways, after a loss of depth: what friction holds no more gives way in the same tick, for in the next the
+  /// hand may rest.
+  Vec3 less_held(Deflection& d, const DepthTerms& terms) {
+    return ledger_.rub(parts_, d, terms, [&] { return give_way(parts_.core_force(d, terms), d, terms, false); });
   }
 
   /// Where a new place holds clearly less of the `core` (N) there than friction held at the old one, the rest gives way

@@ -111,18 +111,14 @@ public:
     take_over(held_up_ ? HUGE_VAL : moved);
     Projection found = foot(q, sideways);
     const double before = deflection(q).depth, most = kLeap * moved + kLeast * size();
-    bool waits = found.residual > kBeyond * size();
-    if (waits && !slow(moved * moved)) {
-      const Handing next = hand_over(pose, q, before, most, force, served);
-      if (next == Handing::done) return true;
-      waits = next == Handing::waits;
-    }
+    const bool waits = found.residual > kBeyond * size();
+    if (waits && !slow(moved * moved) && hand_over(pose, q, before, most, force, served)) return true;
     const double there = overlap(found, q);
     bool goes = there > 0 && !waits;
     // The tool touches here as well, and in a slow motion as deep.
     const double least = kFriction && view_->has(layout::feature_friction) && slow(moved * moved) ? before : 0;
     double less = still_subtracted(there, before, least);
-    // A hand at rest goes nowhere: what is left of a slip settles.
+    // Of a hand at rest what is left of a slip settles.
     const double change = change_of_force(found.normal, before, there - less);
     if (change > most * most && goes && moved > 0) {
       goes = hold_back(found, less, q, sideways, {before, least, most, std::sqrt(change)});
@@ -268,26 +264,25 @@ private:
   /// Blends the responses for the present point of the body and the tool's present orientation.
   void turn(const Vec3& n, const Pose& pose) { stance_.build(at_, n, pose, field_); }
 
-  enum class Handing : std::uint8_t { done, waits, nowhere };
-
   /// c cannot follow along the surface (the tool straddles a fissure or left over an edge): takes the point
   /// nearest to the tool instead, at a depth that answers with no more than the present force (N), unless the force
   /// would change by more than that of a depth of `before` (m) does by `most` (m). Where that is, a tracker's latest
   /// search says if there is one: nothing is searched then, and a search that saw nothing, or p half a contact's size
   /// away, says nothing.
-  [[gnu::noinline]] Handing hand_over(const Pose& pose, const Vec3& q, double before, double most, double force,
-                                      const Search* served) {
+  [[gnu::noinline]] bool hand_over(const Pose& pose, const Vec3& q, double before, double most, double force,
+                                   const Search* served) {
     if (served && !(served->touch.clearance < HUGE_VAL && length(q - point(served->pose)) < 0.5 * size())) {
-      return Handing::waits;
+      return false;
     }
     const Projection found = project(*view_, served ? served->touch.body.at : locate<kFeatures>(*view_, q, at_).at, q);
-    // Decided before anything changes: a contact that stays must not lose depth tick by tick.
+    // Decided before anything changes: what stays is as it was.
     const double there = overlap(found, q);
-    if (!found.converged || found.at.triangle == at_.triangle || !(there > 0)) return Handing::nowhere;
-    if (change_of_force(found.normal, before, std::fmin(there, before)) > most * most) return Handing::waits;
+    if (!found.converged || found.at.triangle == at_.triangle || !(there > 0)) return false;
+    if (change_of_force(found.normal, before, std::fmin(there, before)) > most * most) return false;
     place(found, pose);
     offset_ = anchored_ = {};
     subtracted_ = 0;
+    held_up_ = false;
     DepthTerms terms;
     const auto excess = [&](double depth) {
       field_.set_depth(depth, terms);
@@ -304,7 +299,7 @@ private:
       }
       subtract(there - root.low);
     }
-    return Handing::done;
+    return true;
   }
 
   static constexpr double kSlow = 0.05;   // of the depth scale, in a tick: 25 cm/s at 1 kHz where that is 5 mm

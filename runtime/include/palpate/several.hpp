@@ -125,10 +125,7 @@ private:
       tick = {};
       return;
     }
-    if (share != share_[at] && contacts_[at].rescaled(share_[at] > 0 ? share / share_[at] : HUGE_VAL)) {
-      // What that took is felt in this tick: in the next the hand may rest.
-      tick = contacts_[at].tick_found(pose, none(pose));
-    }
+    if (share != share_[at]) contacts_[at].rescaled(share_[at] > 0 ? share / share_[at] : HUGE_VAL, pose, tick);
     share_[at] = share;
     tick.force = share * tick.force;
     tick.torque = share * tick.torque;
