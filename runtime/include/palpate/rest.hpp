@@ -175,14 +175,12 @@ public:
     if (length(there.point - from) > 1e-9 * probe()) {
       Vec3 q = pose.apply(there.point);
       Projection to = foot(q, d.sideways);
-      if (stance_.is_profile()) {
-        // On a sharp edge p may cross the deepest place: there c and p would go to and fro.
-        const double before = pose.along_axis(field_.normal()), after = pose.along_axis(to.normal);
-        if (before * after < 0) {
-          there.point = from + before / (before - after) * (there.point - from);
-          q = pose.apply(there.point);
-          to = foot(q, d.sideways);
-        }
+      // On a sharp edge p may cross the deepest place: there c and p would go to and fro.
+      const Vec3 way = pose.rotate(there.point - from);
+      const double before = dot(way, field_.normal()), after = dot(way, to.normal);
+      if (before * after < 0 && stance_.shorten(before / (before - after), there)) {
+        q = pose.apply(there.point);
+        to = foot(q, d.sideways);
       }
       const double gained = overlap(to, q) - subtracted_ - d.depth;
       if (to.converged && gained >= 0) {

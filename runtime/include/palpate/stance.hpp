@@ -47,7 +47,6 @@ public:
   [[nodiscard]] const Vec3& in_tool() const { return point_; }
   /// m, from p to the skin.
   [[nodiscard]] double probe() const { return probe_; }
-  [[nodiscard]] bool is_profile() const { return profile_; }
   /// What answers depends on how the tool lies.
   [[nodiscard]] bool lies() const { return lies_; }
 
@@ -100,6 +99,14 @@ public:
   [[nodiscard]] ToolPlace next(const Pose& pose, const Vec3& n) const {
     if (run_.runs()) return run_.next();
     return {on_tool_, {0, 0, profile_ ? along(pose.along_axis(n)) : point_.z}};
+  }
+  /// Takes a share of the way to there instead; not where that leads round a corner of a mesh tool.
+  [[nodiscard]] bool shorten(double share, ToolPlace& there) const {
+    if (there.at.patch != on_tool_.patch) return false;
+    const double left = 1 - share;
+    there.point = left * point_ + share * there.point;
+    for (int k = 0; k < 3; ++k) there.at.weights[k] = left * on_tool_.weights[k] + share * there.at.weights[k];
+    return true;
   }
   /// p is there from now on.
   void go_to(const ToolPlace& place) {
