@@ -234,15 +234,17 @@ private:
     double x[4], y[4];
   };
   [[nodiscard, gnu::noinline]] Straight blended_straight(int first) const {
-    Straight sum = {};
+    double sum[8] = {0, 0, 0, 0, 0, 0, 0, 0};
     for (int j = 0; j < responses_; ++j) {
       const From& from = from_[j];
       const float *x = from.coefs + meta_->normal_coefs + first, *y = x + meta_->lateral_coefs;
       const double cosine = from.weight * from.cosine, sine = from.weight * from.sine;
-      for (int k = 0; k < 4; ++k) sum.x[k] += cosine * x[k] - sine * y[k];
-      for (int k = 0; k < 4; ++k) sum.y[k] += sine * x[k] + cosine * y[k];
+      for (int k = 0; k < 4; ++k) {
+        sum[k] = sum[k] + cosine * x[k] - sine * y[k];  // in this order a multiplication and an addition are one
+        sum[4 + k] = sum[4 + k] + sine * x[k] + cosine * y[k];
+      }
     }
-    return sum;
+    return {{sum[0], sum[1], sum[2], sum[3]}, {sum[4], sum[5], sum[6], sum[7]}};
   }
 
   void blend_push(int first) const {
