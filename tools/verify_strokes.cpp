@@ -12,6 +12,7 @@
 #include "tools/play.hpp"
 #include "tools/plot.hpp"
 #include "tools/response_input.hpp"
+#include "tools/tick_bench.hpp"
 #include "tools/verify_checks.hpp"
 
 #include <fmt/format.h>

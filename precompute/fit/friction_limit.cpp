@@ -17,6 +17,15 @@ struct Sum {
   [[nodiscard]] double mean() const { return total / count; }
 };
 
+// Straight pushes by their depth.
+std::map<double, const Sample*> straight_pushes(const std::vector<Sample>& samples) {
+  std::map<double, const Sample*> all;
+  for (const Sample& s : samples) {
+    if (s.kind == SampleKind::normal) all[s.deflection.z()] = &s;
+  }
+  return all;
+}
+
 // Solved over foretold by depth. A slipping push has the depth of the straight one that it began from, bit by bit.
 // Tissue still piles up before a tool that has just begun to slide: of a depth's pushes only what was drawn furthest
 // counts.
@@ -27,12 +36,15 @@ std::vector<std::pair<double, double>> corrections(const std::vector<Sample>& sa
     double& reach = furthest[s.deflection.z()];
     reach = std::max(reach, s.deflection.head<2>().norm());
   }
+  const std::map<double, const Sample*> straight = straight_pushes(samples);
   std::map<double, Sum> solved;
   for (const Sample& s : samples) {
     if (s.kind != SampleKind::slipping || !(s.friction_limit > 0)) continue;
     if (s.deflection.head<2>().norm() < kFurthest * furthest[s.deflection.z()]) continue;
+    const auto from = straight.find(s.deflection.z());
+    if (from == straight.end()) continue;
     Sum& sum = solved[s.deflection.z()];
-    sum.total += s.friction_limit;
+    sum.total += solved_limit(s, *from->second);
     ++sum.count;
   }
   std::vector<std::pair<double, double>> all{{0.0, 1.0}};

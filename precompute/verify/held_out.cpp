@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <mutex>
 #include <numbers>
 #include <random>
@@ -148,9 +149,14 @@ void solve(const Scene& scene, const Body& body, const Tool& tool, HeldOut& cont
   contact.cause = result.outcome.cause;
   if (!contact.accepted) return;
   std::optional<Vector3d> from;
+  std::map<double, const Sample*> straight;  // by depth
   for (const Sample& s : result.samples) {
+    if (s.kind == SampleKind::normal) straight[s.deflection.z()] = &s;
     if (s.kind == SampleKind::slipping) {
-      if (s.friction_limit > 0) contact.limits.push_back({s.deflection.z(), s.friction_limit, 0.0, 0.0});
+      const auto before = straight.find(s.deflection.z());
+      if (s.friction_limit > 0 && before != straight.end()) {
+        contact.limits.push_back({s.deflection.z(), solved_limit(s, *before->second), 0.0, 0.0});
+      }
       continue;
     }
     ForcePair f;

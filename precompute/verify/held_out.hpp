@@ -40,7 +40,7 @@ struct ForcePair {
 /// Where a contact that is drawn sideways slips as a whole.
 struct LimitPair {
   double depth = 0.0;   ///< m
-  double solved = 0.0;  ///< sideways over normal force
+  double solved = 0.0;  ///< solved_limit()
   double baked = 0.0;
   double error = 0.0;  ///< |baked - solved| / solved
 };

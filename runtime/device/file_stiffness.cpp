@@ -63,13 +63,14 @@ void search(const Field& field, const View& view, FileStiffness& best, std::uint
   const double step = 1e-5 * view.meta->depth_scale;
   for (int i = 1; i <= kDepths; ++i) {
     const double depth = field.depth_limit() * i / kDepths;
+    const Vec3 straight = field.force(-depth * n).tangential;
     for (int way = 0; way <= kWays; ++way) {
       const double angle = 2 * kPi * way / kWays;
       const double far = way == 0 ? 0 : 0.5 * view.meta->sideways_scale;
       if (way > 0 && !(far > 0)) break;
       const Vec3 deflection = far * (std::cos(angle) * x + std::sin(angle) * y) - depth * n;
       const runtime::FieldForce force = field.force(deflection);
-      if (way > 0 && length(force.tangential) > force.limit) continue;
+      if (way > 0 && length(force.tangential - straight) > force.limit) continue;
       const Slope here = slope(field, deflection, step);
       if (here.norm > best.slope.norm) best = {here, tool, site, vertex, depth, far};
     }

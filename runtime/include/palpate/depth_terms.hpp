@@ -6,6 +6,8 @@
 #include "palpate/lanes.hpp"
 #include "palpate/math3.hpp"
 
+#include <cmath>
+
 namespace palpate::runtime {
 
 /// Of a contact (rim.hpp).
@@ -19,7 +21,7 @@ inline constexpr int kLayersUnspun = 3, kMostLayers = 9;
 struct DepthTerms {
   double depth = 0;         ///< m
   double normal_force = 0;  ///< N along n(c)
-  double limit = 0;         ///< N, largest tangential force: mu(depth) Fn; infinite in a frictionless file
+  double limit = 0;         ///< N, what friction holds: mu(depth) Fn; infinite in a frictionless file
   Vec3 straight;            ///< N, sideways force of the straight push, across n(c)
   union {
     Lanes<6> growth[kMostLayers];  ///< N, of the separable model, as many as it has layers
@@ -27,5 +29,19 @@ struct DepthTerms {
   };
   bool beyond = false;  ///< deeper than this pair was sampled
 };
+
+/// N, about which friction holds its limit: the sideways force of a straight push, for that is mostly how the tissue
+/// lies against the tool's flanks (a lump to one side, a slope), and no friction. The forces of a contact that is drawn
+/// every way show it as their middle. Of more than the limit only so much, lest sideways forces drive a slide.
+inline Vec3 friction_centre(const DepthTerms& terms) {
+  const double square = dot(terms.straight, terms.straight), limit = terms.limit;
+  return square > limit * limit ? (limit / std::sqrt(square)) * terms.straight : terms.straight;
+}
+/// What is left of a sideways force (N) where friction holds `limit` (N) about a centre.
+inline Vec3 within_limit(const Vec3& pull, const Vec3& centre, double limit) {
+  const Vec3 friction = pull - centre;
+  const double size = length(friction);
+  return size > limit ? centre + (limit / size) * friction : pull;
+}
 
 }  // namespace palpate::runtime

@@ -77,7 +77,7 @@ public:
       const Vec3 core = parts_.core(d, terms);
       const Vec3 pull = parts_.has_rim() ? with_rim(core, d, terms) : core;
       if (ledger_.tell(parts_, pull, core, d, terms)) continue;
-      if (length(core) > parts_.limit(terms) * (1 + 1e-9)) {
+      if (length(parts_.friction(core, terms)) > parts_.limit(terms) * (1 + 1e-9)) {
         const Slipped to = parts_.slipped(d, terms, core, begins_);
         return slide(pose, d, to, terms, way, depth, ledger_.bears(parts_, pull, core, to), served);
       }
@@ -192,8 +192,7 @@ private:
 
   /// The tick ends, sideways with `pull` (N) or what friction holds of it.
   Tick settle(State state, const Pose& pose, Vec3 pull, const Deflection& d, DepthTerms& terms) {
-    const double size = length(pull);
-    if (size > terms.limit) pull = (terms.limit / size) * pull;
+    pull = within_limit(pull, friction_centre(terms), terms.limit);
     parts_.end(d, terms);
     ledger_.keep(parts_, pull, d, terms);
     if (field().is_coupled()) parts_.couple(terms, d, pull);
@@ -212,7 +211,8 @@ private:
   PALPATE_TICK_INLINE Vec3 give_way(Vec3 core, Deflection& d, const DepthTerms& terms, bool went) {
     if constexpr (kFriction) {
       const double most = parts_.limit(terms) * (went ? 1.001 : 1 + 1e-9);
-      for (int turn = 0; turn < parts_.kMostSlips && length(core) > most; ++turn) {  // once, but after a leap
+      for (int turn = 0; turn < parts_.kMostSlips && length(parts_.friction(core, terms)) > most;
+           ++turn) {  // once, but after a leap
         const Slipped to = parts_.slipped(d, terms, core, true);
         parts_.leave_core(d, to.deflection);
         core = to.force;

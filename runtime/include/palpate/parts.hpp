@@ -58,9 +58,9 @@ public:
       e = rim_deflection(d);
       pull = rim.straight + field().sideways(terms, e, Part::rim);
     }
-    if (length(pull) > rim.limit) {
+    if (length(pull - rim.centre) > rim.limit) {
       // Once, but after a leap: where the force across its line is more than friction holds, it goes on that way.
-      for (int turn = 0; turn < kMostSlips && length(pull) > rim.limit; ++turn) {
+      for (int turn = 0; turn < kMostSlips && length(pull - rim.centre) > rim.limit; ++turn) {
         const Slipped to = slip(field(), terms, rim, e, pull);
         e = to.holds ? to.deflection : d.sideways;
         pull = to.holds ? to.force : rim.straight + field().sideways(terms, e, Part::rim);
@@ -70,13 +70,16 @@ public:
     return rim_.mean(core, pull);
   }
 
-  /// N that friction holds of the core.
+  /// N of the core's sideways force that friction bears.
+  [[nodiscard]] PALPATE_TICK_INLINE Vec3 friction(const Vec3& core, const DepthTerms& terms) const {
+    return core - centre(terms);
+  }
+  /// N that it holds.
   [[nodiscard]] double limit(const DepthTerms& terms) const { return rim_.core_limit() * terms.limit; }
 
   /// The core's of a contact that slides: it comes to rest at its limit, or so near above that it is taken for that.
   [[nodiscard]] Vec3 at_limit(const Vec3& core, const DepthTerms& terms) const {
-    const double most = limit(terms), size = length(core);
-    return size > most ? (most / size) * core : core;
+    return within_limit(core, centre(terms), limit(terms));
   }
 
   /// m, sideways, of the rim.
@@ -177,6 +180,7 @@ public:
   void rebase(const Pose& by) { rest_.rebase(by); }
 
 private:
+  [[nodiscard]] Vec3 centre(const DepthTerms& terms) const { return rim_.core_limit() * friction_centre(terms); }
   [[nodiscard]] Vec3 straight_of_core(const DepthTerms& terms) const {
     return rim_.present() ? rim_.core_limit() * terms.straight : terms.straight;
   }
@@ -184,7 +188,12 @@ private:
   /// What holds as much of the contact's friction limit bears as much of a straight push.
   [[nodiscard]] Slips slips(Part part, const DepthTerms& terms) const {
     const double limit = part == Part::rim ? rim_.limit() : rim_.core_limit();
-    return {part, limit * terms.straight, limit * terms.limit, view_->meta->sideways_scale, part == Part::rim};
+    return {part,
+            limit * terms.straight,
+            limit * friction_centre(terms),
+            limit * terms.limit,
+            view_->meta->sideways_scale,
+            part == Part::rim};
   }
 
   PALPATE_TICK_INLINE void deeper(Deflection& d, const DepthTerms& terms) {

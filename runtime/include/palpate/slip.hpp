@@ -15,16 +15,16 @@ struct Slipped {
 };
 
 /// Whatever slips of a contact: `straight` (N) is the sideways force that it bears of a straight push, `limit` (N) what
-/// friction holds, `scale` the file's sideways scale (m).
+/// friction holds about `centre` (N), `scale` the file's sideways scale (m).
 struct Slips {
   Part part;
-  Vec3 straight;
+  Vec3 straight, centre;
   double limit, scale;
   bool at_once;  ///< what lies across the line counts in the limit: there is no next tick of sliding to come to rest in
 };
 
-/// The sideways deflection at which friction holds: the anchor gives way against the force until then, from the
-/// deflection `from` (m) and its sideways force (N), that of the straight push included. The force along that line
+/// The sideways deflection at which friction holds: the anchor gives way against what friction bears until then, from
+/// the deflection `from` (m) and its sideways force (N), that of the straight push included. The force along that line
 /// never grows on the way, so the root is bracketed.
 template <class AnyField>
 [[nodiscard]] inline Slipped slip(const AnyField& field, const DepthTerms& terms, const Slips& what, const Vec3& from,
@@ -35,10 +35,11 @@ template <class AnyField>
   // it may be before a guess has to do. How much of what is across the line may be left along it.
   constexpr double kLeap = 0.05, kLeft = 1e-3, kMostLimits = 10, kAcross = 0.75;
   const double limit = (1 - kHair) * what.limit, hair = kHair * what.limit, scale = what.scale;
-  const double size = length(force), reach = length(from), most = reach + 2 * scale;
-  const Vec3 direction = (1 / size) * force;
+  const Vec3 friction = force - what.centre;
+  const double size = length(friction), reach = length(from), most = reach + 2 * scale;
+  const Vec3 direction = (1 / size) * friction;
   const coupled::Vec2 start = field.in_plane(from), line = field.in_plane(direction),
-                      straight = field.in_plane(what.straight);
+                      off_centre = field.in_plane(what.straight - what.centre);
   double low = 0, at_low = size - limit;
   // A line from no force at no deflection falls short of the root, as forces rise less and less; it is near enough to
   // tell how far that is: a little more brackets it, or meets it. What falls short twice, and not by much less, is
@@ -46,11 +47,11 @@ template <class AnyField>
   const double guess = reach * at_low / size;
   // Where c goes on, the place that it comes to has the last word: of a leap it suffices to know about how far it goes.
   const bool leaps = !what.at_once && guess > kLeap * scale;
-  if (leaps && at_low > kMostLimits * limit) return {from + guess * direction, limit * direction, true};
+  if (leaps && at_low > kMostLimits * limit) return {from + guess * direction, what.centre + limit * direction, true};
   double close = leaps ? std::fmax(hair, kLeft * at_low * at_low / limit) : hair;
-  coupled::Vec2 pull{};
+  coupled::Vec2 pull{};  // less the centre
   const auto excess = [&](double way) {
-    pull = straight + field.sideways(terms, start + way * line, what.part);
+    pull = off_centre + field.sideways(terms, start + way * line, what.part);
     const double along = dot(pull, line);
     if (!what.at_once) return along - limit;
     const double across = dot(pull, pull) - along * along, left = limit * limit - across;
@@ -71,7 +72,7 @@ template <class AnyField>
     at_high = excess(high);
   }
   const auto there = [&](double way, bool holds) -> Slipped {
-    return {from + way * direction, field.in_space(pull), holds};
+    return {from + way * direction, what.centre + field.in_space(pull), holds};
   };
   if (at_high > close) {
     // The straight push alone is beyond the limit: the anchor creeps on, tick by tick.
