@@ -173,6 +173,36 @@ TEST(Contact, OfAToolThatIsNotThereEveryTickIsAFault) {
   }
 }
 
+// As where a tracker has not taken the file yet that the force loop has.
+TEST(Contact, ASearchOfALargerFileIsAFault) {
+  Options many, few;
+  many.cells = 8;
+  for (Options* options : {&many, &few}) options->tools = Options::Tools::all;
+  const Opened before(box_content(many)), now(box_content(few));
+  const Pose in = upright(centre(0.002));
+  for (std::uint32_t tool = 0; tool < 3; ++tool) {
+    runtime::Search good = runtime::search(now.view, tool, in), elsewhere = good, other_tool = good;
+    elsewhere.touch.body.at.triangle = before.view.meta->triangle_count - 1;
+    ASSERT_GE(elsewhere.touch.body.at.triangle, now.view.meta->triangle_count);
+    other_tool.touch.tool_point.patch = now.view.meta->tool_patch_count;
+    const auto pressed = [&](Contact& contact) {
+      for (double z = 0.05; z > in.translation.z; z -= 1e-4) {
+        const Pose pose = upright({0, 0, z});
+        contact.tick(pose, runtime::search(now.view, tool, pose));
+      }
+      return contact.tick(in, good).touches();
+    };
+    Contact begins(now.view, tool), lasts(now.view, tool);
+    EXPECT_EQ(begins.tick(in, elsewhere).state, State::fault);
+    EXPECT_EQ(begins.tick_found(in, elsewhere).state, State::fault);
+    EXPECT_EQ(begins.tick(in, other_tool).state == State::fault, tool == 2) << "only a mesh's is read";
+    EXPECT_NE(begins.tick(in, good).state, State::fault);
+    ASSERT_TRUE(pressed(lasts));
+    EXPECT_EQ(lasts.tick(in, elsewhere).state, State::fault);
+    EXPECT_EQ(length(lasts.tick(in, good).force), 0) << "it is forgotten";
+  }
+}
+
 // A contact keeps the view's address: of a temporary, as View::open(...).view, it does not compile.
 TEST(Contact, IsNotMadeOfATemporaryView) {
   using runtime::View;

@@ -282,8 +282,17 @@ TEST(Several, ASearchThatIsNoneIsAFaultOfAll) {
     both.tick(pose, found);
   }
   ASSERT_EQ(both.last().touching, 2);
+  const Pose pressed = upright({0, 0, between() - 2e-3});
+  for (const bool first : {true, false}) {
+    ContactsAsOne<> held = both;
+    runtime::SeveralSearch<2> of_another_file = found;
+    (first ? of_another_file.first : of_another_file.more).touch.body.at.triangle = body.view.meta->triangle_count;
+    EXPECT_EQ(held.tick(pressed, of_another_file).state, State::fault);
+    EXPECT_EQ(held.last().touching, 0);
+    EXPECT_EQ(length(held.tick(pressed, found).force), 0);
+  }
   found.first.pose.translation.x = std::nan("");
-  const Tick wrong = both.tick(upright({0, 0, between() - 2e-3}), found);
+  const Tick wrong = both.tick(pressed, found);
   EXPECT_EQ(wrong.state, State::fault);
   EXPECT_EQ(wrong.depth, 0);
   for (const Tick& each : both.last().each) EXPECT_FALSE(each.touches());

@@ -55,16 +55,26 @@ public:
   /// felt from the first search that sees it on, without force at first. No tick searches, so its bound has nothing to
   /// do with how large the body is: where c cannot follow the tool, it goes to where the search saw the body if p has
   /// not gone half a contact's size since. Nor does it look between ticks: what the tool passes in one is not felt.
+  /// The search must be of the same view and tool: of one that is not (of the file before, perhaps) all that is noticed
+  /// is a place which the file does not have, and that is a fault.
   Tick tick(const Pose& pose, const Search& latest) { return tick_found(pose, latest, &latest); }
 
   /// As tick(pose), with `found` instead of the search for a contact that it would make: for hosts that search within
   /// their ticks. `served`, if not null, is asked where c may go, else that is searched for.
   Tick tick_found(const Pose& pose, const Search& found, const Search* served = nullptr) {
     if (!fits() || !pose.valid() || !found.pose.valid()) return fault();
-    if (const Vec3 q = hold_.rest().point(pose); keeps(q)) return keep(pose, q, served);
-    if (!exists()) return fault();
+    if (const Vec3 q = hold_.rest().point(pose); keeps(q)) {
+      return served && !has_triangle(*served) ? fault() : keep(pose, q, served);
+    }
+    if (!exists() || !knows(found)) return fault();
     search_ = found;
     return motion_since_search(pose) < search_.touch.safe ? free(pose) : meet(pose, false);
+  }
+
+  /// Whether the file has the place that a search names: on the body and, of a tool with patches, on the tool.
+  [[nodiscard]] bool knows(const Search& search) const {
+    return has_triangle(search) && (!detail::has_probes<kFeatures>(*view_, tool_) ||
+                                    search.touch.tool_point.patch < view_->meta->tool_patch_count);
   }
 
   [[nodiscard]] const BasicField<kFeatures>& field() const { return hold_.rest().field(); }
@@ -103,6 +113,11 @@ private:
   }
   /// Of a tool that the file does not have no contact begins, so one that lasts need not ask.
   [[nodiscard]] bool exists() const { return tool_ < view_->meta->tool_count; }
+
+  /// All that a contact that lasts reads of a search.
+  [[nodiscard]] bool has_triangle(const Search& search) const {
+    return search.touch.body.at.triangle < view_->meta->triangle_count;
+  }
 
   [[nodiscard]] bool keeps(const Vec3& q) {
     if (hold_.lasts() && hold_.jumped(q)) reset();

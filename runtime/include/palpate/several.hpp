@@ -38,9 +38,10 @@ public:
 
   /// The same with searches that are made elsewhere: search() of Places::of(pose, tick), which the force loop tells.
   /// No tick searches or looks. Another contact begins only while all that touch are where they were told, by half the
-  /// gap at most.
+  /// gap at most. Searches of another view or tool are as in Contact::tick, a fault of all.
   SeveralTick<Most> tick(const Pose& pose, const SeveralSearch<Most>& latest) { return tick(pose, &latest); }
 
+  /// `k`: 0 to Most - 1.
   [[nodiscard]] const BasicContact<kFeatures>& contact(int k) const { return contacts_[static_cast<std::size_t>(k)]; }
 
 private:
@@ -56,6 +57,11 @@ private:
 
   SeveralTick<Most> tick(const Pose& pose, const SeveralSearch<Most>* latest) {
     SeveralTick<Most> sum;
+    if (latest && !contacts_[0].knows(latest->more)) {
+      reset();
+      sum.each[0].state = State::fault;
+      return sum;
+    }
     sum.each[0] = latest ? contacts_[0].tick(pose, latest->first) : contacts_[0].tick(pose);
     for (int k = 1; k < Most; ++k) {
       if (last_[k].touches()) sum.each[k] = contacts_[k].tick_found(pose, none(pose), latest ? &latest->more : nullptr);
@@ -238,6 +244,7 @@ public:
 
   /// Of the last tick.
   [[nodiscard]] const Overlap& overlap() const { return overlap_; }
+  /// `k`: 0 to Count - 1.
   [[nodiscard]] const BasicContact<kFeatures>& contact(int k) const { return contacts_[static_cast<std::size_t>(k)]; }
 
 private:

@@ -167,7 +167,7 @@ template <std::uint32_t kFeatures = layout::feature_all>
   return detail::touch_axis<kFeatures>(view, record, pose, found);
 }
 
-/// What a search found, and where the tool was then.
+/// What a search found, and where the tool was then: of one view and one tool, for contacts of these alone.
 struct Search {
   Pose pose;
   ToolTouch touch;
