@@ -216,9 +216,21 @@ TEST(Contact, IsNotMadeOfATemporaryView) {
   static_assert(refuses(std::type_identity<runtime::SeveralContacts<2>>()));
   static_assert(refuses(std::type_identity<runtime::ContactsAsOne<2>>()));
   static_assert(refuses(std::type_identity<runtime::PlaceFinder<>>()));
+  static_assert(refuses(std::type_identity<runtime::MovingContact>()));
   using Tools = std::array<std::uint32_t, 2>;
   static_assert(std::is_constructible_v<runtime::SeveralTools<2>, const View&, Tools>);
   static_assert(!std::is_constructible_v<runtime::SeveralTools<2>, View, Tools>);
+  using runtime::AdjustedContact, runtime::AnimatedContact, runtime::AnimatedSurface, runtime::SiteScales;
+  static_assert(std::is_constructible_v<AdjustedContact, const View&, std::uint32_t, SiteScales&>);
+  static_assert(std::is_constructible_v<AdjustedContact, View&, std::uint32_t, const SiteScales&, double>);
+  static_assert(!std::is_constructible_v<AdjustedContact, View, std::uint32_t, SiteScales&>);
+  static_assert(!std::is_constructible_v<AdjustedContact, View&, std::uint32_t, SiteScales>);
+  static_assert(!std::is_constructible_v<AdjustedContact, View&, std::uint32_t, SiteScales, double>);
+  static_assert(!std::is_constructible_v<AdjustedContact, View, std::uint32_t, SiteScales, double>);
+  static_assert(std::is_constructible_v<AnimatedSurface, const View&, void*>);
+  static_assert(!std::is_constructible_v<AnimatedSurface, View, void*>);
+  static_assert(std::is_constructible_v<AnimatedContact, AnimatedSurface&, std::uint32_t>);
+  static_assert(!std::is_constructible_v<AnimatedContact, AnimatedSurface, std::uint32_t>);
 }
 
 // As the README says of a host that takes another file while the tool presses.

@@ -48,9 +48,12 @@ private:
 template <std::uint32_t kFeatures = layout::feature_all>
 class BasicAdjustedContact {
 public:
-  /// `rate` (1/s, above 0): 10 lets a factor go from 1 to nothing in 0.1 s.
+  /// View and factors must outlive it and stay where they are. `rate` (1/s, above 0): 10 lets a factor go from 1 to
+  /// nothing in 0.1 s.
   BasicAdjustedContact(const View& view, std::uint32_t tool, const SiteScales& scales, double rate = 10)
       : view_(&view), scales_(&scales), contact_(view, tool), rate_(rate) {}
+  BasicAdjustedContact(const View&&, std::uint32_t, const SiteScales&, double = 10) = delete;
+  BasicAdjustedContact(const View&, std::uint32_t, const SiteScales&&, double = 10) = delete;
 
   void reset() {
     contact_.reset();

@@ -37,6 +37,7 @@ public:
       shapes_[i].seconds = 1;
     }
   }
+  AnimatedSurface(const View&&, void*) = delete;
   AnimatedSurface(const AnimatedSurface&) = delete;
   AnimatedSurface& operator=(const AnimatedSurface&) = delete;
 
@@ -187,6 +188,7 @@ public:
         reach_(skeleton_radius<kFeatures>(surface.baked(), tool)),
         motion_(surface, {}),
         contact_(surface.baked(), tool) {}
+  BasicAnimatedContact(const AnimatedSurface&&, std::uint32_t) = delete;
 
   void reset() {
     contact_.reset();

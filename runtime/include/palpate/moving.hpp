@@ -38,6 +38,7 @@ template <std::uint32_t kFeatures = layout::feature_all>
 class BasicMovingContact {
 public:
   BasicMovingContact(const View& view, std::uint32_t tool) : contact_(view, tool) {}
+  BasicMovingContact(const View&&, std::uint32_t) = delete;
 
   void reset() { contact_.reset(); }
 
