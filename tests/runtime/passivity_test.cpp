@@ -96,6 +96,54 @@ TEST(Passivity, MakesNoMoreThanItsBoundWhereItIsPulledAwayAtOnce) {
   EXPECT_EQ(out.step<Passivity>().bound(), PassivityOptions().trace);
 }
 
+// More forces on their way than are remembered apart: the motors' energy is counted as if nothing were joined, or more.
+TEST(Passivity, OfAFastLoopKnowsTheForcesOfTheWholeDelay) {
+  constexpr double kDelay = 0.02, kSlow = 50;  // s, rad/s
+  for (const double rate : {1e3, 1e4, 1.25e4, 2e4, 1e5}) {
+    Out watches{Passivity(watching(kDelay))};
+    PassivityOptions options;
+    options.delay = kDelay;
+    options.trace = 3e-3;
+    Out acts{Passivity(options)};
+    const auto late = static_cast<std::size_t>(std::lround(kDelay * rate));
+    std::vector<double> sent, held;  // N
+    double motors = 0, checked = 0, last = 0;
+    const int ticks = static_cast<int>(20 * 2 * kPi / kSlow * rate);
+    for (int i = 0; i <= ticks; ++i) {
+      const double at = -1e-3 * (1 - std::cos(kSlow * i / rate)), way = at - last;
+      last = at;
+      if (sent.size() > late) {
+        motors += sent[sent.size() - 1 - late] * way;
+        checked += held[held.size() - 1 - late] * way;
+      }
+      sent.push_back(watches({0, 0, -500 * at}, 1 / rate, {0, 0, at}).z);
+      held.push_back(acts({0, 0, -500 * at}, 1 / rate, {0, 0, at}).z);
+      ASSERT_LE(checked, acts.step<Passivity>().bound()) << rate << ' ' << i;
+    }
+    EXPECT_GT(motors, 0.02) << rate;
+    EXPECT_GE(watches.step<Passivity>().made(), motors * (1 - 1e-6)) << rate;
+    EXPECT_LE(watches.step<Passivity>().made(), motors * 1.02) << rate;
+  }
+}
+
+// A clock whose steps are below what the time's sum resolves, or next to nothing.
+TEST(Passivity, EndsWhereTimeHardlyGoesOn) {
+  for (const double delay : {0.0, 0.003}) {
+    for (const double step : {1e-19, 1e-300, 5e-324, 1e-17}) {
+      Out out{Passivity(watching(delay))};
+      for (int i = 0; i < 1000; ++i) out({0, 0, 1}, kTick, {0, 0, 1e-5 * i});
+      double made = out.step<Passivity>().made();
+      for (int i = 0; i < 1000; ++i) {
+        const Vec3 force = out({0, 0, 1}, step, {0, 0, 1e-2 - 1e-5 * i});
+        ASSERT_TRUE(std::isfinite(length(force)));
+        ASSERT_GE(out.step<Passivity>().made(), made - 1e-12) << "a force that goes on gives what the contact does";
+        made = out.step<Passivity>().made();
+      }
+      EXPECT_NEAR(distance(out({0, 0, 1}, kTick, {}), {0, 0, 1}), 0, 1e-3);
+    }
+  }
+}
+
 TEST(Passivity, GivesBackItsShareOnlyWithoutForce) {
   PassivityOptions options;
   options.delay = 0.003;

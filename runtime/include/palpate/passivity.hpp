@@ -56,8 +56,9 @@ struct PassivityOptions {
 /// the trace was reached still acts for a delay, and is seen up to two ticks later; in that time the handle goes no
 /// farther than W, against two forces (the one that acts, the contact's) no stronger than F each. Forces on their way
 /// cannot be recalled, and foreseeing what they will do from the motion so far does not bound it
-/// (tests/device/stability.md). Beforehand F is the device's peak force, and W the fastest motion to be reckoned with
-/// times delay + 2 T.
+/// (tests/device/stability.md). Where more than 240 forces are on their way it counts by means of some, and for the
+/// rest as if each had been the worst of them. Beforehand F is the device's peak force, and W the fastest motion to be
+/// reckoned with times delay + 2 T.
 class Passivity {
 public:
   explicit Passivity(const PassivityOptions& options) : options_(options), slope_(options.stiffness) {}
@@ -65,6 +66,7 @@ public:
   /// Force (N) of the contact at a position (m) that the loop sees, `seconds` after the last one.
   Vec3 operator()(const Vec3& force, double seconds, const Vec3& position) {
     time_ += seconds;
+    close();
     if (started_) observe(force, seconds, position - position_);
     started_ = true;
     idle_ = dot(force, force) > 0 ? 0 : idle_ + seconds;
@@ -89,26 +91,48 @@ public:
   [[nodiscard]] double share() const { return share_; }  ///< of the contact's force that is sent, [0, 1]
 
 private:
+  /// A force that was sent, until the next one was; or the mean of several.
   struct Sent {
     double time = -HUGE_VAL;
     Vec3 force;
+    double off = 0;  ///< N, that any of them lies off the mean at most
     double way = 0;  ///< m, that the handle had gone by then
   };
 
+  /// A delay is never more than kMost entries: what is sent sooner after one is taken into it, so that of a fast loop
+  /// the forces of the whole delay are there.
   void send(const Vec3& force, double seconds) {
-    newest_ = next(newest_);
-    sent_[newest_] = {time_, force, way_};
+    sending_ = force;
+    since_ = time_;
     strongest_ = std::fmax(strongest_, length(force));
+    if (time_ - sent_[newest_].time >= options_.delay / kMost) {
+      newest_ = next(newest_);
+      sent_[newest_] = {time_, force, 0, way_};
+      if (oldest_ == newest_) oldest_ = next(oldest_);
+    }
     const double from = time_ - (options_.delay + 2 * seconds) * (1 + 1e-9);
-    if (oldest_ == newest_) oldest_ = next(oldest_);
-    while (sent_[next(oldest_)].time <= from) oldest_ = next(oldest_);
+    // Of a time that stands still by its rounding all may be that old.
+    while (oldest_ != newest_ && sent_[next(oldest_)].time <= from) oldest_ = next(oldest_);
     farthest_ = std::fmax(farthest_, way_ - sent_[oldest_].way);
+  }
+
+  /// The force that was sent last has acted as long as it will.
+  void close() {
+    Sent& last = sent_[newest_];
+    if (!(since_ > last.time)) {  // the first of its entry
+      last.force = sending_;
+      last.off = 0;
+      return;
+    }
+    const Vec3 mean = last.force + ((time_ - since_) / (time_ - last.time)) * (sending_ - last.force);
+    last.off = std::fmax(last.off + length(mean - last.force), length(mean - sending_));
+    last.force = mean;
   }
 
   void observe(const Vec3& force, double seconds, const Vec3& motion) {
     const Vec3 without = 0.5 * share_ * (contact_ + force);
     const double heat = options_.friction * length(motion) + options_.damping * dot(motion, motion) / seconds;
-    made_ = std::fmax(0, made_ + dot(acted(seconds) - without, motion) - heat);
+    made_ = std::fmax(0, made_ + given(seconds, motion) - dot(without, motion) - heat);
     const double way = length(motion);
     way_ += way;
     if (way > 0) slope_ = std::fmax(slope_, length(force - contact_) / way);
@@ -121,22 +145,24 @@ private:
     return std::fmin(1, 2 * options_.damping / (late * slope_));
   }
 
-  /// Mean of the forces that acted since the last sample: those sent a delay before.
-  [[nodiscard]] Vec3 acted(double seconds) const {
-    const double from = time_ - seconds - options_.delay;
-    double to = time_ - options_.delay;
-    Vec3 sum;
+  /// J at most, that the motors gave out since the last sample: by the forces sent a delay before.
+  [[nodiscard]] double given(double seconds, const Vec3& motion) const {
+    const double from = time_ - seconds - options_.delay, end = time_ - options_.delay, way = length(motion);
+    double to = end, sum = 0;
     int k = newest_;
-    for (int count = 0; count < kSent && to > from; ++count, k = (k + kSent - 1) % kSent) {
+    for (int count = 0; count < kSent; ++count, k = (k + kSent - 1) % kSent) {
       const double begin = std::fmax(sent_[k].time, from);
-      if (begin >= to) continue;
-      sum = sum + (to - begin) * sent_[k].force;
+      // A time below what its sum resolves is all of one force.
+      const double share = end > from ? (to - begin) / (end - from) : begin <= to ? 1 : 0;
+      if (!(share > 0)) continue;
+      sum += share * (dot(sent_[k].force, motion) + sent_[k].off * way);
       to = begin;
+      if (!(to > from)) break;
     }
-    return (1 / seconds) * sum;
+    return std::fmin(sum, strongest_ * way);
   }
 
-  static constexpr int kSent = 256;
+  static constexpr int kSent = 256, kMost = 240;
   static int next(int k) { return (k + 1) % kSent; }
 
   PassivityOptions options_;
@@ -147,6 +173,8 @@ private:
   Vec3 position_, contact_;
   double way_ = 0, farthest_ = 0;  ///< m, gone; the longest way within a delay and two ticks
   double strongest_ = 0;           ///< N, that was sent
+  Vec3 sending_;                   ///< N
+  double since_ = -HUGE_VAL;       ///< s, when that was sent
   Sent sent_[kSent];
   int newest_ = 0, oldest_ = 0;  ///< the oldest of that delay and those ticks
 };
