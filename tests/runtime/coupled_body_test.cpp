@@ -181,5 +181,67 @@ TEST(CoupledBody, HoldsAToolOnABodyThatTurns) {
   EXPECT_EQ(length(fault.force), 0);
 }
 
+// A sample that comes twice: no time went by, so nothing did; but a clock that stands still holds no force.
+TEST(CoupledBody, GivesTheLastTickAgainWhereNoTimeWentBy) {
+  const Opened box(box_content({}));
+  Contact once(box.view, 0), twice(box.view, 0);
+  VirtualCoupling tie(coupling(200, 0.1)), same(tie);
+  Tick tick;
+  for (int i = 0; i < 4000; ++i) {
+    const Pose pose = probing(kTick * i);
+    tick = same.tick(twice, pose, kTick);
+    const Tick expected = tie.tick(once, pose, kTick);
+    ASSERT_EQ(distance(tick.force, expected.force), 0) << i;
+    for (int again = 0; again < i % 4; ++again) {
+      const Tick repeated = same.tick(twice, pose, 0);
+      ASSERT_EQ(repeated.state, expected.state) << i;
+      ASSERT_EQ(distance(repeated.force, expected.force) + distance(repeated.torque, expected.torque), 0) << i;
+    }
+  }
+  const Pose pressed = upright({0, 0, kTop + kTipRadius - 0.002});
+  for (int i = 0; i < 300; ++i) tick = same.tick(twice, upright({0, 0, kTop + kTipRadius + 0.001 - 1e-5 * i}), kTick);
+  EXPECT_GT(length(tick.force), 0.1);
+  int held = 0;
+  while (length(same.tick(twice, pressed, 0).force) > 0 && held < 100) ++held;
+  EXPECT_EQ(held, same.kRepeats);
+  for (int i = 0; i < 100; ++i) ASSERT_EQ(same.tick(twice, pressed, 0).state, State::fault);
+  EXPECT_EQ(length(same.tick(twice, pressed, kTick).force), 0) << "forgotten";
+  VirtualCoupling fresh(coupling(200));
+  EXPECT_EQ(length(fresh.tick(once, pressed, 0).force), 0);
+}
+
+// Whoever asks a tick whether it touches must not take the spring's force for none.
+TEST(CoupledBody, SaysThatItSticksWhileItHoldsTheHand) {
+  Options options;
+  options.tools = Options::Tools::mesh;
+  options.search = true;
+  const Opened box(box_content(options));
+  CouplingOptions hasty = coupling(2000);
+  hasty.trials = 2;
+  Contact contact(box.view, 0);
+  VirtualCoupling tie(hasty);
+  std::mt19937 random(17);
+  int off = 0;
+  const double high = runtime::skeleton_radius(box.view, 0) + 0.001;
+  for (int stroke = 0; stroke < 80; ++stroke) {
+    const Vec3 turn = random_direction(random), way = 5e-4 * random_direction(random);
+    Pose pose = turned(3 * turn.x, random_direction(random), {0.01 * turn.y, 0.01 * turn.z, kTop + high});
+    contact.reset();
+    tie.reset();
+    for (int i = 0; i < 60; ++i) {
+      pose.translation = pose.translation + (i < 30 ? 1 : -1) * Vec3{way.x, way.y, -std::fabs(way.z) - 1e-4};
+      const Tick tick = tie.tick(contact, pose, kTick);
+      if (!(length(tick.force) > 0)) continue;
+      ASSERT_TRUE(tick.touches()) << stroke << ' ' << i;
+      EXPECT_LT(std::fabs(runtime::locate(box.view, tick.body_point).signed_distance), 1e-6);
+      off += tick.depth == 0;
+      if (tick.depth == 0) {
+        ASSERT_EQ(length(tick.torque) + tick.friction_limit, 0);
+      }
+    }
+  }
+  EXPECT_GT(off, 10);
+}
+
 }  // namespace
 }  // namespace palpate::coupling_test

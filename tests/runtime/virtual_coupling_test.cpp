@@ -378,8 +378,10 @@ TEST(VirtualCoupling, BeginsAnewWhereTheDeviceLeaps) {
   EXPECT_NEAR(press(), pressed, 1e-9);
   // No pose, no time: a fault, and all is forgotten.
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (const auto& [pose, seconds] :
-       {std::pair{upright({nan, 0, 0}), kTick}, {upright(top), 0.0}, {upright(top), -kTick}, {upright(top), nan}}) {
+  for (const auto& [pose, seconds] : {std::pair{upright({nan, 0, 0}), kTick},
+                                      {upright({nan, 0, 0}), 0.0},
+                                      {upright(top), -kTick},
+                                      {upright(top), nan}}) {
     press();
     const Tick tick = tie.tick(contact, pose, seconds);
     EXPECT_EQ(tick.state, State::fault);
@@ -420,7 +422,15 @@ TEST(VirtualCoupling, KnowsUsableOptions) {
         +[](CouplingOptions& o) { o.trials = 1; }, +[](CouplingOptions& o) { o.trials = 65; }}) {
     CouplingOptions options;
     change(options);
-    EXPECT_NE(options.validate(), nullptr);
+    ASSERT_NE(options.validate(), nullptr);
+    VirtualCoupling tie(options);
+    EXPECT_STREQ(tie.validate(), options.validate());
+    Told contact{[](const Vec3& x) { return wall(1000, x); }};
+    for (const double seconds : {kTick, 0.0, kTick}) {
+      const Tick tick = tie.tick(contact, upright({0, 0, -1e-3}), seconds);
+      EXPECT_EQ(tick.state, State::fault);
+      EXPECT_EQ(length(tick.force), 0);
+    }
   }
 }
 

@@ -58,35 +58,48 @@ struct CouplingOptions {
 ///
 /// Where either would be exceeded, and where `trials` ticks find no balance (a force that jumps has none), the tool
 /// stops where it came nearest to one, or stays where it was if even that would give energy out. The hand always feels
-/// the spring and damper between it and the tool, and nothing else.
+/// the spring and damper between it and the tool, and nothing else. So it may be held for a tick by a tool that just
+/// left the body: such a tick says stick, without torque, depth and limit, at the points where the tool touched last.
+/// One that says free or released has no force.
 class VirtualCoupling {
 public:
-  /// The options must be valid.
-  explicit VirtualCoupling(const CouplingOptions& options) : options_(options) {}
+  static constexpr int kRepeats = 8;  ///< as an Output's
+
+  /// With options that are not valid every tick is a fault.
+  explicit VirtualCoupling(const CouplingOptions& options)
+      : options_(options), usable_(options.validate() == nullptr) {}
 
   /// Force of `contact` on the hand that holds the device (pose in the body's frame), `seconds` (above 0) after the
-  /// last tick. The rest of the tick is of the tool. A pose that is none, or no time, is a fault that forgets all. The
-  /// contact: a BasicContact, or what can be copied, has a size() and ticks like one, ContactsAsOne or an
+  /// last tick. The rest of the tick is of the tool. A pose that is none, or no time, is a fault that forgets all. But
+  /// a time of 0 (a sample that came twice) gives the last tick once more, kRepeats times in a row, as an Output does.
+  /// The contact: a BasicContact, or what can be copied, has a size() and ticks like one, ContactsAsOne or an
   /// AnimatedContact. What else its tick asks for comes last: a Search, or the seconds of an AdjustedContact, which are
   /// these. For a body that moves rigidly see MovingContact.
   template <class Contact, class... More>
   Tick tick(Contact& contact, const Pose& device, double seconds, const More&... more) {
-    if (!(seconds > 0 && std::isfinite(seconds)) || !device.valid()) return fault(contact);
+    if (usable_ && seconds == 0 && device.valid() && repeated_ < kRepeats) {
+      ++repeated_;
+      return given_;
+    }
+    if (!(usable_ && seconds > 0 && std::isfinite(seconds)) || !device.valid()) return fault(contact);
+    repeated_ = 0;
     const double size = contact.size();
     if (started_) go_along(contact, 0);
     // A device that leaps did not move, as a tool that does.
     if (touching_ && length(device.translation - device_) > size) {
       contact.reset();
       started_ = touching_ = false;
+      given_ = {};
     }
     begin(device, seconds, size);
     const Contact before = contact;
     Pose pose = device;
-    Tick tick;
+    Tick tick, touched = given_;
     const auto at = [&](const Vec3& tool) {
       if (trials_++ > 0) contact = before;
       pose.translation = tool;
       tick = contact.tick(pose, more...);
+      if (tick.touches()) touched = tick;
       return weigh(tool, tick.force, tick.torque);
     };
     Trial now = at(first());
@@ -97,9 +110,20 @@ public:
       if (length(kept - now.tool) > 0) now = at(kept);
       keep(now);
     }
+    if (touching_ && !tick.touches()) {
+      tick = touched;
+      tick.state = State::stick;
+      tick.torque = {};
+      tick.depth = tick.friction_limit = tick.covered = 0;
+      tick.beyond = false;
+    }
     tick.force = felt_;
+    given_ = tick;
     return tick;
   }
+
+  /// Of its options.
+  [[nodiscard]] const char* validate() const { return options_.validate(); }
 
   /// As if the tool had always been at the device, and free.
   void reset() { *this = VirtualCoupling(options_); }
@@ -124,6 +148,7 @@ private:
   Tick fault(Contact& contact) {
     contact.reset();
     reset();
+    repeated_ = kRepeats;  // a clock that stands still goes on being one
     Tick tick;
     tick.state = State::fault;
     return tick;
@@ -133,7 +158,7 @@ private:
   template <class Contact>
   auto go_along(const Contact& contact, int) -> decltype(contact.moved(), void()) {
     const Pose by = contact.moved();
-    for (Vec3* point : {&device_, &tool_}) *point = by.apply(*point);
+    for (Vec3* point : {&device_, &tool_, &given_.body_point, &given_.tool_point}) *point = by.apply(*point);
     for (Vec3* way : {&lag_, &force_, &felt_, &torque_}) *way = by.rotate(*way);
     pose_ = by * pose_;
   }
@@ -283,7 +308,10 @@ private:
   }
 
   CouplingOptions options_;
+  bool usable_;
   bool started_ = false, touching_ = false;
+  int repeated_ = 0;          ///< in a row
+  Tick given_;                ///< in the last tick
   Vec3 device_, tool_, lag_;  ///< m, in the last tick; lag_: from device to tool
   Vec3 force_, felt_;         ///< N, the contact's on the tool, the coupling's on the hand
   Vec3 torque_;               ///< N m, the contact's
