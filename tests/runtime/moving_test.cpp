@@ -88,5 +88,34 @@ TEST(MovingContact, AWrongPoseOfTheBodyIsAFaultAndItStartsOver) {
   EXPECT_EQ(length(contact.tick(rest, in).force), 0);  // seen anew, deep inside: without force
 }
 
+// Each as far from orthonormal as a pose may be: together they are farther.
+TEST(MovingContact, AnyTwoPosesThatAreValidMayBeTold) {
+  const Opened box(box_content({}));
+  std::mt19937 random(41);
+  std::uniform_real_distribution<double> off(-4.9e-4, 4.9e-4);
+  const auto loose = [&](Pose pose) {
+    const Pose good = pose;
+    do {
+      pose = good;
+      const double scale = 1 + off(random);
+      for (double& r : pose.rotation) r = scale * r + off(random);
+    } while (!pose.valid());
+    return pose;
+  };
+  int beyond = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Pose at = turned(2, random_direction(random), random_direction(random));
+    const Pose body = loose(at), tool = loose(at * probing(1e-3 * i));
+    beyond += !(inverse(body) * tool).valid();
+    const Pose seen = runtime::seen_from(body, tool);
+    ASSERT_TRUE((seen * inverse(seen)).valid());
+    ASSERT_LT(distance(seen.rotate({1, 2, 3}), (inverse(body) * tool).rotate({1, 2, 3})), 0.01);
+    ASSERT_NE(MovingContact(box.view, 0).tick(body, tool).state, State::fault) << i;
+  }
+  EXPECT_GT(beyond, 100);
+  const Pose here = upright({9e5, 0, 0}), there = upright({-9e5, 0, 0});
+  EXPECT_EQ(MovingContact(box.view, 0).tick(here, there).state, State::fault);
+}
+
 }  // namespace
 }  // namespace palpate

@@ -116,6 +116,13 @@ inline Pose inverse(const Pose& pose) {
   return back;
 }
 
+/// A pose that is valid, orthonormal as far as numbers go: as smooth as it was.
+inline Pose orthonormal(const Pose& pose) {
+  const double* r = pose.rotation;
+  const Vec3 a = unit({r[0], r[1], r[2]}, {}), b = unit(tangential({r[3], r[4], r[5]}, a), {}), c = cross(a, b);
+  return {{a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z}, pose.translation};
+}
+
 /// Axis times the sine of the angle by which it turns: for small ones the rotation vector (rad).
 inline Vec3 small_turn(const Pose& pose) {
   const double* m = pose.rotation;

@@ -16,9 +16,10 @@ inline Tick carried(const Pose& body, Tick tick) {
   return tick;
 }
 
-/// A tool as it lies against a body that moves, both poses to the world. No pose where either is none.
+/// A tool as it lies against a body that moves, both poses to the world. No pose where either is none, nor where they
+/// are 1e6 m apart. Two rotations that are just good enough may together be less: it is orthonormal.
 inline Pose seen_from(const Pose& body, const Pose& tool) {
-  return body.valid() && tool.valid() ? inverse(body) * tool : Pose{{}, {HUGE_VAL, 0, 0}};
+  return body.valid() && tool.valid() ? orthonormal(inverse(body) * tool) : Pose{{}, {HUGE_VAL, 0, 0}};
 }
 
 /// For a thread that searches while another one makes forces (MovingContact::tick with a Search): where body and tool
@@ -43,7 +44,9 @@ public:
   void reset() { contact_.reset(); }
 
   /// Both poses to the world; so are force, torque (about the origin of the tool's frame) and the two points of the
-  /// tick. A pose of the body that is no pose is a fault, as one of the tool is.
+  /// tick. A pose of the body that is no pose is a fault, as one of the tool is, and so are two that are 1e6 m apart.
+  /// For what takes a tick and a pose in the body's frame (a Grasp) `carried(inverse(body), tick)` and `seen_from(body,
+  /// tool)` are these.
   Tick tick(const Pose& body, const Pose& tool) { return in_world(body, contact_.tick(seen_from(body, tool))); }
 
   /// The same with searches that are made elsewhere: search() of both poses.
