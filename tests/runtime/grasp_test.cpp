@@ -2,6 +2,7 @@
 // A tool that holds on: taken over without a step, pulled out and aside, no work in loops; files that have no grasp.
 #include "palpate/grasp.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -61,6 +62,37 @@ TEST(Grasp, TakesTheContactOverWithItsForceAndAnswersPulls) {
   EXPECT_NEAR(aside.force.x / aside.force.y, 3.0, 1e-5);
   EXPECT_LT(distance(aside.torque, cross(aside.tool_point - at(-0.001, 0.003, 0.001).translation, aside.force)), 1e-12);
   EXPECT_TRUE(std::isinf(aside.friction_limit));
+}
+
+// Ticks of a body that moves are told in the world, grasps in its frame.
+TEST(Grasp, TakesOverTheContactOfABodyThatMoves) {
+  const Opened box(box_content(grasping()));
+  const auto body = [](double t) {
+    return turned(1.2 + 0.3 * std::sin(3 * t), unit(Vec3{1, 2, -1}, {}), {0.1, 0.2 * std::sin(2 * t), 0.3});
+  };
+  Contact rest(box.view, 0);
+  runtime::MovingContact moving(box.view, 0);
+  Tick still, tick;
+  for (int k = -5; k <= 100; ++k) {
+    const Pose in = at(kDepth * k / 100, 1e-5 * std::max(k, 0));
+    still = rest.tick(in);
+    tick = moving.tick(body(0.01 * k), body(0.01 * k) * in);
+  }
+  const Pose then = body(1), held = at(kDepth, 1e-3);
+  Grasp alone(box.view, 0, held, still);
+  Grasp grasp(box.view, 0, runtime::seen_from(then, then * held), runtime::carried(inverse(then), tick));
+  ASSERT_TRUE(alone.holds());
+  ASSERT_TRUE(grasp.holds());
+  EXPECT_LT(distance(alone.tick(held).force, still.force), 1e-6);
+  for (int k = 0; k < 100; ++k) {
+    const Pose now = body(1 + 0.01 * k), pulled = at(kDepth - 4e-5 * k, 1e-3 - 2e-5 * k);
+    const Tick expected = runtime::carried(now, alone.tick(pulled));
+    const Tick given = runtime::carried(now, grasp.tick(runtime::seen_from(now, now * pulled)));
+    ASSERT_EQ(given.state, State::stick);
+    ASSERT_LT(distance(given.force, expected.force), 1e-6) << k;
+    ASSERT_LT(distance(given.torque, expected.torque), 1e-8) << k;
+    ASSERT_LT(distance(given.body_point, expected.body_point), 1e-9) << k;
+  }
 }
 
 // A contact that is held sideways, or slid before, goes on with the force that it had.

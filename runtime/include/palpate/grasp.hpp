@@ -128,7 +128,10 @@ private:
 template <class Answer>
 class BasicGrasp {
 public:
-  /// From the last tick of a contact of this tool, and its pose. holds() says whether there is a grasp: the file must
+  /// From the last tick of a contact of this tool, and its pose, both in the body's frame, as those of a Contact are. A
+  /// MovingContact tells its ticks in the world, where nothing could notice it: of one the grasp is of
+  /// seen_from(body, tool) and carried(inverse(body), tick), and its own ticks are carried(body,
+  /// grasp.tick(seen_from(body, tool))). holds() says whether there is a grasp: the file must
   /// have one for this tool, the tick a contact, and the grasp a deflection that answers with the contact's force.
   BasicGrasp(const View& view, std::uint32_t tool, const Pose& pose, const Tick& tick) {
     const bool touching = tick.touches();
