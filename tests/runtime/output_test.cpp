@@ -244,5 +244,26 @@ TEST(DeviceFrame, AClosedLoopOfMovesAndTurnsGivesTheHandTheScenesWork) {
   EXPECT_GT(std::fabs(old), 0.05 * gross);    // with torques as forces are scaled it would be a motor
 }
 
+TEST(DeviceFrame, OneThatIsWrongIsNamedAndGivesNoForce) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
+  const Pose place = turned(0.7, unit(Vec3{1, -2, 1}, {}), {0.1, 0, -0.2});
+  Pose none = place, far = place;
+  none.rotation[4] += 0.1;
+  far.translation.x = kNan;
+  const std::pair<DeviceFrame, const char*> wrong[] = {
+      {{none, 1, 1}, "no pose"},    {{far, 1, 1}, "no pose"},       {{place, 0, 1}, "scale is"},
+      {{place, -1, 1}, "scale is"}, {{place, kNan, 1}, "scale is"}, {{place, kInf, 1}, "scale is"},
+      {{place, 1, -1}, "force"},    {{place, 1, kNan}, "force"},    {{place, 1, kInf}, "force"}};
+  for (const auto& [frame, what] : wrong) {
+    ASSERT_NE(frame.validate(), nullptr) << what;
+    EXPECT_NE(std::strstr(frame.validate(), what), nullptr) << frame.validate();
+    EXPECT_EQ(length(frame.to_device({1, 2, 3})) + length(frame.torque_to_device({1, 2, 3})), 0) << what;
+  }
+  EXPECT_EQ((DeviceFrame{place, 3, 2}).validate(), nullptr);
+  EXPECT_EQ(DeviceFrame().validate(), nullptr);
+  EXPECT_EQ((DeviceFrame{place, 3, 0}).validate(), nullptr) << "a hand may only look on";
+  EXPECT_NEAR(length((DeviceFrame{place, 3, 2}).to_device({1, 2, 2})), 6, 1e-12);
+}
+
 }  // namespace
 }  // namespace palpate

@@ -190,11 +190,20 @@ public:
 };
 
 /// Where a device sits in the scene: its origin is at `origin` (m, scene), its axes are turned by `turn`, and a metre
-/// of the hand is `scale` (above 0) metres of the scene. With `force_scale` the hand feels that many times the force.
+/// of the hand is `scale` (above 0) metres of the scene. With `force_scale` (at least 0) the hand feels that many times
+/// the force. One that is wrong gives neither force nor torque.
 struct DeviceFrame {
   Pose turn;  ///< device to scene; its translation is the origin
   double scale = 1;
   double force_scale = 1;
+
+  /// Null, or what is wrong.
+  [[nodiscard]] const char* validate() const {
+    if (!turn.valid()) return "the device's place in the scene is no pose";
+    if (!(scale > 0 && std::isfinite(scale))) return "the device's scale is not above 0";
+    if (!(force_scale >= 0 && std::isfinite(force_scale))) return "the scale of the device's force is below 0";
+    return nullptr;
+  }
 
   /// A pose of the device in the scene.
   [[nodiscard]] Pose to_scene(Pose device) const {
@@ -203,13 +212,16 @@ struct DeviceFrame {
   }
 
   /// A force of the scene (N) in the device's frame. With force_scale = scale the hand does the scene's work.
-  [[nodiscard]] Vec3 to_device(const Vec3& force) const { return force_scale * inverse(turn).rotate(force); }
+  [[nodiscard]] Vec3 to_device(const Vec3& force) const { return to_device(force, force_scale); }
 
   /// A torque of the scene (N m) in the device's frame. Angles are the hand's and a lever in its metres is `scale`
   /// times as short, so this is the torque of to_device's forces: else moves and turns one after the other would make
   /// energy.
-  [[nodiscard]] Vec3 torque_to_device(const Vec3& torque) const {
-    return (force_scale / scale) * inverse(turn).rotate(torque);
+  [[nodiscard]] Vec3 torque_to_device(const Vec3& torque) const { return to_device(torque, force_scale / scale); }
+
+private:
+  [[nodiscard]] Vec3 to_device(const Vec3& v, double times) const {
+    return validate() == nullptr ? times * inverse(turn).rotate(v) : Vec3{};
   }
 };
 
