@@ -185,7 +185,7 @@ std::string broken_promise(const BatteryCase& c, const BatteryResult& r) {
   if (r.step > (fast ? 2.5 : 2)) return "a force that changed by more than its bound a metre";
   if (r.leap > 5) return "a force that leapt while the tool hardly moved";
   if (r.begin > 5e-3) return "a contact that began or ended with a force";
-  if (r.gain > 0.03) return "a contact that gave back more than it took";
+  if (r.gain > (fast ? 0.02 : 1e-3)) return "a contact that gave back more than it took";
   if (r.drag > 1e-3) return "a friction that drove";
   return {};
 }

@@ -61,10 +61,10 @@ struct BatteryResult {
 /// (against the surface) and c move (where the body is animated, in the tick before, too), the force changes by at most
 /// twice the stiffness (Stiffest, of the contact's depth), two and a half times in fast motions. Of a slow tool that
 /// keeps its direction c may go where it will: per metre that the skin moves, by at most five times the stiffness. A
-/// contact begins and ends with less than 0.5 % of stiffness * depth scale. A contact gives back at most 3 % of what
-/// went through it more than it took: the error of the sum at sharp corners, a tenth of a per cent elsewhere. In fast
-/// motions that is beyond what the hand may have given otherwise than the sum over trapezoids says: half of each tick's
-/// change of the force times its way.
+/// contact begins and ends with less than 0.5 % of stiffness * depth scale. A contact gives back at most a thousandth
+/// of what went through it more than it took: the error of the sum. In fast motions at most a fiftieth, beyond what the
+/// hand may have given otherwise than the sum over trapezoids says: half of each tick's change of the force times its
+/// way.
 std::string broken_promise(const BatteryCase& c, const BatteryResult& result);
 
 /// Newtons a metre that no push of the tool, straight or sideways, exceeds; a tenth of margin. Deeper than the depth
