@@ -2,6 +2,7 @@
 // Damaged files: every truncation and every flipped bit is refused; what passes a mended checksum is harmless.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <random>
@@ -109,6 +110,15 @@ TEST(Damage, AnotherVersionIsRefusedByItsNumber) {
   mend(bytes);
   EXPECT_STREQ(View::open(bytes.data(), bytes.size()).error,
                "version 1, this reader knows 2: fit its scene again (palpate fit)");
+}
+
+TEST(Damage, TheOtherByteOrderIsRefusedByItsName) {
+  std::vector<std::byte> bytes = small_file();
+  const auto version = bytes.begin() + offsetof(layout::FileHeader, version);
+  std::reverse(version, version + sizeof(layout::FileHeader::version));
+  mend(bytes);
+  EXPECT_STREQ(View::open(bytes.data(), bytes.size()).error,
+               "of the other byte order: response files and those who read them are little-endian");
 }
 
 TEST(Damage, TrailingBytesAreRefused) {

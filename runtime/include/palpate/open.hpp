@@ -23,6 +23,10 @@ inline bool check_header(const View& v, bool trusted, Fault& fault) {
     if (h.magic[k] != layout::kMagic[k])
       return fault.say("not a Palpate response file: the first bytes are not PALPATE");
   }
+  // No version has so many: its bytes are the other way round.
+  if (h.version != 0 && (h.version & 0xffff) == 0) {
+    return fault.say("of the other byte order: response files and those who read them are little-endian");
+  }
   if (h.version != layout::kVersion) {
     return fault.say("version %, this reader knows %: fit its scene again (palpate fit)", h.version, layout::kVersion);
   }
