@@ -143,9 +143,9 @@ inline bool locate_where(const View& view, const Vec3& p, const Counts& counts, 
   return true;
 }
 
-/// Nearest point of the contact surface. Any finite point; the first triangle in file order wins a tie
-/// without a search section. `near`: any point of the surface; the nearer it is, the shorter the search, which finds
-/// the same.
+/// Nearest point of the contact surface. Any point within 1e6 m, where poses are valid: beyond, squares of distances
+/// overflow or say nothing. The first triangle in file order wins a tie without a search section. `near`: any point of
+/// the surface; the nearer it is, the shorter the search, which finds the same.
 template <std::uint32_t kFeatures = layout::feature_all>
 [[gnu::noinline]] inline Location locate(const View& view, const Vec3& p, const BodyPoint& near = {}) {
   const Vec3 gap = p - position(view, near);

@@ -13,7 +13,10 @@ enum class State : std::uint8_t {
   stick,     ///< c and p rest where they met
   slide,     ///< c moves over the body at the friction limit (always, in a frictionless file)
   released,  ///< the contact ended in this tick; no force
-  fault      ///< the pose was not finite, not a rotation, or beyond 1e6 m; no force, contact forgotten
+  /// No force, and the contact is forgotten: the pose of the tool, of the body that moves or of the search was not
+  /// finite, no rotation, or beyond 1e6 m; the search named a place that the file does not have; the file has no such
+  /// tool, or holds what the contact leaves out; a coupling's time or options were wrong.
+  fault
 };
 
 /// What a tick gives back; vectors in the body's frame.

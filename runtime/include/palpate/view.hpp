@@ -66,6 +66,8 @@ struct View {
 
   /// Checks `size` bytes at `data` (aligned to 8) against the specification; defined in open.hpp. `kFeatures`
   /// (layout::Feature bits): what the program can do with a file; one that holds more is refused by name.
+  /// Depth scales from 1e-9 m on are opened, but thresholds are made for 1e-6 m and more: a vector shorter than 1e-12 m
+  /// has no direction.
   template <std::uint32_t kFeatures = layout::feature_all>
   static OpenResult open(const void* data, std::size_t size);
   /// For bytes that open() has accepted before and that nobody can have changed since: checks header, table of contents
