@@ -51,11 +51,15 @@ struct Drawn {
   [[nodiscard]] Pose at(double x) const { return tip(direction * x, kPressed); }
   /// N, of the hand, along the direction.
   [[nodiscard]] double along(const Tick& tick) const { return -direction * tick.force.x; }
-  /// m, where the sideways force comes to such a share of the limit, drawn on from x.
+  /// N of that, which friction bears: all but the straight push's.
+  [[nodiscard]] double friction(const Contact& drawn, const Tick& tick) const {
+    return along(tick) + direction * drawn.field().at_depth(tick.depth).straight.x;
+  }
+  /// m, where friction comes to such a share of the limit, drawn on from x.
   double reaches(Contact& drawn, double x, double share) const {
     for (;; x += 1e-7) {
       const Tick tick = drawn.tick(at(x));
-      if (along(tick) >= share * tick.friction_limit || tick.state != State::stick) return x;
+      if (friction(drawn, tick) >= share * tick.friction_limit || tick.state != State::stick) return x;
     }
   }
 };
@@ -88,7 +92,7 @@ void vibrate(const Drawn& drawn, const Vibration& vibration) {
   Contact contact = drawn.contact, further = drawn.contact;
   const Tick start = contact.tick(drawn.at(drawn.middle));
   const double amplitude = drawn.reaches(further, drawn.middle, 0.5 + vibration.share) - drawn.middle;
-  Dahl dahl{vibration.share * start.friction_limit / amplitude, start.friction_limit, drawn.along(start)};
+  Dahl dahl{vibration.share * start.friction_limit / amplitude, start.friction_limit, drawn.friction(contact, start)};
   Vec3 early, settled, mean;  // N, of a cycle
   double least = 1, most = 0, from = 0, of_dahl = 0;
   for (int cycle = 0; cycle < vibration.cycles; ++cycle) {
@@ -100,8 +104,8 @@ void vibrate(const Drawn& drawn, const Vibration& vibration) {
       ASSERT_EQ(tick.state, State::stick) << cycle;
       ASSERT_EQ(distance(tick.body_point, start.body_point), 0) << cycle;
       mean = mean + (1.0 / kCycle) * tick.force;
-      least = std::min(least, drawn.along(tick) / start.friction_limit);
-      most = std::max(most, drawn.along(tick) / start.friction_limit);
+      least = std::min(least, drawn.friction(contact, tick) / start.friction_limit);
+      most = std::max(most, drawn.friction(contact, tick) / start.friction_limit);
       dahl.move(x - from);
       of_dahl += dahl.force / kCycle;
       from = x;

@@ -42,6 +42,35 @@ TEST(Contact, SidewaysItSticksThenSlidesAtTheLimit) {
   EXPECT_EQ(back.state, State::stick);
 }
 
+// A body that pushes a straight tool aside does so while it slides, too: friction comes on top, alike every way.
+TEST(Contact, FrictionHoldsItsLimitAboutTheStraightPush) {
+  for (const int coupled : {0, 2, 4}) {
+    for (const bool rim : {false, true}) {
+      Options options;
+      options.coupled = coupled;
+      options.rim = rim;
+      const Opened box(box_content(options));
+      double aside = 0;
+      for (int k = 0; k < 8; ++k) {
+        const double angle = 0.25 * k * std::numbers::pi, depth = 0.0035;
+        const Vec3 to{std::cos(angle), std::sin(angle), 0}, start{-0.0013, 0.0017, 0};
+        Contact contact(box.view, 0);
+        move(contact, centre(-0.0005) + start, centre(depth) + start);
+        Tick tick;
+        move(contact, centre(depth) + start, centre(depth) + start + 0.003 * to, 1e-5,
+             [&](const Pose&, const Tick& each) { tick = each; });
+        ASSERT_EQ(tick.state, State::slide);
+        const Vec3 straight = contact.field().at_depth(tick.depth).straight;
+        const Vec3 friction{tick.force.x - straight.x, tick.force.y - straight.y, 0};
+        EXPECT_NEAR(length(friction), tick.friction_limit, (rim ? 0.02 : 1e-3) * tick.friction_limit);
+        EXPECT_LT(dot(friction, to), -0.9 * tick.friction_limit);
+        aside = std::max(aside, length(straight) / tick.friction_limit);
+      }
+      EXPECT_GT(aside, 0.03);
+    }
+  }
+}
+
 // A contact that went deeper aslant has left its anchor ahead of c. Where it begins to slide c takes that over as it
 // goes, not at once: the next place answers otherwise. In the end it slides as one that was pressed straight.
 TEST(Contact, BeginsToSlideWithoutAStep) {
