@@ -57,6 +57,14 @@ public:
     if (kLayers > kLayersUnspun && layers_ > kLayersUnspun) more_growths(share, growth);
   }
 
+  /// Of responses with axes of their own that are new, as they mostly are again in the next tick: to be asked once
+  /// after their blend and once before the next, which is less than to take intervals for it.
+  [[nodiscard]] bool passing() const { return kLayers > kLayersUnspun && apart_ && passing_ > 0; }
+  void growths_passing(double s, Lanes* growth) const {
+    --passing_;
+    growths_once(s, growth);
+  }
+
   /// Weighted growths at s, where nobody asked before nor is soon to ask again: takes no intervals.
   void growths_once(double s, Lanes* growth) const {
     const spline::Basis basis = spline::basis_onwards(growth_count_, s);
@@ -187,6 +195,7 @@ private:
   void take_over(int layer, int k, const float* coefs) {
     layer_[layer].coefs[k] = coefs;
     growth_interval_ = -1;
+    passing_ = 2;
     layer_[layer].growth.forget(k);
     for (int part = 0; part < kParts; ++part) {
       layer_[layer].phi[part].forget(k);
@@ -228,6 +237,7 @@ private:
   bool apart_ = false;                   ///< each response has its own axis
   mutable double growth_interval_ = -1;  ///< that all growths are taken on; -1 where some are not
   mutable bool falls_ = false;           ///< one of them falls on that
+  mutable int passing_ = 0;              ///< how often growths are asked for before they are taken
 };
 
 }  // namespace palpate::runtime
