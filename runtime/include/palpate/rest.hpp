@@ -147,7 +147,8 @@ public:
     return dot(rolled_, rolled_) >= kShare * kShare * size() * size();
   }
 
-  /// Moves c by what was rolled, and the anchor back to it; by so much of it as c can go. As in follow() p runs with it.
+  /// Moves c by what was rolled, and the anchor back to it; by so much of it as c can go. As in follow() p runs with
+  /// it.
   void roll_on(const Pose& pose, Vec3& q, const Deflection& d) {
     anchored_ = anchored_ - rolled_;
     rolled_ = {};

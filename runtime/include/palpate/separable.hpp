@@ -94,7 +94,7 @@ public:
     if constexpr (kFriction) {
       if (meta_->friction_coefs == 0) return;
       terms.limit = value[kMu] * terms.normal_force;
-      if (!(low_ < high_)) return curves_.growths_passing(s, terms.growth);
+      if (!(low_ < high_)) return curves_.growths_once(s, terms.growth);
       curves_.growths(s * growth_intervals_, terms.growth);
     }
   }
@@ -289,7 +289,7 @@ private:
     if constexpr (kFriction) {
       if (meta_->friction_coefs == 0) return;
       take_limit(s);
-      if (curves_.passing()) {
+      if (curves_.passing(s * growth_intervals_)) {
         high_ = low_;  // to be asked again
         return;
       }
