@@ -203,6 +203,25 @@ TEST(Contact, ASearchOfALargerFileIsAFault) {
   }
 }
 
+// As of a file that was refused, by a host that did not look.
+TEST(Contact, OfAViewThatWasNotOpenedEveryTickIsAFault) {
+  const runtime::OpenResult refused = runtime::View::open(nullptr, 0);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.view.find_tool("ball"), 0U);
+  Contact contact(refused.view, 0);
+  runtime::BasicContact<0> lean(refused.view, 0);
+  runtime::MovingContact moving(refused.view, 0);
+  runtime::SeveralContacts<2> several(refused.view, 0);
+  for (const double height : {0.1, -0.1, 0.0}) {
+    const Pose pose = upright({0, 0, height});
+    EXPECT_EQ(contact.tick(pose).state, State::fault);
+    EXPECT_EQ(contact.tick(pose, runtime::search(refused.view, 0, pose)).state, State::fault);
+    EXPECT_EQ(lean.tick(pose).state, State::fault);
+    EXPECT_EQ(moving.tick(Pose(), pose).state, State::fault);
+    EXPECT_EQ(several.tick(pose).each[0].state, State::fault);
+  }
+}
+
 // A contact keeps the view's address: of a temporary, as View::open(...).view, it does not compile.
 TEST(Contact, IsNotMadeOfATemporaryView) {
   using runtime::View;

@@ -21,6 +21,11 @@ using If = std::conditional_t<kept, T, Nothing>;
 
 /// What is taken for a tool that a file does not have: no contact of it ticks.
 inline constexpr layout::ToolRecord kNoTool{};
+/// Of a view that was not opened, as of a file that was refused: without a tool every tick of a contact is a fault, and
+/// a search finds the one point that is there.
+inline constexpr layout::Meta kNoMeta{};
+inline constexpr layout::SurfaceTriangle kNoTriangle{};
+inline constexpr layout::Point kNoPoint{};
 
 /// A microcontroller: memory is small and nowhere far, and what counts is the longest tick.
 #if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M'
@@ -47,10 +52,10 @@ struct View {
   const unsigned char* bytes = nullptr;
   std::size_t size = 0;
   std::uint32_t features = 0;  ///< layout::Feature bits
-  const layout::Meta* meta = nullptr;
+  const layout::Meta* meta = &detail::kNoMeta;
   const layout::Site* sites = nullptr;
-  const layout::Point* vertices = nullptr;
-  const layout::SurfaceTriangle* triangles = nullptr;
+  const layout::Point* vertices = &detail::kNoPoint;
+  const layout::SurfaceTriangle* triangles = &detail::kNoTriangle;
   const layout::ToolRecord* tools = nullptr;
   const layout::ToolVertexRecord* tool_vertices = nullptr;  ///< null when every tool has one vertex
   const layout::ToolPatch* tool_patches = nullptr;          ///< null with tool_vertices
