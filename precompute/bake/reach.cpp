@@ -68,8 +68,9 @@ bool sinks_into_held(const Body& body, const Tool& tool, const ToolVertex& verte
   pose.translation() -= depth * frame.n;
   const double sliver = 0.02 * contact_radius(vertex, depth);
   const std::vector<Vector3d> points = swept_surface(body, tool, vertex, pose.inverse(), Vector3d::UnitZ(), 0.0);
+  // The distance to a mesh costs far more than the look at a support, and few points are held.
   return std::any_of(points.begin(), points.end(), [&](const Vector3d& at) {
-    return tool.shape->distance(at).value < -sliver && body.held(pose * at);
+    return body.held(pose * at) && tool.shape->distance(at).value < -sliver;
   });
 }
 
