@@ -13,6 +13,19 @@
 
 namespace palpate {
 
+/// What surface preparation did and found, for the user to see before a bake.
+struct SurfaceReport {
+  std::string action;                 ///< "used as it is" | "repaired" | "wrapped", then ", smoothed"
+  std::vector<std::string> findings;  ///< what validation found of the input, one line each
+  std::size_t vertices = 0, triangles = 0;
+  double largest_move = 0.0, mean_move = 0.0;                               ///< m, from the result to the input surface
+  Eigen::Vector3d extents{0, 0, 0};                                         ///< m, of the bounding box
+  double volume = 0.0, area = 0.0;                                          ///< m^3, m^2
+  double thickness_min = 0.0, thickness_median = 0.0, thickness_p05 = 0.0;  ///< m
+  double facet_depth = 0.0;  ///< m, mean distance of the facets' middles to the round surface that they stand for
+  bool thin_bag = false;     ///< looks like a thin closed shell rather than a solid
+};
+
 /// One inclusion: a closed surface strictly inside the body.
 struct Inclusion {
   std::string name;
@@ -20,18 +33,7 @@ struct Inclusion {
   Surface base;  ///< coarse remeshed copy that the volume meshes start from
   MaterialScene material;
   std::shared_ptr<const CurveQuery> fibres;  ///< that the material's fibres run along; null: none, or one direction
-};
-
-/// What surface preparation did and found, for the user to see before a bake.
-struct SurfaceReport {
-  std::string action;                 ///< "used as it is" | "repaired" | "wrapped", then ", smoothed"
-  std::vector<std::string> findings;  ///< what validation found of the input, one line each
-  std::size_t vertices = 0, triangles = 0;
-  double largest_move = 0.0, mean_move = 0.0;                               ///< m, from the result to the input surface
-  double volume = 0.0, area = 0.0;                                          ///< m^3, m^2
-  double thickness_min = 0.0, thickness_median = 0.0, thickness_p05 = 0.0;  ///< m
-  double facet_depth = 0.0;  ///< m, mean distance of the facets' middles to the round surface that they stand for
-  bool thin_bag = false;     ///< looks like a thin closed shell rather than a solid
+  SurfaceReport report;
 };
 
 /// Where the held part of the surface ends, and the edge length (m) that resolves it; see support_rim.hpp.

@@ -2,6 +2,7 @@
 // Remeshes a closed surface so that its edges follow a size field: fine at a contact site, coarse away from it.
 #pragma once
 
+#include "formats/error.hpp"
 #include "formats/surface.hpp"
 #include "precompute/geometry/query.hpp"
 #include "precompute/mesh/size_field.hpp"
@@ -21,12 +22,18 @@ struct AdaptedSurface {
   std::vector<std::int32_t> anchors;  ///< the vertex of each anchor, at exactly its coordinates
 };
 
+/// The size field asks for too many triangles: a smaller one is no way out.
+class TooFine : public Error {
+public:
+  using Error::Error;
+};
+
 /// Adapts `base` (closed, manifold, near `original`) to `size`. The feature lines of `original`
 /// stay; their ends and branchings (corners) do not move. `anchors` are points on `original`; each becomes a
 /// vertex. Deterministic; safe to call from several threads.
 /// Throws Error(bad_input) for a base that is not a closed manifold, Error(numerical) where the size field gives
-/// a length that is not finite and positive, or asks for more than 300 000 triangles, and where every adaptation strays
-/// from the original or crosses itself.
+/// a length that is not finite and positive, TooFine (numerical) where it asks for more than 300 000 triangles, and
+/// Error(numerical) where every adaptation strays from the original or crosses itself.
 AdaptedSurface adapt_surface(const Surface& base, const SurfaceQuery& original, const SizeField& size,
                              const std::vector<Eigen::Vector3d>& anchors, const AdaptOptions& options = {});
 

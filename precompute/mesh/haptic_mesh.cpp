@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <map>
 #include <string>
@@ -139,11 +140,22 @@ void subdivide(const Body& body, int k, HapticMesh& mesh) {
   }
 }
 
+// The commonest cause of a spacing that does not suit a body.
+std::string size_of(const Body& body) {
+  char text[100];
+  std::snprintf(text, sizeof text, "; the body measures %.3g m across: is body.units right?", body.diagonal);
+  return text;
+}
+
 // Patches too wide for a body's folds may cross: then they are made smaller all over.
 AdaptedSurface adapt_to_sites(const SamplingScene& sampling, const Body& body, AdaptOptions options) {
   for (int halvings = 0;; ++halvings) {
     try {
       return adapt_surface(body.base, *body.query, site_spacing(sampling, body), {}, options);
+    } catch (const TooFine& error) {
+      throw Error(ExitCode::bad_input, "sampling.spacing " +
+                                           std::to_string(options.largest > 0 ? options.largest : sampling.spacing) +
+                                           " m: " + error.what() + "; try a larger one" + size_of(body));
     } catch (const Error& error) {
       if (error.code() != ExitCode::numerical) throw;
       if (halvings == 2) {
@@ -168,7 +180,7 @@ HapticMesh make_haptic_mesh(const Scene& scene, const Body& body) {
   if (mesh.triangles.size() < 4) {
     throw Error(ExitCode::bad_input, "sampling.spacing " + std::to_string(sampling.spacing) +
                                          " m leaves fewer than four sites, allowed below " +
-                                         std::to_string(body.diagonal / 3) + " m");
+                                         std::to_string(body.diagonal / 3) + " m" + size_of(body));
   }
   for (const Vector3d& v : adapted.surface.vertices) {
     const Vector3d point = body.query->closest(v).point;

@@ -89,8 +89,17 @@ std::shared_ptr<const CurveQuery> fibres_of(const MaterialScene& material, const
 Inclusion make_inclusion(const RegionScene& region, const Body& body, double& edge) {
   const std::string file = region.surface.file.empty() ? std::string() : " (" + region.surface.file.string() + ")";
   const auto label = "region '" + region.name + "'" + file;
-  const auto cleaned = clean_surface(region_surface(region), {}, label);
+  const Surface given = region_surface(region);
+  const auto cleaned = clean_surface(given, {}, label);
+  // A wrap of a shell that is open goes round it inside, too: a hollow region where a solid one is meant.
+  if (cleaned.report.action == "wrapped" && topology(given).boundary_edges > 0) {
+    fail(
+        fmt::format("{}: its surface is open, and no repair closes it ({}); close its holes in the file, or give the "
+                    "region by its measures",
+                    label, joined(cleaned.report.findings)));
+  }
   Inclusion inclusion;
+  inclusion.report = cleaned.report;
   inclusion.name = region.name;
   inclusion.query = cleaned.query;
   inclusion.material = region.material;
@@ -169,6 +178,13 @@ void warn_of_facets(const Scene& scene, SurfaceReport& report) {
   }
 }
 
+constexpr double kSmallestBody = 1e-3, kLargestBody = 10.0;  // m, of the diagonal: beyond them hardly an organ
+
+void warn_of_size(double diagonal, SurfaceReport& report) {
+  if (diagonal >= kSmallestBody && diagonal <= kLargestBody) return;
+  report.findings.push_back(fmt::format("the body measures {:.3g} m across: is body.units right?", diagonal));
+}
+
 }  // namespace
 
 Body prepare_body(const Scene& scene) {
@@ -193,6 +209,7 @@ Body prepare_body(const Scene& scene, const Surface& surface) {
   body.capsule_thickness = scene.body.capsule_thickness;
   body.capsule_young = scene.body.capsule_young;
   body.diagonal = diagonal(body.query->surface());
+  warn_of_size(body.diagonal, body.report);
   body.prestress = scene.prestress;
   body.cavity = cavity_triangles(body.query->surface());
   body.base_size = std::min(body.diagonal / 25.0, edge_for(body.report.area, base_triangles));

@@ -83,6 +83,9 @@ void measure(const SurfaceQuery& query, SurfaceReport& report) {
   const auto& surface = query.surface();
   report.vertices = surface.vertices.size();
   report.triangles = surface.triangles.size();
+  Eigen::AlignedBox3d box;
+  for (const auto& vertex : surface.vertices) box.extend(vertex);
+  if (!box.isEmpty()) report.extents = box.sizes();
   report.volume = signed_volume(surface);
   report.area = area(surface);
   report.facet_depth = mean_facet_depth(surface);
@@ -122,11 +125,22 @@ std::string text(const SurfaceReport& report) {
   for (const auto& finding : report.findings) result += "  found: " + finding + "\n";
   result +=
       fmt::format("  moved: largest {:.3g} mm, mean {:.3g} mm\n", report.largest_move * 1e3, report.mean_move * 1e3);
+  result += fmt::format("  extents {:.4g} x {:.4g} x {:.4g} mm\n", report.extents.x() * 1e3, report.extents.y() * 1e3,
+                        report.extents.z() * 1e3);
   result += fmt::format("  volume {:.4g} mL, area {:.4g} cm2\n", report.volume * 1e6, report.area * 1e4);
   result += fmt::format("  wall thickness: least {:.3g} mm, 5 % below {:.3g} mm, median {:.3g} mm\n",
                         report.thickness_min * 1e3, report.thickness_p05 * 1e3, report.thickness_median * 1e3);
   if (report.thin_bag) {
     result += "  WARNING: this is a thin closed shell, not a solid organ; wrap it together with the meshes inside it\n";
+  }
+  return result;
+}
+
+std::string text(const Body& body) {
+  std::string result = text(body.report);
+  for (const auto& inclusion : body.inclusions) {
+    if (inclusion.report.findings.empty()) continue;
+    result += "region '" + inclusion.name + "': " + text(inclusion.report);
   }
   return result;
 }

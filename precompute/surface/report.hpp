@@ -31,5 +31,7 @@ std::pair<double, double> distances(const Surface& from, const SurfaceQuery& to)
 
 /// Several lines for the user, each ended by a newline.
 std::string text(const SurfaceReport& report);
+/// Of the body, then of every region whose surface had faults.
+std::string text(const Body& body);
 
 }  // namespace palpate

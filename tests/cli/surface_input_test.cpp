@@ -16,6 +16,11 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(text.find(from), from.size(), to);
 }
 
+/// A box of 20 mm inside it, without its lid.
+const std::string kOpenBox =
+    "OFF\n8 10 0\n.01 .01 .01\n.03 .01 .01\n.03 .03 .01\n.01 .03 .01\n.01 .01 .03\n.03 .01 .03\n.03 .03 .03\n"
+    ".01 .03 .03\n3 0 2 1\n3 0 3 2\n3 0 1 5\n3 0 5 4\n3 1 2 6\n3 1 6 5\n3 2 3 7\n3 2 7 6\n3 3 0 4\n3 3 4 7\n";
+
 struct Case {
   std::string name;
   std::string file;  ///< name of the surface file
@@ -75,6 +80,12 @@ const std::vector<Case> kCases{
      2,
      {"a.off", "self-intersecting"}},
     {"missing mesh", "a.off", kBox, "meshes = [\"capsule\"]\n", 2, {"capsule", "there are"}},
+    {"region that is open",
+     "a.off",
+     kBox,
+     "[[region]]\nname = \"lump\"\nsurface = \"open.off\"\n",
+     2,
+     {"region 'lump'", "open.off", "is open", "4 boundary edges"}},
     {"missing support mesh", "a.off", kBox, "[[support]]\nmesh = \"ligament\"\n", 2, {"ligament"}},
     {"missing region file", "a.off", kBox, "[[region]]\nsurface = \"none.ply\"\n", 4, {"none.ply", "No such file"}},
 };
@@ -83,6 +94,7 @@ class BadSurface : public PalpateProgram, public testing::WithParamInterface<Cas
 
 TEST_P(BadSurface, IsRefused) {
   write(GetParam().file, GetParam().content);
+  write("open.off", kOpenBox);
   write("scene.toml", "[body]\nsurface = \"" + GetParam().file + "\"\n" + GetParam().scene);
   expect_failure(run({"mesh", "scene.toml", "--out", "out"}), GetParam().code, GetParam().cause);
   EXPECT_FALSE(std::filesystem::exists(folder() / "out"));
@@ -110,6 +122,18 @@ TEST_F(TwoSurfaces, ThatIntersectOrTouchAreRefused) {
   refused(replaced(kBox, "0 0 0\n", "0.02 0.02 0.02\n"), "double another");
 }
 
+class Spacing : public PalpateProgram {};
+
+TEST_F(Spacing, ThatDoesNotSuitTheBodyAsksForItsUnits) {
+  write("a.off", kBox);
+  const auto refused = [&](const std::string& spacing, const char* cause) {
+    write("scene.toml", "[body]\nsurface = \"a.off\"\n[sampling]\nspacing = " + spacing + "\n");
+    expect_failure(run({"plan", "scene.toml"}), 2, {cause, "the body measures 0.0693 m across: is body.units right?"});
+  };
+  refused("1e-5", "300 000 triangles; try a larger one");
+  refused("0.5", "fewer than four sites");
+}
+
 class GoodSurface : public PalpateProgram {};
 
 TEST_F(GoodSurface, IsReported) {
@@ -118,7 +142,27 @@ TEST_F(GoodSurface, IsReported) {
   const RunResult result = run({"mesh", "scene.toml", "--out", "out", "--json"});
   EXPECT_EQ(result.exit_code, 0) << result.error;
   EXPECT_NE(result.out.find("\"action\": \"used as it is\""), std::string::npos) << result.out;
+  EXPECT_EQ(result.out.find("body.units"), std::string::npos) << result.out;
   EXPECT_TRUE(std::filesystem::exists(folder() / "out" / "body.ply"));
+}
+
+TEST_F(GoodSurface, OfAnUnlikelySizeIsToldWithItsExtents) {
+  write("a.off", kBox);
+  write("scene.toml", "[body]\nsurface = \"a.off\"\nunits = \"mm\"\n");  // it is in m
+  const RunResult result = run({"mesh", "scene.toml"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_NE(result.out.find("the body measures 6.93e-05 m across: is body.units right?"), std::string::npos)
+      << result.out;
+  EXPECT_NE(result.out.find("extents 0.04 x 0.04 x 0.04 mm"), std::string::npos) << result.out;
+}
+
+TEST_F(GoodSurface, ARegionThatWasMendedIsReported) {
+  write("a.off", kBox);
+  write("b.off", replaced(kOpenBox, "8 10 0", "8 12 0") + "3 4 6 5\n3 4 6 7\n");  // one triangle turned
+  write("scene.toml", "[body]\nsurface = \"a.off\"\n[[region]]\nname = \"lump\"\nsurface = \"b.off\"\n");
+  const RunResult result = run({"mesh", "scene.toml"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_NE(result.out.find("region 'lump': surface repaired"), std::string::npos) << result.out;
 }
 
 TEST_F(GoodSurface, ARegionMayBeCalledBody) {
