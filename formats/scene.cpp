@@ -277,4 +277,17 @@ Scene read_scene(const std::filesystem::path& file) {
   return scene;
 }
 
+std::vector<std::filesystem::path> files_of(const Scene& scene) {
+  std::vector<std::filesystem::path> files;
+  const auto add = [&](const SurfaceSource& source) {
+    if (!source.file.empty()) files.push_back(source.file);
+  };
+  for (const SurfaceSource& source : scene.body.surfaces) add(source);
+  add(scene.material.centreline);
+  for (const RegionScene& region : scene.regions) add(region.surface), add(region.material.centreline);
+  for (const SupportScene& support : scene.supports) add(support.other);
+  for (const ToolScene& tool : scene.tools) add(tool.surface);
+  return files;
+}
+
 }  // namespace palpate

@@ -171,6 +171,9 @@ struct Scene {
 /// keys, wrong types and out-of-range values; Error(io) when the file cannot be read.
 Scene read_scene(const std::filesystem::path& file);
 
+/// Every file that a scene names but the recordings (SceneSources), there or not.
+std::vector<std::filesystem::path> files_of(const Scene& scene);
+
 /// What a canonical text covers: everything that changes a result, or only what changes a solve (and so
 /// leaves out the refusal limit and the response model, which a new fit takes up without new solves).
 enum class CanonicalScope { everything, solves };

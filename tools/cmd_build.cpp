@@ -18,11 +18,12 @@ struct BuildArguments {
 
 void run_build(const BuildArguments& options, const Globals& globals) {
   pipeline::Pipeline p = pipeline::prepare(options.scene, {options.work, options.output});
-  note(globals, text(p.body.report));
+  note(globals, text(p.body));
   if (p.body.report.thin_bag) {
     warn("the body looks like a thin closed bag, not a solid: its median wall is " +
          std::to_string(1e3 * p.body.report.thickness_median) + " mm thick");
   }
+  check_writable(p.paths.response);  // found after hours of solves it would be found too late
   pipeline::plan(p);
   const BakeReport bake = bake_with_progress(p, globals);
   const FitReport fit = pipeline::fit(p);

@@ -12,6 +12,7 @@
 #include "device/stop_signals.hpp"
 #include "formats/error.hpp"
 #include "formats/file.hpp"
+#include "formats/same_file.hpp"
 #include "tools/command.hpp"
 #include "tools/commands.hpp"
 #include "tools/drive_station.hpp"
@@ -176,11 +177,24 @@ void report_run(const DriveArguments& options, const Globals& globals, const Dri
               {"core", granted.pinned ? options.core : -1}});
 }
 
+nlohmann::ordered_json devices_json() {
+  const DeviceList list = known_devices();
+  nlohmann::ordered_json devices = nlohmann::ordered_json::array();
+  for (const ListedDevice& d : list.devices) {
+    devices.push_back({{"name", d.name}, {"what", d.what}, {"peak_force", d.peak_force}, {"state", d.state}});
+  }
+  return {{"devices", devices}, {"unseen", list.unseen}};
+}
+
 void run_drive(DriveArguments options, const Globals& globals) {
-  if (options.list) return print(list_devices());
+  if (options.list) return globals.json ? print_json(devices_json()) : print(list_devices());
   if (options.file.empty()) throw Error(ExitCode::usage, "which response file? (or --list)");
   const device::DeviceKind& kind = find_drive_kind(options.device);
   const device::LoopOptions loop_settings = loop_options(options, kind);
+  // The Falcon alone reads it, and a name that is wrong is wrong with any device.
+  if (!options.firmware.empty() && !std::filesystem::is_regular_file(options.firmware)) {
+    throw Error(ExitCode::io, options.firmware + ": named by --firmware, but it is no regular file");
+  }
   const ResponseInput input(options.file);
   const std::uint32_t tool = input.tool(options.tool);
   const DriveTitle title{options.file, input.view().tools[tool].name, kind.name, loop_settings.governor.limit,
@@ -199,6 +213,7 @@ void run_drive(DriveArguments options, const Globals& globals) {
   const std::string stem = std::filesystem::path(options.file).stem().string();
   if (options.record.empty() && !options.no_record) options.record = stem + ".palprun";
   if (options.plot.empty() && !options.no_record) options.plot = stem + "-run.svg";
+  refuse_same({options.record, options.plot}, {options.file, options.firmware});
   // It is written last: a folder that is not there would waste the run.
   const std::filesystem::path folder = std::filesystem::path(options.plot).parent_path();
   if (!folder.empty() && !std::filesystem::is_directory(folder)) {

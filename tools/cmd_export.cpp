@@ -7,6 +7,7 @@
 
 #include "formats/error.hpp"
 #include "formats/file.hpp"
+#include "formats/same_file.hpp"
 #include "tools/command.hpp"
 #include "tools/commands.hpp"
 #include "tools/export.hpp"
@@ -42,6 +43,7 @@ void run_export(const ExportArguments& options, const Globals& globals) {
   if (options.curves.empty() && options.glb.empty() && options.vtu.empty()) {
     throw Error(ExitCode::usage, "nothing to write: export takes --curves, --glb or --vtu");
   }
+  refuse_same({options.curves, options.glb, options.vtu}, {options.file});
   const ResponseInput input(options.file);
   const runtime::View& view = input.view();
   const double scale = view.meta->depth_scale, depth = options.depth > 0 ? options.depth : scale / 2;
@@ -49,10 +51,10 @@ void run_export(const ExportArguments& options, const Globals& globals) {
     throw Error(ExitCode::bad_input, options.file + ": was sampled to a depth of " + std::to_string(scale) +
                                          " m, --depth is " + std::to_string(depth) + " m");
   }
+  const std::uint32_t tool = input.tool(options.tool);  // one that is not there is wrong with --curves alone, too
   Json result{{"file", options.file}, {"depth_m", depth}, {"written", Json::array()}};
   std::string text;
   if (!options.glb.empty() || !options.vtu.empty()) {
-    const std::uint32_t tool = input.tool(options.tool);
     const layout::ToolRecord& record = view.tools[tool];
     if (options.tool_vertex >= record.vertex_count) {
       throw Error(ExitCode::bad_input, options.file + ": the tool '" + record.name + "' has " +

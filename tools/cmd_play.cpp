@@ -6,6 +6,7 @@
 
 #include "formats/error.hpp"
 #include "formats/file.hpp"
+#include "formats/same_file.hpp"
 #include "tools/command.hpp"
 #include "tools/commands.hpp"
 #include "tools/output.hpp"
@@ -13,6 +14,8 @@
 #include "tools/response_input.hpp"
 #ifdef PALPATE_DRIVE
 #include "tools/play_run.hpp"
+
+#include <filesystem>
 #endif
 
 namespace palpate::cli {
@@ -78,13 +81,28 @@ void report(const PlayArguments& options, const Globals& globals, const std::str
 
 #ifdef PALPATE_DRIVE
 
+/// The response file that a run names. The recording may lie in another folder than this one, with the file beside it.
+std::string response_of(const device::RunLog& log, const std::string& run) {
+  const std::filesystem::path named = log.header.response;
+  if (named.is_absolute() || std::filesystem::exists(named)) return named.string();
+  const std::filesystem::path beside = std::filesystem::path(run).parent_path() / named;
+  return std::filesystem::exists(beside) ? beside.string() : named.string();
+}
+
 /// The same forces as in the run, bit for bit, or an error; of another response file, how different they are.
 void replay(PlayArguments options, const Globals& globals) {
   if (options.several)
-    throw Error(ExitCode::usage, "--several: " + options.motion + " is played as it was felt; palpate drive has --several, too");
+    throw Error(ExitCode::usage,
+                "--several: " + options.motion + " is played as it was felt; palpate drive has --several, too");
   const device::RunLog log = read_run(options.motion);
   if (log.records.empty()) throw Error(ExitCode::bad_input, options.motion + ": the recording has no ticks");
-  if (options.file.empty()) options.file = log.header.response;
+  const bool named_by_run = options.file.empty();
+  if (named_by_run) options.file = response_of(log, options.motion);
+  if (named_by_run && !std::filesystem::exists(options.file)) {
+    throw Error(ExitCode::io, options.file + ": there is no such file, and " + options.motion +
+                                  " names it as its response file; give it: palpate play FILE.palp " + options.motion);
+  }
+  refuse_same({options.out, options.plot}, {options.motion, options.file});
   const ResponseInput input(options.file);
   const std::uint32_t tool = input.tool(options.tool.empty() ? log.header.tool_name : options.tool);
   const PlayedRun played = play_run(log, input, tool);
@@ -132,6 +150,7 @@ void run_play(PlayArguments options, const Globals& globals) {
 #endif
   if (options.motion.empty())
     throw Error(ExitCode::usage, "motion is required: " + options.file + " is no recording of a run");
+  refuse_same({options.out, options.plot}, {options.motion, options.file});
   const ResponseInput input(options.file);
   const std::uint32_t tool = input.tool(options.tool);
   const std::vector<MotionRow> motion = read_motion(options.motion);

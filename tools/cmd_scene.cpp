@@ -17,17 +17,13 @@ namespace {
 
 /// Files that the scene names and that are not there, found before hours of work rather than after.
 void check_files(const Scene& scene) {
-  const auto check = [&](const SurfaceSource& source) {
+  for (const std::filesystem::path& file : files_of(scene)) {
     std::error_code error;
-    if (source.file.empty() || std::filesystem::is_regular_file(source.file, error)) return;
-    throw Error(ExitCode::io,
-                source.file.string() + ": named by " + scene.file.string() + ", but there is no such file");
-  };
-  for (const SurfaceSource& source : scene.body.surfaces) check(source);
-  check(scene.material.centreline);
-  for (const RegionScene& region : scene.regions) check(region.surface), check(region.material.centreline);
-  for (const SupportScene& support : scene.supports) check(support.other);
-  for (const ToolScene& tool : scene.tools) check(tool.surface);
+    if (std::filesystem::is_regular_file(file, error)) continue;
+    const bool there = std::filesystem::exists(file, error);
+    throw Error(ExitCode::io, file.string() + ": named by " + scene.file.string() +
+                                  (there ? ", but it is no regular file" : ", but there is no such file"));
+  }
 }
 
 std::string tissues_text() {
@@ -38,6 +34,14 @@ std::string tissues_text() {
     text += line;
   }
   return text;
+}
+
+nlohmann::ordered_json tissues_json() {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const Tissue& tissue : tissues()) {
+    list.push_back({{"name", tissue.name}, {"shear_modulus", tissue.shear}, {"source", tissue.source}});
+  }
+  return {{"tissues", list}};
 }
 
 void run_scene(const std::string& file, const Globals& globals) {
@@ -74,8 +78,10 @@ void add_scene(CLI::App& app, Globals& globals) {
       command.flag("--tissues", arguments->tissues, "Print the tissues that a material may name, with sources");
   file.excludes(reference).excludes(tissues);
   command.runs([arguments, &globals] {
-    if (arguments->reference) return print(scene_reference());
-    if (arguments->tissues) return print(tissues_text());
+    if (arguments->reference) {
+      return globals.json ? print_json({{"reference", scene_reference()}}) : print(scene_reference());
+    }
+    if (arguments->tissues) return globals.json ? print_json(tissues_json()) : print(tissues_text());
     if (arguments->file.empty()) throw Error(ExitCode::usage, "scene is required");
     run_scene(arguments->file, globals);
   });

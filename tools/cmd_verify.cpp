@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // `palpate verify`: baked against solved forces, with what a tick, a response and the bake cost.
 #include "formats/error.hpp"
+#include "formats/same_file.hpp"
 #include "precompute/bake/reach.hpp"
 #include "precompute/verify/limits.hpp"
 #include "precompute/verify/recorded.hpp"
@@ -156,6 +157,7 @@ void solve(const VerifyArguments& options, const Globals& globals) {
   // Whatever can fail for another reason than a solve fails before the first one.
   if (!options.report.empty()) check_writable(options.report);
   pipeline::Pipeline p = pipeline::prepare(options.input, {options.work, options.response});
+  check_reports(p, {options.report});
   if (options.limits.p95_sideways && !(p.scene.friction > 0)) {
     throw Error(ExitCode::usage, "--max-p95-sideways: the scene has no friction, and nothing sideways to compare");
   }
@@ -249,6 +251,13 @@ void check_usage(const VerifyArguments& options) {
   if (own && !options.input.empty()) {
     throw Error(ExitCode::usage, std::string(chosen) + " makes its own bodies; leave the scene out");
   }
+  const VerifyLimits& limits = options.limits;
+  const bool limited = limits.p95 || limits.p95_sideways || limits.p95_spins || limits.refused_share;
+  if (limited && chosen != nullptr && options.samples.empty()) {
+    throw Error(ExitCode::usage, std::string(chosen) +
+                                     " has no limits to set; --max-... is for held-out contacts, of a "
+                                     "scene or --samples");
+  }
   if (!options.family.empty() && options.battery.empty()) {
     throw Error(ExitCode::usage, "--family belongs to --battery");
   }
@@ -268,6 +277,7 @@ void check_usage(const VerifyArguments& options) {
 
 void run_verify(const VerifyArguments& options, const Globals& globals) {
   check_usage(options);
+  refuse_same({options.report, options.plot}, {options.input, options.samples, options.response});
   const ContactsCommand contacts{options.input, options.report, options.contacts, options.radii};
   if (options.slide) return run_slide(contacts, globals);
   if (options.strokes) {

@@ -46,24 +46,36 @@ std::unique_ptr<device::Device> open_drive_device(const DriveDeviceOptions& opti
   return std::move(opened.device);
 }
 
-std::string list_devices() {
+DeviceList known_devices() {
   const device::Enumeration seen = device::enumerate();
-  std::string lines;
-  const auto add = [&](const char* called, const DeviceKind& kind, const char* what, const char* state) {
-    char line[200];
-    std::snprintf(line, sizeof line, "  %-14s %-30s %4.4g N  %s\n", called, what, kind.peak_force, state);
-    lines += line;
-  };
+  DeviceList list;
   for (const DeviceKind& kind : device::kDevices) {
     const bool there = std::any_of(seen.found.begin(), seen.found.end(),
                                    [&](const device::FoundDevice& found) { return found.kind == &kind; });
     const bool driven = device::find_driver(kind) != nullptr;
-    add(kind.key, kind, kind.name, !driven ? "has no driver" : there ? "plugged in" : "not plugged in");
+    list.devices.push_back({kind.key, kind.name, kind.peak_force,
+                            !driven ? "has no driver"
+                            : there ? "plugged in"
+                                    : "not plugged in"});
   }
-  for (const device::SimKind& sim : device::sim_kinds())
-    add(sim.kind.name, sim.kind, "a device in a hand", "simulated");
-  add(device::kSimGlove.name, device::kSimGlove, "a glove on a hand", "simulated");
-  if (!seen.ok) lines += "  (" + seen.error + ")\n";
+  for (const device::SimKind& sim : device::sim_kinds()) {
+    list.devices.push_back({sim.kind.name, "a device in a hand", sim.kind.peak_force, "simulated"});
+  }
+  list.devices.push_back({device::kSimGlove.name, "a glove on a hand", device::kSimGlove.peak_force, "simulated"});
+  if (!seen.ok) list.unseen = seen.error;
+  return list;
+}
+
+std::string list_devices() {
+  const DeviceList list = known_devices();
+  std::string lines;
+  for (const ListedDevice& d : list.devices) {
+    char line[200];
+    std::snprintf(line, sizeof line, "  %-14s %-30s %4.4g N  %s\n", d.name.c_str(), d.what.c_str(), d.peak_force,
+                  d.state.c_str());
+    lines += line;
+  }
+  if (!list.unseen.empty()) lines += "  (" + list.unseen + ")\n";
   return lines;
 }
 

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "device/device.hpp"
 #include "device/sim_plant.hpp"
@@ -25,7 +26,22 @@ const device::DeviceKind& find_drive_kind(const std::string& name);
 /// A device with a handle. Throws Error(io) with the cause where it cannot be opened.
 std::unique_ptr<device::Device> open_drive_device(const DriveDeviceOptions& options);
 
-/// The known devices with what they are called, which of them are plugged in, and the simulated ones.
+/// A device as the list has it.
+struct ListedDevice {
+  std::string name;       ///< that --device takes
+  std::string what;       ///< the product, or what is simulated
+  double peak_force = 0;  ///< N
+  std::string state;      ///< plugged in, simulated, ...
+};
+
+/// The known devices, which of them are plugged in, and the simulated ones.
+struct DeviceList {
+  std::vector<ListedDevice> devices;
+  std::string unseen;  ///< why it is not known what is plugged in; empty: it is
+};
+DeviceList known_devices();
+
+/// The same as lines.
 std::string list_devices();
 
 }  // namespace palpate::cli

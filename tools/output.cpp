@@ -4,6 +4,8 @@
 
 #include "formats/error.hpp"
 
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -29,5 +31,14 @@ void note(const Globals& globals, const std::string& line) {
 }
 
 void warn(const std::string& line) { std::fprintf(stderr, "palpate: warning: %s\n", line.c_str()); }
+
+void check_writable(const std::filesystem::path& file) {
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+  std::error_code error;
+  int cause = std::filesystem::is_directory(file, error) ? EISDIR : 0;
+  if (cause == 0 && ::access(folder.c_str(), W_OK | X_OK) != 0) cause = errno;
+  if (cause == 0 && !std::filesystem::is_directory(folder, error)) cause = ENOTDIR;
+  if (cause != 0) throw Error(ExitCode::io, file.string() + ": cannot be written: " + std::strerror(cause));
+}
 
 }  // namespace palpate::cli

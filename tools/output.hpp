@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where commands print: results on standard output, notes on standard error.
+// Where commands print: results on standard output, notes on standard error; and whether a file of results could be.
 #pragma once
 
 #include "tools/commands.hpp"
 
+#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
@@ -14,6 +15,9 @@ void print(const std::string& text);
 
 /// Prints a result as one indented JSON document and a newline; numbers round-trip, NaN and infinity become null.
 void print_json(const nlohmann::ordered_json& document);
+
+/// Before the work for it: throws Error(io) where no file of that name could be written.
+void check_writable(const std::filesystem::path& file);
 
 /// A note for the user: one line on standard error, unless --quiet.
 void note(const Globals& globals, const std::string& line);

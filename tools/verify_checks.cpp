@@ -5,25 +5,23 @@
 #include "formats/error.hpp"
 #include "formats/file.hpp"
 #include "formats/journal.hpp"
+#include "formats/same_file.hpp"
 #include "precompute/verify/statistics.hpp"
 
-#include <unistd.h>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <nlohmann/json.hpp>
 
 namespace palpate::cli {
 
 namespace fs = std::filesystem;
 
-void check_writable(const fs::path& file) {
-  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  std::error_code error;
-  int cause = fs::is_directory(file, error) ? EISDIR : 0;
-  if (cause == 0 && ::access(folder.c_str(), W_OK | X_OK) != 0) cause = errno;
-  if (cause == 0 && !fs::is_directory(folder, error)) cause = ENOTDIR;
-  if (cause != 0) throw Error(ExitCode::io, file.string() + ": cannot write the report: " + std::strerror(cause));
+void check_reports(const pipeline::Pipeline& p, const std::vector<fs::path>& reports) {
+  std::vector<fs::path> inputs = files_of(p.scene);
+  for (const MeasuredScene& measured : p.scene_sources.measured) inputs.push_back(measured.file);
+  for (const fs::path& file : {p.paths.manifest, p.paths.journal, p.paths.bake, p.paths.response}) {
+    inputs.push_back(file);
+  }
+  refuse_same(reports, inputs);
 }
 
 void check_baked(const pipeline::Pipeline& p) {

@@ -2,6 +2,8 @@
 #include "tools/verify_contacts.hpp"
 
 #include "formats/error.hpp"
+#include "formats/same_file.hpp"
+#include "formats/scene.hpp"
 #include "precompute/verify/contact_checks.hpp"
 #include "tools/contact_case.hpp"
 #include "tools/interrupt.hpp"
@@ -30,6 +32,7 @@ std::string line(const char* format, Values... values) {
 
 ContactCase contacts_of(const ContactsCommand& command) {
   if (!command.report.empty()) check_writable(command.report);
+  if (!command.scene.empty()) refuse_same({command.report}, files_of(read_scene(command.scene)));
   return command.scene.empty() ? block_contact(0.02, 0.01, 1e-4, 0.3) : scene_contacts(command.scene, command.contacts);
 }
 

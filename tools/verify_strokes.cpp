@@ -162,6 +162,7 @@ void run_strokes(const StrokesCommand& command, const Globals& globals) {
     if (!file.empty()) check_writable(file);
   }
   pipeline::Pipeline p = pipeline::prepare(command.scene, {command.work, command.response});
+  check_reports(p, {command.report, command.plot});
   if (!(p.scene.friction > 0)) throw Error(ExitCode::usage, "--strokes: the scene has no friction");
   pipeline::find_pairs(p);
   check_baked(p);

@@ -10,6 +10,7 @@
 
 #include "formats/error.hpp"
 #include "formats/file.hpp"
+#include "formats/same_file.hpp"
 #include "precompute/bake/sources.hpp"
 #include "precompute/draw.hpp"
 #include "precompute/fit/assemble.hpp"
@@ -31,6 +32,14 @@ std::string file_name(const Scene& scene) {
 /// Of the pairs, that are pushed along paths which only test.
 double path_share(const Scene& scene) {
   return scene.response.model == ResponseScene::Model::coupled ? scene.response.path_share : 0.0;
+}
+
+/// What a work folder keeps is not to be written over what a scene is made of, nor a result over either.
+void check_outputs(const Pipeline& p, const std::filesystem::path& scene_file) {
+  std::vector<std::filesystem::path> inputs = files_of(p.scene);
+  inputs.push_back(scene_file);
+  for (const MeasuredScene& measured : p.scene_sources.measured) inputs.push_back(measured.file);
+  refuse_same({p.paths.manifest, p.paths.journal, p.paths.bake, p.paths.response}, inputs);
 }
 
 /// In [0, 1), the same for a pair whatever else is planned (the mixing of splitmix64, Steele et al. 2014).
@@ -59,6 +68,7 @@ Pipeline prepare(const std::filesystem::path& scene_file, const Options& options
   p.paths.journal = p.paths.work / "samples.journal";
   p.paths.bake = p.paths.work / "bake.json";
   for (const std::filesystem::path& file : options.measured) p.scene_sources.measured.push_back({file, {}, 0.0});
+  check_outputs(p, scene_file);
   for (const ToolScene& tool : p.scene.tools) p.tools.push_back(make_tool(tool));
   p.body = apply_prestress(prepare_body(p.scene));
   p.mesh = make_haptic_mesh(p.scene, p.body);

@@ -45,7 +45,7 @@ struct Pipeline {
 };
 
 /// Reads the scene; prepares body (its prestress is solved), tools and haptic mesh. Throws as read_scene, prepare_body,
-/// apply_prestress and make_tool do.
+/// apply_prestress and make_tool do, and Error(usage) where one of the paths is a file that is read.
 Pipeline prepare(const std::filesystem::path& scene_file, const Options& options = {});
 
 /// Makes the plan and finds which of its pairs are recorded or follow a law (find_sources); nothing is written.

@@ -59,6 +59,15 @@ TEST_P(BadScene, IsRefusedByEveryCommand) {
 INSTANTIATE_TEST_SUITE_P(Table, BadScene, testing::ValuesIn(kCases),
                          [](const auto& test_case) { return test_name(test_case.param.name); });
 
+class SceneFile : public PalpateProgram {};
+
+TEST_F(SceneFile, SurfacesAreThereAndAreFiles) {
+  write("scene.toml", kBody);
+  expect_failure(run({"scene", "scene.toml"}), 4, {"box.off", "there is no such file"});
+  std::filesystem::create_directory(folder() / "box.off");
+  expect_failure(run({"scene", "scene.toml"}), 4, {"box.off", "is no regular file"});
+}
+
 class NoScene : public PalpateProgram {};
 
 TEST_F(NoScene, IsAnInputOutputFailure) {

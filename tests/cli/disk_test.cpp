@@ -83,6 +83,12 @@ TEST_F(Disk, TracesCannotBeWritten) {
   }
 }
 
+TEST_F(Disk, WhereTheResponseFileCannotBeIsFoundBeforeTheBake) {
+  ASSERT_EQ(run({"synth", "slab", "--out", "."}).exit_code, 0);
+  expect_failure(run({"build", "scene.toml", "-o", "none/x.palp"}), 4, {"none/x.palp: cannot be written", "No such"});
+  EXPECT_FALSE(std::filesystem::exists(folder() / "scene.work"));
+}
+
 TEST_F(Disk, AManifestThatCannotBeLookedAtIsAnInputOutputFailure) {
   ASSERT_EQ(run({"synth", "slab", "--out", "."}).exit_code, 0);
   std::filesystem::create_directory(folder() / "work");

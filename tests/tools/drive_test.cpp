@@ -94,6 +94,20 @@ TEST_F(DriveRun, PlayGivesTheSameForcesBitForBit) {
   EXPECT_NE(text.out.find("of the run compared: 0 differ"), std::string::npos) << text.out;
 }
 
+TEST_F(DriveRun, PlayFindsTheResponseFileBesideTheRun) {
+  ASSERT_EQ(driven_.exit_code, 0) << driven_.error;
+  const TemporaryFolder elsewhere;
+  const auto play = [&](const std::filesystem::path& recording) {
+    return run_program(PALPATE_PROGRAM, {"play", recording.string()}, {.folder = elsewhere.path()});
+  };
+  EXPECT_EQ(play(shared_->path() / "box.palprun").exit_code, 0);
+  std::filesystem::copy(shared_->path() / "box.palprun", elsewhere.path() / "alone.palprun");
+  expect_failure(play("alone.palprun"), 4,
+                 {"box.palp: there is no such file", "alone.palprun names it", "palpate play FILE.palp alone.palprun"});
+  expect_failure(in_shared({"play", "box.palprun", "--out", "box.palprun"}), 1, {"box.palprun", "which is read"});
+  expect_failure(in_shared({"play", "box.palprun", "--plot", "box.palp"}), 1, {"box.palp", "which is read"});
+}
+
 TEST_F(DriveRun, PlaySaysWhenTheResponseFileIsAnother) {
   ResponseSampleOptions options;
   options.tools = ResponseSampleOptions::Tools::all;
@@ -161,8 +175,10 @@ TEST_F(Drive, ACouplingIsChosenRecordedAndReplayed) {
 TEST_F(Drive, AToolBetweenTwoLobesIsFeltAtBoth) {
   write_response_file(folder() / "lobes.palp", encode(two_lobes(smooth(false))));
   for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--coupling", "300"}}) {
-    std::vector<std::string> arguments{"drive", "lobes.palp", "--device", "sim", "--seconds", "1", "--ramp", "0.05",
-                                       "--at", "0,0," + std::to_string(between() + 0.007), "--json"};
+    std::vector<std::string> arguments{
+        "drive", "lobes.palp", "--device", "sim",  "--seconds",
+        "1",     "--ramp",     "0.05",     "--at", "0,0," + std::to_string(between() + 0.007),
+        "--json"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     double aside[2] = {};  // the mean sideways force over the mean upward one
     for (const bool several : {false, true}) {
@@ -266,6 +282,7 @@ TEST_F(Drive, WhatCannotBeIsNamed) {
   fails(4, {"ball.palp", "--device", "sim", "--record", "no/such/run"}, {"no/such/run"});
   fails(4, {"ball.palp", "--device", "sim", "--plot", "no/such/run.svg"}, {"no/such/run.svg", "no folder"});
   fails(1, {"ball.palp", "--device", "sim", "--plot", "run.svg", "--no-record"}, {"--no-record", "--plot"});
+  fails(4, {"ball.palp", "--device", "sim", "--firmware", "none.bin"}, {"none.bin", "--firmware"});
   const RunResult list = run({"drive", "--list"});
   EXPECT_EQ(list.exit_code, 0);
   for (const char* name : {"falcon", "wooden-mbed", "sim"}) EXPECT_NE(list.out.find(name), std::string::npos) << name;
