@@ -22,7 +22,8 @@ using SampleList = std::vector<Sample>;
 constexpr std::size_t kDrawn = 12;  // by which degrees are chosen: recorded pairs, and others beside them
 
 std::string name_of(const Plan& plan, std::uint32_t pair, const GivenPair& given) {
-  return (given.measured ? "recorded " : "closed form, ") + describe(pair, plan.pairs[pair]);
+  const std::string where = given.rows.empty() ? "" : given.rows.front() + ": ";  // the first of the contact
+  return where + (given.measured ? "recorded " : "closed form, ") + describe(pair, plan.pairs[pair]);
 }
 
 /// What `action` refuses a recording for, with what was passed over: that may be why it is not enough.

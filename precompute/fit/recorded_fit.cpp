@@ -179,8 +179,8 @@ void check_pushes(const std::vector<Sample>& samples, const Marks& kept, double 
   }
   for (std::size_t k = 1; k < depths.size(); ++k) {
     if (std::sqrt(depths[k]) - std::sqrt(depths[k - 1]) <= kWidestGap * std::sqrt(depths.back())) continue;
-    std::snprintf(text, sizeof text, "no row between the depths %.3g and %.3g mm", 1e3 * depths[k - 1],
-                  1e3 * depths[k]);
+    std::snprintf(text, sizeof text, "no row between the depths %.3g and %.3g mm; record one there",
+                  1e3 * depths[k - 1], 1e3 * depths[k]);
     refuse(text);
   }
 }

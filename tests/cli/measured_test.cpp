@@ -92,6 +92,10 @@ TEST_F(Measured, WithoutABakeTheOtherSitesMayBeCovered) {
 TEST_F(Measured, BadRecordingsEndWithTwo) {
   write("bad.csv", recording() + "0,0,0.02,0,0,deep,0,0,1\n");
   expect_failure(run({"fit", "slab.toml", "--measured", "bad.csv"}), 2, {"bad.csv:52: column dz: got 'deep'"});
+  const std::string whole = recording();
+  write("late.csv", whole.substr(0, whole.find('\n') + 1) + whole.substr(whole.find("0,0,0.02,0,0,-0.0004,")));
+  expect_failure(run({"fit", "slab.toml", "--measured", "late.csv"}), 2,
+                 {"late.csv:2: recorded pair", "no row between the depths 0 and 0.4 mm; record one there"});
   write("away.csv", "x,y,z,dx,dy,dz,fx,fy,fz\n0,0,0.05,0,0,-0.001,0,0,1\n");
   expect_failure(run({"fit", "slab.toml", "--measured", "away.csv"}), 2, {"away.csv:2: the contact lies 30 mm off"});
   expect_failure(run({"fit", "slab.toml", "--measured", "none.csv"}), 4, {"none.csv"});
