@@ -100,7 +100,9 @@ JournalContent parse(const Bytes& bytes, const Hash128& manifest, const std::fil
       for (std::size_t next = at + 1; next < bytes.size(); ++next) {
         if (journal::whole_record(bytes.data() + next, bytes.size() - next)) {
           fail_input(file, "offset " + std::to_string(at) + ": the record there is damaged (" +
-                               std::to_string(next - at) + " bytes before the next whole record)");
+                               std::to_string(next - at) + " bytes before the next whole record); `truncate -s " +
+                               std::to_string(at) + " '" + file.string() +
+                               "'` keeps what is before it, and the rest is solved again");
         }
       }
       content.torn_bytes = bytes.size() - at;

@@ -94,6 +94,8 @@ std::unique_ptr<TemporaryFile> enlarged(const BenchArguments& options, const Glo
 
 void run_open(const BenchArguments& options, const Globals& globals) {
   constexpr int kRounds = 7;
+  // One that is not there is wrong, though nothing is timed of it.
+  if (!options.tool.empty()) static_cast<void>(ResponseInput(options.file).tool(options.tool));
   const std::unique_ptr<TemporaryFile> large = enlarged(options, globals);
   const OpenBench bench = bench_open(large ? large->path() : std::filesystem::path(options.file), kRounds);
   if (globals.json) {

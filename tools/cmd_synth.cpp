@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // palpate synth: writes a synthetic organ with scene and motion.
 #include "datasets-synthetic/dataset.hpp"
+#include "formats/error.hpp"
 #include "tools/command.hpp"
 #include "tools/commands.hpp"
 #include "tools/output.hpp"
@@ -18,6 +19,9 @@ const std::vector<std::string> kOrgans{"slab", "ball", "liver", "kidney", "bladd
 const std::vector<std::string> kInstruments{"sphere", "punch", "capsule", "stylus"};
 const std::vector<std::string> kMotions{"probe", "scan"};
 
+// What an inclusion is made by.
+constexpr const char* kOfInclusion[] = {"--inclusion-radius", "--inclusion-gap", "--inclusion-young"};
+
 struct SynthArguments {
   synth::DatasetOptions options;
   std::string folder, organ, instrument = kInstruments[0], motion = kMotions[0];
@@ -26,6 +30,14 @@ struct SynthArguments {
 template <class E>
 E enumerator(const std::vector<std::string>& names, const std::string& name) {
   return static_cast<E>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+/// As a shell takes it for one word.
+std::string shell_word(const std::string& text) {
+  if (text.find_first_of(" \t\n'\"\\$&;()<>|*?[]#~`!") == std::string::npos) return text;
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return word + "'";
 }
 
 void run_synth(const SynthArguments& arguments, const Globals& globals) {
@@ -43,7 +55,7 @@ void run_synth(const SynthArguments& arguments, const Globals& globals) {
     return;
   }
   for (const auto& file : files) print(file.string() + "\n");
-  note(globals, "Next: palpate build " + files[0].string());
+  note(globals, "Next: palpate build " + shell_word(files[0].string()));
 }
 
 }  // namespace
@@ -65,20 +77,17 @@ void add_synth(CLI::App& app, Globals& globals) {
   command.option("--young", o.young, "Young's modulus (Pa); left out: the organ's").check(number_in(1e-3, 1e12));
   command.option("--poisson", o.poisson, "Poisson's ratio").check(number_in(0.0, 0.4999)).shows_default();
   command.flag("--inclusion", o.inclusion, "With a stiff ball inside");
-  command.option("--inclusion-radius", o.inclusion_radius, "Its radius (m)").check(length).needs("--inclusion");
-  command.option("--inclusion-gap", o.inclusion_gap, "Tissue over it (m)").check(length).needs("--inclusion");
-  command.option("--inclusion-young", o.inclusion_young, "Its modulus (Pa)")
-      .check(number_in(1e-3, 1e12))
-      .needs("--inclusion")
-      .shows_default();
-  command.flag("--tumour", o.tumour, "liver: the inclusion is a tumour; both have published stiffnesses")
-      .needs("--inclusion");
+  command.option(kOfInclusion[0], o.inclusion_radius, "Its radius (m)").check(length);
+  command.option(kOfInclusion[1], o.inclusion_gap, "Tissue over it (m)").check(length);
+  command.option(kOfInclusion[2], o.inclusion_young, "Its modulus (Pa)").check(number_in(1e-3, 1e12)).shows_default();
+  command.flag("--tumour", o.tumour, "liver: with an inclusion, a tumour; both tissues have published stiffnesses");
   command.option("--pressure", o.pressure, "bladder: pressure inside (Pa)").check(number_in(0.0, 1e9)).shows_default();
   command.option("--tool", arguments->instrument, "sphere, punch, capsule or stylus")
       .check(one_of(kInstruments))
       .named("TOOL")
       .shows_default();
-  command.flag("--tool-mesh", o.instrument_as_mesh, "Write the instrument as a closed mesh (sphere, capsule)");
+  command.flag("--tool-mesh", o.instrument_as_mesh,
+               "Write the instrument as a closed mesh (sphere, capsule; a stylus always is one)");
   command.option("--tool-radius", o.tool_radius, "Radius of the tip (m)").check(length).shows_default();
   command.option("--tool-length", o.tool_length, "Length of capsule or stylus (m)").check(length).shows_default();
   command.option("--friction", o.friction, "Coulomb coefficient").check(number_in(0.0, 2.0)).shows_default();
@@ -89,7 +98,16 @@ void add_synth(CLI::App& app, Globals& globals) {
       .named("MOTION")
       .shows_default();
   command.option("--rate", o.motion_rate, "Rows of the motion a second").check(number_in(1.0, 1e4)).shows_default();
-  command.runs([arguments, &globals] { run_synth(*arguments, globals); });
+  command.runs([arguments, command, &globals] {
+    synth::DatasetOptions& options = arguments->options;
+    options.inclusion = options.inclusion || options.tumour;
+    for (const char* option : kOfInclusion) {
+      if (command.given(option) && !options.inclusion) {
+        throw Error(ExitCode::usage, std::string(option) + " belongs to --inclusion or --tumour");
+      }
+    }
+    run_synth(*arguments, globals);
+  });
 }
 
 }  // namespace palpate::cli

@@ -3,6 +3,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
+#include <limits>
 #include <sstream>
 #include <thread>
 
@@ -25,11 +27,16 @@ Check range_check(Number low, Number high) {
           }};
 }
 
-/// CLI11 reads -1 into an unsigned variable as its largest value.
-CLI::Validator not_negative() {
+/// CLI11 reads -1 into an unsigned variable as its largest value, and takes that for what is larger, too.
+template <typename Number>
+CLI::Validator fits() {
   return CLI::Validator(
       [](const std::string& value) {
-        return value.starts_with('-') ? "got " + value + "; allowed 0 and more" : std::string();
+        Number number{};
+        const auto error = std::from_chars(value.data(), value.data() + value.size(), number).ec;
+        const bool wrong = value.starts_with('-') || error == std::errc::result_out_of_range;
+        const std::string most = std::to_string(std::numeric_limits<Number>::max());
+        return wrong ? "got " + value + "; allowed 0 to " + most : std::string();
       },
       "");
 }
@@ -92,7 +99,7 @@ PALPATE_OPTION_OF(int)
 
 #define PALPATE_OPTION_OF(Type)                                                            \
   Option Command::option(const std::string& names, Type& value, const std::string& help) { \
-    return Option(command_->add_option(names, value, help)->check(not_negative()));        \
+    return Option(command_->add_option(names, value, help)->check(fits<Type>()));          \
   }
 PALPATE_OPTION_OF(std::uint32_t)
 PALPATE_OPTION_OF(std::uint64_t)

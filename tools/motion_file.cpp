@@ -13,6 +13,7 @@ namespace palpate::cli {
 namespace {
 
 constexpr const char* kHeader = "t,x,y,z,qw,qx,qy,qz";
+constexpr std::string_view kMark = "\xef\xbb\xbf";  // that some programs begin a UTF-8 file with
 constexpr std::size_t kLargest = std::size_t{1} << 30;
 
 std::string_view trimmed(std::string_view text) {
@@ -27,6 +28,7 @@ public:
 
   std::vector<MotionRow> read() {
     std::string_view rest = text_;
+    if (rest.starts_with(kMark)) rest.remove_prefix(kMark.size());
     std::vector<MotionRow> rows;
     while (!rest.empty()) {
       const std::size_t end = rest.find('\n');

@@ -2,6 +2,7 @@
 #include "tools/play_run.hpp"
 
 #include <array>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <tuple>
@@ -103,6 +104,9 @@ std::vector<PlotPanel> glove_panels(const device::RunLog& log) {
 }  // namespace
 
 bool is_run(const std::string& path) {
+  // Opening a pipe that nobody writes to would wait, and what is read of one is gone.
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;
   std::ifstream file(path, std::ios::binary);
   char begin[sizeof device::RunHeader::kMagic] = {};
   file.read(begin, sizeof begin);

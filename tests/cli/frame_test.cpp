@@ -45,6 +45,9 @@ TEST_F(Frame, WrongUsageEndsWithOne) {
   expect_failure(run({"synth", "slab", "--out", "x", "--poisson", "0.5"}), 1, {"--poisson", "0.4999"});
   expect_failure(run({"synth", "slab", "--out", "x", "--seed", "-1"}), 1, {"--seed"});
   expect_failure(run({"synth", "slab", "--out", "x", "--depth", "nan"}), 1, {"--depth"});
+  expect_failure(run({"synth", "slab", "--out", "x", "--seed", "18446744073709551616"}), 1,
+                 {"--seed", "got 18446744073709551616; allowed 0 to 18446744073709551615"});
+  expect_failure(run({"export", "x.palp", "--tool-vertex", "4294967296"}), 1, {"--tool-vertex", "4294967295"});
   expect_failure(run({"synth", "slab", "--out", "x", "--inclusion-radius", "0.01"}), 1, {"--inclusion"});
   expect_failure(run({"synth", "slab", "--out", "x", "--inclusion", "--inclusion-radius", "0.9"}), 1, {"inclusion"});
   EXPECT_FALSE(std::filesystem::exists(folder() / "x"));
@@ -52,6 +55,19 @@ TEST_F(Frame, WrongUsageEndsWithOne) {
     expect_failure(run({"verify", "x.toml", option, "nan"}), 1, {option, "got nan; allowed [0, "});
   }
   expect_failure(run({"verify", "--slide", "--two-tips"}), 1, {"--slide", "exclude each other"});
+  for (const std::vector<std::string>& kind : {std::vector<std::string>{"--slide"},
+                                               {"--two-tips"},
+                                               {"--closed-forms"},
+                                               {"--battery", "stiff"},
+                                               {"--compare", "ccx"},
+                                               {"--paper", "x"},
+                                               {"x.toml", "--strokes"},
+                                               {"x.palp", "--loops"},
+                                               {"x.palp", "--device", "sim"}}) {
+    std::vector<std::string> arguments{"verify", "--max-p95", "0.1"};
+    arguments.insert(arguments.end(), kind.begin(), kind.end());
+    expect_failure(run(arguments), 1, {"no limits to set", "--samples"});
+  }
   expect_failure(run({"verify", "--strokes"}), 1, {"needs a scene"});
   expect_failure(run({"verify", "x.toml", "--plot", "x.svg"}), 1, {"--plot", "--strokes"});
   expect_failure(run({"verify", "--slide", "--radii", "nan"}), 1, {"--radii", "got nan; allowed [0.1, 100]"});
@@ -67,6 +83,34 @@ TEST_F(Frame, GlobalOptionsStandAnywhere) {
   EXPECT_EQ(document.at("scene"), "a/scene.toml");
   EXPECT_EQ(run({"synth", "slab", "--out", "a", "--quiet"}).error, "");
   EXPECT_NE(run({"synth", "slab", "--out", "a"}).error, "");
+}
+
+TEST_F(Frame, WhatIsListedIsListedAsJsonToo) {
+  const auto json = [&](std::vector<std::string> arguments) {
+    arguments.emplace_back("--json");
+    const RunResult result = run(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.error;
+    return nlohmann::json::parse(result.out, nullptr, false);
+  };
+  EXPECT_EQ(json({"scene", "--reference"}).at("reference"), run({"scene", "--reference"}).out);
+  const auto tissues = json({"scene", "--tissues"}).at("tissues");
+  ASSERT_FALSE(tissues.empty());
+  EXPECT_GT(tissues[0].at("shear_modulus").get<double>(), 0);
+  if (listed_commands().count("drive") == 0) return;
+  const auto devices = json({"drive", "--list"}).at("devices");
+  ASSERT_FALSE(devices.empty());
+  EXPECT_EQ(devices.back().at("state"), "simulated");
+}
+
+TEST_F(Frame, SynthSaysACommandThatAShellTakes) {
+  EXPECT_NE(run({"synth", "slab", "--out", "it's a"}).error.find("build 'it'\\''s a/scene.toml'"), std::string::npos);
+  EXPECT_NE(run({"synth", "slab", "--out", "a"}).error.find("build a/scene.toml\n"), std::string::npos);
+}
+
+TEST_F(Frame, ATumourIsAnInclusion) {
+  const RunResult tumour = run({"synth", "liver", "--out", "a", "--tumour", "--inclusion-radius", "0.01"});
+  EXPECT_EQ(tumour.exit_code, 0) << tumour.error;
+  expect_failure(run({"synth", "slab", "--out", "b", "--tumour"}), 1, {"a tumour is the inclusion of a liver"});
 }
 
 TEST_F(Frame, TheReferenceIsAScene) {

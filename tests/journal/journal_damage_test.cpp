@@ -89,6 +89,9 @@ TEST_F(JournalFiles, FlippedBytesAreFoundOrCut) {
         std::size_t start = 0;
         for (const std::size_t border : borders) start = border <= at ? border : start;
         EXPECT_NE(text.find("offset " + std::to_string(start)), std::string::npos) << text;
+        // The way out, where it is the record itself that cannot be read.
+        const std::string cut = "`truncate -s " + std::to_string(start) + " '" + file_.string() + "'`";
+        EXPECT_EQ(text.find("is damaged") != std::string::npos, text.find(cut) != std::string::npos) << text;
       }
       EXPECT_THROW(Journal(file_, manifest_), Error);
       EXPECT_EQ(bytes(), damaged) << "a damaged journal is left alone";

@@ -29,6 +29,11 @@ TEST(Motion, ReadsRowsWithSpacesAndWindowsLineEnds) {
   EXPECT_EQ(rows[1].quaternion[3], 0.8);
 }
 
+TEST(Motion, PassesTheMarkOfUtf8Over) {
+  const test::TemporaryFolder folder;
+  EXPECT_EQ(read_motion(folder.write("m.csv", "\xEF\xBB\xBF" + kHeader + "0,1,2,3,1,0,0,0\n")).size(), 1U);
+}
+
 TEST(Motion, RefusesWrongFilesWithTheirLine) {
   struct Case {
     std::string text, says;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // palpate play, inspect and bench as commands: results, JSON, exit codes of what goes wrong.
+#include <sys/stat.h>
+
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -209,6 +211,7 @@ TEST_F(Playback, BadInputsEndWithTheirCodeAndCause) {
   write("damaged.palp", damaged);
   write("short.palp", damaged.substr(0, 3000));
   write("bad.csv", "t,x,y,z,qw,qx,qy,qz\n0,0,0,0,2,0,0,0\n");
+  ASSERT_EQ(::mkfifo((folder() / "pipe").c_str(), 0600), 0);  // that nobody writes to
   struct Case {
     std::vector<std::string> arguments;
     int code;
@@ -226,6 +229,10 @@ TEST_F(Playback, BadInputsEndWithTheirCodeAndCause) {
       {{"play", "box.palp", "push.csv", "--tool", "knife"}, 2, {"no tool 'knife'", "ball, rod, gem"}},
       {{"play", "box.palp", "push.csv", "--out", "none/f.csv"}, 4, {"none/f.csv"}},
       {{"play", "box.palp"}, 1, {"motion"}},
+      {{"play", "box.palp", "pipe"}, 4, {"pipe", "not a regular file"}},
+      {{"play", "pipe"}, 1, {"motion is required"}},
+      {{"export", "box.palp", "--curves", "c.csv", "--tool", "knife"}, 2, {"no tool 'knife'"}},
+      {{"bench", "box.palp", "--open", "--tool", "knife"}, 2, {"no tool 'knife'"}},
       {{"bench", "none.palp", "--open"}, 4, {"none.palp", "No such file"}},
       {{"bench", "damaged.palp", "--open"}, 2, {"damaged.palp", "checksum"}},
       {{"bench", "box.palp", "--ticks", "10"}, 1, {"--ticks"}},
