@@ -21,8 +21,8 @@ struct MeshArguments {
   std::string scene, out;
 };
 
-constexpr const char* kBody = "body.ply";
-constexpr const char* kBase = "base.ply";
+constexpr const char* kBodyPly = "body.ply";
+constexpr const char* kBasePly = "base.ply";
 constexpr const char* kPrestressed = "prestressed.ply";
 
 std::string region_file(const std::string& name) { return "region-" + name + ".ply"; }
@@ -30,7 +30,7 @@ std::string region_file(const std::string& name) { return "region-" + name + ".p
 /// The folder may hold the scene's own surfaces, and these may have the names of what is written.
 void check_outputs(const MeshArguments& arguments, const Scene& scene) {
   const std::filesystem::path folder = arguments.out;
-  std::vector<std::filesystem::path> inputs = files_of(scene), outputs{folder / kBody, folder / kBase};
+  std::vector<std::filesystem::path> inputs = files_of(scene), outputs{folder / kBodyPly, folder / kBasePly};
   inputs.emplace_back(arguments.scene);
   if (scene.prestress.any()) outputs.push_back(folder / kPrestressed);
   for (const RegionScene& region : scene.regions) outputs.push_back(folder / region_file(region.name));
@@ -62,8 +62,8 @@ void run_mesh(const MeshArguments& arguments, const Globals& globals) {
   if (!arguments.out.empty()) {
     const std::filesystem::path folder = arguments.out;
     make_folder(folder);
-    write_surface(body.query->surface(), files.emplace_back(folder / kBody));
-    write_surface(body.base, files.emplace_back(folder / kBase));
+    write_surface(body.query->surface(), files.emplace_back(folder / kBodyPly));
+    write_surface(body.base, files.emplace_back(folder / kBasePly));
     if (loaded.stress_free) write_surface(loaded.query->surface(), files.emplace_back(folder / kPrestressed));
     for (const Inclusion& inclusion : body.inclusions) {
       write_surface(inclusion.query->surface(), files.emplace_back(folder / region_file(inclusion.name)));

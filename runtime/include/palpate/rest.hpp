@@ -122,7 +122,7 @@ public:
     }
     if (goes) {
       subtracted_ = less;
-      if (lies() && found.converged) run(pose, sideways, there - less, q, found);
+      if (lies() && found.converged) run(pose, sideways, there - less, q, found, most);
       place(found, pose);
     } else {
       subtract(moved + std::fmax(0, deepened));
@@ -186,7 +186,8 @@ private:
   /// A capsule lays itself down: p, which the pose takes to q, runs along the axis to where it is deepest, c from where
   /// it is to be with it, as far as it may and without changing the deflection, `sideways` and `depth` (m): what is
   /// gained in depth that way is no work of the hand and is subtracted. So does p on a mesh tool, over its patches.
-  void run(const Pose& pose, const Vec3& sideways, double depth, Vec3& q, Projection& c) {
+  /// Where the force would turn by more than that of a `depth` does by `most` (m) p stays.
+  void run(const Pose& pose, const Vec3& sideways, double depth, Vec3& q, Projection& c, double most = HUGE_VAL) {
     ToolPlace there = stance_.next(pose, c.normal);
     const Vec3 along = there.point - stance_.in_tool();
     if (!(length(along) > 1e-9 * probe())) return;
@@ -201,6 +202,7 @@ private:
     const Vec3 at = pose.apply(there.point);
     const double gained = overlap(to, at) - subtracted_ - depth;
     if (!(to.converged && gained >= 0)) return;
+    if (change_of_force(to.normal, depth, depth) > most * most) return;
     stance_.go_to(there);
     subtract(gained);
     q = at;
