@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace palpate::fit {
 namespace {
 
@@ -17,7 +19,7 @@ double foretold(double z) { return kMu * (1 + 0.1 * z / kDepth); }
 
 std::vector<Sample> straight() {
   test::AnalyticPair pair;
-  pair.push = [](double z) { return Eigen::Vector3d(0, 0, 300 * std::pow(z, 1.5)); };
+  pair.push = [](double z) { return std::pow(z, 1.5) * Eigen::Vector3d(20, -10, 300); };  // a lump to one side
   pair.growth = [](double z) { return std::sqrt(z / kDepth); };
   pair.sideways_x = pair.sideways_y = [](double x) { return -200 * x; };
   pair.friction = kMu;
@@ -28,14 +30,22 @@ std::vector<Sample> straight() {
   return samples;
 }
 
+// Drawn along x and aslant by turns. Where all of the contact slips friction is what the limit says, beside the
+// straight push's sideways force; the normal force is another by then.
 void add_slipping(std::vector<Sample>& samples, double depth, std::initializer_list<double> limits,
                   double reach = 0.5) {
+  const auto from = std::find_if(samples.begin(), samples.end(), [&](const Sample& s) {
+    return s.kind == SampleKind::normal && s.deflection.z() == depth;
+  });
+  const Eigen::Vector3d straight = from->force;
+  int turn = 0;
   for (const double limit : limits) {
+    const Eigen::Vector2d way = ++turn % 2 != 0 ? Eigen::Vector2d(1, 0) : Eigen::Vector2d(-0.6, 0.8);
     Sample s;
     s.kind = SampleKind::slipping;
-    s.deflection = {reach * depth, 0, depth};
-    s.force = {-0.1, 0, 0.3};
-    s.friction_limit = limit;
+    s.deflection << reach * depth * way, depth;
+    s.force << straight.head<2>() - (limit > 0 ? limit : 0.1) * straight.z() * way, 1.1 * straight.z();
+    s.friction_limit = limit > 0 ? s.force.head<2>().norm() / s.force.z() : 0.0;
     samples.push_back(s);
   }
 }

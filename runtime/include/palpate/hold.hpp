@@ -52,42 +52,44 @@ public:
     BasicRest<kFeatures>& rest = parts_.rest();
     const bool friction = ledger_.rubs();
     bool rolled = friction && rest.probe() > 0 && rest.turned(pose) && rest.roll(pose);
-    const Vec3 way = before - last_;
-    last_ = before;
+    Vec3 q = before;
     Deflection d;
     DepthTerms terms;
-    // Where c goes on it takes up how the tool lies anyway. After a leap it mostly does.
-    bool waits = rest.lies() && (rolled || slides_ || rest.far(way));
-    if (rest.lies()) rest.let_run(pose, way);
-    bool placed = rest.lies() && !waits && lie_down(pose, d, terms);
-    if (!placed) parts_.stand(last_, d, terms);
+    bool waits = false;
+    if (rest.lies()) {
+      rest.let_run(pose, before - last_);
+      // Where c goes on it takes up how the tool lies anyway. After a leap it mostly does.
+      waits = (rolled || slides_ || rest.far(before - last_)) && rest.lies_in_place(pose);
+    }
+    if (waits || !rest.lies() || !lie_down(pose, q, d, terms)) parts_.stand(q, d, terms);
+    const Vec3 way = before - last_;
     const double depth = parts_.depth();
+    last_ = q;
     if (!(depth > 0 || d.depth > 0 || dot(way, way) > 0)) return begun(pose);
-    if (friction && !slides_ && rest.slow(dot(way, way)) && rest.far_aside(last_)) let_go_round(length(way), d, terms);
+    if (friction && !slides_ && rest.slow(dot(way, way)) && rest.far_aside(q)) let_go_round(length(way), d, terms);
     for (;;) {
       if (!(d.depth > 0)) return release(d);
       ledger_.move(d);
       if (friction) parts_.deepen(way, d, terms);
       if (ledger_.owed() > 0 && !ledger_.pay(parts_, d, terms)) return release(d);
       if (!kFriction || !friction)
-        return slide(pose, d, {{}, terms.straight}, terms, way, depth, terms.straight, served, false);
+        return slide(pose, d, {{}, terms.straight}, terms, way, depth, terms.straight, served);
       const Vec3 core = parts_.core(d, terms);
       const Vec3 pull = parts_.has_rim() ? with_rim(core, d, terms) : core;
       if (ledger_.tell(parts_, pull, core, d, terms)) continue;
       if (length(parts_.friction(core, terms)) > parts_.limit(terms) * (1 + 1e-9)) {
-        const Slipped to = parts_.slipped(d, terms, core, begins_ || placed);
-        return slide(pose, d, to, terms, way, depth, ledger_.bears(parts_, pull, core, to), served, placed);
+        const Slipped to = parts_.slipped(d, terms, core, begins_);
+        return slide(pose, d, to, terms, way, depth, ledger_.bears(parts_, pull, core, to), served);
       }
       if (rolled) {
         roll_on(pose, d, terms);
-      } else if (!waits || !lie_down(pose, d, terms)) {
+      } else if (!waits || !lie_down(pose, q, d, terms)) {
         parts_.end(d, terms);
         if (field().is_coupled()) parts_.couple(terms, d, pull);
         slides_ = false;
-        return output(State::stick, pose, last_, terms, pull);
+        return output(State::stick, pose, q, terms, pull);
       }
       rolled = waits = false;
-      placed = true;
     }
   }
 
@@ -153,17 +155,17 @@ private:
   }
 
   /// Moves c over the surface until the core's sideways deflection is as `wanted`; the rim's anchor stays where it is.
-  /// In this tick the tool went `way` (m), from a `depth` (m); `before` is the sideways force (N) where c is. Where c
-  /// was `placed` in this tick nothing is blended twice for it: the anchor goes on alone, and all the way.
+  /// In this tick the tool went `way` (m), from a `depth` (m); `before` is the sideways force (N) where c is.
   Tick slide(const Pose& pose, Deflection d, const Slipped& wanted, DepthTerms& terms, const Vec3& way, double depth,
-             const Vec3& before, const Search* served, bool placed) {
+             const Vec3& before, const Search* served) {
     Vec3 pull;
     slides_ = true;
     parts_.let_go();
     // c rests while the tool moves along n(c): 0.1 nm on a contact of 10 mm.
     const bool rests = !(length(d.sideways - wanted.deflection) > 1e-8 * rest().size()) &&
-                       !(rest().lies() && rest().lies_otherwise(pose));
+                       !(rest().lies_in_place(pose) && rest().lies_otherwise(pose));
     if (begins_) {
+      // Where c was placed in this tick nothing is blended twice for it: the anchor goes on alone, and all the way.
       pull = ledger_.rub(parts_, d, terms, [&] {
         parts_.leave_core(d, wanted.deflection);
         return give_way(wanted.force, d, terms, false);
@@ -172,19 +174,14 @@ private:
       pull = at_rest(parts_.core_force(d, terms), d, terms);
     } else {
       const auto at_first = ledger_.slides(parts_, wanted, before, way, d, terms);
-      if (placed) {
-        parts_.leave_core(d, wanted.deflection);
-        pull = give_way(wanted.force, d, terms, false);
-      } else {
-        const Vec3 rim = parts_.rim_deflection(d);
-        const bool went = parts_.rest().follow(pose, last_, wanted.deflection, terms.normal_force, length(way),
-                                               d.depth - depth, served);
-        d = rest().deflection(last_);
-        if (!(d.depth > 0)) return release(d);
-        parts_.leave_rim(d, rim);
-        field().set_depth(d.depth, terms);
-        pull = give_way(parts_.core_force(d, terms), d, terms, went);
-      }
+      const Vec3 rim = parts_.rim_deflection(d);
+      const bool went = parts_.rest().follow(pose, last_, wanted.deflection, terms.normal_force, length(way),
+                                             d.depth - depth, served);
+      d = rest().deflection(last_);
+      if (!(d.depth > 0)) return release(d);
+      parts_.leave_rim(d, rim);
+      field().set_depth(d.depth, terms);
+      pull = give_way(parts_.core_force(d, terms), d, terms, went);
       if (ledger_.slid(parts_, at_first, pull, way, d, terms)) {
         if (!(d.depth > 0)) return release(d);
         pull = less_held(d, terms);
@@ -237,14 +234,15 @@ private:
     ledger_.replaced(parts_, before, last_, d, terms);
   }
 
-  /// Moves p, and sets what is there then. False where it stays: the terms stay, too.
-  bool lie_down(const Pose& pose, Deflection& d, DepthTerms& terms) {
+  /// Moves p, which the pose takes to q, and sets what is there then. False where it stays: q and terms stay, too.
+  bool lie_down(const Pose& pose, Vec3& q, Deflection& d, DepthTerms& terms) {
     if (!rest().lies_otherwise(pose)) return false;
-    d = rest().deflection(last_);
+    d = rest().deflection(q);
     if (!(d.depth > 0)) return false;
     const double before = ledger_.leave(parts_, field().energy_terms(d.depth), d);
-    last_ = parts_.rest().lie_down(pose, d);
-    ledger_.replaced(parts_, before, last_, d, terms);
+    parts_.rest().lie_down(pose, d);
+    q = rest().point(pose);
+    ledger_.replaced(parts_, before, q, d, terms);
     return true;
   }
 

@@ -51,6 +51,9 @@ public:
   /// What answers depends on how the tool lies.
   [[nodiscard]] bool lies() const { return stance_.lies(); }
 
+  /// However it does, its point of the axis stays: then whatever moves c blends for how it lies now.
+  [[nodiscard]] bool lies_in_place(const Pose& pose) const { return stance_.lies_in_place(pose, field_.normal()); }
+
   /// Where the pose takes p.
   [[nodiscard]] Vec3 point(const Pose& pose) const { return pose.apply(stance_.in_tool()); }
 
@@ -101,9 +104,9 @@ public:
   /// off the body wherever c would go, as beyond the lip of a fold, and wherever c would have to leap (in a fast motion
   /// by more than the tool's way accounts for). To end there would drop the force at once, to leap would turn it, so c
   /// stays and the contact lets go as the tool moves. A leap it is, too, where c has a foot, but the force would change
-  /// by far more than by the tool's way: c goes after the tool as far as that may be, if it can. Where the tool lies
-  /// otherwise by now p runs at once with c, which takes q along. `served`: see hand_over().
-  PALPATE_TICK_INLINE bool follow(const Pose& pose, Vec3& q, const Vec3& sideways, double force, double moved,
+  /// by far more than by the tool's way: c goes after the tool as far as that may be, if it can. `served`: see
+  /// hand_over().
+  PALPATE_TICK_INLINE bool follow(const Pose& pose, const Vec3& q, const Vec3& sideways, double force, double moved,
                                   double deepened, const Search* served = nullptr) {
     take_over(held_up_ ? HUGE_VAL : moved);
     Projection found = foot(q, sideways);
@@ -122,11 +125,10 @@ public:
     }
     if (goes) {
       subtracted_ = less;
-      if (lies() && found.converged) run(pose, sideways, there - less, q, found, most);
       place(found, pose);
     } else {
       subtract(moved + std::fmax(0, deepened));
-      if (lies() && lies_otherwise(pose)) q = lie_down(pose, deflection(q));
+      if (lies_in_place(pose) && lies_otherwise(pose)) turn(field_.normal(), pose);
     }
     // What c could not follow, as at a corner, the anchor does: the force would turn round at once.
     held_up_ = !goes || !found.converged;
@@ -147,13 +149,11 @@ public:
     return dot(rolled_, rolled_) >= kShare * kShare * size() * size();
   }
 
-  /// Moves c by what was rolled, and the anchor back to it; by so much of it as c can go. As in follow() p runs with
-  /// it.
-  void roll_on(const Pose& pose, Vec3& q, const Deflection& d) {
+  /// Moves c by what was rolled, and the anchor back to it; by so much of it as c can go.
+  void roll_on(const Pose& pose, const Vec3& q, const Deflection& d) {
     anchored_ = anchored_ - rolled_;
     rolled_ = {};
-    Projection found = foot(q, d.sideways);
-    if (lies() && found.converged) run(pose, d.sideways, overlap(found, q) - subtracted_, q, found);
+    const Projection found = foot(q, d.sideways);
     place(found, pose);
     if (!found.converged) lead_anchor(q, d.sideways);
   }
@@ -166,49 +166,36 @@ public:
     return stance_.lies_otherwise(pose, field_.normal());
   }
 
-  /// Blends the responses for how the tool lies, p run to where it is to be; returns where the pose takes it then. `d`
-  /// is the deflection.
-  [[nodiscard]] Vec3 lie_down(const Pose& pose, const Deflection& d) {
-    Projection to;
-    to.at = at_;
-    to.point = c_;
-    to.normal = field_.normal();
-    Vec3 q = point(pose);
-    run(pose, d.sideways, d.depth, q, to);
-    place(to, pose);
-    return q;
+  /// Blends the responses for how the tool lies. A capsule lays itself down: p runs along the axis to where it is
+  /// deepest, c with it, as far as it may and without changing the deflection d of the tool at q: what is gained in
+  /// depth that way is no work of the hand and is subtracted. So does p on a mesh tool, over its patches.
+  void lie_down(const Pose& pose, const Deflection& d) {
+    ToolPlace there = stance_.next(pose, field_.normal());
+    const Vec3& from = stance_.in_tool();
+    if (length(there.point - from) > 1e-9 * probe()) {
+      Vec3 q = pose.apply(there.point);
+      Projection to = foot(q, d.sideways);
+      // On a sharp edge p may cross the deepest place: there c and p would go to and fro.
+      const Vec3 way = pose.rotate(there.point - from);
+      const double before = dot(way, field_.normal()), after = dot(way, to.normal);
+      if (before * after < 0 && stance_.shorten(before / (before - after), there)) {
+        q = pose.apply(there.point);
+        to = foot(q, d.sideways);
+      }
+      const double gained = overlap(to, q) - subtracted_ - d.depth;
+      if (to.converged && gained >= 0) {
+        stance_.go_to(there);
+        subtract(gained);
+        return place(to, pose);
+      }
+    }
+    turn(field_.normal(), pose);
   }
 
   /// Turns the tool's pose of the last tick by that of `by`.
   void rebase(const Pose& by) { stance_.rebase(by); }
 
 private:
-  /// A capsule lays itself down: p, which the pose takes to q, runs along the axis to where it is deepest, c from where
-  /// it is to be with it, as far as it may and without changing the deflection, `sideways` and `depth` (m): what is
-  /// gained in depth that way is no work of the hand and is subtracted. So does p on a mesh tool, over its patches.
-  /// Where the force would turn by more than that of a `depth` does by `most` (m) p stays.
-  void run(const Pose& pose, const Vec3& sideways, double depth, Vec3& q, Projection& c, double most = HUGE_VAL) {
-    ToolPlace there = stance_.next(pose, c.normal);
-    const Vec3 along = there.point - stance_.in_tool();
-    if (!(length(along) > 1e-9 * probe())) return;
-    const auto foot_there = [&] {
-      return project(*view_, c.at, pose.apply(there.point) - offset_ - anchored_ - sideways);
-    };
-    Projection to = foot_there();
-    // On a sharp edge p may cross the deepest place: there c and p would go to and fro.
-    const Vec3 way = pose.rotate(along);
-    const double before = dot(way, c.normal), after = dot(way, to.normal);
-    if (before * after < 0 && stance_.shorten(before / (before - after), there)) to = foot_there();
-    const Vec3 at = pose.apply(there.point);
-    const double gained = overlap(to, at) - subtracted_ - depth;
-    if (!(to.converged && gained >= 0)) return;
-    if (change_of_force(to.normal, depth, depth) > most * most) return;
-    stance_.go_to(there);
-    subtract(gained);
-    q = at;
-    c = to;
-  }
-
   /// m, of what is subtracted, that is so where the depth is `there` less that: it is that of the old place, where the
   /// depth was `before` less all. The tool is to be deeper than `least`.
   [[nodiscard]] PALPATE_TICK_INLINE double still_subtracted(double there, double before, double least) const {

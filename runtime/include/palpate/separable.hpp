@@ -94,7 +94,6 @@ public:
     if constexpr (kFriction) {
       if (meta_->friction_coefs == 0) return;
       terms.limit = value[kMu] * terms.normal_force;
-      if (!(low_ < high_)) return curves_.growths_once(s, terms.growth);
       curves_.growths(s * growth_intervals_, terms.growth);
     }
   }
@@ -289,10 +288,6 @@ private:
     if constexpr (kFriction) {
       if (meta_->friction_coefs == 0) return;
       take_limit(s);
-      if (curves_.passing(s * growth_intervals_)) {
-        high_ = low_;  // to be asked again
-        return;
-      }
       narrow(curves_.take_growths(s * growth_intervals_), meta_->growth_coefs);
     }
   }
@@ -344,7 +339,7 @@ private:
   Vec3 basis_x_, basis_y_;
   double per_depth_ = 0, per_sideways_ = 0;  ///< 1 / Z, 1 / X (1/m)
   int responses_ = 0;
-  // While low_ < s < high_ the cubics are of the right intervals. No more than that if low_ is not less.
+  // While low_ < s < high_ the cubics are of the right intervals.
   mutable double low_ = 1, high_ = 0;
   Pieces<kCurves> depth_curves_;
   Lanes<kCurves> depth_intervals_ = {};

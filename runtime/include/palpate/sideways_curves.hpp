@@ -57,18 +57,6 @@ public:
     if (kLayers > kLayersUnspun && layers_ > kLayersUnspun) more_growths(share, growth);
   }
 
-  /// At t, of responses with axes of their own: these or the interval are new, as they mostly are again in the next
-  /// tick. Asked once after a blend and once before the next they cost less than to take the interval.
-  [[nodiscard]] bool passing(double t) const {
-    constexpr int kPassing = 2;
-    if (kLayers == kLayersUnspun || !apart_) return false;
-    const int interval = spline::interval_onwards(growth_count_, t);
-    if (interval == growth_interval_) return false;
-    if (interval != passing_interval_) passed_ = 0;
-    passing_interval_ = interval;
-    return passed_++ < kPassing;
-  }
-
   /// Weighted growths at s, where nobody asked before nor is soon to ask again: takes no intervals.
   void growths_once(double s, Lanes* growth) const {
     const spline::Basis basis = spline::basis_onwards(growth_count_, s);
@@ -199,7 +187,6 @@ private:
   void take_over(int layer, int k, const float* coefs) {
     layer_[layer].coefs[k] = coefs;
     growth_interval_ = -1;
-    passed_ = 0;
     layer_[layer].growth.forget(k);
     for (int part = 0; part < kParts; ++part) {
       layer_[layer].phi[part].forget(k);
@@ -236,12 +223,11 @@ private:
 
   Layer layer_[kLayers];
   int growth_count_ = 0, sideways_count_ = 0, layers_ = 0;
-  double half_ = 0;                                 ///< of the knot intervals of phi
-  int kept_ = 0;                                    ///< layers that the blend before this one had, in frames like these
-  bool apart_ = false;                              ///< each response has its own axis
-  mutable double growth_interval_ = -1;             ///< that all growths are taken on; -1 where some are not
-  mutable bool falls_ = false;                      ///< one of them falls on that
-  mutable int passing_interval_ = -1, passed_ = 0;  ///< asked for but not taken, and how often
+  double half_ = 0;                      ///< of the knot intervals of phi
+  int kept_ = 0;                         ///< layers that the blend before this one had, in frames like these
+  bool apart_ = false;                   ///< each response has its own axis
+  mutable double growth_interval_ = -1;  ///< that all growths are taken on; -1 where some are not
+  mutable bool falls_ = false;           ///< one of them falls on that
 };
 
 }  // namespace palpate::runtime

@@ -33,7 +33,7 @@ template <class AnyField>
   constexpr double kHair = 5e-6;
   // Of a leap, by more of the scale than this at once: what is left of the excess, where it is a limit; how many limits
   // it may be before a guess has to do. How much of what is across the line may be left along it.
-  constexpr double kLeap = 0.05, kLeft = 1e-2, kMostLimits = 10, kAcross = 0.75;
+  constexpr double kLeap = 0.05, kLeft = 1e-3, kMostLimits = 10, kAcross = 0.75;
   const double limit = (1 - kHair) * what.limit, hair = kHair * what.limit, scale = what.scale;
   const Vec3 friction = force - what.centre;
   const double size = length(friction), reach = length(from), most = reach + 2 * scale;
@@ -81,11 +81,6 @@ template <class AnyField>
     return there(high, false);
   }
   if (at_high >= -close) return there(high, true);
-  if (leaps) {
-    // A line between the two tells it well enough.
-    pull = (limit / (limit + at_high)) * pull;
-    return there(low + at_low / (at_low - at_high) * (high - low), true);
-  }
   // Chandrupatla's rule (Advances in Engineering Software 28, 1997): the parabola through the last three points, laid
   // down, where it is sure to be monotonic between them, else halves.
   double last = low, at_last = at_low, other = high, at_other = at_high;

@@ -50,6 +50,11 @@ public:
   /// What answers depends on how the tool lies.
   [[nodiscard]] bool lies() const { return lies_; }
 
+  /// However it does, its point of the axis stays: then whatever moves c blends for how it lies now.
+  [[nodiscard]] bool lies_in_place(const Pose& pose, const Vec3& n) const {
+    return lies_ && !(runs(pose, n) > 1e-9 * probe_);
+  }
+
   /// The tool turned since take_turn() or the last blend.
   [[nodiscard]] bool turned(const Pose& pose) const {
     const Vec3 turned = pose.rotate(normal_in_tool_) - turned_from_;
