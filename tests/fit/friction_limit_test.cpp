@@ -19,7 +19,9 @@ double foretold(double z) { return kMu * (1 + 0.1 * z / kDepth); }
 
 std::vector<Sample> straight() {
   test::AnalyticPair pair;
-  pair.push = [](double z) { return std::pow(z, 1.5) * Eigen::Vector3d(20, -10, 300); };  // a lump to one side
+  pair.push = [](double z) {
+    return Eigen::Vector3d(std::pow(z, 1.5) * Eigen::Vector3d(20, -10, 300));
+  };  // a lump to one side
   pair.growth = [](double z) { return std::sqrt(z / kDepth); };
   pair.sideways_x = pair.sideways_y = [](double x) { return -200 * x; };
   pair.friction = kMu;
