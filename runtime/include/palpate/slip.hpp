@@ -75,7 +75,7 @@ template <class AnyField>
     return {from + way * direction, what.centre + field.in_space(pull), holds};
   };
   if (at_high > close) {
-    // The straight push alone is beyond the limit: the anchor creeps on, tick by tick.
+    // The straight push alone is beyond twice the limit: the anchor creeps on, tick by tick.
     high = reach + 0.02 * scale;
     excess(high);
     return there(high, false);
