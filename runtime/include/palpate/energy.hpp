@@ -19,15 +19,15 @@ public:
   void reset() { owed_ = lost_ = 0; }
 
   /// Stored energy (J) before and after the field was replaced at one pose; returns what of it is to be lost at once.
-  /// With `friction` a loss pays what is owed but buys nothing; so does what was `rubbed` (J) besides. Where that is
-  /// negative the hand got it, or gave so much less than `before` tells.
+  /// With `friction` a loss pays what is owed but buys nothing; so does what was `rubbed` (J) besides, and what it
+  /// covers of a rise is none. Where that is negative the hand got it, or gave so much less than `before` tells.
   double replaced(double before, double after, bool friction, double rubbed) {
     const double change = after - before, more = rubbed < 0 ? change - rubbed : change;
     stored_ = owed_ > 0 ? stored_ + change : after;  // what the motion of this tick changed is still to be told
     const double least = friction ? std::fmin(owed_, 0.0) : owed_ + more;
     owed_ = std::fmax(owed_ + more, least);
     if (rubbed > 0 && owed_ > 0) owed_ = std::fmax(0.0, owed_ - rubbed);
-    return too_much(after, more);
+    return too_much(after, rubbed > 0 ? more - rubbed : more);
   }
 
   /// J, of which `more` are owed since the last tick, while `stored` (J) is stored, less than nothing where the tool

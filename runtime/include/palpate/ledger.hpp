@@ -166,9 +166,12 @@ private:
   }
 
   [[gnu::noinline]] bool owe(Parts& parts, double more, Deflection& d, DepthTerms& terms) {
+    // A push of some power of the depth stores at least a fifth of this. By rounding alone nothing is owed: whether
+    // anything is makes a difference that is felt.
+    const double pushed = terms.normal_force * d.depth;
+    if (!(more > 1e-12 * pushed)) return false;
     account_.owe(more);
-    // A push of some power of the depth stores at least a fifth of this.
-    if (!(account_.owed() > 0.1 * terms.normal_force * d.depth)) return false;
+    if (!(account_.owed() > 0.1 * pushed)) return false;
     const double now = parts.stored(terms, d), due = account_.too_much(now, more);
     if (due > 0) account_.held_back(now - lose(parts, now, due, d, terms));
     return due > 0;
