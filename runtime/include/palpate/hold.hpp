@@ -29,7 +29,7 @@ public:
     parts_.begin(touch, first, pose);
     ledger_.begin();
     lasts_ = true;
-    slides_ = false;
+    slides_ = ran_ = false;
     last_ = first.at;
     const Vec3 q = rest().point(pose);
     double depth = rest().deflection(q).depth;
@@ -55,13 +55,16 @@ public:
     Vec3 q = before;
     Deflection d;
     DepthTerms terms;
-    bool waits = false;
+    bool waits = false, ran = false;
     if (rest.lies()) {
       rest.let_run(pose, before - last_);
-      // Where c goes on it takes up how the tool lies anyway. After a leap it mostly does.
-      waits = (rolled || slides_ || rest.far(before - last_)) && rest.lies_in_place(pose);
+      // Where c goes on it takes up how the tool lies anyway. After a leap it mostly does. Where p runs, too, c and p
+      // take turns if there are spins, whose blends are dear.
+      waits = (rolled || slides_ || rest.far(before - last_)) && (ran_ || rest.lies_in_place(pose));
+      ran = !waits && lie_down(pose, q, d, terms);
     }
-    if (waits || !rest.lies() || !lie_down(pose, q, d, terms)) parts_.stand(q, d, terms);
+    if (!ran) parts_.stand(q, d, terms);
+    bool placed = ran_ = ran && rest.spins();
     const Vec3 way = before - last_;
     const double depth = parts_.depth();
     last_ = q;
@@ -73,15 +76,15 @@ public:
       if (friction) parts_.deepen(way, d, terms);
       if (ledger_.owed() > 0 && !ledger_.pay(parts_, d, terms)) return release(d);
       if (!kFriction || !friction)
-        return slide(pose, d, {{}, terms.straight}, terms, way, depth, terms.straight, served);
+        return slide(pose, d, {{}, terms.straight}, terms, way, depth, terms.straight, served, false);
       const Vec3 core = parts_.core(d, terms);
       const Vec3 pull = parts_.has_rim() ? with_rim(core, d, terms) : core;
       if (ledger_.tell(parts_, pull, core, d, terms)) continue;
       if (length(parts_.friction(core, terms)) > parts_.limit(terms) * (1 + 1e-9)) {
-        const Slipped to = parts_.slipped(d, terms, core, begins_);
-        return slide(pose, d, to, terms, way, depth, ledger_.bears(parts_, pull, core, to), served);
+        const Slipped to = parts_.slipped(d, terms, core, begins_ || placed);
+        return slide(pose, d, to, terms, way, depth, ledger_.bears(parts_, pull, core, to), served, placed);
       }
-      if (rolled) {
+      if (rolled && !placed) {
         roll_on(pose, d, terms);
       } else if (!waits || !lie_down(pose, q, d, terms)) {
         parts_.end(d, terms);
@@ -90,6 +93,7 @@ public:
         return output(State::stick, pose, q, terms, pull);
       }
       rolled = waits = false;
+      placed = true;
     }
   }
 
@@ -155,17 +159,17 @@ private:
   }
 
   /// Moves c over the surface until the core's sideways deflection is as `wanted`; the rim's anchor stays where it is.
-  /// In this tick the tool went `way` (m), from a `depth` (m); `before` is the sideways force (N) where c is.
+  /// In this tick the tool went `way` (m), from a `depth` (m); `before` is the sideways force (N) where c is. Where c
+  /// was `placed` in this tick nothing is blended twice for it: the anchor goes on alone, and all the way.
   Tick slide(const Pose& pose, Deflection d, const Slipped& wanted, DepthTerms& terms, const Vec3& way, double depth,
-             const Vec3& before, const Search* served) {
+             const Vec3& before, const Search* served, bool placed) {
     Vec3 pull;
     slides_ = true;
     parts_.let_go();
     // c rests while the tool moves along n(c): 0.1 nm on a contact of 10 mm.
-    const bool rests = !(length(d.sideways - wanted.deflection) > 1e-8 * rest().size()) &&
-                       !(rest().lies_in_place(pose) && rest().lies_otherwise(pose));
-    if (begins_) {
-      // Where c was placed in this tick nothing is blended twice for it: the anchor goes on alone, and all the way.
+    const bool rests =
+        !(length(d.sideways - wanted.deflection) > 1e-8 * rest().size()) && !rest().lies_otherwise_here(pose);
+    if (begins_ || placed) {
       pull = ledger_.rub(parts_, d, terms, [&] {
         parts_.leave_core(d, wanted.deflection);
         return give_way(wanted.force, d, terms, false);
@@ -271,7 +275,8 @@ private:
 
   bool lasts_ = false, left_ = false;
   bool slides_ = false, begins_ = false;
-  Vec3 last_;  ///< m, p in the last tick
+  bool ran_ = false;  ///< p of a tool with spins did, in the last tick
+  Vec3 last_;         ///< m, p in the last tick
   BasicParts<kFeatures> parts_;
   BasicLedger<kFeatures> ledger_;
 };

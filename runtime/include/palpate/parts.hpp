@@ -193,7 +193,8 @@ private:
             limit * friction_centre(terms),
             limit * terms.limit,
             view_->meta->sideways_scale,
-            part == Part::rim};
+            part == Part::rim,
+            rest_.spins()};
   }
 
   PALPATE_TICK_INLINE void deeper(Deflection& d, const DepthTerms& terms) {

@@ -50,6 +50,8 @@ public:
   [[nodiscard]] double size() const { return probe() + view_->meta->depth_scale; }
   /// What answers depends on how the tool lies.
   [[nodiscard]] bool lies() const { return stance_.lies(); }
+  /// BasicStance::spins().
+  [[nodiscard]] bool spins() const { return stance_.spins(); }
 
   /// However it does, its point of the axis stays: then whatever moves c blends for how it lies now.
   [[nodiscard]] bool lies_in_place(const Pose& pose) const { return stance_.lies_in_place(pose, field_.normal()); }
@@ -128,7 +130,7 @@ public:
       place(found, pose);
     } else {
       subtract(moved + std::fmax(0, deepened));
-      if (lies_in_place(pose) && lies_otherwise(pose)) turn(field_.normal(), pose);
+      if (lies_otherwise_here(pose)) turn(field_.normal(), pose);
     }
     // What c could not follow, as at a corner, the anchor does: the force would turn round at once.
     held_up_ = !goes || !found.converged;
@@ -164,6 +166,10 @@ public:
   /// The tool lies otherwise than when its responses were blended, and has moved.
   [[nodiscard]] PALPATE_TICK_INLINE bool lies_otherwise(const Pose& pose) const {
     return stance_.lies_otherwise(pose, field_.normal());
+  }
+  /// And p stays: it has come to where it is to be, or waits for another tick, as that of a tool with spins may.
+  [[nodiscard]] bool lies_otherwise_here(const Pose& pose) const {
+    return (spins() || lies_in_place(pose)) && lies_otherwise(pose);
   }
 
   /// Blends the responses for how the tool lies. A capsule lays itself down: p runs along the axis to where it is

@@ -94,6 +94,7 @@ public:
     if constexpr (kFriction) {
       if (meta_->friction_coefs == 0) return;
       terms.limit = value[kMu] * terms.normal_force;
+      if (curves_.apart()) return curves_.growths_once(s, terms.growth);
       curves_.growths(s * growth_intervals_, terms.growth);
     }
   }
@@ -288,6 +289,7 @@ private:
     if constexpr (kFriction) {
       if (meta_->friction_coefs == 0) return;
       take_limit(s);
+      if (curves_.apart()) return;
       narrow(curves_.take_growths(s * growth_intervals_), meta_->growth_coefs);
     }
   }

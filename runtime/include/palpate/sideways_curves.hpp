@@ -49,15 +49,18 @@ public:
 
   [[nodiscard]] int layers() const { return layers_; }
 
+  /// Every response has an axis of its own: there are many, and mostly others in the next tick. Intervals of their
+  /// growths are not worth taking.
+  [[nodiscard]] bool apart() const { return apart_; }
+
   /// Weighted growths where all are on the interval taken; t: in intervals.
   void growths(double t, Lanes* growth) const {
     const double share = t - growth_interval_;
     if (__builtin_expect(falls_, false)) return growths_or_none(share, growth);
     each_layer([&](int j) PALPATE_INLINE_LAMBDA { set_growth(j, share, growth[j]); });
-    if (kLayers > kLayersUnspun && layers_ > kLayersUnspun) more_growths(share, growth);
   }
 
-  /// Weighted growths at s, where nobody asked before nor is soon to ask again: takes no intervals.
+  /// Weighted growths at s of all that are apart, or where nobody is soon to ask again: takes no intervals.
   void growths_once(double s, Lanes* growth) const {
     const spline::Basis basis = spline::basis_onwards(growth_count_, s);
     for (int j = 0; j < layers_; ++j) {
@@ -124,9 +127,6 @@ private:
     layer_[layer].growth.all_at(share, g);
     weigh(layer, g, growth);
   }
-  [[gnu::noinline]] void more_growths(double share, Lanes* growth) const {
-    for (int j = kLayersUnspun; j < layers_; ++j) set_growth(j, share, growth[j]);
-  }
   /// No coefficient is negative, so only beyond its end a growth may fall below 0: it is 0 there.
   [[gnu::noinline]] void growths_or_none(double share, Lanes* growth) const {
     for (int j = 0; j < layers_; ++j) {
@@ -186,12 +186,11 @@ private:
   /// What was remembered there is of another response, or of other intervals than the layers' before it.
   void take_over(int layer, int k, const float* coefs) {
     layer_[layer].coefs[k] = coefs;
-    growth_interval_ = -1;
+    for (int part = 0; part < kParts; ++part) layer_[layer].phi[part].forget(k);
+    if (apart_) return;
+    for (int part = 0; part < kParts; ++part) layer_[0].phi[part].forget(k);  // which is asked for all
     layer_[layer].growth.forget(k);
-    for (int part = 0; part < kParts; ++part) {
-      layer_[layer].phi[part].forget(k);
-      if (!apart_) layer_[0].phi[part].forget(k);  // which is asked for all
-    }
+    growth_interval_ = -1;
   }
 
   [[nodiscard]] const float* growth_coefs(int layer, int lane) const {

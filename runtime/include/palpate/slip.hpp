@@ -21,6 +21,7 @@ struct Slips {
   Vec3 straight, centre;
   double limit, scale;
   bool at_once;  ///< what lies across the line counts in the limit: there is no next tick of sliding to come to rest in
+  bool dear;     ///< to ask for a force is: of a leap a guess has to do sooner
 };
 
 /// The sideways deflection at which friction holds: the anchor gives way against what friction bears until then, from
@@ -32,8 +33,10 @@ template <class AnyField>
   // A hair below the limit: that is met from either side.
   constexpr double kHair = 5e-6;
   // Of a leap, by more of the scale than this at once: what is left of the excess, where it is a limit; how many limits
-  // it may be before a guess has to do. How much of what is across the line may be left along it.
-  constexpr double kLeap = 0.05, kLeft = 1e-3, kMostLimits = 10, kAcross = 0.75;
+  // it may be before a guess has to do, and how much of it may be left by one look for a line to do. How much of what
+  // is across the line may be left along it.
+  constexpr double kLeap = 0.05, kLeft = 1e-3, kNear = 0.5, kAcross = 0.75;
+  const double most_limits = what.dear ? 1 : 10;
   const double limit = (1 - kHair) * what.limit, hair = kHair * what.limit, scale = what.scale;
   const Vec3 friction = force - what.centre;
   const double size = length(friction), reach = length(from), most = reach + 2 * scale;
@@ -47,7 +50,7 @@ template <class AnyField>
   const double guess = reach * at_low / size;
   // Where c goes on, the place that it comes to has the last word: of a leap it suffices to know about how far it goes.
   const bool leaps = !what.at_once && guess > kLeap * scale;
-  if (leaps && at_low > kMostLimits * limit) return {from + guess * direction, what.centre + limit * direction, true};
+  if (leaps && at_low > most_limits * limit) return {from + guess * direction, what.centre + limit * direction, true};
   double close = leaps ? std::fmax(hair, kLeft * at_low * at_low / limit) : hair;
   coupled::Vec2 pull{};  // less the centre
   const auto excess = [&](double way) {
@@ -61,6 +64,15 @@ template <class AnyField>
   };
   double high = guess > 1e-9 * scale ? (guess < most ? guess : most) : 1e-3 * scale;
   double at_high = excess(high), third = low, at_third = at_low;
+  const auto there = [&](double way, bool holds) -> Slipped {
+    return {from + way * direction, what.centre + field.in_space(pull), holds};
+  };
+  if (leaps && at_high < kNear * at_low) {
+    // A line through the two tells it well enough.
+    const double root = at_low / (at_low - at_high) * high;
+    pull = (limit / (limit + at_high)) * pull;
+    return there(root < most ? root : most, true);
+  }
   for (int turn = 0; at_high > close && high < most; ++turn) {
     const double drop = at_low - at_high, root = drop > 0 ? high + 1.0001 * (high - low) * at_high / drop : most;
     const double next = turn < 2 || at_high < 0.1 * at_low ? root : 2 * high;
@@ -71,9 +83,6 @@ template <class AnyField>
     high = next < most ? next : most;
     at_high = excess(high);
   }
-  const auto there = [&](double way, bool holds) -> Slipped {
-    return {from + way * direction, what.centre + field.in_space(pull), holds};
-  };
   if (at_high > close) {
     // The straight push alone is beyond twice the limit: the anchor creeps on, tick by tick.
     high = reach + 0.02 * scale;

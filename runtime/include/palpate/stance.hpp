@@ -49,6 +49,11 @@ public:
   [[nodiscard]] double probe() const { return probe_; }
   /// What answers depends on how the tool lies.
   [[nodiscard]] bool lies() const { return lies_; }
+  /// On how it is spun, too: a blend is of up to three times as many responses.
+  [[nodiscard]] bool spins() const {
+    if constexpr (kSpin) return spins_;
+    return false;
+  }
 
   /// However it does, its point of the axis stays: then whatever moves c blends for how it lies now.
   [[nodiscard]] bool lies_in_place(const Pose& pose, const Vec3& n) const {
