@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -158,6 +159,24 @@ TEST(CortexM7, GivesTheForcesOfTheHostInSoManyInstructions) {
   EXPECT_GT(seen[static_cast<int>(State::slide)], 1000);
   EXPECT_GT(seen[static_cast<int>(State::free)], 1000);
   EXPECT_GT(seen[static_cast<int>(State::released)], 10);
+}
+
+// Long ticks are rare: of a tool with spins one in thousands.
+TEST(CortexM7, TakesNoLongerInAnyOfManyTicks) {
+  std::istringstream board(output(PALPATE_BOARD_LONGEST));
+  std::uint32_t longest = 0;
+  for (const char* name : {PALPATE_M7_FILES}) {
+    const std::vector<std::byte> bytes = read_bytes(std::filesystem::path(PALPATE_GOLDENS) / name);
+    const runtime::OpenResult opened = runtime::View::open(bytes.data(), bytes.size());
+    ASSERT_TRUE(opened) << opened.error;
+    for (std::uint32_t run = 0; run < 3 * opened.view.meta->tool_count; ++run) {
+      std::uint32_t most = 0;
+      ASSERT_TRUE(board >> most);
+      EXPECT_LE(most, kMostInstructions) << name << ", " << opened.view.tools[run / 3].name << ", hand " << run % 3;
+      longest = std::max(longest, most);
+    }
+  }
+  std::printf("the longest tick takes %u instructions\n", longest);
 }
 
 #else

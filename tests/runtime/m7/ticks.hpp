@@ -94,11 +94,32 @@ private:
   runtime::Vec3 at_, way_, turned_, turning_;
 };
 
+constexpr int kSearchEvery = 20;
+
+/// The longest of `ticks` ticks of a tool in a program of all features, as `count(work)` counts them.
+template <class Count>
+std::uint32_t longest_tick(const runtime::View& view, std::uint32_t tool, Hand hand, int ticks, const Count& count) {
+  Motion motion(view, tool, hand);
+  const ProgramTick full = begin_program<layout::feature_all>(view, tool);
+  runtime::Search coming, latest;
+  std::uint32_t most = 0;
+  for (int i = 0; i < ticks; ++i) {
+    const runtime::Pose pose = motion.next();
+    if (i % kSearchEvery == 0) {
+      latest = i > 0 ? coming : search(view, tool, pose);
+      coming = search(view, tool, pose);
+    }
+    const std::uint32_t instructions = count([&] { full(pose, latest); });
+    most = instructions > most ? instructions : most;
+  }
+  return most;
+}
+
 /// `count(work)` does the work and says how many instructions it took; `lean(view, tool)` begins a ProgramTick or is
 /// null; `keep(record, hand)` is given every tick's.
 template <class Count, class Lean, class Keep>
 void tick_all(const runtime::View& view, const Count& count, const Lean& lean, const Keep& keep) {
-  constexpr int kTicks = 1000, kSearchEvery = 20;
+  constexpr int kTicks = 1000;
   for (std::uint32_t run = 0; run < 3 * view.meta->tool_count; ++run) {
     const auto hand = static_cast<Hand>(run / view.meta->tool_count);
     const std::uint32_t tool = run % view.meta->tool_count;
