@@ -17,11 +17,10 @@ namespace {
 
 class ClosedForms : public ::testing::TestWithParam<ClosedForm> {};
 
-// Those of many seconds, or of few.
-std::vector<ClosedForm> forms(bool slow) {
+// Those of few seconds.
+std::vector<ClosedForm> quick_forms() {
   std::vector<ClosedForm> chosen = closed_forms();
-  std::erase_if(chosen,
-                [&](const ClosedForm& f) { return (f.name.ends_with("Mindlin") || f.name.ends_with("cone")) != slow; });
+  std::erase_if(chosen, [](const ClosedForm& f) { return f.name.ends_with("Mindlin") || f.name.ends_with("cone"); });
   return chosen;
 }
 
@@ -36,17 +35,19 @@ TEST_P(ClosedForms, HoldOnTwoBodies) {
   EXPECT_EQ(c.cause, "");
   EXPECT_TRUE(c.holds()) << c.worst().over_law << " where " << c.worst().tolerance << " is allowed";
 }
-INSTANTIATE_TEST_SUITE_P(Quick, ClosedForms, ::testing::ValuesIn(forms(false)), test_name);
+INSTANTIATE_TEST_SUITE_P(Quick, ClosedForms, ::testing::ValuesIn(quick_forms()), test_name);
 
-// On coarser elements and one body; ClosedForms.Command is the rest.
-class SlowForms : public ClosedForms {};
-TEST_P(SlowForms, HoldOnCoarserElements) {
-  const LawValues v = GetParam().solve(GetParam().large, 1.5);
+// Of the slow ones that which slips, on coarser elements and one body; ClosedForms.Command is the rest.
+TEST(SlowForms, SlippingHoldsOnCoarserElements) {
+  const std::vector<ClosedForm> all = closed_forms();
+  const auto form =
+      std::find_if(all.begin(), all.end(), [](const ClosedForm& f) { return f.name.starts_with("Catt"); });
+  ASSERT_NE(form, all.end());
+  const LawValues v = form->solve(form->large, 1.5);
   EXPECT_EQ(v.cause, "");
   EXPECT_FALSE(v.values.empty());
   for (const LawValue& value : v.values) EXPECT_NEAR(value.over_law, 1, value.tolerance);
 }
-INSTANTIATE_TEST_SUITE_P(Coarse, SlowForms, ::testing::ValuesIn(forms(true)), test_name);
 
 TEST(ClosedFormChecks, ALawThatIsMissedOnEitherBodyDoesNotHold) {
   const auto form = [](double at_small, double at_large) {
