@@ -19,21 +19,24 @@ public:
   void reset() { owed_ = lost_ = 0; }
 
   /// Stored energy (J) before and after the field was replaced at one pose; returns what of it is to be lost at once.
-  /// With `friction` a loss pays what is owed but buys nothing; so does what was `rubbed` (J) besides, and what it
-  /// covers of a rise is none. Where that is negative the hand got it, or gave so much less than `before` tells.
+  /// With `friction` a loss pays what is owed but buys nothing; so does what was `rubbed` (J) besides. Where that is
+  /// negative the hand got it, or gave so much less than `before` tells.
   double replaced(double before, double after, bool friction, double rubbed) {
     const double change = after - before, more = rubbed < 0 ? change - rubbed : change;
     stored_ = owed_ > 0 ? stored_ + change : after;  // what the motion of this tick changed is still to be told
     const double least = friction ? std::fmin(owed_, 0.0) : owed_ + more;
     owed_ = std::fmax(owed_ + more, least);
     if (rubbed > 0 && owed_ > 0) owed_ = std::fmax(0.0, owed_ - rubbed);
-    return too_much(after, rubbed > 0 ? more - rubbed : more);
+    return too_much(after, more);
   }
 
   /// J, of which `more` are owed since the last tick, while `stored` (J) is stored, less than nothing where the tool
-  /// went with a straight push's sideways force: what is to be lost at once.
+  /// went with a straight push's sideways force: what is to be lost at once. Nothing of so little as c stores by
+  /// creeping on while the hand rests, though it is owed.
   [[nodiscard]] double too_much(double stored, double more) const {
-    return more > 0 ? std::fmax(0, std::fmin(2 * owed_ - std::fabs(stored), 2 * more)) : 0;
+    constexpr double kCreep = 1e-7;
+    const double all = std::fabs(stored);
+    return more > kCreep * all ? std::fmax(0, std::fmin(2 * owed_ - all, 2 * more)) : 0;
   }
 
   /// The hand got, or did not give, so much (J) of what is stored.

@@ -169,7 +169,7 @@ private:
     // c rests while the tool moves along n(c): 0.1 nm on a contact of 10 mm.
     const bool rests =
         !(length(d.sideways - wanted.deflection) > 1e-8 * rest().size()) && !rest().lies_otherwise_here(pose);
-    if (begins_ || placed) {
+    if (begins_) {
       pull = ledger_.rub(parts_, d, terms, [&] {
         parts_.leave_core(d, wanted.deflection);
         return give_way(wanted.force, d, terms, false);
@@ -178,13 +178,18 @@ private:
       pull = at_rest(parts_.core_force(d, terms), d, terms);
     } else {
       const auto at_first = ledger_.slides(parts_, wanted, before, way, d, terms);
-      const Vec3 rim = parts_.rim_deflection(d);
-      const bool went = parts_.rest().follow(pose, last_, wanted.deflection, terms.normal_force, length(way),
-                                             d.depth - depth, served);
-      d = rest().deflection(last_);
-      if (!(d.depth > 0)) return release(d);
-      parts_.leave_rim(d, rim);
-      field().set_depth(d.depth, terms);
+      bool went = false;
+      if (placed) {
+        parts_.leave_core(d, wanted.deflection);
+      } else {
+        const Vec3 rim = parts_.rim_deflection(d);
+        went = parts_.rest().follow(pose, last_, wanted.deflection, terms.normal_force, length(way), d.depth - depth,
+                                    served);
+        d = rest().deflection(last_);
+        if (!(d.depth > 0)) return release(d);
+        parts_.leave_rim(d, rim);
+        field().set_depth(d.depth, terms);
+      }
       pull = give_way(parts_.core_force(d, terms), d, terms, went);
       if (ledger_.slid(parts_, at_first, pull, way, d, terms)) {
         if (!(d.depth > 0)) return release(d);

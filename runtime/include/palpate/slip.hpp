@@ -33,8 +33,8 @@ template <class AnyField>
   // A hair below the limit: that is met from either side.
   constexpr double kHair = 5e-6;
   // Of a leap, by more of the scale than this at once: what is left of the excess, where it is a limit; how many limits
-  // it may be before a guess has to do, and how much of it may be left by one look for a line to do. How much of what
-  // is across the line may be left along it.
+  // it may be before a guess has to do, and, where looks are dear, how much of it one may leave for a line to do. How
+  // much of what is across the line may be left along it.
   constexpr double kLeap = 0.05, kLeft = 1e-3, kNear = 0.5, kAcross = 0.75;
   const double most_limits = what.dear ? 1 : 10;
   const double limit = (1 - kHair) * what.limit, hair = kHair * what.limit, scale = what.scale;
@@ -67,8 +67,7 @@ template <class AnyField>
   const auto there = [&](double way, bool holds) -> Slipped {
     return {from + way * direction, what.centre + field.in_space(pull), holds};
   };
-  if (leaps && at_high < kNear * at_low) {
-    // A line through the two tells it well enough.
+  if (leaps && what.dear && at_high < kNear * at_low) {
     const double root = at_low / (at_low - at_high) * high;
     pull = (limit / (limit + at_high)) * pull;
     return there(root < most ? root : most, true);
