@@ -32,10 +32,11 @@ struct DepthTerms {
 
 /// N, about which friction holds its limit: the sideways force of a straight push, for that is mostly how the tissue
 /// lies against the tool's flanks (a lump to one side, a slope), and no friction. The forces of a contact that is drawn
-/// every way show it as their middle. Of more than the limit only so much, lest sideways forces drive a slide.
+/// every way show it as their middle. Of more than half the limit only so much: friction opposes a slide by what is
+/// left at least, lest sideways forces drive it, round a bend for as long as it lasts.
 inline Vec3 friction_centre(const DepthTerms& terms) {
-  const double square = dot(terms.straight, terms.straight), limit = terms.limit;
-  return square > limit * limit ? (limit / std::sqrt(square)) * terms.straight : terms.straight;
+  const double square = dot(terms.straight, terms.straight), most = 0.5 * terms.limit;
+  return square > most * most ? (most / std::sqrt(square)) * terms.straight : terms.straight;
 }
 /// What is left of a sideways force (N) where friction holds `limit` (N) about a centre.
 inline Vec3 within_limit(const Vec3& pull, const Vec3& centre, double limit) {

@@ -83,7 +83,7 @@ template <class AnyField>
     at_high = excess(high);
   }
   if (at_high > close) {
-    // The straight push alone is beyond twice the limit: the anchor creeps on, tick by tick.
+    // The straight push alone is beyond one and a half limits: the anchor creeps on, tick by tick.
     high = reach + 0.02 * scale;
     excess(high);
     return there(high, false);
