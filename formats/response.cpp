@@ -218,6 +218,7 @@ void add_responses(Sections& sections, const ResponseFileContent& c, const layou
     const layout::ResponseHead head{static_cast<float>(r.depth_limit), r.flags};
     to = records.data() + i * size;
     put(&head, sizeof head);
+    if (c.reliefs) put(&r.relief, sizeof r.relief);
     if (c.coupled) {
       put_coupled(to, c, r);
       continue;
@@ -269,6 +270,7 @@ std::vector<std::byte> encode(const ResponseFileContent& c) {
   meta.search_nodes = static_cast<std::uint32_t>(c.search.size());
   meta.rim_share = static_cast<float>(c.rim_share);
   meta.rim_limit = static_cast<float>(c.rim_limit);
+  meta.relief_count = c.reliefs ? 1 : 0;
 
   Sections sections;
   add_body(sections, c);
@@ -282,7 +284,7 @@ std::vector<std::byte> encode(const ResponseFileContent& c) {
       (has_tool_patches(c) ? layout::feature_tool_patches : 0u) | (c.search.empty() ? 0u : layout::feature_search) |
       (c.coupled ? layout::feature_coupled : 0u) | (c.grasp_coefs > 0 ? layout::feature_grasp : 0u) |
       (c.turns ? layout::feature_turn : 0u) | (c.rim_share > 0 ? layout::feature_rim : 0u) |
-      (has_spins(c) ? layout::feature_spin : 0u);
+      (has_spins(c) ? layout::feature_spin : 0u) | (c.reliefs ? layout::feature_relief : 0u);
   std::vector<std::byte> bytes = sections.assemble(features);
   detail::check_bytes(bytes);
   return bytes;

@@ -66,7 +66,8 @@ struct ResponseTool {
 struct Response {
   double depth_limit = 0.0;  ///< m, > 0, at most depth_scale
   std::uint32_t flags = layout::response_solved;
-  std::vector<float> normal;                  ///< Fn(s), N; [0] = [1] = 0, non-decreasing
+  float relief = 0.0f;        ///< in a file with reliefs: see palpate/relief.hpp; 0 to layout::kMostRelief
+  std::vector<float> normal;  ///< Fn(s), N; [0] = [1] = 0, non-decreasing
   std::vector<float> lateral_x, lateral_y;    ///< Fx(s), Fy(s), N; [0] = [1] = 0
   std::vector<float> growth_x, growth_y;      ///< gx(s), gy(s); [0] = 0, >= 0
   std::vector<float> sideways_x, sideways_y;  ///< phi(x / X), N; non-increasing, phi(0) = 0
@@ -96,6 +97,7 @@ struct ResponseFileContent {
   std::uint32_t coupled_bits = 16;          ///< 8, 12 or 16: of a coefficient of Response::coupled but the limit's
   std::uint32_t grasp_coefs = 0;            ///< 0 or [4, 32]
   double rim_share = 0.0, rim_limit = 0.0;  ///< see palpate/rim.hpp: both 0, or with friction both in (0, 1)
+  bool reliefs = false;                     ///< contacts push less where they slip; only with friction
   bool turns = false;  ///< grasped tools that are turned, by curves of grasp_coefs; only with grasps
 
   std::vector<ResponseSite> sites;

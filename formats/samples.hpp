@@ -58,12 +58,6 @@ struct Sample {
   Eigen::Vector3d torque{0, 0, 0};    ///< N m on the tool about p, components (x, y, n)
 };
 
-/// mu(depth) as a contact that slips everywhere tells it: what friction holds, over the normal force of the straight
-/// push to that depth. It holds it about that push's sideways force, which is how the tissue lies against the tool.
-inline double solved_limit(const Sample& slipping, const Sample& straight) {
-  return (slipping.force - straight.force).head<2>().norm() / straight.force.z();
-}
-
 /// How a pair ended.
 struct PairOutcome {
   bool accepted = false;

@@ -26,6 +26,7 @@ constexpr FeatureName kFeatures[] = {
     {layout::feature_lateral, "lateral", "a straight push has no sideways force"},
     {layout::feature_friction, "friction", "frictionless: no sticking, nothing opposes a sideways motion"},
     {layout::feature_rim, "partial_slip", "contacts stick as a whole until they slide"},
+    {layout::feature_relief, "relief", "a contact that slips pushes as one that sticks"},
     {layout::feature_tool_patches, "tool_patches", "each tool touches by one vertex only"},
     {layout::feature_grasp, "grasp", "no tool holds on to the body: a pull lets go"},
     {layout::feature_turn, "turn", "turns of a tool that holds on have no torque"},

@@ -173,6 +173,12 @@ std::string fit_text(const pipeline::Pipeline& p, const FitReport& report) {
   text += figures_text("closed forms", report.laws, p.plan);
   for (const RecordedFigures& f : report.recorded) text += recorded_text(f, p.plan);
   text += figures_text("torques of turned tools", report.turned, p.plan);
+  if (!report.reliefs.empty()) {
+    char line[160];
+    std::snprintf(line, sizeof line, "depth that slipping contacts give up (relief): median %.2f %%, at most %.2f %%\n",
+                  100 * report.reliefs[report.reliefs.size() / 2], 100 * report.reliefs.back());
+    text += line;
+  }
   if (report.held_out.samples > 0) {
     char line[160];
     std::snprintf(line, sizeof line,

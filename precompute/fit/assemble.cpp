@@ -143,6 +143,9 @@ std::string provenance(const Scene& scene, const Plan& plan, const Hash128& mani
   json["fit"] = {{"error", "|fit - solved| / max(|solved|, 2 % of the pair's peak)"},
                  {"normal", figures(report.normal)}};
   if (report.friction) json["fit"]["tangential"] = figures(report.tangential);
+  if (!report.reliefs.empty()) {
+    json["fit"]["relief"] = {{"median", report.reliefs[report.reliefs.size() / 2]}, {"largest", report.reliefs.back()}};
+  }
   if (report.grasp) json["fit"]["grasped"] = figures(report.grasped);
   if (report.turn) json["fit"]["turned"] = figures(report.turned);
   if (fitted.scales.coupled) {
@@ -182,6 +185,7 @@ ResponseFileContent assemble_response(const Scene& scene, const std::vector<Tool
   }
   content.grasp_coefs = count(fitted.report.grasp, fit::kGraspCoefs);
   content.turns = fitted.report.turn;
+  content.reliefs = !fitted.report.reliefs.empty();
   add_body(content, mesh, plan);
   for (const Tool& tool : tools) content.tools.push_back(response_tool(tool));
   content.responses = fitted.responses;

@@ -199,28 +199,6 @@ private:
   std::vector<Cone> cones_;
 };
 
-VectorXd fit_limit(const std::vector<Sample>& samples, const CoupledScales& scales, const std::string& what) {
-  const int n = scales.degrees.limit + 1;
-  const coupled::Places p = coupled::places(scales.degrees);
-  const std::vector<std::pair<double, double>> limits = friction_limits(samples);
-  const auto count = static_cast<Eigen::Index>(limits.size());
-  MatrixXd matrix = MatrixXd::Zero(count + n - 1, n);
-  VectorXd target = VectorXd::Zero(matrix.rows());
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const auto& [depth, limit] = limits[static_cast<std::size_t>(i)];
-    target[i] = limit;
-    for (int k = 0; k < n; ++k) {
-      const Law law = make_law(VectorXd::Unit(p.end, p.limit + k), scales);
-      matrix(i, k) = law.at(law.abscissa(depth), false).limit;
-    }
-  }
-  for (int k = 0; k + 1 < n; ++k) {  // constant where nothing says otherwise
-    matrix(count + k, k) = -kContinuation;
-    matrix(count + k, k + 1) = kContinuation;
-  }
-  return solve_nonnegative(matrix, target, what + ", friction limit");
-}
-
 }  // namespace
 
 Law make_law(const VectorXd& coefs, const CoupledScales& scales) {
@@ -250,6 +228,29 @@ Eigen::Vector2d deepened(const Law& law, const CoupledScales& scales, double fro
   return scales.sideways * Eigen::Vector2d(kept.x, kept.y);
 }
 
+VectorXd fit_limit(const std::vector<Sample>& samples, const CoupledScales& scales, double relief,
+                   const std::string& what) {
+  const int n = scales.degrees.limit + 1;
+  const coupled::Places p = coupled::places(scales.degrees);
+  const std::vector<std::pair<double, double>> limits = friction_limits(samples, scales.depth, relief);
+  const auto count = static_cast<Eigen::Index>(limits.size());
+  MatrixXd matrix = MatrixXd::Zero(count + n - 1, n);
+  VectorXd target = VectorXd::Zero(matrix.rows());
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto& [depth, limit] = limits[static_cast<std::size_t>(i)];
+    target[i] = limit;
+    for (int k = 0; k < n; ++k) {
+      const Law law = make_law(VectorXd::Unit(p.end, p.limit + k), scales);
+      matrix(i, k) = law.at(law.abscissa(depth), false).limit;
+    }
+  }
+  for (int k = 0; k + 1 < n; ++k) {  // constant where nothing says otherwise
+    matrix(count + k, k) = -kContinuation;
+    matrix(count + k, k + 1) = kContinuation;
+  }
+  return solve_nonnegative(matrix, target, what + ", friction limit");
+}
+
 VectorXd fit_coupled(const std::vector<Sample>& samples, const CoupledScales& scales, const std::string& what) {
   const PairSamples data = sort_samples(samples, what);
   const coupled::Places p = coupled::places(scales.degrees);
@@ -263,7 +264,7 @@ VectorXd fit_coupled(const std::vector<Sample>& samples, const CoupledScales& sc
             .head(p.limit);
   }
   coefs.head(p.limit) *= data.peak;
-  coefs.tail(p.end - p.limit) = fit_limit(samples, scales, what);
+  coefs.tail(p.end - p.limit) = fit_limit(samples, scales, 0, what);
   return coefs;
 }
 

@@ -25,6 +25,10 @@ struct CoupledScales {
 /// when the fit does not converge.
 Eigen::VectorXd fit_coupled(const std::vector<Sample>& samples, const CoupledScales& scales, const std::string& what);
 
+/// Of those coefficients the friction limit's, where the relief is this.
+Eigen::VectorXd fit_limit(const std::vector<Sample>& samples, const CoupledScales& scales, double relief,
+                          const std::string& what);
+
 /// The law of such coefficients.
 coupled::Law make_law(const Eigen::VectorXd& coefs, const CoupledScales& scales);
 

@@ -131,8 +131,12 @@ SiteCurves blend_site(const ContactFrame& frame, double depth, const std::vector
                       const ModelScales& scales, const std::string& what) {
   SiteCurves result = scales.coupled ? blend_coupled(frame, depth, sources, scales)
                                      : blend_separable(frame, depth, sources, scales, what);
-  double total = 0;
-  for (const CoverSource& source : sources) total += source.weight;
+  double total = 0, relief = 0;
+  for (const CoverSource& source : sources) {
+    total += source.weight;
+    relief += source.weight * source.site->curves.relief;
+  }
+  result.curves.relief = relief / total;
   std::vector<GraspShare> grasps;
   std::vector<TurnShare> turns;
   for (const CoverSource& source : sources) {

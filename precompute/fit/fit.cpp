@@ -90,6 +90,7 @@ Response to_response(const SiteCurves& site, std::uint32_t flags, const FitRepor
   Response r;
   r.depth_limit = site.depth;
   r.flags = flags;
+  r.relief = static_cast<float>(site.curves.relief);
   if (site.grasp) {
     r.grasp_depth = site.grasp->depth;
     r.grasp_pulled = site.grasp->pulled;
@@ -250,11 +251,14 @@ FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std
       report.turn = true;
     }
     report.pairs.push_back(figures);
+    report.reliefs.push_back(curves.relief);
     rows[row][planned.site] = SiteCurves{std::move(curves), planned.depth, std::move(grasp), std::move(turn)};
     flags[row][planned.site] = layout::response_solved;
   }
   check_refused(plan, report.planned, refused, settings.max_refused);
   report.refused = refused.size();
+  std::sort(report.reliefs.begin(), report.reliefs.end());
+  if (report.reliefs.empty() || !(report.reliefs.back() > 0)) report.reliefs.clear();
   report.normal = error_figures(normal);
   report.tangential = error_figures(tangential);
   report.paths = error_figures(paths);

@@ -69,6 +69,7 @@ struct FitReport {
   ErrorFigures laws;                      ///< of the closed forms' curves
   std::vector<RecordedFigures> recorded;  ///< by pair
   fit::HeldOutFigures held_out;           ///< coupled: of samples left out, by which the degrees were chosen
+  std::vector<double> reliefs;            ///< of accepted pairs (slip_relief), ascending; empty where all are 0
   std::vector<PairFigures> pairs;         ///< by pair
 };
 

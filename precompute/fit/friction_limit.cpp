@@ -5,6 +5,9 @@
 #include <cmath>
 #include <map>
 
+#include "palpate/relief.hpp"
+#include "precompute/solve/solved_limit.hpp"
+
 namespace palpate::fit {
 namespace {
 
@@ -26,38 +29,9 @@ std::map<double, const Sample*> straight_pushes(const std::vector<Sample>& sampl
   return all;
 }
 
-// Solved over foretold by depth. A slipping push has the depth of the straight one that it began from, bit by bit.
-// Tissue still piles up before a tool that has just begun to slide: of a depth's pushes only what was drawn furthest
-// counts.
-std::vector<std::pair<double, double>> corrections(const std::vector<Sample>& samples) {
-  std::map<double, double> furthest;
-  for (const Sample& s : samples) {
-    if (s.kind != SampleKind::slipping || !(s.friction_limit > 0)) continue;
-    double& reach = furthest[s.deflection.z()];
-    reach = std::max(reach, s.deflection.head<2>().norm());
-  }
-  const std::map<double, const Sample*> straight = straight_pushes(samples);
-  std::map<double, Sum> solved;
-  for (const Sample& s : samples) {
-    if (s.kind != SampleKind::slipping || !(s.friction_limit > 0)) continue;
-    if (s.deflection.head<2>().norm() < kFurthest * furthest[s.deflection.z()]) continue;
-    const auto from = straight.find(s.deflection.z());
-    if (from == straight.end()) continue;
-    Sum& sum = solved[s.deflection.z()];
-    sum.total += solved_limit(s, *from->second);
-    ++sum.count;
-  }
-  std::vector<std::pair<double, double>> all{{0.0, 1.0}};
-  for (const Sample& s : samples) {
-    if (s.kind != SampleKind::normal || !(s.friction_limit > 0)) continue;
-    const auto at = solved.find(s.deflection.z());
-    if (at != solved.end()) all.emplace_back(at->first, at->second.mean() / s.friction_limit);
-  }
-  std::sort(all.begin(), all.end());
-  return all;
-}
+using Points = std::vector<std::pair<double, double>>;
 
-double interpolate(const std::vector<std::pair<double, double>>& points, double at) {
+double interpolate(const Points& points, double at) {
   const auto above =
       std::upper_bound(points.begin(), points.end(), at, [](double z, const auto& point) { return z < point.first; });
   if (above == points.begin()) return points.front().second;
@@ -66,14 +40,66 @@ double interpolate(const std::vector<std::pair<double, double>>& points, double 
   return std::lerp(below->second, above->second, (at - below->first) / (above->first - below->first));
 }
 
+// Solved over foretold by depth, of pushes that slip as a whole or (`in_part`) of depths where none does. A slipping
+// push has the depth of the straight one that it began from, bit by bit. Tissue still piles up before a tool that has
+// just begun to slide: of a depth's pushes only what was drawn furthest counts.
+Points ratios(const std::vector<Sample>& samples, double scale, bool in_part) {
+  std::map<double, double> furthest;
+  std::map<double, bool> whole;
+  for (const Sample& s : samples) {
+    if (s.kind == SampleKind::slipping && s.friction_limit > 0) whole[s.deflection.z()] = true;
+  }
+  const auto counts = [&](const Sample& s) {
+    return s.kind == SampleKind::slipping && (in_part ? whole.count(s.deflection.z()) == 0 : s.friction_limit > 0);
+  };
+  for (const Sample& s : samples) {
+    if (!counts(s)) continue;
+    double& reach = furthest[s.deflection.z()];
+    reach = std::max(reach, s.deflection.head<2>().norm());
+  }
+  const std::map<double, const Sample*> straight = straight_pushes(samples);
+  std::map<double, Sum> solved;
+  for (const Sample& s : samples) {
+    if (!counts(s) || s.deflection.head<2>().norm() < kFurthest * furthest[s.deflection.z()]) continue;
+    const auto from = straight.find(s.deflection.z());
+    if (from == straight.end()) continue;
+    Sum& sum = solved[s.deflection.z()];
+    sum.total += solved_limit(s, *from->second, scale);
+    ++sum.count;
+  }
+  Points all;
+  for (const auto& [depth, sum] : solved) {
+    const double foretold = straight.at(depth)->friction_limit;
+    if (foretold > 0) all.emplace_back(depth, sum.mean() / foretold);
+  }
+  return all;
+}
+
+// From depth 0 on, ascending.
+Points corrections(const std::vector<Sample>& samples, double scale) {
+  Points all{{0.0, 1.0}};
+  const Points whole = ratios(samples, scale, false);
+  all.insert(all.end(), whole.begin(), whole.end());
+  for (const auto& [depth, least] : ratios(samples, scale, true)) {
+    const auto above =
+        std::upper_bound(all.begin(), all.end(), depth, [](double z, const auto& p) { return z < p.first; });
+    if (least > interpolate(all, depth)) all.insert(above, {depth, least});
+  }
+  return all;
+}
+
 }  // namespace
 
-std::vector<std::pair<double, double>> friction_limits(const std::vector<Sample>& samples) {
-  const std::vector<std::pair<double, double>> ratio = corrections(samples);
+std::vector<std::pair<double, double>> friction_limits(const std::vector<Sample>& samples, double scale,
+                                                       double relief) {
+  const Points ratio = corrections(samples, scale);
   std::vector<std::pair<double, double>> limits;
   for (const Sample& s : samples) {
     if (s.kind != SampleKind::normal) continue;
-    limits.emplace_back(s.deflection.z(), s.friction_limit * interpolate(ratio, s.deflection.z()));
+    const double depth = s.deflection.z(), give = relief / scale;
+    // The normal force is the slope times that which the limit is a multiple of.
+    limits.emplace_back(runtime::counted_depth(give, scale, depth),
+                        s.friction_limit * interpolate(ratio, depth) * runtime::counted_slope(give, scale, depth));
   }
   return limits;
 }

@@ -10,6 +10,7 @@
 #include "precompute/fit/least_squares.hpp"
 #include "precompute/fit/pair_samples.hpp"
 #include "precompute/fit/path_errors.hpp"
+#include "precompute/fit/slip_relief.hpp"
 #include "precompute/fit/spline_rows.hpp"
 
 namespace palpate::fit {
@@ -98,10 +99,10 @@ VectorXd fit_lateral(const PairData& data, const ModelScales& scales, int axis, 
 
 /// mu(s), constant beyond the deepest sample.
 VectorXd fit_friction(const PairData& data, const std::vector<Sample>& samples, const ModelScales& scales,
-                      const std::string& what) {
+                      double relief, const std::string& what) {
   const int n = scales.friction_coefs;
   CurveRows rows(n);
-  for (const auto& [depth, limit] : friction_limits(samples)) {
+  for (const auto& [depth, limit] : friction_limits(samples, scales.depth, relief)) {
     rows.add(value_row(n, abscissa(depth, scales.depth)), limit);
   }
   for (int k = 0; k + 1 < n; ++k) {
@@ -191,8 +192,16 @@ void fit_sideways(const PairData& data, const VectorXd& lateral, const ModelScal
 
 PairCurves fit_pair(const std::vector<Sample>& samples, const ModelScales& scales, const std::string& what) {
   PairCurves curves;
+  const StickingForce sticking = [&](const Eigen::Vector3d& deflection) {
+    return evaluate(curves, scales, deflection);
+  };
   if (scales.coupled) {
     curves.coupled = fit_coupled(samples, coupled_scales(scales), what);
+    curves.relief = slip_relief(samples, sticking, scales.depth);
+    if (curves.relief > 0) {
+      const VectorXd limit = fit_limit(samples, coupled_scales(scales), curves.relief, what);
+      curves.coupled.tail(limit.size()) = limit;
+    }
     // Errors are of what the file has; of 16 bits nothing is to be seen of it.
     if (scales.bits < 16) curves.coupled = rounded(curves.coupled, *scales.coupled, scales.bits, what);
     return curves;
@@ -206,9 +215,10 @@ PairCurves fit_pair(const std::vector<Sample>& samples, const ModelScales& scale
   if (data.tangential.empty()) {
     throw Error(ExitCode::numerical, what + ": a scene with friction needs sideways pushes; there are none");
   }
-  curves.friction = fit_friction(data, samples, scales, what);
   fit_sideways(data, curves.lateral_x, scales, 0, what, curves.growth_x, curves.sideways_x);
   fit_sideways(data, curves.lateral_y, scales, 1, what, curves.growth_y, curves.sideways_y);
+  curves.relief = slip_relief(samples, sticking, scales.depth);
+  curves.friction = fit_friction(data, samples, scales, curves.relief, what);
   return curves;
 }
 

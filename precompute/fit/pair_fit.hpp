@@ -35,6 +35,7 @@ struct PairCurves {
   Eigen::VectorXd sideways_x, sideways_y;        ///< N
   Eigen::VectorXd friction;                      ///< dimensionless
   Eigen::VectorXd coupled;                       ///< in place of all those: see fit_coupled
+  double relief = 0.0;                           ///< see slip_relief
 };
 
 /// Relative errors of curves against samples: |model - sample| / max(|sample|, 2 % of the pair's peak force).

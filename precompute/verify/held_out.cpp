@@ -4,6 +4,7 @@
 
 #include "formats/error.hpp"
 #include "precompute/solve/pair.hpp"
+#include "precompute/solve/solved_limit.hpp"
 #include "precompute/verify/parallel.hpp"
 
 #include <Eigen/Geometry>
@@ -155,7 +156,7 @@ void solve(const Scene& scene, const Body& body, const Tool& tool, HeldOut& cont
     if (s.kind == SampleKind::slipping) {
       const auto before = straight.find(s.deflection.z());
       if (s.friction_limit > 0 && before != straight.end()) {
-        contact.limits.push_back({s.deflection.z(), solved_limit(s, *before->second), 0.0, 0.0});
+        contact.limits.push_back({s.deflection.z(), solved_limit(s, *before->second, scene.sampling.depth), 0.0, 0.0});
       }
       continue;
     }
@@ -378,8 +379,9 @@ void compare_with_file(const runtime::View& view, std::vector<HeldOut>& contacts
       f.error = (f.baked - f.solved).norm() / std::max(f.solved.norm(), 0.02 * peak);
     }
     for (LimitPair& l : contact.limits) {
-      const runtime::DepthTerms terms = field.at_depth(l.depth);
-      l.baked = terms.limit / terms.normal_force;
+      const double scale = view.meta->depth_scale, give = field.relief() / scale;
+      const runtime::DepthTerms terms = field.at_depth(runtime::counted_depth(give, scale, l.depth));
+      l.baked = terms.limit / (runtime::counted_slope(give, scale, l.depth) * terms.normal_force);
       l.error = std::abs(l.baked - l.solved) / l.solved;
     }
   }

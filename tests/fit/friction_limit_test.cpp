@@ -32,22 +32,24 @@ std::vector<Sample> straight() {
   return samples;
 }
 
-// Drawn along x and aslant by turns. Where all of the contact slips friction is what the limit says, beside the
-// straight push's sideways force; the normal force is another by then.
-void add_slipping(std::vector<Sample>& samples, double depth, std::initializer_list<double> limits,
-                  double reach = 0.5) {
+// Drawn along x and aslant by turns. Where all of the contact slips friction is what the limit says of the normal
+// force, which is another by then, beside the tissue against the tool's flanks; `in_part`: as much where a part still
+// sticks.
+void add_slipping(std::vector<Sample>& samples, double depth, std::initializer_list<double> limits, double reach = 0.5,
+                  bool in_part = false) {
   const auto from = std::find_if(samples.begin(), samples.end(), [&](const Sample& s) {
     return s.kind == SampleKind::normal && s.deflection.z() == depth;
   });
   const Eigen::Vector3d straight = from->force;
+  const double flanks = layout::kFlanks * std::sqrt(depth / kDepth), normal = 1.1 * straight.z();
   int turn = 0;
   for (const double limit : limits) {
     const Eigen::Vector2d way = ++turn % 2 != 0 ? Eigen::Vector2d(1, 0) : Eigen::Vector2d(-0.6, 0.8);
     Sample s;
     s.kind = SampleKind::slipping;
     s.deflection << reach * depth * way, depth;
-    s.force << straight.head<2>() - (limit > 0 ? limit : 0.1) * straight.z() * way, 1.1 * straight.z();
-    s.friction_limit = limit > 0 ? s.force.head<2>().norm() / s.force.z() : 0.0;
+    s.force << normal * (flanks / straight.z() * straight.head<2>() - (limit > 0 ? limit : 0.1) * way), normal;
+    s.friction_limit = limit > 0 && !in_part ? s.force.head<2>().norm() / s.force.z() : 0.0;
     samples.push_back(s);
   }
 }
@@ -55,7 +57,7 @@ void add_slipping(std::vector<Sample>& samples, double depth, std::initializer_l
 TEST(FrictionLimit, IsWhatWasForetoldWhereNoContactSlippedAsAWhole) {
   std::vector<Sample> samples = straight();
   add_slipping(samples, kDepth, {0.0, 0.0});
-  const auto limits = friction_limits(samples);
+  const auto limits = friction_limits(samples, kDepth);
   ASSERT_EQ(limits.size(), 12U);
   for (const auto& [z, limit] : limits) EXPECT_DOUBLE_EQ(limit, foretold(z));
 }
@@ -66,7 +68,7 @@ TEST(FrictionLimit, TakesTheMeanOverDirectionsAndIsCorrectedInBetween) {
   add_slipping(samples, middle, {0.0, foretold(middle)}, 0.4);  // it slides, but not as far as it was drawn
   add_slipping(samples, middle, {1.1 * foretold(middle)});
   add_slipping(samples, deep, {0.0, 1.2 * foretold(deep), 0.0, 1.4 * foretold(deep)});
-  const auto limits = friction_limits(samples);
+  const auto limits = friction_limits(samples, kDepth);
   ASSERT_EQ(limits.size(), 12U);
   for (const auto& [z, limit] : limits) {
     const double ratio = z < middle ? 1 + 0.1 * z / middle : 1.1 + 0.2 * (z - middle) / (deep - middle);
@@ -79,10 +81,32 @@ TEST(FrictionLimit, GoesOnBeyondTheDeepestSolvedOne) {
   std::vector<Sample> samples = straight();
   const double middle = samples[5].deflection.z();
   add_slipping(samples, middle, {1.1 * foretold(middle)});
-  for (const auto& [z, limit] : friction_limits(samples)) {
+  for (const auto& [z, limit] : friction_limits(samples, kDepth)) {
     if (z > middle) {
       EXPECT_NEAR(limit / foretold(z), 1.1, 1e-12);
     }
+  }
+}
+
+// What held in part until the end would have held more, not less.
+TEST(FrictionLimit, IsAtLeastWhatAContactHeldThatSlippedInPart) {
+  std::vector<Sample> samples = straight();
+  const double middle = samples[5].deflection.z(), deep = samples[11].deflection.z();
+  add_slipping(samples, middle, {1.1 * foretold(middle)});
+  add_slipping(samples, deep, {1.05 * foretold(deep), 1.05 * foretold(deep)}, 0.5, true);
+  EXPECT_NEAR(friction_limits(samples, kDepth).back().second, 1.1 * foretold(deep), 1e-12);
+  add_slipping(samples, deep, {1.3 * foretold(deep), 1.4 * foretold(deep)}, 0.6, true);
+  EXPECT_NEAR(friction_limits(samples, kDepth).back().second, 1.35 * foretold(deep), 1e-12);
+}
+
+// The runtime asks for the limit at the depth that counts, and multiplies the normal force there by the slope.
+TEST(FrictionLimit, IsOfTheDepthThatCounts) {
+  const std::vector<Sample> samples = straight();
+  const auto plain = friction_limits(samples, kDepth), relieved = friction_limits(samples, kDepth, 0.05);
+  for (std::size_t k = 0; k < plain.size(); ++k) {
+    const double share = plain[k].first / kDepth;
+    EXPECT_NEAR(relieved[k].first, plain[k].first * (1 - 0.05 * share), 1e-12);
+    EXPECT_NEAR(relieved[k].second, plain[k].second * (1 - 0.1 * share), 1e-12);
   }
 }
 

@@ -55,6 +55,7 @@ Response response(const View& v, std::uint64_t i) {
   Response r;
   r.depth_limit = v.response_head(i).depth_limit;
   r.flags = v.response_head(i).flags;
+  if (m.relief_count > 0) r.relief = static_cast<float>(v.relief(i));
   r.normal = list(v.normal_coefs(i), m.normal_coefs);
   if (m.lateral_coefs > 0) {
     r.lateral_x = list(v.lateral_coefs(i), m.lateral_coefs);
@@ -119,6 +120,7 @@ ResponseFileContent content(const View& v) {
   if (c.coupled) c.coupled_bits = m.coef_bits;
   c.rim_share = static_cast<double>(v.meta->rim_share);
   c.rim_limit = static_cast<double>(v.meta->rim_limit);
+  c.reliefs = m.relief_count > 0;
   c.grasp_coefs = m.grasp_coefs;
   c.turns = v.turns != nullptr;
   for (std::uint32_t i = 0; i < m.site_count; ++i) {

@@ -15,7 +15,7 @@ import struct
 import sys
 
 M64 = (1 << 64) - 1
-LATERAL, FRICTION, TOOL_PATCHES, SEARCH, COUPLED, GRASP, TURN, RIM, SPIN = (1 << bit for bit in range(9))
+LATERAL, FRICTION, TOOL_PATCHES, SEARCH, COUPLED, GRASP, TURN, RIM, SPIN, RELIEF = (1 << bit for bit in range(10))
 
 
 class Bad(Exception):
@@ -101,7 +101,7 @@ class File:
         need(version == 2, "version")
         need(size == len(data) and size % 64 == 0, "size")
         need(xxh64(data[:24] + bytes(8) + data[32:]) == checksum, "checksum")
-        need(count <= 32 and not any(data[36:64]) and self.features < 512, "header")
+        need(count <= 32 and not any(data[36:64]) and self.features < 1024, "header")
         self.sections = {}
         covered = bytearray(len(data))
         covered[:64 + 32 * count] = b"\1" * (64 + 32 * count)
@@ -138,7 +138,7 @@ class File:
         return list(struct.iter_unpack(layout, self.section(number, struct.calcsize(layout), count)))
 
     def read_meta(self):
-        meta = struct.unpack("<2d23I2fI8s", self.section(1, 128, 1))
+        meta = struct.unpack("<2d23I2f2I4s", self.section(1, 128, 1))
         self.Z, self.X, self.model = meta[:3]
         (self.site_count, self.vertex_count, self.triangle_count, self.tool_count, self.tool_vertex_count,
          self.tool_patch_count, self.response_count, self.k) = meta[3:11]
@@ -151,7 +151,9 @@ class File:
         self.bits = meta[27]
         need(self.bits in (8, 12, 16) if self.model == 2 else self.bits == 0, "META: bits")
         need(self.grasp_coefs == 0 or 4 <= self.grasp_coefs <= 32, "META: grasp")
-        need(not any(meta[28]), "META: zero bytes")
+        self.reliefs = meta[28]
+        need(self.reliefs <= bool(self.features & FRICTION), "META: reliefs")
+        need(not any(meta[29]), "META: zero bytes")
         need(1e-9 <= self.Z < 1000 and 1 <= self.k <= 1024, "META: scale or subdivision")
         need(self.response_count == self.site_count * self.tool_vertex_count, "META: responses")
         normal, lateral, growth, sideways, friction = self.counts
@@ -171,7 +173,7 @@ class File:
                                | TOOL_PATCHES * bool(self.tool_patch_count) | SEARCH * bool(self.search_nodes)
                                | COUPLED * (self.model == 2) | GRASP * (self.grasp_coefs > 0)
                                | TURN * (11 in self.sections) | RIM * (self.rim_share > 0)
-                               | SPIN * (8 in self.sections)), "features")
+                               | SPIN * (8 in self.sections) | RELIEF * self.reliefs), "features")
 
     def is_limit(self, depth):
         return 0 < depth <= self.Z * (1 + 1e-5)
@@ -269,7 +271,8 @@ class File:
 
     def read_responses(self):
         law, before = self.law_size()
-        size = 8 + (law if self.model == 2 else 4 * sum(count for _, count in self.curves()))
+        head = 8 + 4 * self.reliefs
+        size = head + (law if self.model == 2 else 4 * sum(count for _, count in self.curves()))
         data = self.section(9, size, self.response_count)
         self.responses = []
         for i in range(self.response_count):
@@ -277,10 +280,14 @@ class File:
             depth, flags = struct.unpack_from("<fI", element)
             need(self.is_limit(depth) and flags in (1, 2, 4, 8), "RESPONSES: head")
             self.responses.append({"depth_limit": depth, "flags": flags})
+            if self.reliefs:
+                (relief,) = struct.unpack_from("<f", element, 8)
+                need(0 <= relief <= 0.2 * (1 + 1e-6), "RESPONSES: relief")
+                self.responses[-1]["relief"] = relief
             if self.model == 2:
-                self.read_law(self.responses[-1], element[8:], before)
+                self.read_law(self.responses[-1], element[head:], before)
             else:
-                self.read_curves(self.responses[-1], struct.unpack_from("<%df" % (size // 4 - 2), element, 8))
+                self.read_curves(self.responses[-1], struct.unpack_from("<%df" % ((size - head) // 4), element, head))
 
     def curves(self):
         """(name, how many coefficients), in the order of a separable response."""

@@ -176,6 +176,9 @@ void write_all(const std::filesystem::path& folder) {
   Options rim = options;
   rim.rim = true;
   write(folder, "rim", box_content(rim));
+  rim.relief = true;
+  rim.coupled = 2;
+  write(folder, "relief", box_content(rim));
 
   Options spins = options;
   spins.tools = Options::Tools::all;

@@ -28,7 +28,7 @@ TEST(ResponseFile, ReadsBackWhatWasWritten) {
   options.tools = Options::Tools::all;
   options.subdivision = 3;
   options.search = true;
-  options.rim = options.grasp = options.turn = true;
+  options.rim = options.relief = options.grasp = options.turn = true;
   const ResponseFileContent content = test::ball_content(options);
   const std::vector<std::byte> bytes = encode(content);
   const runtime::OpenResult opened = View::open(bytes.data(), bytes.size());
@@ -60,6 +60,7 @@ TEST(ResponseFile, ReadsBackWhatWasWritten) {
   for (std::size_t i = 0; i < content.responses.size(); ++i) {
     const Response& r = content.responses[i];
     EXPECT_EQ(v.response_head(i).flags, r.flags);
+    EXPECT_EQ(v.relief(i), static_cast<double>(r.relief));
     EXPECT_EQ(0, std::memcmp(v.normal_coefs(i), r.normal.data(), 4 * r.normal.size()));
     EXPECT_EQ(0, std::memcmp(v.lateral_coefs(i) + 6, r.lateral_y.data(), 4 * r.lateral_y.size()));
     EXPECT_EQ(0, std::memcmp(v.friction_coefs(i) + 2 * 5 + 7, r.sideways_y.data(), 4 * r.sideways_y.size()));

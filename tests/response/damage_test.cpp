@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <random>
 #include <string>
 
@@ -235,6 +236,32 @@ TEST(Damage, SpinsThatAreNoneAreRefused) {
   // Without the section the bits do not fit; without tool vertices there is nothing to turn.
   EXPECT_EQ(message(good.data() + offsetof(layout::FileHeader, features), view.features & ~layout::feature_spin),
             "section SPINS must be absent in this file");
+}
+
+TEST(Damage, ReliefsOutOfRangeAreRefused) {
+  Options options;
+  options.cells = 1;
+  options.relief = true;
+  const std::vector<std::byte> good = encode(test::box_content(options));
+  const View view = View::open(good.data(), good.size()).view;
+  const auto message = [&](const void* at, const auto& value) -> std::string {
+    std::vector<std::byte> bytes = good;
+    std::memcpy(bytes.data() + (static_cast<const std::byte*>(at) - good.data()), &value, sizeof value);
+    mend(bytes);
+    return View::open(bytes.data(), bytes.size()).error;
+  };
+  const void* const relief = &view.response_head(2) + 1;
+  EXPECT_EQ(message(relief, 0.0f), "");
+  EXPECT_EQ(message(relief, 0.2f), "");
+  for (const float wrong : {-1e-6f, 0.2001f, std::numeric_limits<float>::quiet_NaN()}) {
+    EXPECT_EQ(message(relief, wrong), "RESPONSES: response 2: relief out of 0 to 0.2");
+  }
+  EXPECT_EQ(message(&view.meta->relief_count, 2U),
+            "META: 2 reliefs a response, allowed 1 in a file with friction, else 0");
+  EXPECT_NE(message(&view.meta->relief_count, 0U), "") << "elements of another size";
+  EXPECT_EQ(message(&view.meta->reserved, 1U), "META: reserved bytes are not zero");
+  options.friction = false;
+  EXPECT_THROW(encode(test::box_content(options)), Error);
 }
 
 // Every rule of a coupled response, broken one at a time in one response.

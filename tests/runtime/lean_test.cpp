@@ -96,6 +96,9 @@ TEST(LeftOut, IsNamedWhereAFileNeedsIt) {
   expect_refused<kAll & ~layout::feature_coupled>(options, "coupled responses");
   options.spins = 4;
   expect_refused<kAll & ~layout::feature_spin>(options, "spins of tools");
+  Options relieved;
+  relieved.relief = true;
+  expect_refused<kAll & ~layout::feature_relief>(relieved, "contacts that push less where they slip");
   Options holding;
   holding.grasp = holding.turn = true;
   expect_refused<kAll & ~layout::feature_grasp>(holding, "grasps");

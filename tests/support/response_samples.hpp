@@ -26,6 +26,7 @@ struct ResponseSampleOptions {
   bool spring = false;      ///< the coupled model's leanest
   std::uint32_t bits = 16;  ///< of the coupled model's coefficients: 8, 12 or 16
   bool rim = false;         ///< contacts slip in part
+  bool relief = false;      ///< and push less where they slip
   bool grasp = false;       ///< the first tool holds on
   bool turn = false;        ///< and turns of it have a torque
   int spins = 1;            ///< of every point of capsule and mesh but the capsule's pole
@@ -42,6 +43,7 @@ inline constexpr double kGraspStiffness = 500.0, kGraspSideways = 300.0;
 /// N m, of a twist and of a roll; N, of the force of a roll; rad, how far it was turned.
 inline constexpr double kTwistStiffness = 6e-3, kRollStiffness = 4e-3, kRollForce = 0.4, kTurned = 0.2;
 
+inline constexpr double kRelief = 0.04;  ///< as over a thin layer
 /// Nearest to Cattaneo and Mindlin: within 0.029 of their law.
 inline constexpr double kRimShare = 0.3738, kRimLimit = 0.4140;
 
@@ -238,12 +240,7 @@ inline void add_turns(ResponseFileContent& content, const ResponseSampleOptions&
 }
 
 /// Fn = hertz (0.9 s^3 + 0.1 s^2), g = s, skewed phi, mu about 0.3; each response a little different.
-inline void add_responses(ResponseFileContent& content, const ResponseSampleOptions& options) {
-  if (options.rim) {
-    content.rim_share = kRimShare;
-    content.rim_limit = kRimLimit;
-  }
-  if (options.coupled > 0 || options.spring) return add_coupled(content, options);
+inline void add_separable(ResponseFileContent& content, const ResponseSampleOptions& options) {
   content.depth_scale = kDepthScale;
   content.sideways_scale = options.friction ? kSidewaysScale : 0;
   content.normal_coefs = 10;
@@ -274,6 +271,23 @@ inline void add_responses(ResponseFileContent& content, const ResponseSampleOpti
     content.responses.push_back(r);
   }
   content.provenance = R"({"generator": "test"})";
+}
+
+inline void add_responses(ResponseFileContent& content, const ResponseSampleOptions& options) {
+  if (options.rim) {
+    content.rim_share = kRimShare;
+    content.rim_limit = kRimLimit;
+  }
+  if (options.coupled > 0 || options.spring) {
+    add_coupled(content, options);
+  } else {
+    add_separable(content, options);
+  }
+  content.reliefs = options.relief;
+  for (std::size_t i = 0; options.relief && i < content.responses.size(); ++i) {
+    const double vary = options.uniform ? 0 : 0.5 * std::sin(2.3 * static_cast<double>(i));
+    content.responses[i].relief = static_cast<float>(kRelief * (1 + vary));
+  }
 }
 
 /// To sites, patches and contact surface the tools, responses and the search.

@@ -132,7 +132,7 @@ TEST_F(Playback, InspectListsSectionsFeaturesAndProvenance) {
   ASSERT_EQ(result.exit_code, 0) << result.error;
   const Json json = Json::parse(result.out);
   EXPECT_EQ(json["features"], Json({"lateral", "friction", "tool_patches"}));
-  EXPECT_EQ(json["left_out"], (Json{"partial_slip", "grasp", "turn", "spin", "search"}));
+  EXPECT_EQ(json["left_out"], (Json{"partial_slip", "relief", "grasp", "turn", "spin", "search"}));
   EXPECT_EQ(json["provenance"]["generator"], "test");
   EXPECT_EQ(json["responses"].get<int>(), json["responses_solved"].get<int>() + json["responses_covered"].get<int>());
   EXPECT_EQ(json["tools"].size(), 3U);

@@ -72,7 +72,8 @@ enum Feature : std::uint32_t {
   feature_turn = 1u << 6,
   feature_rim = 1u << 7,
   feature_spin = 1u << 8,
-  feature_all = 511u
+  feature_relief = 1u << 9,
+  feature_all = 1023u
 };
 
 /// What a person calls it.
@@ -85,7 +86,8 @@ inline constexpr const char* feature_name(Feature feature) {
          : feature == feature_grasp        ? "grasps"
          : feature == feature_turn         ? "turns of grasps"
          : feature == feature_rim          ? "contacts that slip in part"
-                                           : "spins of tools";
+         : feature == feature_spin         ? "spins of tools"
+                                           : "contacts that push less where they slip";
 }
 
 enum SiteFlag : std::uint32_t {
@@ -112,6 +114,9 @@ inline constexpr const char* source_name(std::uint32_t flags) {
 
 enum class ToolKind : std::uint32_t { point_sphere = 0, profile = 1, mesh = 2 };
 enum class Model : std::uint32_t { separable = 1, coupled = 2 };
+/// Of a straight push's sideways force, times sqrt(depth / Z), about which friction holds its limit.
+inline constexpr double kFlanks = 0.75;
+inline constexpr float kMostRelief = 0.2f;        ///< of a response
 inline constexpr double kLimitUnit = 1.0 / 3200;  ///< of a coupled law's coefficients of the friction limit
 
 struct FileHeader {
@@ -149,8 +154,9 @@ struct Meta {
   /// Share of every contact, (0, 1), that slips before all of it does, and its own share of the friction limit, (0, 1)
   /// (palpate/rim.hpp); both 0 where contacts stick as a whole.
   float rim_share, rim_limit;
-  std::uint32_t coef_bits;  ///< of a coupled law's coefficients but those of the friction limit: 8, 12 or 16; else 0
-  std::uint32_t reserved[2];
+  std::uint32_t coef_bits;     ///< of a coupled law's coefficients but those of the friction limit: 8, 12 or 16; else 0
+  std::uint32_t relief_count;  ///< floats of a response's relief (palpate/relief.hpp): 1, or 0 where none has one
+  std::uint32_t reserved;
 };
 
 struct Site {
@@ -261,13 +267,17 @@ inline void unpack_coupled(const unsigned char* law, const coupled::Places& p, s
   coupled::unpack(law + coupled_limit_offset(p, bits), 16, p.end - p.limit, to + p.limit);
 }
 
+/// Bytes of a response before its curves.
+inline constexpr std::uint32_t response_head_size(const Meta& m) {
+  return static_cast<std::uint32_t>(sizeof(ResponseHead)) + 4 * m.relief_count;
+}
+
 /// Bytes of one element of RESPONSES: all that is asked of a response lies together, in as few lines of a cache as can
-/// be. After the head come, one after the other, float[normal_coefs], float[2 lateral_coefs], float[2 growth_coefs +
-/// 2 sideways_coefs + friction_coefs]; or a coupled law.
+/// be. After the head come, one after the other, float[relief_count], float[normal_coefs], float[2 lateral_coefs],
+/// float[2 growth_coefs + 2 sideways_coefs + friction_coefs]; or a coupled law.
 inline constexpr std::uint32_t response_size(const Meta& m) {
   const std::uint32_t curves = m.normal_coefs + 2 * (m.lateral_coefs + m.growth_coefs + m.sideways_coefs);
-  return static_cast<std::uint32_t>(sizeof(ResponseHead)) + 4 * (curves + m.friction_coefs) +
-         (is_coupled(m) ? coupled_size(m) : 0);
+  return response_head_size(m) + 4 * (curves + m.friction_coefs) + (is_coupled(m) ? coupled_size(m) : 0);
 }
 
 /// GRASP: curves Fx, Fy, Fn, kxx, kxy, kyy of as many coefficients each, over (z / (kGraspRange Z) + 1) / 2.

@@ -30,6 +30,13 @@ public:
     return too_much(after, more);
   }
 
+  /// Friction took `taken` (J) on the way of a part that slipped, of what the hand gave; what is stored (J) is another
+  /// after that than if it had been stretched all the way first. While something is owed.
+  void rubbed(double before, double after, double taken) {
+    stored_ += after - before;
+    owed_ = std::fmax(0.0, owed_ - std::fmin(taken, before - after));
+  }
+
   /// J, of which `more` are owed since the last tick, while `stored` (J) is stored, less than nothing where the tool
   /// went with a straight push's sideways force: what is to be lost at once. Nothing of so little as c stores by
   /// creeping on while the hand rests, though it is owed.

@@ -28,7 +28,9 @@ template <std::uint32_t kFeatures = layout::feature_all>
 class BasicField {
   static constexpr bool kCoupled = (kFeatures & layout::feature_coupled) != 0;
   static constexpr bool kSpin = (kFeatures & layout::feature_spin) != 0;
+  static constexpr bool kRelief = (kFeatures & layout::feature_relief) != 0;
   static constexpr bool kBySite = kCoupled && !detail::kSmall;
+  using Sites = SiteLaws<kRelief>;
   using Sum = detail::If<kCoupled, coupled::Blend>;
 
 public:
@@ -74,6 +76,11 @@ public:
   [[nodiscard]] const coupled::Law& law() const { return coupled_.law(); }
   /// Share of the blend that was refused and taken from neighbours, [0, 1].
   [[nodiscard]] double covered() const { return covered_; }
+  /// k of BasicRelief; 0 in a file without.
+  [[nodiscard]] double relief() const {
+    if constexpr (kRelief) return relief_;
+    return 0;
+  }
   /// How deep the blended responses were sampled (m).
   [[nodiscard]] double depth_limit() const { return limit_; }
 
@@ -297,11 +304,12 @@ private:
   void blend_sites(const Shares& shares, const Across (&axis)[3]) {
     coupled::Rows::Share parts[3];
     for (int k = 0; k < 3; ++k) {
-      const SiteLaws::SiteLaw& law = site_laws_.look(*view_, shares.sites, k);
+      const typename Sites::SiteLaw& law = site_laws_.look(*view_, shares.sites, k);
       const double weight = shares.site_weight[k];
       parts[k] = {&law.rows, weight, {axis[k].cosine, axis[k].sine}};
       limit_ += weight * law.limit;
       covered_ += weight * law.covered;
+      if constexpr (kRelief) relief_ += weight * law.relief;
     }
     coupled_.set(parts);
   }
@@ -332,6 +340,7 @@ private:
     basis_x_ = any_orthogonal(normal_);
     basis_y_ = cross(normal_, basis_x_);
     covered_ = limit_ = 0;
+    if constexpr (kRelief) relief_ = 0;
     if constexpr (kCoupled) {
       if (is_coupled()) return coupled_.clear(m);
     }
@@ -340,6 +349,7 @@ private:
 
   [[gnu::noinline]] void coupled_at(double z, DepthTerms& terms) const {
     coupled_.at_depth(z, terms.coupled);
+    terms.root = terms.coupled.s;
     terms.normal_force = terms.coupled.push;
     terms.limit = terms.coupled.limit * terms.coupled.push;
     terms.straight = -terms.coupled.straight.x * basis_x_ - terms.coupled.straight.y * basis_y_;
@@ -377,6 +387,9 @@ private:
     } else {
       covered_ += static_cast<double>(covered) * weight;  // nobody foretells a branch
     }
+    if constexpr (kRelief) {
+      if (view_->head_size > sizeof(layout::ResponseHead)) relief_ += weight * view_->relief(index);
+    }
     if constexpr (kCoupled) {
       if (is_coupled()) {
         return with_law(*view_, index, sum.places(), [&](const auto* coefs, const auto* limits, double unit) {
@@ -393,9 +406,10 @@ private:
   const View* view_ = nullptr;
   Vec3 normal_, basis_x_, basis_y_;
   double covered_ = 0, limit_ = 0;
+  detail::If<kRelief, double> relief_ = {};
   SeparableLaw<kFeatures> separable_;
   detail::If<kCoupled, CoupledLaw> coupled_;
-  detail::If<kBySite, SiteLaws> site_laws_;
+  detail::If<kBySite, Sites> site_laws_;
   detail::If<kBySite, bool> by_site_ = {};
   Brought<!detail::kSmall> brought_;
   detail::If<kSpin, SpinStep> spin_step_;

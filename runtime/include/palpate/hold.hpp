@@ -6,6 +6,7 @@
 #include "palpate/tick.hpp"
 
 #include <cmath>
+#include <utility>
 
 namespace palpate::runtime {
 
@@ -56,6 +57,7 @@ public:
     Deflection d;
     DepthTerms terms;
     bool waits = false, ran = false;
+    double regained = dot(before - last_, before - last_) > 0 ? rest.relieve(last_, before) : 0;
     if (rest.lies()) {
       rest.let_run(pose, before - last_);
       // Where c goes on it takes up how the tool lies anyway. After a leap it mostly does. Where p runs, too, c and p
@@ -74,11 +76,16 @@ public:
       if (!(d.depth > 0)) return release(d);
       ledger_.move(d);
       if (friction) parts_.deepen(way, d, terms);
+      if (regained > 0) {
+        const double most = 1.25 * terms.normal_force;  // with what a sideways deflection may add
+        ledger_.owe(parts_, most * std::exchange(regained, 0), d, terms);
+        if (!(d.depth > 0)) return release(d);
+      }
       if (ledger_.owed() > 0 && !ledger_.pay(parts_, d, terms)) return release(d);
       if (!kFriction || !friction)
         return slide(pose, d, {{}, terms.straight}, terms, way, depth, terms.straight, served, false);
       const Vec3 core = parts_.core(d, terms);
-      const Vec3 pull = parts_.has_rim() ? with_rim(core, d, terms) : core;
+      const Vec3 pull = parts_.has_rim() ? ledger_.rub_rim(parts_, core, d, terms) : core;
       if (ledger_.tell(parts_, pull, core, d, terms)) continue;
       if (length(parts_.friction(core, terms)) > parts_.limit(terms) * (1 + 1e-9)) {
         const Slipped to = parts_.slipped(d, terms, core, begins_ || placed);
@@ -133,19 +140,15 @@ public:
     last_ = by.apply(last_);
     ledger_.rotate(by);
     parts_.rebase(by);
-    const double there = rest().deflection(last_).depth;
-    if (!(there > 0)) parts_.rest().subtract(there - depth);
+    if (Deflection there = rest().deflection(last_); !(there.depth > 0)) {
+      parts_.rest().subtract_of(there, there.depth - depth);
+    }
     ledger_.replaced(parts_, before, last_, d, terms);
     parts_.set_depth(d.depth);
   }
 
 private:
   [[nodiscard]] const BasicField<kFeatures>& field() const { return parts_.field(); }
-
-  /// N of core and rim, of which `core` is known, where what the rim loses is told to nobody else.
-  [[nodiscard]] Vec3 with_rim(const Vec3& core, const Deflection& d, const DepthTerms& terms) {
-    return ledger_.rub(parts_, d, terms, [&] { return parts_.with_rim(core, d, terms); });
-  }
 
   /// Beyond an edge the tool pushes as far as it overlaps the body there, not as deep as it is under the plane of c, to
   /// which friction may hold it for ever. What that is too much is lost as the tool moves, by `moved` (m) in this tick:
@@ -166,6 +169,7 @@ private:
     Vec3 pull;
     slides_ = true;
     parts_.let_go();
+    parts_.note_slip(Part::core, d.sideways, wanted.deflection);
     // c rests while the tool moves along n(c): 0.1 nm on a contact of 10 mm.
     const bool rests =
         !(length(d.sideways - wanted.deflection) > 1e-8 * rest().size()) && !rest().lies_otherwise_here(pose);
@@ -177,7 +181,8 @@ private:
     } else if (rests) {
       pull = at_rest(parts_.core_force(d, terms), d, terms);
     } else {
-      const auto at_first = ledger_.slides(parts_, wanted, before, way, d, terms);
+      const Vec3 counted = rest().counted(way, last_);
+      const auto at_first = ledger_.slides(parts_, wanted, before, counted, d, terms);
       bool went = false;
       if (placed) {
         parts_.leave_core(d, wanted.deflection);
@@ -191,7 +196,7 @@ private:
         field().set_depth(d.depth, terms);
       }
       pull = give_way(parts_.core_force(d, terms), d, terms, went);
-      if (ledger_.slid(parts_, at_first, pull, way, d, terms)) {
+      if (ledger_.slid(parts_, at_first, pull, counted, d, terms)) {
         if (!(d.depth > 0)) return release(d);
         pull = less_held(d, terms);
       }
@@ -222,7 +227,7 @@ private:
       const double most = parts_.limit(terms) * (went ? 1.001 : 1 + 1e-9);
       for (int turn = 0; turn < parts_.kMostSlips && length(parts_.friction(core, terms)) > most;
            ++turn) {  // once, but after a leap
-        const Slipped to = parts_.slipped(d, terms, core, true);
+        const Slipped to = parts_.slipped(d, terms, core, true, went);
         parts_.leave_core(d, to.deflection);
         core = to.force;
       }
@@ -232,7 +237,7 @@ private:
 
   /// N across n(c) of a contact that slides, while c rests.
   Vec3 at_rest(const Vec3& core, const Deflection& d, const DepthTerms& terms) {
-    return parts_.has_rim() ? with_rim(parts_.at_limit(core, terms), d, terms) : core;
+    return parts_.has_rim() ? ledger_.rub_rim(parts_, parts_.at_limit(core, terms), d, terms) : core;
   }
 
   /// Without this the torque on a round skin that turns would do work that is nobody's. A contact that slides needs it
@@ -271,7 +276,7 @@ private:
   [[nodiscard]] Tick output(State state, const Pose& pose, const Vec3& q, const DepthTerms& terms,
                             const Vec3& tangential_force) const {
     const Vec3& n = field().normal();
-    const Vec3 force = terms.normal_force * n + tangential_force, tool_point = q - rest().probe() * n;
+    const Vec3 force = rest().slope(q) * terms.normal_force * n + tangential_force, tool_point = q - rest().probe() * n;
     return {state,        force,           cross(tool_point - pose.translation, force),
             terms.depth,  terms.limit,     field().covered(),
             terms.beyond, rest().c(),      tool_point,

@@ -62,6 +62,19 @@ public:
     }
   }
 
+  /// The hand did not give `more` (J) of what is stored. True where depth was lost for it.
+  [[gnu::noinline]] bool owe(Parts& parts, double more, Deflection& d, DepthTerms& terms) {
+    // A push of some power of the depth stores at least a fifth of this. By rounding alone nothing is owed: whether
+    // anything is makes a difference that is felt.
+    const double pushed = terms.normal_force * d.depth;
+    if (!(more > 1e-12 * pushed)) return false;
+    account_.owe(more);
+    if (!(account_.owed() > 0.1 * pushed)) return false;
+    const double now = parts.stored(terms, d), due = account_.too_much(now, more);
+    if (due > 0) account_.held_back(now - lose(parts, now, due, d, terms));
+    return due > 0;
+  }
+
   /// What a lift loses of what is owed. False where no depth is left.
   [[gnu::noinline]] bool pay(Parts& parts, Deflection& d, DepthTerms& terms) {
     const double held = parts.stored(terms, d), due = account_.due(held),
@@ -77,6 +90,20 @@ public:
     const double held = owes ? parts.stored(terms, d) : 0;
     const Vec3 pull = slip();
     if (owes) account_.replaced(held, parts.stored(terms, d), true, 0);
+    return pull;
+  }
+
+  /// N of core and rim, of which `core` is known, where what the rim loses is told to nobody else. A coupled rim that
+  /// slips in a fast motion was never stretched as far as it is without: that pays nothing.
+  PALPATE_TICK_INLINE Vec3 rub_rim(Parts& parts, const Vec3& core, const Deflection& d, const DepthTerms& terms) {
+    if (tallies()) {
+      return rub(parts, d, terms, [&] { return parts.with_rim(core, d, terms); });
+    }
+    if (!(account_.owed() > 0)) return parts.with_rim(core, d, terms);
+    const double held = parts.stored(terms, d);
+    const Vec3 before = parts.rim_deflection(d), pull = parts.with_rim(core, d, terms),
+               slipped = before - parts.rim_deflection(d);
+    account_.rubbed(held, parts.stored(terms, d), std::fmax(0, -dot(pull - parts.core_share() * core, slipped)));
     return pull;
   }
 
@@ -165,18 +192,6 @@ private:
     return due > 0;
   }
 
-  [[gnu::noinline]] bool owe(Parts& parts, double more, Deflection& d, DepthTerms& terms) {
-    // A push of some power of the depth stores at least a fifth of this. By rounding alone nothing is owed: whether
-    // anything is makes a difference that is felt.
-    const double pushed = terms.normal_force * d.depth;
-    if (!(more > 1e-12 * pushed)) return false;
-    account_.owe(more);
-    if (!(account_.owed() > 0.1 * pushed)) return false;
-    const double now = parts.stored(terms, d), due = account_.too_much(now, more);
-    if (due > 0) account_.held_back(now - lose(parts, now, due, d, terms));
-    return due > 0;
-  }
-
   /// Gives up about `due` (J) of the `held` (J) that is stored, by as much depth; returns what is left. Each time by
   /// what the present force would take, which falls with the depth: hardly too much, where the core is not stretched
   /// beyond what friction holds.
@@ -186,8 +201,7 @@ private:
     const double leant = tallies() ? parts.lean(terms, d) : 0, least = held - due;
     for (int k = 0; k < kMostTimes && d.depth > 0 && held - least > kNear * due; ++k) {
       const double way = std::fmin(d.depth, (held - least) / terms.normal_force);
-      parts.rest().subtract(way);
-      d.depth -= way;
+      parts.rest().subtract_of(d, way);
       parts.field().set_depth(d.depth, terms);
       held = parts.stored(terms, d);
     }

@@ -116,9 +116,10 @@ inline bool check_meta(const layout::Meta& m, Fault& fault) {
   if (coupled ? m.coef_bits != 8 && m.coef_bits != 12 && m.coef_bits != 16 : m.coef_bits != 0) {
     return fault.say("META: % bits a coefficient, allowed 8, 12 or 16 in a coupled file, else 0", m.coef_bits);
   }
-  for (const std::uint32_t r : m.reserved) {
-    if (r != 0) return fault.say("META: reserved bytes are not zero");
+  if (m.relief_count > (friction || coupled ? 1u : 0u)) {
+    return fault.say("META: % reliefs a response, allowed 1 in a file with friction, else 0", m.relief_count);
   }
+  if (m.reserved != 0) return fault.say("META: reserved bytes are not zero");
   return true;
 }
 
@@ -171,7 +172,8 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
                {held, layout::feature_grasp},
                {turned, layout::feature_turn},
                {m.rim_share > 0, layout::feature_rim},
-               {spun, layout::feature_spin}};
+               {spun, layout::feature_spin},
+               {m.relief_count > 0, layout::feature_relief}};
   std::uint32_t features = 0;
   for (const auto& part : parts)
     if (part.present) features |= part.feature;
@@ -197,6 +199,7 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
   bind(v.turns, Section::turn);
   bind(v.search, Section::search);
   v.response_size = layout::response_size(m);
+  v.head_size = layout::response_head_size(m);
   v.coupled = layout::is_coupled(m);
   v.provenance = reinterpret_cast<const char*>(v.bytes + text->offset);
   v.provenance_size = static_cast<std::size_t>(text->size);

@@ -59,6 +59,7 @@ public:
       pull = rim.straight + field().sideways(terms, e, Part::rim);
     }
     if (length(pull - rim.centre) > rim.limit) {
+      const Vec3 before = e;
       // Once, but after a leap: where the force across its line is more than friction holds, it goes on that way.
       for (int turn = 0; turn < kMostSlips && length(pull - rim.centre) > rim.limit; ++turn) {
         const Slipped to = slip(field(), terms, rim, e, pull);
@@ -66,6 +67,7 @@ public:
         pull = to.holds ? to.force : rim.straight + field().sideways(terms, e, Part::rim);
       }
       rim_.leave(d.sideways, e);
+      note_slip(Part::rim, before, e);
     }
     return rim_.mean(core, pull);
   }
@@ -95,10 +97,20 @@ public:
     leave_rim(d, rim);
   }
 
+  /// A part of the contact slipped, from one deflection (m) to another.
+  void note_slip(Part part, const Vec3& from, const Vec3& to) {
+    if (!rest_.relief().present()) return;
+    const bool rim = part == Part::rim;
+    rest_.relief().slip((rim ? rim_.share() : core_share()) * length(from - to),
+                        length(to) / (rim ? rim_.limit() : rim_.core_limit()));
+  }
+
   /// The core's sideways deflection at which friction holds, where its `pull` (N) is more than it does.
-  [[nodiscard]] Slipped slipped(const Deflection& d, const DepthTerms& terms, const Vec3& pull, bool at_once) const {
+  [[nodiscard]] Slipped slipped(const Deflection& d, const DepthTerms& terms, const Vec3& pull, bool at_once,
+                                bool nearly = false) const {
     Slips what = slips(Part::core, terms);
     what.at_once = at_once;
+    what.nearly = nearly;
     return slip(field(), terms, what, d.sideways, pull);
   }
 
@@ -194,7 +206,8 @@ private:
             limit * terms.limit,
             view_->meta->sideways_scale,
             part == Part::rim,
-            rest_.spins()};
+            rest_.spins(),
+            false};
   }
 
   PALPATE_TICK_INLINE void deeper(Deflection& d, const DepthTerms& terms) {

@@ -7,6 +7,7 @@
 #include "palpate/illinois.hpp"
 #include "palpate/nearby.hpp"
 #include "palpate/project.hpp"
+#include "palpate/relief.hpp"
 #include "palpate/stance.hpp"
 
 #include <cmath>
@@ -15,7 +16,7 @@ namespace palpate::runtime {
 
 /// The deflection of a tool, split at c.
 struct Deflection {
-  double depth;   ///< m, less what is subtracted
+  double depth;   ///< m, less what is subtracted, that counts (BasicRelief)
   Vec3 sideways;  ///< m, across n(c), from its anchor
 };
 
@@ -26,13 +27,14 @@ class BasicRest {
   static constexpr bool kFriction = (kFeatures & layout::feature_friction) != 0;
 
 public:
-  BasicRest(const View& view, std::uint32_t tool) : view_(&view), stance_(view, tool) {}
+  BasicRest(const View& view, std::uint32_t tool) : view_(&view), stance_(view, tool), relief_(view) {}
 
   /// Where a tool's point of a search met the body: deflected by what it went since then.
   void begin(const ToolTouch& touch, const FirstTouch& first, const Pose& pose) {
     subtracted_ = first.already;
     anchored_ = rolled_ = {};
     held_up_ = false;
+    relief_.begin();
     stance_.begin(touch, first.foot.normal, pose);
     place(first.foot, pose);
     offset_ = tangential(first.at - c_, field_.normal());
@@ -62,7 +64,7 @@ public:
   [[nodiscard]] Deflection deflection(const Vec3& q) const {
     const Vec3& n = field_.normal();
     const Vec3 gap = q - c_;
-    return {probe() - dot(gap, n) - subtracted_, tangential(gap - offset_ - anchored_, n)};
+    return {counted(probe() - dot(gap, n) - subtracted_), tangential(gap - offset_ - anchored_, n)};
   }
   /// The skin overlaps the body by this depth (m), too.
   [[nodiscard]] bool overlaps(double depth) const { return depth + subtracted_ > 0; }
@@ -92,8 +94,28 @@ public:
     return nearby(*view_, at_, q).signed_distance - dot(q - c_, field_.normal()) - subtracted_ - kBend * size();
   }
 
+  /// BasicRelief, of which this knows the depth; its move() for the tool that goes from one point to another.
+  [[nodiscard]] BasicRelief<kFeatures>& relief() { return relief_; }
+  double relieve(const Vec3& from, const Vec3& to) {
+    return relief_.present() ? relief_.move(field_.relief(), length(to - from), sunk(from), sunk(to)) : 0;
+  }
+  /// By how much the depth that counts grows as the tool at q moves on along -n(c).
+  [[nodiscard]] double slope(const Vec3& q) const {
+    return relief_.present() ? relief_.slope(field_.relief(), sunk(q)) : 1;
+  }
+  /// A way (m) of the tool, that is at q now, as far as it counts along n(c).
+  [[nodiscard]] Vec3 counted(const Vec3& way, const Vec3& q) const {
+    if (!relief_.present()) return way;
+    return way + ((slope(q) - 1) * dot(way, field_.normal())) * field_.normal();
+  }
+
   /// Subtracts so much depth (m) from now on.
   void subtract(double depth) { subtracted_ += depth; }
+  /// So much (m) of what counts.
+  void subtract_of(Deflection& d, double depth) {
+    subtract(uncounted(d.depth) - uncounted(d.depth - depth));
+    d.depth -= depth;
+  }
 
   /// Moves the anchor so that this much of a sideways deflection is left.
   void leave(Deflection& d, const Vec3& kept) {
@@ -112,7 +134,7 @@ public:
                                   double deepened, const Search* served = nullptr) {
     take_over(held_up_ ? HUGE_VAL : moved);
     Projection found = foot(q, sideways);
-    const double before = deflection(q).depth, most = kLeap * moved + kLeast * size();
+    const double before = sunk(q), most = kLeap * moved + kLeast * size();
     const bool waits = found.residual > kBeyond * size();
     if (waits && !slow(moved * moved) && hand_over(pose, q, before, most, force, served)) return true;
     const double there = overlap(found, q);
@@ -188,7 +210,7 @@ public:
         q = pose.apply(there.point);
         to = foot(q, d.sideways);
       }
-      const double gained = overlap(to, q) - subtracted_ - d.depth;
+      const double gained = overlap(to, q) - subtracted_ - uncounted(d.depth);
       if (to.converged && gained >= 0) {
         stance_.go_to(there);
         subtract(gained);
@@ -257,6 +279,15 @@ private:
   [[nodiscard]] double overlap(const Projection& there, const Vec3& q) const {
     return probe() - dot(q - there.point, there.normal);
   }
+  /// m, of the skin at q under the plane of c, less what is subtracted.
+  [[nodiscard]] double sunk(const Vec3& q) const { return probe() - dot(q - c_, field_.normal()) - subtracted_; }
+  /// m, that counts of that; and back.
+  [[nodiscard]] double counted(double depth) const {
+    return relief_.present() ? relief_.counted(field_.relief(), depth) : depth;
+  }
+  [[nodiscard]] double uncounted(double depth) const {
+    return relief_.present() ? relief_.uncounted(field_.relief(), depth) : depth;
+  }
 
   /// Rests the contact at a point of the surface and blends its responses.
   void place(const Projection& to, const Pose& pose) {
@@ -289,7 +320,7 @@ private:
     held_up_ = false;
     DepthTerms terms;
     const auto excess = [&](double depth) {
-      field_.set_depth(depth, terms);
+      field_.set_depth(counted(depth), terms);
       return terms.normal_force - force;
     };
     if (const double above = excess(there); above > 0) {
@@ -316,6 +347,7 @@ private:
 
   const View* view_;
   BasicStance<kFeatures> stance_;
+  BasicRelief<kFeatures> relief_;
   BodyPoint at_;
   Vec3 c_;
   double subtracted_ = 0;  ///< m, from the depth

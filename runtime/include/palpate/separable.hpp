@@ -83,6 +83,7 @@ public:
   void at_depth(double z, DepthTerms& terms) const {
     const double s = abscissa(z);
     if (!(s > low_ && s < high_)) take_depth(s);
+    terms.root = s < 1 ? s : 1;
     Lanes<kCurves> t, value;
     unrolled<Lanes<kCurves>::kTwos>([&](int i) PALPATE_INLINE_LAMBDA { t.of[i] = two(s, s) * depth_intervals_.of[i]; });
     depth_curves_.known_values(t, value);

@@ -22,12 +22,14 @@ inline void with_law(const View& view, std::uint64_t index, const coupled::Place
 
 /// What the three sites of a patch answer, each interpolated to a point of a tool and in its own frame: that is most of
 /// the work of a blend, and does not change while c slides within the patch; of the next patch two are known already.
-/// Fixed size, no allocation.
+/// Fixed size, no allocation. kRelief: with reliefs (relief.hpp).
+template <bool kRelief>
 class SiteLaws {
 public:
   struct SiteLaw {
     coupled::Rows rows;
     double covered, limit;  ///< share of the tool's weights on responses taken from neighbours; m, depth limit
+    detail::If<kRelief, double> relief;
   };
 
   /// Whether look() is to be used for these sites at this point of a tool: they are asked for again, or no more than
@@ -77,12 +79,16 @@ private:
     coupled::Blend sum;
     sum.clear(layout::coupled_degrees(*view.meta));
     to.covered = to.limit = 0;
+    if constexpr (kRelief) to.relief = 0;
     for (int l = 0; l < corners_.count; ++l) {
       const std::uint64_t index = layout::response_index(*view.meta, site, corners_.vertex[l]);
       const layout::ResponseHead& head = view.response_head(index);
       const double weight = corners_.weight[l];
       to.limit += weight * static_cast<double>(head.depth_limit);
       if ((head.flags & layout::response_covered) != 0) to.covered += weight;
+      if constexpr (kRelief) {
+        if (view.head_size > sizeof(layout::ResponseHead)) to.relief += weight * view.relief(index);
+      }
       with_law(view, index, sum.places(), [&](const auto* coefs, const auto* limits, double unit) {
         sum.add(coefs, limits, unit, layout::kLimitUnit, weight);
       });

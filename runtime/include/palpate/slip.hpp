@@ -22,6 +22,7 @@ struct Slips {
   double limit, scale;
   bool at_once;  ///< what lies across the line counts in the limit: there is no next tick of sliding to come to rest in
   bool dear;     ///< to ask for a force is: of a leap a guess has to do sooner
+  bool nearly;   ///< where it is, some of the excess may stay for the next tick
 };
 
 /// The sideways deflection at which friction holds: the anchor gives way against what friction bears until then, from
@@ -35,9 +36,11 @@ template <class AnyField>
   // Of a leap, by more of the scale than this at once: what is left of the excess, where it is a limit; how many limits
   // it may be before a guess has to do, and, where looks are dear, how much of it one may leave for a line to do. How
   // much of what is across the line may be left along it.
+  constexpr double kStays = 4e-4;  // of the limit
   constexpr double kLeap = 0.05, kLeft = 1e-3, kNear = 0.5, kAcross = 0.75;
   const double most_limits = what.dear ? 1 : 10;
-  const double limit = (1 - kHair) * what.limit, hair = kHair * what.limit, scale = what.scale;
+  const double limit = (1 - kHair) * what.limit, hair = (what.dear && what.nearly ? kStays : kHair) * what.limit,
+               scale = what.scale;
   const Vec3 friction = force - what.centre;
   const double size = length(friction), reach = length(from), most = reach + 2 * scale;
   const Vec3 direction = (1 / size) * friction;

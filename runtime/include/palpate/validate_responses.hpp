@@ -67,6 +67,11 @@ bool check_responses(const View& v, Fault& fault) {
         head.flags != layout::response_measured && head.flags != layout::response_analytic) {
       return fault.say("RESPONSES: response %: must be one of solved, covered, measured, analytic", i);
     }
+    if constexpr ((kFeatures & layout::feature_relief) != 0) {
+      if (m.relief_count > 0 && !(v.relief(i) >= 0 && v.relief(i) <= static_cast<double>(layout::kMostRelief))) {
+        return fault.say("RESPONSES: response %: relief out of 0 to 0.2", i);
+      }
+    }
     if constexpr ((kFeatures & layout::feature_coupled) != 0) {
       if (layout::is_coupled(m)) {
         if (!check_coupled(v, i, kLargest, fault)) return false;

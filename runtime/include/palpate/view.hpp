@@ -62,6 +62,7 @@ struct View {
   const std::uint32_t* spins = nullptr;  ///< a tool vertex; null when every point of a tool has one spin
   const unsigned char* responses = nullptr;
   std::uint32_t response_size = 0;        ///< bytes of one of these
+  std::uint32_t head_size = 0;            ///< and of what is before its curves
   bool coupled = false;                   ///< they are of the coupled model
   const unsigned char* grasps = nullptr;  ///< null when no tool holds on
   const unsigned char* turns = nullptr;   ///< null when no tool's turns have a torque
@@ -94,6 +95,10 @@ struct View {
   }
   [[nodiscard]] const layout::ResponseHead& response_head(std::uint64_t index) const {
     return *reinterpret_cast<const layout::ResponseHead*>(responses + index * response_size);
+  }
+  /// Of a file with reliefs (relief.hpp).
+  [[nodiscard]] double relief(std::uint64_t index) const {
+    return static_cast<double>(*reinterpret_cast<const float*>(&response_head(index) + 1));
   }
   /// Coefficients of Fn; those of Fx then Fy; those of gx, gy, phix, phiy, mu. Of a separable file.
   [[nodiscard]] const float* normal_coefs(std::uint64_t index) const {
@@ -150,7 +155,7 @@ struct View {
 
 private:
   [[nodiscard]] const unsigned char* after_head(std::uint64_t index) const {
-    return responses + index * response_size + sizeof(layout::ResponseHead);
+    return responses + index * response_size + head_size;
   }
 };
 

@@ -16,9 +16,9 @@ struct Program {
   std::uint32_t features;
   ProgramTick (*begin)(const runtime::View&, std::uint32_t tool);
 };
-constexpr Program kPrograms[] = {{0, begin_program<0>},     {3, begin_program<3>},    {7, begin_program<7>},
-                                 {11, begin_program<11>},   {19, begin_program<19>},  {131, begin_program<131>},
-                                 {263, begin_program<263>}, {278, begin_program<278>}};
+constexpr Program kPrograms[] = {{0, begin_program<0>},     {3, begin_program<3>},     {7, begin_program<7>},
+                                 {11, begin_program<11>},   {19, begin_program<19>},   {131, begin_program<131>},
+                                 {263, begin_program<263>}, {278, begin_program<278>}, {659, begin_program<659>}};
 
 ProgramTick begin(const runtime::View& view, std::uint32_t tool) {
   const std::uint32_t needed =
