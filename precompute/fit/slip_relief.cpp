@@ -43,7 +43,7 @@ Shortfall shortfall(const Sample& s, const Sample& straight, const StickingForce
   const double pull = -(s.force - straight.force).head<2>().dot(u),
                limit = straight.friction_limit * straight.force.z();
   const double held = held_deflection(pull, depth, u, moved, sticking);
-  const double most = held_deflection(limit, depth, u, 2 * moved, sticking);
+  const double most = std::max(held_deflection(limit, depth, u, 2 * moved, sticking), 1e-6 * depth);
   const double sticks = sticking({held * u.x(), held * u.y(), depth}).z();
   return {(moved - held) * u, 1 - std::exp((held - moved) / (runtime::kReliefReach * most)), 1 - s.force.z() / sticks};
 }
@@ -51,6 +51,11 @@ Shortfall shortfall(const Sample& s, const Sample& straight, const StickingForce
 // What would be missing at one depth of a contact that slipped, but went nowhere; nothing where they do not tell.
 std::optional<double> without_way(const std::vector<Shortfall>& all, double depth) {
   constexpr Eigen::Index kUnknowns = 4;
+  // At a margin the tool slides off what it pressed: no square of the way says how much less it pushes there.
+  constexpr double kMostMissing = 0.25;
+  for (const Shortfall& one : all) {
+    if (std::abs(one.missing) > kMostMissing) return std::nullopt;
+  }
   const auto count = static_cast<Eigen::Index>(all.size());
   if (count < kUnknowns) return std::nullopt;
   Eigen::MatrixXd rows(count, kUnknowns);
@@ -63,7 +68,9 @@ std::optional<double> without_way(const std::vector<Shortfall>& all, double dept
   }
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(rows);
   if (solver.rank() < kUnknowns) return std::nullopt;
-  return solver.solve(target)[0];
+  const double missing = solver.solve(target)[0];
+  if (std::abs(missing) > kMostMissing) return std::nullopt;
+  return missing;
 }
 
 }  // namespace
@@ -81,17 +88,22 @@ double slip_relief(const std::vector<Sample>& samples, const StickingForce& stic
     by_depth[s.deflection.z()].push_back(shortfall(s, *from->second, sticking));
   }
   // Of a force that grows like depth^p the share (p + 2) k z / Z is missing.
-  double sum = 0, weight = 0;
+  double sum = 0, weight = 0, deepest = 0;
   for (const auto& [depth, all] : by_depth) {
-    const std::optional<double> missing = without_way(all, depth);
+    const double here = sticking({0, 0, depth}).z();
+    const std::optional<double> missing = here > 0 ? without_way(all, depth) : std::nullopt;
+    if (!missing && depth == by_depth.rbegin()->first) return 0;
     if (!missing) continue;
     constexpr double kStep = 0.01;
-    const double here = sticking({0, 0, depth}).z(), before = sticking({0, 0, (1 - kStep) * depth}).z();
+    const double before = sticking({0, 0, (1 - kStep) * depth}).z();
     const double share = ((here - before) / (kStep * here) + 2) * depth / scale;
+    deepest = *missing / share;  // the last
     sum += share * *missing;
     weight += share * share;
   }
-  return weight > 0 ? std::clamp(sum / weight, 0.0, static_cast<double>(layout::kMostRelief)) : 0.0;
+  // Shallow contacts are small ones, of few elements: what they say beyond the deepest is not believed.
+  constexpr double kBeyond = 1.5;
+  return weight > 0 ? std::clamp(sum / weight, 0.0, kBeyond * std::max(deepest, 0.0)) : 0.0;
 }
 
 }  // namespace palpate::fit

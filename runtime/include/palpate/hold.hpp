@@ -72,7 +72,8 @@ public:
     last_ = q;
     if (!(depth > 0 || d.depth > 0 || dot(way, way) > 0)) return begun(pose);
     if (friction && !slides_ && rest.slow(dot(way, way)) && rest.far_aside(q)) let_go_round(length(way), d, terms);
-    for (;;) {
+    // Again after each loss of depth, and where c or p went on, both once.
+    for (int losses = 0;;) {
       if (!(d.depth > 0)) return release(d);
       ledger_.move(d);
       if (friction) parts_.deepen(way, d, terms);
@@ -86,7 +87,10 @@ public:
         return slide(pose, d, {{}, terms.straight}, terms, way, depth, terms.straight, served, false);
       const Vec3 core = parts_.core(d, terms);
       const Vec3 pull = parts_.has_rim() ? ledger_.rub_rim(parts_, core, d, terms) : core;
-      if (ledger_.tell(parts_, pull, core, d, terms)) continue;
+      if (losses < kMostLosses && ledger_.tell(parts_, pull, core, d, terms)) {
+        ++losses;
+        continue;
+      }
       if (length(parts_.friction(core, terms)) > parts_.limit(terms) * (1 + 1e-9)) {
         const Slipped to = parts_.slipped(d, terms, core, begins_ || placed);
         return slide(pose, d, to, terms, way, depth, ledger_.bears(parts_, pull, core, to), served, placed);
@@ -282,6 +286,8 @@ private:
             terms.beyond, rest().c(),      tool_point,
             rest().at(),  rest().on_tool()};
   }
+
+  static constexpr int kMostLosses = 4;  ///< of depth in a tick, for what the hand got sideways: mostly none
 
   bool lasts_ = false, left_ = false;
   bool slides_ = false, begins_ = false;

@@ -99,11 +99,13 @@ public:
     if (tallies()) {
       return rub(parts, d, terms, [&] { return parts.with_rim(core, d, terms); });
     }
-    if (!(account_.owed() > 0)) return parts.with_rim(core, d, terms);
-    const double held = parts.stored(terms, d);
-    const Vec3 before = parts.rim_deflection(d), pull = parts.with_rim(core, d, terms),
-               slipped = before - parts.rim_deflection(d);
-    account_.rubbed(held, parts.stored(terms, d), std::fmax(0, -dot(pull - parts.core_share() * core, slipped)));
+    const Vec3 before = parts.rim_deflection(d), pull = parts.with_rim(core, d, terms);
+    if (!(account_.owed() > 0)) return pull;
+    const Vec3 slipped = before - parts.rim_deflection(d);
+    if (dot(slipped, slipped) > 0) {
+      account_.rubbed(parts.stored(terms, d.sideways, before), parts.stored(terms, d),
+                      std::fmax(0, -dot(pull - parts.core_share() * core, slipped)));
+    }
     return pull;
   }
 
