@@ -89,10 +89,24 @@ TEST(Battery, AFastHandGetsBackNoMoreThanItGave) {
   EXPECT_LT(run_golden("spin_coupled.palp", {Motion::fast, Driver::animated, 2, 20000, 11, 0.25}).gain, 2e-3);
 }
 
+// Nor what a rim would have stored, which paid what the contact owed: up to half of what went through it came back.
+TEST(Battery, AFastHandGetsNothingOfARimThatSlips) {
+  for (const bool relief : {false, true}) {
+    Options options;
+    options.coupled = 2;
+    options.cells = 2;
+    options.lateral = false;
+    options.rim = true;
+    options.relief = relief;
+    const Opened box(box_content(options));
+    EXPECT_LT(run_battery(box.view, {Motion::fast, Driver::alone, 0, 60000, 1, 0.25}).gain, 2e-3);
+  }
+}
+
 // Wherever a fast hand comes to rest, the account takes nothing more and the force changes as c goes on only: what slid
 // in one leap from first touch to beyond the limit, or at a corner that holds c up, has given way in that tick.
 TEST(Battery, AtRestTheForceStaysWhereCDoes) {
-  for (const char* file : {"grasp.palp", "linear.palp", "spin_coupled.palp", "coupled_4.palp"}) {
+  for (const char* file : {"grasp.palp", "linear.palp", "spin_coupled.palp", "coupled_4.palp", "relief.palp"}) {
     const runtime::MappedFile bytes((PALPATE_GOLDENS + std::string("/") + file).c_str());
     const runtime::OpenResult opened = runtime::View::open(bytes.data(), bytes.size());
     ASSERT_TRUE(opened) << opened.error;
