@@ -114,7 +114,8 @@ inline constexpr const char* source_name(std::uint32_t flags) {
 
 enum class ToolKind : std::uint32_t { point_sphere = 0, profile = 1, mesh = 2 };
 enum class Model : std::uint32_t { separable = 1, coupled = 2 };
-/// Of a straight push's sideways force, times sqrt(depth / Z), about which friction holds its limit.
+/// Of a straight push's sideways force, times sqrt(depth / Z): what is the tissue's against the tool's flanks, and no
+/// shear that a slip takes away.
 inline constexpr double kFlanks = 0.75;
 inline constexpr float kMostRelief = 0.2f;        ///< of a response
 inline constexpr double kLimitUnit = 1.0 / 3200;  ///< of a coupled law's coefficients of the friction limit

@@ -5,6 +5,7 @@
 #include "palpate/coupled.hpp"
 #include "palpate/lanes.hpp"
 #include "palpate/math3.hpp"
+#include "palpate/response_layout.hpp"
 
 #include <cmath>
 
@@ -35,10 +36,13 @@ struct DepthTerms {
 /// lies against the tool's flanks (a lump to one side, a slope), and no friction. Such a push is solved sticking, and
 /// what shears the contact then is gone once it slips. In solved pushes that slip every way beside a lump, with each
 /// one's own normal force taken for its friction, the middle is 0.28, 0.43, 0.62 and 0.75 times the straight push's at
-/// roots of a quarter, a half, three quarters and 1. Of more than half the limit only so much: friction opposes a slide
-/// by what is left at least, lest sideways forces drive it, round a bend for as long as it lasts.
+/// roots of a quarter, a half, three quarters and 1 (layout::kFlanks). The limit is that of no sideways deflection; as
+/// the normal force of one that is drawn towards the lump grows by some of its sideways force, friction does, and that
+/// moves the middle on. Of more than half the limit only so much: friction opposes a slide by what is left at least,
+/// lest sideways forces drive it, round a bend for as long as it lasts.
 inline Vec3 friction_centre(const DepthTerms& terms) {
-  const Vec3 centre = (0.25 + 0.75 * terms.root) * terms.straight;
+  constexpr double kTowards = 0.25;
+  const Vec3 centre = (kTowards + layout::kFlanks * terms.root) * terms.straight;
   const double square = dot(centre, centre), most = 0.5 * terms.limit;
   return square > most * most ? (most / std::sqrt(square)) * centre : centre;
 }
