@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "palpate/relief.hpp"
 #include "precompute/solve/solved_limit.hpp"
@@ -31,9 +32,13 @@ std::map<double, const Sample*> straight_pushes(const std::vector<Sample>& sampl
 
 using Points = std::vector<std::pair<double, double>>;
 
+Points::const_iterator first_above(const Points& points, double at) {
+  return std::upper_bound(points.begin(), points.end(), at,
+                          [](double z, const auto& point) { return z < point.first; });
+}
+
 double interpolate(const Points& points, double at) {
-  const auto above =
-      std::upper_bound(points.begin(), points.end(), at, [](double z, const auto& point) { return z < point.first; });
+  const auto above = first_above(points, at);
   if (above == points.begin()) return points.front().second;
   if (above == points.end()) return points.back().second;
   const auto below = above - 1;
@@ -45,9 +50,9 @@ double interpolate(const Points& points, double at) {
 // just begun to slide: of a depth's pushes only what was drawn furthest counts.
 Points ratios(const std::vector<Sample>& samples, double scale, bool in_part) {
   std::map<double, double> furthest;
-  std::map<double, bool> whole;
+  std::set<double> whole;  // depths at which some push did
   for (const Sample& s : samples) {
-    if (s.kind == SampleKind::slipping && s.friction_limit > 0) whole[s.deflection.z()] = true;
+    if (s.kind == SampleKind::slipping && s.friction_limit > 0) whole.insert(s.deflection.z());
   }
   const auto counts = [&](const Sample& s) {
     return s.kind == SampleKind::slipping && (in_part ? whole.count(s.deflection.z()) == 0 : s.friction_limit > 0);
@@ -81,9 +86,7 @@ Points corrections(const std::vector<Sample>& samples, double scale) {
   const Points whole = ratios(samples, scale, false);
   all.insert(all.end(), whole.begin(), whole.end());
   for (const auto& [depth, least] : ratios(samples, scale, true)) {
-    const auto above =
-        std::upper_bound(all.begin(), all.end(), depth, [](double z, const auto& p) { return z < p.first; });
-    if (least > interpolate(all, depth)) all.insert(above, {depth, least});
+    if (least > interpolate(all, depth)) all.insert(first_above(all, depth), {depth, least});
   }
   return all;
 }

@@ -31,12 +31,11 @@ struct Slips {
 template <class AnyField>
 [[nodiscard]] inline Slipped slip(const AnyField& field, const DepthTerms& terms, const Slips& what, const Vec3& from,
                                   const Vec3& force) {
-  // A hair below the limit: that is met from either side.
-  constexpr double kHair = 5e-6;
+  // A hair below the limit: that is met from either side. Of the limit, that may stay where looks are dear.
+  constexpr double kHair = 5e-6, kStays = 4e-4;
   // Of a leap, by more of the scale than this at once: what is left of the excess, where it is a limit; how many limits
   // it may be before a guess has to do, and, where looks are dear, how much of it one may leave for a line to do. How
   // much of what is across the line may be left along it.
-  constexpr double kStays = 4e-4;  // of the limit
   constexpr double kLeap = 0.05, kLeft = 1e-3, kNear = 0.5, kAcross = 0.75;
   const double most_limits = what.dear ? 1 : 10;
   const double limit = (1 - kHair) * what.limit, hair = (what.dear && what.nearly ? kStays : kHair) * what.limit,
