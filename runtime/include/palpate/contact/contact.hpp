@@ -5,7 +5,6 @@
 #include "palpate/body/body.hpp"
 #include "palpate/contact/contact_state.hpp"
 #include "palpate/contact/first_contact.hpp"
-#include "palpate/geometry/advance.hpp"
 #include "palpate/response/interpolation.hpp"
 
 #include <cmath>
@@ -14,8 +13,10 @@ namespace palpate::runtime {
 
 /// Constants of how a contact moves over body and tool.
 struct ContactConstants {
-  /// Times the tool's travel in a tick, that foot, c and p may go.
+  /// Times the tool's travel in a tick, that c and p may go.
   static constexpr double kPointSpeed = 8;
+  /// Times the tool's travel over the indentation: angle (rad) by which the normal may turn in a tick.
+  static constexpr double kTurnSpeed = 3;
   /// Of a contact's size: c rests while its target is nearer than this. It saves a blend where nothing would change.
   static constexpr double kRest = 1e-3;
   /// Weight of the smooth normal in the contact's normal, in radii. Without it the normal turns at once where the
@@ -76,6 +77,13 @@ public:
     // c may have gone on to a place that moves otherwise: the last pose is that against the body near this place.
     state_.tool = in_body(tool, body.frame(state_.place.body_point.at));
     return in_world(frame, tick);
+  }
+
+  /// Begins a contact without force at the place of a search. `tool`: the pose (world) there; the motion from it to the
+  /// next tick's pose counts.
+  template <class Body>
+  void begin(const ToolTouch& touch, const Pose& tool, const Body& body) {
+    start(touch, tool, body);
   }
 
   /// Everything that the contact remembers (body frame as baked).
@@ -147,12 +155,16 @@ private:
     const BodyPoint& at = touch.body.at;
     state_.tool = in_body(tool, body.frame(at));
     ContactPlace& place = state_.place;
-    place.foot = place.body_point = {at, position(*view_, at), touch.body.signed_distance};
+    // Against the surface as baked: a search may have been made on a deformed one.
+    place.foot = local_closest_point(*view_, at, state_.tool.apply(touch.core.point));
+    place.foot.signed_distance = std::copysign(place.foot.signed_distance, touch.body.signed_distance);
+    place.body_point = place.foot;
+    place.target = place.foot.point;
     place.normal = smooth_normal(*view_, at);
     place.axis = any_orthogonal(place.normal);
     place.tool_point = touch.core;
     place.tool_point.at = shape_.sampled_point(touch.core, state_.tool, place.normal);
-    state_.indentation = std::fmax(0, -touch.clearance);
+    state_.indentation = std::fmax(0, shape_.skin() - place.foot.signed_distance);
     state_.factor = body.factor(at);
     state_.applied.point = state_.tool.apply(place.tool_point.point);
     foot_tracker_.reset();
@@ -174,10 +186,10 @@ private:
     const CorePoint from = place.tool_point;
     place.tool_point = shape_.advance(from, tool, place.foot.point, place.normal, reach);
     const Vec3 q = tool.apply(place.tool_point.point);
-    advance_foot(q, reach, latest);
+    advance_foot(q, length(q - state_.tool.apply(from.point)), latest);
     const double z = shape_.skin() - place.foot.signed_distance;
     if (!(z > 0)) return release();
-    turn_normal(q);
+    turn_normal(q, z, motion.moved);
     const bool turned_tool = orientation_matters() && !(state_.tool == tool);
     if (advance_body_point(reach, latest) || !same(from, place.tool_point) || turned_tool) blend(tool);
 
@@ -206,46 +218,36 @@ private:
     return tick;
   }
 
-  /// f: the point of the surface closest to q, within a contact's size of the last foot; the closest of all where
-  /// nothing overlaps there. Its signed distance is negative only where q is inside the body.
-  void advance_foot(const Vec3& q, double reach, const Search* latest) {
+  /// f: the point of the surface closest to q. `moved` (m): the way of q since the last tick. The side of the surface
+  /// on which q lies changes only where q can have crossed it, so a surface that folds over itself turns nothing round.
+  void advance_foot(const Vec3& q, double moved, const Search* latest) {
     Location& foot = state_.place.foot;
     Location closest = latest != nullptr ? local_foot(q, *latest) : foot_tracker_.at(*view_, q, foot.at);
-    const bool inside = closest.signed_distance < 0;
-    Location target = closest;
-    const double radius = size(state_.indentation) + reach;
-    const Vec3 last = foot.point;
-    if (latest == nullptr && length(closest.point - last) > radius) {
-      const auto near_last = [&](const Vec3& point) { return length(point - last) <= radius; };
-      const double overlaps = inside ? HUGE_VAL : shape_.skin();
-      if (closest_point_where<kFeatures>(*view_, q, near_last, overlaps, target)) {
-        target = advance(foot, target, reach, [&](const Vec3& p) { return closest_point<kFeatures>(*view_, p, foot.at); });
-      } else {
-        target = closest;  // no wall overlaps there any more: without force the foot may be anywhere
-      }
-    } else {
-      target = advance(foot, target, reach, [&](const Vec3& p) { return local_closest_point(*view_, foot.at, p); });
-    }
-    const Vec3 gap = q - target.point;
-    const bool behind = inside && dot(gap, detail::pseudonormal(*view_, target.at)) < 0;
-    target.signed_distance = behind ? -length(gap) : length(gap);
-    foot = target;
+    const double before = foot.signed_distance, distance = std::fabs(closest.signed_distance);
+    const bool crosses = std::fabs(before) + distance <= moved;
+    if (!crosses) closest.signed_distance = before < 0 ? -distance : distance;
+    foot = closest;
   }
 
   /// The nearer of two walks: from the last foot, and from where the latest search saw the body.
   [[nodiscard]] Location local_foot(const Vec3& q, const Search& latest) const {
     const Location walked = local_closest_point(*view_, state_.place.foot.at, q);
     const Location seen = local_closest_point(*view_, latest.touch.body.at, q);
-    const bool near = length(seen.point - walked.point) < size(state_.indentation);
-    return near && std::fabs(seen.signed_distance) < std::fabs(walked.signed_distance) ? seen : walked;
+    return std::fabs(seen.signed_distance) < std::fabs(walked.signed_distance) ? seen : walked;
   }
 
-  /// n = unit(sign (q - f) + 0.3 R n_s), with n_s the smooth normal at f: nearly the gradient of the indentation. The
-  /// tangential axis is carried along.
-  void turn_normal(const Vec3& q) {
+  /// n turns towards unit(sign (q - f) + 0.3 R n_s), with n_s the smooth normal at f: nearly the gradient of the
+  /// indentation. Where f goes from one wall of a crease to the other n turns at a bounded rate, so that the force of
+  /// indentation z changes by at most kTurnSpeed times that of a press by the tool's travel. The tangential axis is
+  /// carried along.
+  void turn_normal(const Vec3& q, double z, double moved) {
     ContactPlace& place = state_.place;
     const double sign = place.foot.signed_distance < 0 ? -1 : 1, smooth = ContactConstants::kSmoothNormal * rounding();
-    const Vec3 n = unit(sign * (q - place.foot.point) + smooth * smooth_normal(*view_, place.foot.at), place.normal);
+    const Vec3 target =
+        unit(sign * (q - place.foot.point) + smooth * smooth_normal(*view_, place.foot.at), place.normal);
+    const Vec3 turn = target - place.normal;
+    const double most = ContactConstants::kTurnSpeed * moved / z, angle = length(turn);
+    const Vec3 n = angle <= most ? target : unit(place.normal + (most / angle) * turn, place.normal);
     place.axis = unit(tangential(turned(place.axis, place.normal, n), n), any_orthogonal(n));
     place.normal = n;
   }
@@ -253,16 +255,14 @@ private:
   /// c: the foot less the deflection of the springs. False where c rests.
   bool advance_body_point(double reach, const Search* latest) {
     ContactPlace& place = state_.place;
-    const Vec3 y = cross(place.normal, place.axis);
     const Vec2 mean = mean_deflection();
-    const Vec3 target = place.foot.point - mean.x * place.axis - mean.y * y;
-    const double rest = ContactConstants::kRest * size(state_.indentation);
-    if (length(tangential(target - place.body_point.point, place.normal)) <= rest || !(reach > 0)) return false;
-    const auto closest = [&](const Vec3& p) {
-      return latest != nullptr ? local_closest_point(*view_, place.body_point.at, p)
-                               : point_tracker_.at(*view_, p, place.body_point.at);
-    };
-    place.body_point = advance(place.body_point, closest(target), reach, closest);
+    const Vec3 y = cross(place.normal, place.axis);
+    const Vec3 target = place.foot.point - mean.x * place.axis - mean.y * y, way = target - place.target;
+    const double distance = length(way), rest = ContactConstants::kRest * size(state_.indentation);
+    if (length(tangential(way, place.normal)) <= rest || !(reach > 0)) return false;
+    place.target = distance <= reach ? target : place.target + (reach / distance) * way;
+    place.body_point = latest != nullptr ? local_closest_point(*view_, place.body_point.at, place.target)
+                                         : point_tracker_.at(*view_, place.target, place.body_point.at);
     return true;
   }
 

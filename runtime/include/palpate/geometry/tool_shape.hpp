@@ -92,8 +92,30 @@ public:
     return is_profile() ? profile_point(meridian_at(core.point.z, dot(pose.axis(), n))) : core.at;
   }
 
+  /// Calls use(core) for core points spread over the tool: the centre of a sphere, five points of an axis, corners and
+  /// middles of a mesh's patches.
+  template <class Use>
+  void for_each_sample(const Use& use) const {
+    if (!is_mesh()) {
+      const int samples = record_->axis_length > 0 ? 5 : 1;
+      CorePoint core;
+      core.at.patch = record_->first_patch;
+      for (int i = 0; i < samples; ++i) {
+        core.point.z = samples > 1 ? i * double{record_->axis_length} / (samples - 1) : 0;
+        use(core);
+      }
+      return;
+    }
+    constexpr double kWeights[4][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1.0 / 3, 1.0 / 3, 1.0 / 3}};
+    for (std::uint32_t p = record_->first_patch; p < record_->first_patch + record_->patch_count; ++p) {
+      for (const auto& w : kWeights) {
+        use(CorePoint{w[0] * corner(p, 0) + w[1] * corner(p, 1) + w[2] * corner(p, 2), {p, {w[0], w[1], w[2]}}});
+      }
+    }
+  }
+
 private:
-  /// A core point and what it knows of the body, while a search goes from point to point. Points that cannot be nearer
+  /// A search that goes from core point to core point. Points that cannot be nearer
   /// than the best so far cost a look at a few boxes.
   class Walk {
   public:
