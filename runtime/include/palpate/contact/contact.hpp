@@ -68,7 +68,7 @@ public:
       if (!found.touches) return {};
       start(found.touch, body.surface_frame() * found.pose, body);
     }
-    const Pose frame = body.frame(state_.place.body_point.at);
+    const auto frame = body.frame(state_.place.body_point.at);
     Tick tick = step(in_body(tool, frame), body, latest);
     if (!state_.touching) {
       free_.leave(tool, body, state_.place.foot.at);
@@ -96,7 +96,7 @@ public:
   /// to count as two. A tool that goes farther in a tick was put elsewhere and begins anew, without force.
   [[nodiscard]] double size(double depth) const {
     const double radius = rounding();
-    return std::sqrt(2 * radius * std::fmax(depth, 0.02 * radius)) + 0.25 * radius;
+    return std::sqrt(2 * radius * larger(depth, 0.02 * radius)) + 0.25 * radius;
   }
 
 private:
@@ -138,6 +138,7 @@ private:
     return Fault::none;
   }
 
+  static const Tick& in_world(StillFrame /*frame*/, const Tick& tick) { return tick; }
   static Tick in_world(const Pose& frame, Tick tick) {
     tick.force = frame.rotate(tick.force);
     tick.torque = frame.rotate(tick.torque);
@@ -164,7 +165,7 @@ private:
     place.axis = any_orthogonal(place.normal);
     place.tool_point = touch.core;
     place.tool_point.at = shape_.sampled_point(touch.core, state_.tool, place.normal);
-    state_.indentation = std::fmax(0, shape_.skin() - place.foot.signed_distance);
+    state_.indentation = larger(0, shape_.skin() - place.foot.signed_distance);
     state_.factor = body.factor(at);
     state_.applied.point = state_.tool.apply(place.tool_point.point);
     foot_tracker_.reset();
@@ -225,7 +226,8 @@ private:
     Location closest = latest != nullptr ? local_foot(q, *latest) : foot_tracker_.at(*view_, q, foot.at);
     const double before = foot.signed_distance, distance = std::fabs(closest.signed_distance);
     const bool crosses = std::fabs(before) + distance <= moved;
-    if (!crosses) closest.signed_distance = before < 0 ? -distance : distance;
+    const bool inside = crosses ? is_inside(*view_, q, closest) : before < 0;
+    closest.signed_distance = inside ? -distance : distance;
     foot = closest;
   }
 
@@ -293,38 +295,37 @@ private:
     layers_.set(response_.law());
   }
 
-  /// The force at the indentation z (m). The counted depth d is z where the hand has put in what the contact stores at
-  /// z; else it is the depth at which
+  /// The force at the indentation z (m). The counted depth d is z where the hand has put in what the contact stored at the
+  /// last indentation z_0; else
   ///
-  ///     W(d) + energy of the springs = E + work of the hand in this tick.
+  ///     d = z - z_0 + the depth at which W(d_0) + energy beside W = E,
+  ///
+  /// for the tick's own work deepens d as it deepens z. What that leaves is in E and counts in the next tick.
   template <class Body>
   Tick answer(const Pose& tool, double z, const TickMotion& motion, const Body& body) {
     const double wanted = body.factor(state_.place.body_point.at), step = body.factor_step();
-    const double factor = std::fmin(std::fmax(wanted, state_.factor - step), state_.factor + step);
-    ResponseAtDepth full, before;
-    response_.law().set_normal(z, full);
-    const double last = state_.counted_depth;
+    const double factor = smaller(larger(wanted, state_.factor - step), state_.factor + step);
+    const double last = state_.indentation, paid_for = factor > 0 ? state_.energy.energy() / factor - state_.other : 0;
+    ResponseAtDepth before, full;
     if (last > 0) response_.law().set_normal(last, before);
-    const bool paid = last == state_.indentation;
-    const double limit = paid ? 0 : EnergyTank::recovery_limit(before.work / full.work, full.normal_force);
-    const double guess = paid ? z : std::fmin(std::fmax(last + z - state_.indentation, 0.0), z);
-    Trial trial;
-    const auto try_at = [&](double depth) {
-      try_depth(depth, full.normal_slope, limit, motion, trial);
-      return energy_after(depth, before, factor, motion, trial);
-    };
-    double energy = try_at(guess), depth = guess;
-    const double owed = factor * (full.work * (1 - EnergyConstants::kRounding) + trial.other) - energy;
-    if (!(owed > 0)) {
-      depth = z;
-    } else if (factor > 0) {
-      depth = EnergyTank::counted_depth(response_.law(), energy / factor - trial.other, z, full.work, guess);
+    double depth = z, limit = 0;
+    const bool owed = !(paid_for >= before.work * (1 - EnergyConstants::kRounding));
+    if (owed) {
+      response_.law().set_normal(z, full);
+      const double counted = EnergyTank::counted_depth(response_.law(), paid_for, last, before.work, state_.counted_depth);
+      depth = smaller(larger(counted + z - last, 0.0), z);
+      limit = EnergyTank::recovery_limit(before.work > 0 ? paid_for / before.work : 0, full.normal_force);
+      before = ResponseAtDepth{};
+      if (state_.counted_depth > 0) response_.law().set_normal(state_.counted_depth, before);
     }
-    if (depth != guess) energy = try_at(depth);
-    state_.energy.settle(energy, factor * (full.work + trial.other),
+    Trial trial;
+    try_depth(depth, full.normal_slope, limit, motion, trial);
+    if (!owed) full = trial.response;
+    state_.energy.settle(energy_after(depth, before, factor, motion, trial), factor * (full.work + trial.other),
                          motion.moved / (EnergyConstants::kHoldTravel * rounding()));
     state_.springs = trial.springs;
     state_.recovery = trial.recovery;
+    state_.other = trial.other;
     state_.indentation = z;
     state_.counted_depth = depth;
     state_.factor = factor;
@@ -351,7 +352,7 @@ private:
     const double normal = r.normal_force + dot(r.bias_slope, mean) + 0.5 * quadratic(r.normal_coupling, mean) -
                           softening * trial.friction.lost_force;
     const Vec2 push = r.bias + trial.friction.force + drag;
-    trial.force = std::fmax(0, normal) * state_.place.normal - push.x * state_.place.axis - push.y * motion.axis_y;
+    trial.force = larger(0, normal) * state_.place.normal - push.x * state_.place.axis - push.y * motion.axis_y;
     trial.other = dot(r.bias, mean) + trial.friction.energy - softening * trial.friction.lost_work +
                   0.5 * dot(drag, trial.recovery);
   }
@@ -394,7 +395,8 @@ private:
   ToolShape<kFeatures> shape_;
   BlendedResponse<kFeatures> response_;
   FrictionLayers layers_;
-  ClosestPointTracker<kFeatures> foot_tracker_, point_tracker_;
+  ClosestPointTracker<kFeatures> foot_tracker_;
+  ClosestPointTracker<kFeatures, 4> point_tracker_;  // c rests most of the time
 };
 
 using Contact = BasicContact<>;
