@@ -70,7 +70,7 @@ struct SharedBody {
   [[nodiscard]] auto surface_frame() const { return body->surface_frame(); }
   [[nodiscard]] double travel() const { return body->travel(); }
   [[nodiscard]] double factor(const BodyPoint& at) const { return share * body->factor(at); }
-  [[nodiscard]] double factor_step() const { return step + body->factor_step(); }
+  [[nodiscard]] double factor_step() const { return smaller(step, body->factor_step()); }
 };
 
 /// One tool that may touch up to `Most` walls: between two lobes, in a fold, by tip and stem. Ticks as a contact does;
@@ -102,7 +102,8 @@ public:
   Tick tick(const Pose& tool, const Body& body, const SetSearch<Most>* latest = nullptr) {
     const double moved = travel(last_, tool, contacts_[0].shape().extent());
     const Search* const first = latest != nullptr ? &latest->first : nullptr;
-    ticks_[0] = contacts_[0].tick(tool, body, first);
+    const double fade = 4 * moved / gap();
+    ticks_[0] = contacts_[0].tick(tool, SharedBody<Body>{&body, 1, fade}, first);
     if (ticks_[0].state == State::fault) {
       const Tick fault = ticks_[0];
       reset();
@@ -110,13 +111,13 @@ public:
     }
     for (std::size_t k = 1; k < Most; ++k) {
       if (!ticks_[k].touches()) continue;
-      const double share = share_of(k);
-      if (!(share > 0)) {
+      const double share = larger(0, share_of(k));
+      if (share == 0 && contacts_[k].state().factor == 0) {
         contacts_[k].reset();
         ticks_[k] = Tick{};
         continue;
       }
-      const SharedBody<Body> shared{&body, share, 4 * moved / gap()};
+      const SharedBody<Body> shared{&body, share, fade};
       ticks_[k] = contacts_[k].tick(tool, shared, latest != nullptr ? &latest->more : nullptr);
     }
     lead();

@@ -48,9 +48,10 @@ public:
   }
 
   /// The depth d in [0, z] with W(d) = `energy` (J), by Newton's method on sqrt(W) from the last counted depth. W is
-  /// monotone and W(z) > energy.
+  /// monotone; `work` is W(z).
   static double counted_depth(const ResponseLaw& law, double energy, double z, double work, double last) {
     if (!(energy > 0)) return 0;
+    if (!(energy < work)) return z;
     const double wanted = std::sqrt(energy);
     // W grows at least like z and at most like z^4, so this start is near the root where the last depth says nothing.
     double d = smaller(z, larger(last, z * std::sqrt(energy / work)));

@@ -81,9 +81,8 @@ public:
     const double wanted = smaller(larger(pose.unapply(foot).z, 0.0), double{record_->axis_length});
     const double step = smaller(larger(wanted - from.point.z, -reach), reach);
     to.point.z = from.point.z + step;
-    const double meridian = meridian_at(to.point.z, dot(pose.axis(), n));
-    const double round = smaller(larger(meridian - meridian_of(from.at), -reach), reach);
-    to.at = profile_point(to.point.z > 0 ? meridian : meridian_of(from.at) + round);
+    const double last = meridian_of(from.at), meridian = meridian_at(to.point.z, dot(pose.axis(), n));
+    to.at = profile_point(last + clamped(meridian - last, -reach, reach));
     return to;
   }
 
