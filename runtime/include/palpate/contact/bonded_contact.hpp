@@ -20,16 +20,14 @@ struct BondedForce {
   bool extrapolated = false;  ///< deeper, farther out or more rotated than the responses were sampled
 };
 
-/// Blend of the bonded responses at a point c of the body and a point p of the tool. Fixed size; nothing is allocated.
-/// kTorque: rotations of the tool about p have a torque.
+/// Blend of the bonded responses at (c, p). Fixed size. kTorque: rotations of the tool about p have a torque.
 template <bool kTorque>
 class BondedResponse {
 public:
   BondedResponse() = default;
-  /// `tool`: an index into the file's tools. `p.patch`: a patch of this tool. `pose`: orientation of the tool at the
-  /// bond, for tools that were sampled at several spins; null for the first spin.
-  BondedResponse(const View& view, std::uint32_t tool, const BodyPoint& c, const ToolPoint& p,
-                 const Pose* pose = nullptr) {
+  /// `tool`: an index into the file's tools. `p.patch`: a patch of this tool. `pose`: of the tool at the bond, for
+  /// tools that were sampled at several spins; null for the first spin.
+  BondedResponse(const View& view, std::uint32_t tool, const BodyPoint& c, const ToolPoint& p, const Pose* pose = {}) {
     if (view.bonded == nullptr) return;
     double weights[3];
     site_weights(view, c, weights);
@@ -46,13 +44,10 @@ public:
   [[nodiscard]] const Vec3& normal() const { return normal_; }
   [[nodiscard]] const Vec3& basis_x() const { return x_; }
   [[nodiscard]] const Vec3& basis_y() const { return y_; }
-  /// Depth (m) at which the contact was bonded; 0 where the file has no bonded responses of this tool.
-  [[nodiscard]] double depth() const { return depth_; }
-  /// Angle (rad) to which the tool was rotated; 0 where rotations have no torque.
-  [[nodiscard]] double rotated() const { return rotated_; }
+  [[nodiscard]] double depth() const { return depth_; }      ///< m, of the bond; 0: the file has none of this tool
+  [[nodiscard]] double rotated() const { return rotated_; }  ///< rad, sampled angle; 0: rotations have no torque
 
-  /// Returns force and torque at a deflection p - c (m) and a rotation vector (rad, length at most pi), body frame.
-  /// Requires depth() > 0.
+  /// Returns force and torque at a deflection p - c (m) and a rotation vector (rad). Requires depth() > 0.
   [[nodiscard]] BondedForce at(const Vec3& deflection, const Vec3& rotation = {}) const {
     constexpr double kFloat = 1 + 1e-5;  // limits are stored as floats
     const Vec3 d{dot(deflection, x_), dot(deflection, y_), -dot(deflection, normal_)};
@@ -67,8 +62,7 @@ public:
     return {in_body_frame(w.force), in_body_frame(w.torque), d.z, extrapolated};
   }
 
-  /// Sets the deflection and the rotation at which the force is `force` (body frame) and the torque is zero. Returns
-  /// false where none exist.
+  /// Sets deflection and rotation at which the force is `force` and the torque zero. Returns false where none exist.
   [[nodiscard]] bool find(const Vec3& force, Vec3& deflection, Vec3& rotation) const {
     Vec3 d, theta;
     bool found = false;
@@ -80,8 +74,6 @@ public:
   }
 
 private:
-  struct None {};
-
   void add(const View& view, std::uint64_t index, double share, const Vec2& axis) {
     depth_ += share * view.bonded_head(index).depth;
     pulled_ += share * view.bonded_head(index).pulled;
@@ -100,7 +92,7 @@ private:
   double depth_ = 0, pulled_ = 0, depth_limit_ = 0;  ///< m
   double rotated_ = 0;                               ///< rad
   BondedLaw law_;
-  std::conditional_t<kTorque, BondedTorqueLaw, None> torque_law_;
+  std::conditional_t<kTorque, BondedTorqueLaw, Vec2> torque_law_;  ///< unused without torque
 };
 
 /// Takes over a contact with its force, and keeps its c and p. The force is the gradient of one stored energy, so a

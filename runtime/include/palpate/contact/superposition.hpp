@@ -46,8 +46,7 @@ public:
       (record.probe_radius > 0 ? round_ : flat_) = std::fmax(record.radius, record.probe_radius);
     }
   }
-
-  /// Radius (m) at a depth (m).
+  /// Returns the radius (m) at a depth (m).
   [[nodiscard]] double at(double depth) const { return flat_ > 0 ? flat_ : std::sqrt(round_ * depth); }
 
 private:

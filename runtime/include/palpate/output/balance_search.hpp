@@ -11,21 +11,18 @@ namespace palpate::runtime {
 /// Constants of the search for the balance. The figures are trials a tick on a box in a random motion that touches four
 /// fifths of the time, with a coupling of 500 N/m.
 struct BalanceConstants {
-  /// Largest residual, as a share of the contact's force: 1.3 trials (1.1 at 1e-2, 1.6 at 1e-4). A hand notices 7 %.
+  /// Largest residual over the contact's force: 1.3 trials (1.1 at 1e-2, 1.6 at 1e-4). A hand notices 7 %.
   static constexpr double kForceTolerance = 1e-3;
-  /// Largest distance from the balance, as a share of the contact's size, for small forces.
-  static constexpr double kPositionTolerance = 1e-5;
-  /// Relative rounding of a position.
-  static constexpr double kRounding = 1e-15;
-  /// Largest motion of a touching tool in one tick, as a share of the contact's size. A contact begins anew beyond 1.
+  /// Largest distance from the balance over the contact's size, for small forces; relative rounding of a position.
+  static constexpr double kPositionTolerance = 1e-5, kRounding = 1e-15;
+  /// Largest motion of a touching tool in one tick over the contact's size. A contact begins anew beyond 1.
   static constexpr double kMostMotion = 0.5;
-  /// Largest length of a step over that without contact. It bounds steps after a slope of wrong sign (1 to 5: the
-  /// same).
+  /// Largest step over that without contact, which bounds a slope of wrong sign (1 to 5: the same).
   static constexpr double kMostStep = 1.5;
   /// Factor on a step after a trial without force or with a larger residual (0.25 to 0.7: the same).
   static constexpr double kShorten = 0.5;
-  /// Largest correction of the slope by the last tick's force, as a share of the slope: a rotation of the tool may have
-  /// changed this force without a translation. 1.6 trials at 0.03, 1.3 from 0.3 on.
+  /// Largest correction of the slope by the last tick's force, over the slope: a rotation of the tool may have changed
+  /// this force without a translation. 1.6 trials at 0.03, 1.3 from 0.3 on.
   static constexpr double kMostCorrection = 0.3;
 };
 
@@ -34,17 +31,14 @@ struct CouplingSpring {
   double damper = 0;     ///< N/m, damping over the time of the tick
   double stiffness = 0;  ///< k (N/m), spring and damper
   Vec3 goal;             ///< m, position of the tool without contact
-
   [[nodiscard]] Vec3 force(const Vec3& tool) const { return stiffness * (tool - goal); }
 };
 
 /// A position of the tool with the contact's force there.
 struct BalanceTrial {
-  Vec3 tool;      ///< m
-  Vec3 force;     ///< N, of the contact on the tool
-  Vec3 torque;    ///< N m, of the contact on the tool
-  Vec3 residual;  ///< N, force of the contact less force of the spring
-
+  Vec3 tool;           ///< m
+  Vec3 force, torque;  ///< N and N m, of the contact on the tool
+  Vec3 residual;       ///< N, force of the contact less force of the spring
   [[nodiscard]] bool pushes() const { return dot(force, force) > 0; }
 };
 
@@ -109,10 +103,9 @@ public:
     return within_reach(base_.tool + shortening_ * step(base_.residual));
   }
 
-  /// The trial of this tick with the least residual; null where no trial had a force.
+  /// Returns the trial of this tick with the least residual, or null where no trial had a force.
   [[nodiscard]] const BalanceTrial* best() const { return base_is_new_ ? &base_ : nullptr; }
-  /// N, rounding of the spring's force.
-  [[nodiscard]] double rounding() const { return rounding_; }
+  [[nodiscard]] double rounding() const { return rounding_; }  ///< N, of the spring's force
 
 private:
   [[nodiscard]] Vec3 within_reach(const Vec3& tool) const {

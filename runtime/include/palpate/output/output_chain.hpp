@@ -90,8 +90,7 @@ struct TwoAxes {
 template <class... Steps>
 class OutputChain {
 public:
-  /// Calls with time 0 (a sample that came twice) that repeat the last output; the next one gives zero. A stopped clock
-  /// holds no force.
+  /// Calls with time 0 (a repeated sample) that repeat the last output. The next one gives zero: the clock has stopped.
   static constexpr int kRepeats = 8;
 
   OutputChain() = default;
@@ -99,9 +98,11 @@ public:
 
   /// Returns null, or the first wrong parameter.
   [[nodiscard]] const char* validate() const {
-    const char* wrong = nullptr;
-    std::apply([&](const auto&... step) { ((wrong = wrong ? wrong : step.validate()), ...); }, steps_);
-    return wrong;
+    const auto first = [](auto... wrong) {
+      const char* result = nullptr;
+      return ((result = result ? result : wrong), ..., result);
+    };
+    return std::apply([&](const auto&... step) { return first(step.validate()...); }, steps_);
   }
 
   Vec3 operator()(Vec3 force, double seconds) {
@@ -113,10 +114,7 @@ public:
   Vec3 operator()(Vec3 force, double seconds, const Vec3& position) {
     const bool finite = std::isfinite(dot(force, force) + dot(position, position));
     if (seconds == 0 && finite && repeats_ < kRepeats) return ++repeats_, last_;
-    if (!(usable_ && finite && seconds > 0 && std::isfinite(seconds))) {
-      reset();
-      return {};
-    }
+    if (!(usable_ && finite && seconds > 0 && std::isfinite(seconds))) return reset(), Vec3{};
     repeats_ = 0;
     std::apply([&](auto&... step) { ((force = call(step, force, seconds, position)), ...); }, steps_);
     return last_ = force;

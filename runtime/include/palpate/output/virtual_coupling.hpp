@@ -97,9 +97,8 @@ public:
   /// Returns the force of `contact` on the hand; the other values are those of the tool. A fault resets everything.
   /// `contact`: a BasicContact, or a copyable type with reset(), tick() and contact_size().
   /// `device`: pose in the frame of the contact's poses.
-  /// `seconds`: since the last tick, above 0. Time 0 (a sample that came twice) repeats the last tick.
-  /// `more`: further arguments of contact.tick(), such as a Body or a Search. A Body that moves takes along device,
-  /// tool and spring of the last tick, so that its own motion does no work on the coupling.
+  /// `seconds`: since the last tick, above 0. Time 0 (a repeated sample) repeats the last tick.
+  /// `more`: further arguments of contact.tick(), such as a Body or a Search. The last tick moves along with a Body.
   template <class Contact, class... More>
   Tick tick(Contact& contact, const Pose& device, double seconds, const More&... more) {
     if (!usable_) return fail(contact, Fault::bad_option);
@@ -109,7 +108,7 @@ public:
     state_.repeats = 0;
     const double size = contact_size(contact);
     if (state_.started) (follow(more, 0), ...);
-    // A device that moved farther than the contact's size was put elsewhere, as a tool would be.
+    // A device that moved farther was put elsewhere.
     if (state_.touching && length(device.translation - state_.device.translation) > size) {
       contact.reset();
       state_.started = state_.touching = false;
@@ -230,15 +229,14 @@ private:
 
   /// J dissipated in this tick: work into the coupling from both sides less the change of the stored energy.
   [[nodiscard]] double loss(const BalanceTrial& now) const {
-    const Vec3 change = now.tool - state_.device.translation - last_lag_;
-    return (0.5 * options_.stiffness + spring_.damper) * dot(change, change) +
-           dot(now.residual, now.tool - state_.tool);
+    const Vec3 stretch = now.tool - state_.device.translation - last_lag_, way = now.tool - state_.tool;
+    return (0.5 * options_.stiffness + spring_.damper) * dot(stretch, stretch) + dot(now.residual, way);
   }
 
   /// J of the contact on the tool in this tick (trapezoid): force of the coupling, and torque.
   [[nodiscard]] double gain(const BalanceTrial& now) const {
-    return 0.5 * (dot(state_.tick.force + spring_.force(now.tool), now.tool - state_.tool) +
-                  dot(state_.torque + now.torque, rotation_));
+    const Vec3 force = state_.tick.force + spring_.force(now.tool), torque = state_.torque + now.torque;
+    return 0.5 * (dot(force, now.tool - state_.tool) + dot(torque, rotation_));
   }
 
   /// True where the two inequalities of energy hold after this trial.

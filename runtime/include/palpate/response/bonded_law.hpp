@@ -19,13 +19,11 @@
 ///     F      force without deflection across the normal (N)        T      torque without rotation (N m)
 ///     k, K   stiffness of translation (N/m), rotation (N m)        C      coupling, deflection by rotation (N)
 ///
+///     o = r = a up to 1 rad; beyond, with t = (a - 1) / M and M = pi - 1,
+///     o = 1 + M t - (1 + M) t^2,          r = 1 + M (t - t^2 / 2)
+///
 /// F, k, T, K and C are cubic splines over z from -L to L, L = layout::kBondedRange Z. F and T continue linearly
-/// beyond. The others keep their values; their slopes are 0 at the ends. The force on the tool is (-dW/dx, -dW/dy,
-/// dW/dz).
-///
-/// o = r = a up to 1 rad. Beyond, with t = (a - 1) / M and M = pi - 1,
-///
-///     o = 1 + M t - (1 + M) t^2,          r = 1 + M (t - t^2 / 2).
+/// beyond, the others keep their values. The force on the tool is (-dW/dx, -dW/dy, dW/dz).
 ///
 /// At a = pi theta and -theta are one rotation, and there o = 0 and r has no slope. So W depends on the pose alone and
 /// has a continuous gradient. The torque on the tool about p is -J(theta)^-T dW/dtheta, with J the left Jacobian of
@@ -102,77 +100,6 @@ struct RotatedSum {
   }
 };
 
-}  // namespace detail
-
-/// Force of a bonded contact: the first line of W, of one response or of a blend.
-class BondedLaw {
-public:
-  using Curves = detail::BondedCurves<static_cast<int>(layout::kBondedCurves)>;
-
-  /// Sets all curves to zero. See BondedCurves::clear.
-  void clear(int count, double depth_scale) { curves_.clear(count, depth_scale); }
-
-  /// Adds a response's curves (Fx, Fy, Fn, kxx, kxy, kyy) with a weight. `axis`: the response's x axis in this law's
-  /// basis, as a unit complex number.
-  template <class Scalar>
-  void add(const Scalar* curves, double weight, const Vec2& axis = {1, 0}) {
-    for (int i = 0; i < curves_.count(); ++i) {
-      const detail::RotatedSum<Scalar> sum{curves, curves_.coefs(), curves_.count(), i, weight, axis};
-      sum.vector(0, 1);
-      sum.scalar(2);
-      sum.tensor(3, 4, 4, 5);
-    }
-  }
-
-  [[nodiscard]] const double* coefs() const { return curves_.coefs(); }
-  [[nodiscard]] double range() const { return curves_.range(); }  ///< m, L
-  [[nodiscard]] Curves::AtDepth at(double z) const { return curves_.at(z); }
-
-  /// Returns the force on the tool (N) at a deflection (m).
-  [[nodiscard]] Vec3 force(const Vec3& d) const { return force(at(d.z), d.x, d.y); }
-  [[nodiscard]] static Vec3 force(const Curves::AtDepth& r, double x, double y) {
-    const double *f = r.value, *slope = r.slope;
-    return {f[0] - f[3] * x - f[4] * y, f[1] - f[4] * x - f[5] * y,
-            f[2] - slope[0] * x - slope[1] * y + 0.5 * (slope[3] * x * x + 2 * slope[4] * x * y + slope[5] * y * y)};
-  }
-
-  /// Sets the deflection at which the force (N) is `force`. Returns false where none exists with a depth in [-L, L].
-  [[nodiscard]] bool find(const Vec3& force, Vec3& deflection) const {
-    return find_depth(range(), [&](double z) {
-      const Curves::AtDepth r = at(z);
-      const double xx = r.value[3], xy = r.value[4], yy = r.value[5], determinant = xx * yy - xy * xy;
-      const double x = r.value[0] - force.x, y = r.value[1] - force.y;
-      if (!(determinant > 1e-9 * (xx + yy) * (xx + yy))) return std::nan("");
-      deflection = {(yy * x - xy * y) / determinant, (xx * y - xy * x) / determinant, z};
-      return BondedLaw::force(r, deflection.x, deflection.y).z - force.z;
-    });
-  }
-
-  /// Bisects for the depth in [-range, range] at which `excess` becomes at least 0, and ends with a call there. Returns
-  /// false where excess(-range) < 0 <= excess(range) does not hold, or where `excess` is not a number.
-  template <class Excess>
-  [[nodiscard]] static bool find_depth(double range, const Excess& excess) {
-    constexpr int kSteps = 60;  // to the rounding of a double
-    double low = -range, high = range;
-    if (!(excess(low) < 0 && excess(high) >= 0)) return false;
-    for (int i = 0; i < kSteps; ++i) {
-      const double middle = 0.5 * (low + high);
-      (excess(middle) < 0 ? low : high) = middle;
-    }
-    return excess(high) >= 0;
-  }
-
-private:
-  Curves curves_;
-};
-
-/// Force (N) and torque (N m) on the tool, in components.
-struct BondedWrench {
-  Vec3 force, torque;
-};
-
-namespace detail {
-
 /// u = odd theta and v = even theta at an angle a in [0, pi]. A slope is (d(scale a)/da - scale) / a^2.
 struct RotationScales {
   double odd = 1, even = 1, odd_slope = 0, even_slope = 0;
@@ -198,17 +125,69 @@ inline Vec3 per_angular_velocity(const Vec3& theta, const Vec3& g) {
 
 }  // namespace detail
 
-/// Force and torque of a bonded contact: the second line of W. A BondedLaw of the same responses has the first.
-class BondedTorqueLaw {
+/// Force of a bonded contact: the first line of W, of one response or of a blend.
+class BondedLaw : public detail::BondedCurves<static_cast<int>(layout::kBondedCurves)> {
 public:
-  /// Sets all curves to zero. See BondedCurves::clear; the arguments are those of the BondedLaw.
-  void clear(int count, double depth_scale) { curves_.clear(count, depth_scale); }
+  /// Adds a response's curves (Fx, Fy, Fn, kxx, kxy, kyy) with a weight. `axis`: the response's x axis in this law's
+  /// basis, as a unit complex number.
+  template <class Scalar>
+  void add(const Scalar* curves, double weight, const Vec2& axis = {1, 0}) {
+    for (int i = 0; i < count(); ++i) {
+      const detail::RotatedSum<Scalar> sum{curves, coefs(), count(), i, weight, axis};
+      sum.vector(0, 1);
+      sum.scalar(2);
+      sum.tensor(3, 4, 4, 5);
+    }
+  }
 
+  /// Returns the force on the tool (N) at a deflection (m).
+  [[nodiscard]] Vec3 force(const Vec3& d) const { return force(at(d.z), d.x, d.y); }
+  [[nodiscard]] static Vec3 force(const AtDepth& r, double x, double y) {
+    const double *f = r.value, *slope = r.slope;
+    return {f[0] - f[3] * x - f[4] * y, f[1] - f[4] * x - f[5] * y,
+            f[2] - slope[0] * x - slope[1] * y + 0.5 * (slope[3] * x * x + 2 * slope[4] * x * y + slope[5] * y * y)};
+  }
+
+  /// Sets the deflection at which the force (N) is `force`. Returns false where none exists with a depth in [-L, L].
+  [[nodiscard]] bool find(const Vec3& force, Vec3& deflection) const {
+    return find_depth(range(), [&](double z) {
+      const AtDepth r = at(z);
+      const double xx = r.value[3], xy = r.value[4], yy = r.value[5], determinant = xx * yy - xy * xy;
+      const double x = r.value[0] - force.x, y = r.value[1] - force.y;
+      if (!(determinant > 1e-9 * (xx + yy) * (xx + yy))) return std::nan("");
+      deflection = {(yy * x - xy * y) / determinant, (xx * y - xy * x) / determinant, z};
+      return BondedLaw::force(r, deflection.x, deflection.y).z - force.z;
+    });
+  }
+
+  /// Bisects for the depth in [-range, range] at which `excess` becomes at least 0, and ends with a call there. Returns
+  /// false without excess(-range) < 0 <= excess(range), and where `excess` is not a number.
+  template <class Excess>
+  [[nodiscard]] static bool find_depth(double range, const Excess& excess) {
+    constexpr int kSteps = 60;  // to the rounding of a double
+    double low = -range, high = range;
+    if (!(excess(low) < 0 && excess(high) >= 0)) return false;
+    for (int i = 0; i < kSteps; ++i) {
+      const double middle = 0.5 * (low + high);
+      (excess(middle) < 0 ? low : high) = middle;
+    }
+    return excess(high) >= 0;
+  }
+};
+
+/// Force (N) and torque (N m) on the tool, in components.
+struct BondedWrench {
+  Vec3 force, torque;
+};
+
+/// Force and torque of a bonded contact: the second line of W. A BondedLaw of the same responses has the first.
+class BondedTorqueLaw : public detail::BondedCurves<static_cast<int>(layout::kTorqueCurves)> {
+public:
   /// Adds a response's curves (layout::kTorqueCurves) as BondedLaw::add does.
   template <class Scalar>
   void add(const Scalar* curves, double weight, const Vec2& axis = {1, 0}) {
-    for (int i = 0; i < curves_.count(); ++i) {
-      const detail::RotatedSum<Scalar> sum{curves, curves_.coefs(), curves_.count(), i, weight, axis};
+    for (int i = 0; i < count(); ++i) {
+      const detail::RotatedSum<Scalar> sum{curves, coefs(), count(), i, weight, axis};
       sum.vector(0, 1);  // T
       sum.scalar(2);
       sum.tensor(3, 4, 4, 5);  // K
@@ -219,11 +198,9 @@ public:
     }
   }
 
-  [[nodiscard]] const double* coefs() const { return curves_.coefs(); }
-
   /// Returns the wrench about p at a deflection (m) and a rotation vector (rad, length at most pi).
   [[nodiscard]] BondedWrench wrench(const BondedLaw& law, const Vec3& d, const Vec3& theta) const {
-    const auto r = curves_.at(d.z);
+    const auto r = at(d.z);
     const detail::RotationScales scales(length(theta));
     const Vec3 u = scales.odd * theta, v = scales.even * theta;
     const Vec3 load = odd(r.value, d.x, d.y), bent = even(r.value, v);
@@ -242,11 +219,10 @@ public:
   [[nodiscard]] bool find(const BondedLaw& law, const Vec3& force, Vec3& d, Vec3& theta) const {
     const bool found = BondedLaw::find_depth(law.range(), [&](double z) {
       const auto moved = law.at(z);
-      const auto r = curves_.at(z);
-      double m[5][6];
+      const auto r = at(z);
+      double m[5][6] = {};
       bonded::stiffness(moved.value + 3, r.value + 3, m);
-      const double load[5] = {moved.value[0] - force.x, moved.value[1] - force.y, r.value[0], r.value[1], r.value[2]};
-      for (int i = 0; i < 5; ++i) m[i][5] = load[i];
+      for (int i = 0; i < 5; ++i) m[i][5] = i < 2 ? moved.value[i] - (i == 0 ? force.x : force.y) : r.value[i - 2];
       if (!bonded::solve_positive(m)) return std::nan("");
       d = {m[0][5], m[1][5], z};
       theta = {m[2][5], m[3][5], m[4][5]};
@@ -266,8 +242,6 @@ private:
     return {t[3] * v.x + t[4] * v.y + t[6] * v.z, t[4] * v.x + t[5] * v.y + t[7] * v.z,
             t[6] * v.x + t[7] * v.y + t[8] * v.z};
   }
-
-  detail::BondedCurves<static_cast<int>(layout::kTorqueCurves)> curves_;
 };
 
 }  // namespace palpate::runtime

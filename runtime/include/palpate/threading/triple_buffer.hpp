@@ -8,9 +8,8 @@
 
 namespace palpate::runtime {
 
-/// Exchanges slot numbers (0 to 3) between one writer and one reader. The writer owns one slot, the reader owns the
-/// others but one, and that one is in between. Each call takes one atomic exchange at most. The reader may miss slots,
-/// and never gets an older slot after a newer one.
+/// Exchanges slot numbers (0 to 3) between one writer and one reader, with one atomic exchange a call at most. The
+/// writer owns one slot, one is in between, the reader owns the others. The reader may miss slots; their order is kept.
 class SlotExchange {
   static_assert(std::atomic<std::uint8_t>::is_always_lock_free);
 
@@ -23,8 +22,7 @@ public:
 
   /// Writer only: publishes the own slot and takes the slot in between.
   void publish() {
-    // Release makes the slot's contents visible to the reader. Acquire orders the reader's reads of the returned slot
-    // before the next write.
+    // Release shows the contents to the reader. Acquire orders its reads of the returned slot before the next write.
     writing_ = between_.exchange(static_cast<std::uint8_t>(writing_ | kFresh), std::memory_order_acq_rel) & kSlot;
   }
 
@@ -42,8 +40,8 @@ private:
   std::atomic<std::uint8_t> between_;
 };
 
-/// Passes values from one writer thread to one reader thread. A read value is always one written value, never a mix of
-/// two. The reader may miss values, and never gets an older value after a newer one.
+/// Passes values from one writer thread to one reader thread. A value is read whole. The reader may miss values; their
+/// order is kept.
 template <class T>
 class TripleBuffer {
   static_assert(std::is_trivially_copyable_v<T>, "T is not trivially copyable: values are copied between threads");
