@@ -130,8 +130,8 @@ TEST(BondedContact, TangentialForceContinuesAtTheBond) {
 TEST(BondedContact, MovingBodyGivesTheForceOfABodyAtRest) {
   const Opened box(box_content(bonded()));
   const auto body = [&](double t) {
-    return RigidMotion{&box.view, turned(1.2 + 0.3 * std::sin(3 * t), unit(Vec3{1, 2, -1}, {}),
-                                         {0.1, 0.2 * std::sin(2 * t), 0.3})};
+    return RigidMotion{
+        &box.view, turned(1.2 + 0.3 * std::sin(3 * t), unit(Vec3{1, 2, -1}, {}), {0.1, 0.2 * std::sin(2 * t), 0.3})};
   };
   Contact rest(box.view, 0), moving(box.view, 0);
   Tick still, tick;

@@ -255,9 +255,9 @@ TEST(DeviceFrame, WrongMemberIsNamedAndGivesZeroForce) {
   none.rotation[4] += 0.1;
   far.translation.x = kNan;
   const std::pair<DeviceFrame, const char*> wrong[] = {
-      {{none, 1, 1}, "no pose"},    {{far, 1, 1}, "no pose"},       {{place, 0, 1}, "motion scale"},
+      {{none, 1, 1}, "no pose"},        {{far, 1, 1}, "no pose"},           {{place, 0, 1}, "motion scale"},
       {{place, -1, 1}, "motion scale"}, {{place, kNan, 1}, "motion scale"}, {{place, kInf, 1}, "motion scale"},
-      {{place, 1, -1}, "force scale"},    {{place, 1, kNan}, "force"},    {{place, 1, kInf}, "force"}};
+      {{place, 1, -1}, "force scale"},  {{place, 1, kNan}, "force"},        {{place, 1, kInf}, "force"}};
   for (const auto& [frame, what] : wrong) {
     ASSERT_NE(frame.validate(), nullptr) << what;
     EXPECT_NE(std::strstr(frame.validate(), what), nullptr) << frame.validate();

@@ -87,7 +87,8 @@ TEST(PassivityController, SuddenPullStaysBelowTheBound) {
         depth += kTick * (k < 2000 ? 1e-6 : -speed);
         out({0, 0, depth > 0 ? 1e6 * depth : 0}, kTick, {0, 0, -depth});
         most = std::fmax(most, out.step<PassivityController>().made());
-        ASSERT_LE(out.step<PassivityController>().made(), out.step<PassivityController>().bound()) << delay << ' ' << speed << ' ' << k;
+        ASSERT_LE(out.step<PassivityController>().made(), out.step<PassivityController>().bound())
+            << delay << ' ' << speed << ' ' << k;
       }
       EXPECT_GT(most, options.trace) << delay << ' ' << speed;
     }
@@ -138,7 +139,8 @@ TEST(PassivityController, TinyTimeStepsStayFiniteAndLoseNoEnergy) {
       for (int i = 0; i < 1000; ++i) {
         const Vec3 force = out({0, 0, 1}, step, {0, 0, 1e-2 - 1e-5 * i});
         ASSERT_TRUE(std::isfinite(length(force)));
-        ASSERT_GE(out.step<PassivityController>().made(), made - 1e-12) << "a force that goes on gives what the contact does";
+        ASSERT_GE(out.step<PassivityController>().made(), made - 1e-12)
+            << "a force that goes on gives what the contact does";
         made = out.step<PassivityController>().made();
       }
       EXPECT_NEAR(distance(out({0, 0, 1}, kTick, {}), {0, 0, 1}), 0, 1e-3);

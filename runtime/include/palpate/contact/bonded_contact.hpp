@@ -2,7 +2,6 @@
 // A tool that is bonded to the body: the contact neither slips nor separates, and resists pulls as well as pushes.
 #pragma once
 
-#include "palpate/body/body.hpp"
 #include "palpate/contact/tick_frame.hpp"
 #include "palpate/math/rotation.hpp"
 #include "palpate/response/bonded_law.hpp"
@@ -100,15 +99,15 @@ private:
 template <bool kTorque>
 class BasicBondedContact {
 public:
-  /// `pose` and `tick`: of the last tick of a contact of this tool. `body`: the body that this tick had, if it was not
-  /// at rest. holds() is false where the contact does not touch, where the file has no bonded responses of the tool, or
-  /// where no deflection has the contact's force.
+  /// `pose` and `tick`: of the last tick of a contact of this tool. `body`: of this tick, if it was not at rest.
+  /// holds() is false in three cases: the contact does not touch; the file has no bonded responses of the tool; no
+  /// deflection has the contact's force.
   BasicBondedContact(const View& view, std::uint32_t tool, const Pose& pose, const Tick& tick)
       : BasicBondedContact(view, tool, pose, tick, StillBody{&view}) {}
   template <class Body>
   BasicBondedContact(const View& view, std::uint32_t tool, const Pose& pose, const Tick& tick, const Body& body) {
     if (!(tool < view.meta->tool_count) || !tick.touches() || !pose.valid() || !body.valid()) return;
-    const Pose frame = body.frame(tick.at), in = in_body(pose, frame);
+    const Pose frame = frame_at(body, tick.at), in = in_body(pose, frame);
     bond_ = transformed(inverse(frame), tick);
     factor_ = body.factor(tick.at);
     response_ = BondedResponse<kTorque>(view, tool, tick.at, tick.on_tool.at, &in);
@@ -141,7 +140,7 @@ public:
     if (!holds_) return tick;
     const double step = body.factor_step();
     factor_ = std::fmin(std::fmax(body.factor(bond_.at), factor_ - step), factor_ + step);
-    const Pose frame = body.frame(bond_.at), in = in_body(tool, frame);
+    const Pose frame = frame_at(body, bond_.at), in = in_body(tool, frame);
     tick = bond_;
     tick.tool_point = in.apply(point_);
     const BondedForce answer =

@@ -33,8 +33,8 @@ inline double superposition_error(double spacing, double contact_radius) {
   return error[below] + (distance - 1) * (error[below + 1] - error[below]);
 }
 
-/// Radius of the contact area of a tool. It is sqrt(R z) for a round tip of radius R at the depth z, and the radius of
-/// a flat punch. A mesh tool counts as round with the radius of its extent, which is the safe side.
+/// Radius of a tool's contact area: sqrt(R z) at the depth z for a round tip of radius R, or the radius of a flat
+/// punch. A mesh tool counts as round with the radius of its extent, which is the safe side.
 class ContactRadius {
 public:
   ContactRadius() = default;

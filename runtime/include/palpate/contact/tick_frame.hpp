@@ -2,6 +2,7 @@
 // The tick of a contact in another frame.
 #pragma once
 
+#include "palpate/body/body.hpp"
 #include "palpate/contact/tick.hpp"
 #include "palpate/math/pose.hpp"
 
@@ -16,6 +17,12 @@ inline Tick transformed(const Pose& frame, Tick tick) {
   tick.body_point = frame.apply(tick.body_point);
   tick.tool_point = frame.apply(tick.tool_point);
   return tick;
+}
+
+/// Returns the frame of a body near a point of its surface as a pose.
+template <class Body>
+Pose frame_at(const Body& body, const BodyPoint& at) {
+  return body.frame(at) * Pose{};
 }
 
 }  // namespace palpate::runtime

@@ -8,8 +8,8 @@
 
 namespace palpate::runtime {
 
-/// Constants of the search for the balance. The figures are trials a tick on a box in a random motion that touches four
-/// fifths of the time, with a coupling of 500 N/m.
+/// Constants of the search for the balance. The figures are trials a tick on a box with a coupling of 500 N/m. The
+/// motion is random and touches four fifths of the time.
 struct BalanceConstants {
   /// Largest residual over the contact's force: 1.3 trials (1.1 at 1e-2, 1.6 at 1e-4). A hand notices 7 %.
   static constexpr double kForceTolerance = 1e-3;
@@ -51,8 +51,8 @@ struct BalanceTrial {
 /// G stays from tick to tick, so that most ticks need one trial. The caller evaluates F and passes the trials.
 class BalanceSearch {
 public:
-  /// Starts the search of a tick. `last`: the tool at the end of the last tick, with that tick's force. `size` (m): of
-  /// the contact. `touching`: the tool touched the body in the last tick.
+  /// Starts the search of a tick. `last`: the tool and its force at the end of the last tick. `size` (m): of the
+  /// contact. `touching`: the tool touched the body in the last tick.
   void begin(const CouplingSpring& spring, const BalanceTrial& last, double size, bool touching) {
     spring_ = spring;
     start_ = last.tool;
@@ -118,22 +118,21 @@ private:
     const Vec3 way = now.tool - base_.tool, change = now.force - base_.force;
     const double size = dot(way, way);
     if (!(size > 0)) return;
-    if (!touching_ && !base_is_new_) return begin_slope(now.force, -way);
+    if (!touching_ && !base_is_new_) {
+      // A contact that begins has its whole force from the motion -way against the force.
+      const Vec3 n = unit(now.force, {});
+      const double along = -dot(way, n), rise = length(now.force) / (along > 0 ? along : std::sqrt(size));
+      slope_[0] = rise * n.x * n;
+      slope_[1] = rise * n.y * n;
+      slope_[2] = rise * n.z * n;
+      return;
+    }
     const Vec3 error{change.x + dot(slope_[0], way), change.y + dot(slope_[1], way), change.z + dot(slope_[2], way)};
     const double most = BalanceConstants::kMostCorrection * slope() * std::sqrt(size);
     if (!base_is_new_ && !(length(error) <= most)) return;
     slope_[0] = slope_[0] - (error.x / size) * way;
     slope_[1] = slope_[1] - (error.y / size) * way;
     slope_[2] = slope_[2] - (error.z / size) * way;
-  }
-
-  /// Sets the slope of a contact that begins, from its force after the motion `way` (m) against the force.
-  void begin_slope(const Vec3& force, const Vec3& way) {
-    const Vec3 n = unit(force, {});
-    const double along = dot(way, n), rise = length(force) / (along > 0 ? along : length(way));
-    slope_[0] = rise * n.x * n;
-    slope_[1] = rise * n.y * n;
-    slope_[2] = rise * n.z * n;
   }
 
   /// N/m, Frobenius norm of G, which is at least the steepest slope.

@@ -54,7 +54,7 @@ struct LowPass {
   }
   void reset() { last = {}; }
   Vec3 last{};
-  /// Distance at which the output becomes the input. It prevents denormal numbers, which are slow.
+  /// Distance at which the output becomes the input. Denormal numbers would be slow.
   static constexpr double kSettled = 1e-12;
 };
 

@@ -85,7 +85,7 @@ public:
   [[nodiscard]] double longest_path() const { return longest_path_; }  ///< m, W: longest path in a delay and two ticks
 
 private:
-  /// One force, or the mean of several that were sent shortly one after the other.
+  /// A force, or the mean of several neighbours.
   struct Entry {
     double time = -HUGE_VAL;  ///< s, when the first was sent
     Vec3 force;               ///< N, mean over time
@@ -126,9 +126,8 @@ private:
 /// After `pause` seconds without force E is 0, because hand and handle have dissipated it (in a few times 0.1 s for
 /// 0.3 kg and 3 N s/m). Shorter times count for nothing, because a bouncing handle would get the trace at each touch.
 ///
-/// Bound: E <= trace + 2 F W between two pauses, if k was met or stated before, with F the largest force and W the
-/// longest path of the handle in a delay and two ticks (tests/device/stability.md). Forces on the way to the motor
-/// cannot be recalled.
+/// Bound: E <= trace + 2 F W between two pauses, if k was met or stated before (tests/device/stability.md). F (N) is
+/// the largest force, W (m) the longest path of the handle in a delay and two ticks. Sent forces cannot be recalled.
 class PassivityController {
 public:
   explicit PassivityController(const PassivityOptions& options) : options_(options), slope_(options.stiffness) {}

@@ -2,7 +2,6 @@
 // Virtual coupling: a spring and a damper between the device and the tool that touches the body.
 #pragma once
 
-#include "palpate/body/body.hpp"
 #include "palpate/contact/tick_frame.hpp"
 #include "palpate/math/rotation.hpp"
 #include "palpate/output/balance_search.hpp"
@@ -17,7 +16,7 @@ double contact_size(const Contact& contact) {
   return contact.size(contact.view().meta->depth_scale);
 }
 
-/// No coupling: the tool is the device. It has no state and adds no code.
+/// No coupling: the tool is the device.
 struct Rigid {
   template <class Contact, class... More>
   auto tick(Contact& contact, const Pose& device, double /*seconds*/, const More&... more) const {
@@ -180,7 +179,7 @@ private:
   /// Moves the state along with a body's motion since the last tick. Other arguments of the tick have no frame.
   template <class Body>
   auto follow(const Body& body, int) -> decltype(body.frame(BodyPoint{}), void()) {
-    const Pose motion = body.frame(state_.anchor) * inverse(state_.frame);
+    const Pose motion = frame_at(body, state_.anchor) * inverse(state_.frame);
     state_.device = motion * state_.device;
     state_.tool = motion.apply(state_.tool);
     state_.force = motion.rotate(state_.force);
@@ -191,7 +190,7 @@ private:
   void follow(const Other& /*no body*/, long) {}
   template <class Body>
   auto set_frame(const Body& body, int) -> decltype(body.frame(BodyPoint{}), void()) {
-    state_.frame = body.frame(state_.anchor);
+    state_.frame = frame_at(body, state_.anchor);
   }
   template <class Other>
   void set_frame(const Other& /*no body*/, long) {}
@@ -264,7 +263,7 @@ private:
   bool usable_;
   CouplingState state_;
   BalanceSearch search_;
-  // Of one tick.
+  // The rest is of the last tick.
   CouplingSpring spring_;
   Vec3 last_lag_;  ///< m, from the device to the tool at the last tick
   Vec3 rotation_;  ///< rad, of the device since the last tick
