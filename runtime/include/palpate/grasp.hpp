@@ -2,33 +2,12 @@
 // A tool that holds on to the body: its contact neither slides nor lets go, and answers pulls as well as pushes.
 #pragma once
 
-#include "palpate/contact.hpp"
+#include "palpate/field.hpp"
 #include "palpate/grasp_law.hpp"
 
 #include <cmath>
 
 namespace palpate::runtime {
-
-/// Calls use(response, share, cosine, sine) for every response of a tool at a body point and a tool point, with its
-/// share of the blend and the angle of its x axis from the basis' one, counted about the normal.
-template <class Use>
-void for_each_share(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point,
-                    const Spin& spin, const Vec3& normal, const Vec3& basis_x, const Vec3& basis_y, const Use& use) {
-  double sites[3];
-  patch_weights(view, body_point, sites);
-  const ToolCorners corners = tool_corners(view, tool, tool_point);
-  const auto& site = view.triangles[body_point.triangle].site;
-  Across axis[3];
-  for (int k = 0; k < 3; ++k) axis[k] = carried_axis(view.sites[site[k]], normal, basis_x, basis_y);
-  SpinStep step;
-  const SpunSites spun(view, view.tools[tool], spin, normal, basis_x, basis_y, axis, step);
-  for (int l = 0; l < corners.count; ++l) {
-    spun.for_each(corners.vertex[l], [&](int k, std::uint32_t sample, double share, const Across& x) {
-      const double all = sites[k] * corners.weight[l] * share;
-      if (all > 0) use(layout::response_index(*view.meta, site[k], corners.vertex[l]) + sample, all, x.cosine, x.sine);
-    });
-  }
-}
 
 /// What a grasp answers.
 struct GraspAnswer {
@@ -49,18 +28,18 @@ public:
   /// `tool` is an index into the file's tools; `tool_point.patch` one of that tool's patches.
   GraspField(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point,
              const Spin& spin = {}) {
-    if (view.grasps == nullptr) return;
+    if (view.bonded == nullptr) return;
     normal_ = runtime::normal(view, body_point);
     basis_x_ = any_orthogonal(normal_);
     basis_y_ = runtime::cross(normal_, basis_x_);
-    law_.clear(static_cast<int>(view.meta->grasp_coefs), view.meta->depth_scale);
+    law_.clear(static_cast<int>(view.meta->bonded_coefs), view.meta->depth_scale);
     for_each_share(view, tool, body_point, tool_point, spin, normal_, basis_x_, basis_y_,
                    [&](std::uint64_t index, double share, double cosine, double sine) {
-                     const layout::GraspHead& head = view.grasp_head(index);
+                     const layout::BondedHead& head = view.bonded_head(index);
                      depth_ += share * head.depth;
                      pulled_ += share * head.pulled;
                      deepest_ += share * view.response_head(index).depth_limit;
-                     law_.add(view.grasp_curves(index), share, cosine, sine);
+                     law_.add(view.bonded_curves(index), share, cosine, sine);
                    });
   }
 
@@ -121,65 +100,5 @@ private:
   double depth_ = 0, pulled_ = 0, deepest_ = 0;  ///< m
   grasp::Law law_;
 };
-
-/// Takes a contact over as it stands, with the force that it has, and keeps c and p. It is conservative: a closed
-/// motion does no work. Every tick takes bounded time, allocates nothing and throws nothing. As Grasp its torque is the
-/// force's alone; TurningGrasp (turn.hpp) has that of turns, too.
-template <class Answer>
-class BasicGrasp {
-public:
-  /// From the last tick of a contact of this tool, and its pose, both in the body's frame, as those of a Contact are. A
-  /// MovingContact tells its ticks in the world, where nothing could notice it: of one the grasp is of
-  /// seen_from(body, tool) and carried(inverse(body), tick), and its own ticks are carried(body,
-  /// grasp.tick(seen_from(body, tool))). holds() says whether there is a grasp: the file must
-  /// have one for this tool, the tick a contact, and the grasp a deflection that answers with the contact's force.
-  BasicGrasp(const View& view, std::uint32_t tool, const Pose& pose, const Tick& tick) {
-    const bool touching = tick.touches();
-    if (tool >= view.meta->tool_count || !touching || !pose.valid()) return;
-    field_ = Answer(view, tool, tick.at, tick.on_tool, {&pose, 0});
-    Vec3 deflection, rotation;
-    if (!(field_.depth() > 0) || !field_.find(tick.force, deflection, rotation)) return;
-    at_ = tick;
-    const Vec3 away = tick.tool_point - pose.translation;
-    const double* r = pose.rotation;
-    point_ = {dot({r[0], r[3], r[6]}, away), dot({r[1], r[4], r[7]}, away), dot({r[2], r[5], r[8]}, away)};
-    offset_ = deflection - (tick.tool_point - tick.body_point);
-    rest_.set(pose, rotation);
-    holds_ = true;
-  }
-
-  [[nodiscard]] bool holds() const { return holds_; }
-
-  /// Force and torque at `pose`: state stick, with a depth that is negative while the tool pulls. A pose that is no
-  /// pose ends the grasp (state fault). Where there is none: state free, no force.
-  Tick tick(const Pose& pose) {
-    Tick tick;
-    if (!pose.valid()) {
-      holds_ = false;
-      tick.state = State::fault;
-    }
-    if (!holds_) return tick;
-    tick = at_;
-    tick.state = State::stick;
-    tick.tool_point = pose.apply(point_);
-    const GraspAnswer answer = field_.answer(tick.tool_point - tick.body_point + offset_, rest_.rotation(pose));
-    tick.force = answer.force.force;
-    tick.torque = cross(tick.tool_point - pose.translation, tick.force) + answer.torque;
-    tick.depth = answer.force.depth;
-    tick.friction_limit = answer.force.limit;
-    tick.beyond = answer.force.beyond;
-    return tick;
-  }
-
-private:
-  Answer field_;
-  Tick at_;      ///< where it was grasped
-  Vec3 point_;   ///< m, p in the tool's frame
-  Vec3 offset_;  ///< m, added to p - c: the force goes on from the contact's
-  typename Answer::Rest rest_;
-  bool holds_ = false;
-};
-
-using Grasp = BasicGrasp<GraspField>;
 
 }  // namespace palpate::runtime

@@ -2,8 +2,8 @@
 // Curves over depths of either sign, which what a grasp answers to moves and to turns is made of.
 #pragma once
 
-#include "palpate/response_layout.hpp"
-#include "palpate/spline.hpp"
+#include "palpate/format/response_layout.hpp"
+#include "palpate/format/spline.hpp"
 
 namespace palpate::grasp {
 
@@ -12,7 +12,7 @@ struct Triple {
   double x, y, n;
 };
 
-/// kCount splines over u = (z / L + 1) / 2, L = layout::kGraspRange times the depth scale. Beyond 0 and 1 the first
+/// kCount splines over u = (z / L + 1) / 2, L = layout::kBondedRange times the depth scale. Beyond 0 and 1 the first
 /// three go on linearly; the others keep their values, which they reach without a slope. Fixed size, no allocation.
 template <int kCount>
 class Curves {
@@ -20,7 +20,7 @@ public:
   /// Forgets everything. `count` coefficients a curve, 4 to 32; depth scale in m.
   void clear(int count, double depth_scale) {
     count_ = count;
-    range_ = layout::kGraspRange * depth_scale;
+    range_ = layout::kBondedRange * depth_scale;
     for (int i = 0; i < kCount * count; ++i) coefs_[i] = 0;
   }
 

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-/// With z the depth, negative while the tool pulls, and L = layout::kGraspRange times the depth scale, the stored
+/// With z the depth, negative while the tool pulls, and L = layout::kBondedRange times the depth scale, the stored
 /// energy and the force on the tool are
 ///
 ///     W = integral of Fn dz - Fx x - Fy y + (kxx x^2 + 2 kxy x y + kyy y^2) / 2,     f = (-dW/dx, -dW/dy, dW/dz).
@@ -18,7 +18,7 @@ namespace palpate::grasp {
 /// Curves of one response or of a blend, ready to be evaluated. Fixed size, no allocation.
 class Law {
 public:
-  using AtDepth = Curves<static_cast<int>(layout::kGraspCurves)>::AtDepth;
+  using AtDepth = Curves<static_cast<int>(layout::kBondedCurves)>::AtDepth;
 
   /// Forgets everything. `count` coefficients a curve, 4 to 32; depth scale in m.
   void clear(int count, double depth_scale) { curves_.clear(count, depth_scale); }
@@ -42,7 +42,7 @@ public:
     }
   }
 
-  /// layout::kGraspCurves curves of `count` coefficients each.
+  /// layout::kBondedCurves curves of `count` coefficients each.
   [[nodiscard]] const double* coefs() const { return curves_.coefs(); }
   [[nodiscard]] double range() const { return curves_.range(); }  ///< m, L
   [[nodiscard]] AtDepth at(double z) const { return curves_.at(z); }
@@ -86,7 +86,7 @@ private:
     return force(t, deflection.x, deflection.y).n - wanted.n;
   }
 
-  Curves<static_cast<int>(layout::kGraspCurves)> curves_;
+  Curves<static_cast<int>(layout::kBondedCurves)> curves_;
 };
 
 }  // namespace palpate::grasp

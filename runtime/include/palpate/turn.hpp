@@ -68,12 +68,12 @@ public:
   TurnField(const View& view, std::uint32_t tool, const BodyPoint& body_point, const ToolPoint& tool_point,
             const Spin& spin = {})
       : grasp_(view, tool, body_point, tool_point, spin) {
-    if (view.turns == nullptr || !(grasp_.depth() > 0)) return;
-    law_.clear(static_cast<int>(view.meta->grasp_coefs), view.meta->depth_scale);
+    if (view.bonded_torque == nullptr || !(grasp_.depth() > 0)) return;
+    law_.clear(static_cast<int>(view.meta->bonded_coefs), view.meta->depth_scale);
     for_each_share(view, tool, body_point, tool_point, spin, grasp_.normal(), grasp_.basis_x(), grasp_.basis_y(),
                    [&](std::uint64_t index, double share, double cosine, double sine) {
-                     turned_ += share * view.turn_head(index).turned;
-                     law_.add(view.turn_curves(index), share, cosine, sine);
+                     turned_ += share * view.torque_head(index).rotated;
+                     law_.add(view.torque_curves(index), share, cosine, sine);
                    });
   }
 
@@ -108,8 +108,5 @@ private:
   double turned_ = 0;  ///< rad
   grasp::TurnLaw law_;
 };
-
-/// A Grasp whose tool's turns about p are answered as well. Of a tool without turns in the file it is a Grasp.
-using TurningGrasp = BasicGrasp<TurnField>;
 
 }  // namespace palpate::runtime

@@ -2,6 +2,7 @@
 // What a bonded contact answers when the tool is turned as well as moved: force and torque, of one energy.
 #pragma once
 
+#include "palpate/format/bonded_rules.hpp"
 #include "palpate/grasp_law.hpp"
 
 #include <cmath>
@@ -48,9 +49,9 @@ struct Stretched {
 struct Stretch {
   Stretched odd{1, 0}, even{1, 0};
   explicit Stretch(double a) {
-    if (!(a > layout::kLargestTurn)) return;
-    constexpr double kRest = 3.14159265358979323846 - layout::kLargestTurn;
-    const double t = (a - layout::kLargestTurn) / kRest;
+    if (!(a > layout::kMaxRotation)) return;
+    constexpr double kRest = 3.14159265358979323846 - layout::kMaxRotation;
+    const double t = (a - layout::kMaxRotation) / kRest;
     even.size = (1 + kRest * (t - 0.5 * t * t)) / a;
     odd.size = (1 + kRest * t - (1 + kRest) * t * t) / a;
     even.slope = (1 - t - even.size) / (a * a);
@@ -66,34 +67,8 @@ inline Triple per_angular_velocity(const Triple& theta, const Triple& g) {
   return {g.x + 0.5 * once.x + c * twice.x, g.y + 0.5 * once.y + c * twice.y, g.n + 0.5 * once.n + c * twice.n};
 }
 
-/// Solves the symmetric m x = b, b in the last column, which ends as x; false where m is not positive definite.
-inline bool solve_positive(double (&m)[5][6]) {
-  for (int i = 0; i < 5; ++i) {
-    if (!(m[i][i] > 0)) return false;
-    for (int j = i + 1; j < 5; ++j) {
-      const double share = m[j][i] / m[i][i];
-      for (int k = i; k < 6; ++k) m[j][k] -= share * m[i][k];
-    }
-  }
-  for (int i = 4; i >= 0; --i) {
-    for (int k = i + 1; k < 5; ++k) m[i][5] -= m[i][k] * m[k][5];
-    m[i][5] /= m[i][i];
-  }
-  return true;
-}
-
-/// Fills m's first five columns with the stiffness of (x, y, theta): `move` has kxx, kxy, kyy, `turn` K and C in the
-/// order of layout::kTurnCurves' last twelve.
-inline void stiffness(const double* move, const double* turn, double (&m)[5][6]) {
-  constexpr int kPlace[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};
-  m[0][0] = move[0];
-  m[0][1] = m[1][0] = move[1];
-  m[1][1] = move[2];
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) m[2 + i][2 + j] = turn[kPlace[i][j]];
-    for (int j = 0; j < 2; ++j) m[2 + i][j] = m[j][2 + i] = turn[6 + 3 * j + i];
-  }
-}
+using bonded::solve_positive;
+using bonded::stiffness;
 
 /// The turn's part of one response or of a blend. Fixed size, no allocation.
 class TurnLaw {
@@ -135,7 +110,7 @@ public:
     }
   }
 
-  /// layout::kTurnCurves curves of `count` coefficients each.
+  /// layout::kTorqueCurves curves of `count` coefficients each.
   [[nodiscard]] const double* coefs() const { return curves_.coefs(); }
 
   /// At a deflection (m) and a rotation vector (rad, of length at most pi), with `law` of the same responses.
@@ -157,7 +132,7 @@ public:
   }
 
   /// Sets a deflection and a rotation that answer with this force (N) and without torque. As Law::find; false, too,
-  /// where the rotation is more than layout::kLargestTurn.
+  /// where the rotation is more than layout::kMaxRotation.
   [[nodiscard]] bool find(const Law& law, const Triple& force, Triple& d, Triple& theta) const {
     const bool found = Law::find_depth(law.range(), [&](double z) {
       const Law::AtDepth moved = law.at(z);
@@ -173,7 +148,7 @@ public:
       return Law::force(moved, d.x, d.y).n + dot(odd(turned.slope, d.x, d.y), theta) +
              0.5 * dot(even(turned.slope, theta), theta) - force.n;
     });
-    return found && dot(theta, theta) <= layout::kLargestTurn * layout::kLargestTurn;
+    return found && dot(theta, theta) <= layout::kMaxRotation * layout::kMaxRotation;
   }
 
 private:
@@ -194,7 +169,7 @@ private:
             t[6] * v.x + t[7] * v.y + t[8] * v.n};
   }
 
-  Curves<static_cast<int>(layout::kTurnCurves)> curves_;
+  Curves<static_cast<int>(layout::kTorqueCurves)> curves_;
 };
 
 }  // namespace palpate::grasp
