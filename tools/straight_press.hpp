@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "palpate/view.hpp"
+#include "palpate/format/response_view.hpp"
 
 namespace palpate::cli {
 

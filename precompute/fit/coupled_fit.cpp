@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "formats/error.hpp"
-#include "palpate/coupled_check.hpp"
-#include "palpate/response_layout.hpp"
+#include "palpate/format/response_rules.hpp"
+#include "palpate/format/response_layout.hpp"
 #include "precompute/fit/cone_fit.hpp"
 #include "precompute/fit/friction_limit.hpp"
 #include "precompute/fit/least_squares.hpp"

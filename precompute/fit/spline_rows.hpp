@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 #include <algorithm>
 
-#include "palpate/response_layout.hpp"
-#include "palpate/spline.hpp"
+#include "palpate/format/response_layout.hpp"
+#include "palpate/format/spline.hpp"
 
 namespace palpate::fit {
 

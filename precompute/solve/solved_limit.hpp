@@ -3,7 +3,7 @@
 #pragma once
 
 #include "formats/samples.hpp"
-#include "palpate/response_layout.hpp"
+#include "palpate/format/response_layout.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -110,16 +110,12 @@ PairPath held_out_path(const Scene& scene, const ToolScene& tool, double depth, 
   for (int k = 1; k < n; ++k) path.normal_depths[k - 1] = depth * std::pow((k - 0.4) / (n - 0.4), 2);
   path.normal_depths[n - 1] = depth;
   if (path.friction > 0) {
-    path.tangential_depths = {path.normal_depths[2 * n / 3]};
-    path.tangential_directions = 2;
+    path.tangential_depths = {path.normal_depths[n / 3], path.normal_depths[2 * n / 3], depth};
+    path.tangential_directions = 3;
     path.tangential_start = start;
     path.tangential_points = 2;
     path.slip_directions = 2;
-    if (scene.response.model == ResponseScene::Model::coupled) {
-      path.tangential_depths = {path.normal_depths[n / 3], path.normal_depths[2 * n / 3], depth};
-      path.tangential_directions = 3;
-      path.side_paths = test_paths(path, start);
-    }
+    path.side_paths = test_paths(path, start);
   }
   add_grasp(path, scene, tool, depth);
   if (path.grasp_depth > 0) {

@@ -9,8 +9,8 @@
 #include <random>
 
 #include "formats/error.hpp"
-#include "palpate/coupled_check.hpp"
-#include "palpate/response_layout.hpp"
+#include "palpate/format/response_rules.hpp"
+#include "palpate/format/response_layout.hpp"
 #include "precompute/fit/coupled_degrees.hpp"
 #include "precompute/solve/pair.hpp"
 

@@ -11,7 +11,7 @@
 #include <random>
 
 #include "formats/error.hpp"
-#include "palpate/turn_check.hpp"
+#include "palpate/format/bonded_rules.hpp"
 
 namespace palpate::fit::turn_fit_test {
 namespace {
