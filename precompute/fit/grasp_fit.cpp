@@ -138,7 +138,7 @@ GraspCurves fit_grasp(const std::vector<Sample>& samples, double depth_scale, co
   if (!(peak > 0)) throw Error(ExitCode::numerical, what + ": a grasp without any force");
   grasp.depth = taken.front()->deflection.z();
   grasp.pulled = std::min(grasp.pulled, depth_scale);
-  grasp.curves = VectorXd::Zero(static_cast<Eigen::Index>(layout::kGraspCurves) * kGraspCoefs);
+  grasp.curves = VectorXd::Zero(static_cast<Eigen::Index>(layout::kBondedCurves) * kGraspCoefs);
   fit_sideways(taken, depth_scale, peak, what, grasp.curves);
   fit_normal(taken, depth_scale, peak, what, grasp);
   return grasp;
@@ -153,7 +153,7 @@ GraspCurves blend_grasps(const std::vector<GraspShare>& shares, double depth_sca
     blend.pulled += s.share * s.grasp->pulled;
     law.add(s.grasp->curves.data(), s.share, s.turned.x(), s.turned.y());
   }
-  blend.curves = Eigen::Map<const VectorXd>(law.coefs(), static_cast<Eigen::Index>(layout::kGraspCurves) * kGraspCoefs);
+  blend.curves = Eigen::Map<const VectorXd>(law.coefs(), static_cast<Eigen::Index>(layout::kBondedCurves) * kGraspCoefs);
   return blend;
 }
 

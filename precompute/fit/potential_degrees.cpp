@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "precompute/fit/coupled_degrees.hpp"
+#include "precompute/fit/potential_degrees.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,24 +12,25 @@ namespace {
 
 constexpr std::size_t kMostPairs = 24;
 constexpr int kLeaveEvery = 5;
-constexpr double kRounding = 0.1;  // of the tolerance, that the coefficients' rounding may take
+constexpr double kRounding = 0.1;  // share of the tolerance that rounding the coefficients may take
 
-std::vector<coupled::Degrees> candidates(bool lateral, int order) {
-  std::vector<coupled::Degrees> all;
-  if (!lateral) all = {coupled::kSpring, {2, 3, 0, 2, 0, 0, 2}};
-  for (int stiffness = 2; stiffness <= 4; ++stiffness) {
+std::vector<response::Degrees> candidates(bool bias, bool friction) {
+  std::vector<response::Degrees> all;
+  // A bias below the threshold may still serve the whole, so candidates with a bias are always tried.
+  for (int normal = 2; !friction && normal <= response::kMaxDegree; ++normal) {
+    if (!bias) all.push_back({normal, 0, 0, 0, false});
+    all.push_back({normal, std::max(2, normal - 1), 0, 0, false});
+  }
+  if (friction && !bias) all = {response::kSpring, {3, 0, 2, 2, true}};
+  for (int stiffness = 2; friction && stiffness <= 4; ++stiffness) {
     for (const int more : {2, 3}) {
-      for (const bool straight : {false, true}) {
-        // A force of its own that is too small to be left in for its own sake may still serve the whole.
-        if (stiffness + more > coupled::kMaxDegree || (lateral && !straight)) continue;
-        coupled::Degrees d{2, stiffness + more, straight ? stiffness + 1 : 0, stiffness, 0, 0, 3};
-        for (; d.order <= 4; ++d.order) all.push_back(d);
-      }
+      if (stiffness + more > response::kMaxDegree) continue;
+      if (!bias) all.push_back({stiffness + more, 0, stiffness, 3, true});
+      all.push_back({stiffness + more, stiffness + 1, stiffness, 3, true});
     }
   }
-  std::erase_if(all, [&](const coupled::Degrees& d) { return order != 0 && d.order != order; });
-  std::stable_sort(all.begin(), all.end(), [](const coupled::Degrees& a, const coupled::Degrees& b) {
-    return coupled::count(a) < coupled::count(b);
+  std::stable_sort(all.begin(), all.end(), [](const response::Degrees& a, const response::Degrees& b) {
+    return response::coefficient_count(a) < response::coefficient_count(b);
   });
   return all;
 }
@@ -58,7 +59,7 @@ SampleSplit split_samples(const std::vector<Sample>& samples) {
     last = std::max(last, s.index);
   }
   for (const Sample& s : samples) {
-    // Offset by the kind and a step prime to directions and points: no direction and no depth is left out as a whole.
+    // The offset and a step prime to directions and points leave out no direction and no depth as a whole.
     const bool inner =
         s.kind == SampleKind::tangential || (s.kind == SampleKind::normal && s.index > first && s.index < last);
     (inner && (s.index + (s.kind == SampleKind::normal ? 2 : 1)) % kLeaveEvery == 0 ? split.left_out : split.kept)
@@ -74,7 +75,7 @@ HeldOutFigures held_out_figures(const std::vector<const std::vector<Sample>*>& p
     ForceLaw law;
     try {
       law = fit(split.kept);
-    } catch (const Error&) {  // covered from its neighbours in the fit
+    } catch (const Error&) {  // filled from its neighbours in the fit
       continue;
     }
     const PairSamples data = sort_samples(*samples, "held out");
@@ -83,41 +84,39 @@ HeldOutFigures held_out_figures(const std::vector<const std::vector<Sample>*>& p
   return figures(std::move(errors));
 }
 
-HeldOutFigures held_out_figures(const std::vector<const std::vector<Sample>*>& pairs, const ModelScales& model) {
+HeldOutFigures held_out_figures(const std::vector<const std::vector<Sample>*>& pairs, const ResponseScales& scales) {
   return held_out_figures(pairs, [&](const std::vector<Sample>& samples) -> ForceLaw {
-    return [curves = fit_pair(samples, model, "held out"), &model](const Eigen::Vector3d& deflection) {
-      return evaluate(curves, model, deflection);
+    return [law = Potential(fit_pair(samples, scales, "held out").coefs, scales)](const Eigen::Vector3d& deflection) {
+      return law.force(deflection);
     };
   });
 }
 
-DegreeChoice choose_degrees(const std::vector<const std::vector<Sample>*>& pairs, ModelScales scales, bool lateral,
-                            const DegreeWish& wish) {
+DegreeChoice choose_degrees(const std::vector<const std::vector<Sample>*>& pairs, ResponseScales scales, bool bias,
+                            double tolerance) {
   std::vector<const std::vector<Sample>*> drawn;
   const std::size_t count = std::min(kMostPairs, pairs.size());
   for (std::size_t k = 0; k < count; ++k) drawn.push_back(pairs[k * pairs.size() / count]);
   DegreeChoice best;
   best.held_out.p95 = HUGE_VAL;
-  for (const coupled::Degrees& degrees :
-       wish.spring ? std::vector{coupled::kSpring} : candidates(lateral, wish.order)) {
-    scales.coupled = degrees;
+  for (const response::Degrees& degrees : candidates(bias, scales.friction())) {
+    scales.degrees = degrees;
     const HeldOutFigures f = held_out_figures(drawn, scales);
     if (f.samples == 0 || !(f.p95 < best.held_out.p95)) continue;
-    best = {degrees, 16, f, f.p95 <= wish.tolerance};
+    best = {degrees, 16, f, f.p95 <= tolerance};
     if (best.met) break;
   }
-  scales.coupled = best.degrees;
-  for (scales.bits = 8; !wish.spring && scales.bits < 16; scales.bits += 4) {
+  if (best.held_out.samples == 0) {
+    throw Error(ExitCode::numerical, "responses: no pair has samples to fit and samples to test the fit");
+  }
+  scales.degrees = best.degrees;
+  for (scales.bits = 8; scales.bits < 16; scales.bits += 4) {
     const HeldOutFigures f = held_out_figures(drawn, scales);
-    const double most =
-        std::max(best.held_out.p95, std::min(wish.tolerance, best.held_out.p95 + kRounding * wish.tolerance));
+    const double most = std::max(best.held_out.p95, std::min(tolerance, best.held_out.p95 + kRounding * tolerance));
     if (!(f.samples == best.held_out.samples && f.p95 <= most)) continue;
     best.bits = scales.bits;
     best.held_out = f;
     break;
-  }
-  if (best.held_out.samples == 0) {
-    throw Error(ExitCode::numerical, "coupled model: no pair has samples that it could be fitted to and tested on");
   }
   return best;
 }
