@@ -172,7 +172,8 @@ void solve(const Scene& scene, const Body& body, const Tool& tool, HeldOut& cont
   }
 }
 
-// A path by the runtime's state rule: the effective deflection follows the tool from force to force.
+// A path of a contact that sticks: the tangential deflection follows the tool from force to force, and a deepening keeps
+// the tangential force, because new area is unstressed.
 class Replay {
 public:
   explicit Replay(const runtime::Field& field) : field_(field) {}
@@ -346,7 +347,7 @@ void compare_with_file(const runtime::View& view, std::vector<HeldOut>& contacts
     const runtime::Pose pose = contact.orientation ? pose_of(*contact.orientation) : runtime::Pose{};
     const runtime::Spin spin{contact.orientation ? &pose : nullptr, 0};
     const runtime::Field field(view, contact.tool, at.at, tool_point, spin);
-    contact.covered = field.covered();
+    contact.filled = field.filled();
     const runtime::TurnField grasp(view, contact.tool, at.at, tool_point, spin);
     double peak = 0, peak_torque = 0;
     for (const ForcePair& f : contact.forces) {
@@ -375,9 +376,7 @@ void compare_with_file(const runtime::View& view, std::vector<HeldOut>& contacts
       f.error = (f.baked - f.solved).norm() / std::max(f.solved.norm(), 0.02 * peak);
     }
     for (LimitPair& l : contact.limits) {
-      const double scale = view.meta->depth_scale, give = field.relief() / scale;
-      const runtime::DepthTerms terms = field.at_depth(runtime::counted_depth(give, scale, l.depth));
-      l.baked = terms.limit / (runtime::counted_slope(give, scale, l.depth) * terms.normal_force);
+      l.baked = field.law().at(l.depth).friction;
       l.error = std::abs(l.baked - l.solved) / l.solved;
     }
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "precompute/fit/radial_basis.hpp"
+#include "precompute/verify/baselines/radial_basis.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -19,8 +19,8 @@ constexpr double kBasisRidge =
 
 Vector3d place(const Vector3d& deflection, const RadialBasis& network) {
   const double z = std::sqrt(std::clamp(deflection.z() / network.depth, 0.0, 1.0));
-  if (!(network.sideways > 0)) return {0, 0, z};
-  return {deflection.x() / network.sideways, deflection.y() / network.sideways, z};
+  if (!(network.tangential > 0)) return {0, 0, z};
+  return {deflection.x() / network.tangential, deflection.y() / network.tangential, z};
 }
 
 }  // namespace
@@ -35,12 +35,12 @@ Vector3d RadialBasis::force(const Vector3d& deflection) const {
   return sum;
 }
 
-RadialBasis fit_radial_basis(const std::vector<Sample>& samples, const ModelScales& scales, int centres,
+RadialBasis fit_radial_basis(const std::vector<Sample>& samples, double depth, double tangential, int centres,
                              const std::string& what) {
   const PairSamples data = sort_samples(samples, what);
   RadialBasis network;
-  network.depth = scales.depth;
-  network.sideways = scales.sideways;
+  network.depth = depth;
+  network.tangential = tangential;
   std::vector<const Sample*> all = data.normal;
   all.insert(all.end(), data.tangential.begin(), data.tangential.end());
   const auto count = static_cast<Eigen::Index>(all.size());
