@@ -229,12 +229,20 @@ inline constexpr std::uint64_t response_index(const Meta& meta, std::uint32_t si
 
 inline constexpr bool has_friction(const Meta& m) { return m.tangential_scale > 0; }
 
-/// Degrees of a file's responses. Values beyond int's range become 100, which response::broken_degree refuses.
-inline constexpr response::Degrees degrees(const Meta& m) {
+}  // namespace palpate::layout
+
+namespace palpate::response {
+
+/// Degrees of a file's responses. Values beyond int's range become 100, which broken_degree refuses.
+inline constexpr Degrees degrees(const layout::Meta& m) {
   const auto degree = [](std::uint32_t d) { return d < 100 ? static_cast<int>(d) : 100; };
   return {degree(m.normal_degree), degree(m.bias_degree), degree(m.stiffness_degree), degree(m.friction_degree),
-          has_friction(m)};
+          layout::has_friction(m)};
 }
+
+}  // namespace palpate::response
+
+namespace palpate::layout {
 
 /// Bytes of a response before its unit.
 inline constexpr std::uint32_t response_head_size(const Meta& m) {
@@ -251,7 +259,7 @@ inline constexpr std::uint32_t coefficients_size(const response::Degrees& d, std
   const response::Offsets o = response::offsets(d);
   return (friction_offset(o, bits) + 2 * static_cast<std::uint32_t>(o.end - o.friction) + 3) / 4 * 4;
 }
-inline constexpr std::uint32_t coefficients_size(const Meta& m) { return coefficients_size(degrees(m), m.coef_bits); }
+inline constexpr std::uint32_t coefficients_size(const Meta& m) { return coefficients_size(response::degrees(m), m.coef_bits); }
 
 /// Bytes of one element of RESPONSES. All values of a response lie together, in as few cache lines as possible.
 inline constexpr std::uint32_t response_size(const Meta& m) { return response_head_size(m) + coefficients_size(m); }
