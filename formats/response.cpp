@@ -259,7 +259,7 @@ std::vector<std::byte> encode(const ResponseFileContent& c) {
   sections.add(Section::provenance, c.provenance.data(), 1, c.provenance.size());
   const std::uint32_t features =
       (c.degrees.bias > 0 ? layout::feature_tangential_bias : 0u) |
-      (c.degrees.has_friction ? layout::feature_friction : 0u) |
+      (c.degrees.friction_families ? layout::feature_friction : 0u) |
       (has_tool_patches(c) ? layout::feature_tool_patches : 0u) | (c.search.empty() ? 0u : layout::feature_search) |
       (c.bonded_coefs > 0 ? layout::feature_bonded : 0u) |
       (c.has_bonded_torque ? layout::feature_bonded_torque : 0u) | (has_spins(c) ? layout::feature_spin : 0u) |

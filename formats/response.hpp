@@ -66,7 +66,7 @@ struct Response {
   std::uint32_t flags = layout::response_solved;
   float softening = 0.0f;                  ///< [0, layout::kMaxSoftening]; 0 in a file without softening
   float unit = 0.0f;                       ///< N of one unit of the coefficients, those of mu excepted
-  std::vector<std::int16_t> coefficients;  ///< coefficient_count(degrees) of them, which meet response::broken_rule
+  std::vector<std::int16_t> coefficients;  ///< count(degrees) of them, which meet response::broken_rule
   // In a file with bonded contacts:
   double bonded_depth = 0.0, bonded_pulled = 0.0;  ///< m; depth 0: this tool does not bond
   std::vector<float> bonded;                       ///< curves Fx, Fy, Fn (N), kxx, kxy, kyy (N/m), one after the other
@@ -79,7 +79,7 @@ struct Response {
 struct ResponseFileContent {
   double depth_scale = 0.0;         ///< Z, m, > 0
   double tangential_scale = 0.0;    ///< X, m; > 0 with friction, 0 without
-  response::Degrees degrees;        ///< has_friction exactly where tangential_scale > 0
+  response::Degrees degrees;        ///< friction_families exactly where tangential_scale > 0
   std::uint32_t coef_bits = 16;     ///< 8, 12 or 16: of a coefficient, those of mu excepted
   bool slip_softening = false;      ///< only with friction
   std::uint32_t bonded_coefs = 0;   ///< 0 or [4, 32]: of a curve of a bonded contact

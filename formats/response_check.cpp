@@ -55,7 +55,7 @@ void check_responses(const ResponseFileContent& c) {
               std::to_string(expected));
   for (std::size_t i = 0; i < c.responses.size(); ++i) {
     const Response& r = c.responses[i];
-    check_family(r.coefficients, static_cast<std::uint32_t>(response::coefficient_count(c.degrees)), "coefficients", i);
+    check_family(r.coefficients, static_cast<std::uint32_t>(response::count(c.degrees)), "coefficients", i);
     const int most = (1 << (c.coef_bits - 1)) - 1;
     for (int k = 0; k < response::offsets(c.degrees).friction; ++k) {
       const int value = r.coefficients[static_cast<std::size_t>(k)];
@@ -75,7 +75,7 @@ void check_responses(const ResponseFileContent& c) {
 
 void check_content(const ResponseFileContent& c) {
   if (const char* broken = response::broken_degree(c.degrees)) fail("degrees", broken);
-  require(c.degrees.has_friction == (c.tangential_scale > 0), "tangential scale",
+  require(c.degrees.friction_families == (c.tangential_scale > 0), "tangential scale",
           "must be above 0 with friction and 0 without, got " + std::to_string(c.tangential_scale) + " m");
   require(c.coef_bits == 8 || c.coef_bits == 12 || c.coef_bits == 16, "coefficients",
           "have " + std::to_string(c.coef_bits) + " bits, allowed 8, 12 or 16");

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <complex>
 #include <set>
 
 #include "formats/error.hpp"
@@ -16,6 +17,26 @@ namespace {
 Eigen::Vector2d rotated_axis(const ContactFrame& frame, const FillSource& source) {
   const Eigen::Vector3d x = rotation_between(source.frame->n, frame.n) * source.frame->x;
   return frame.to_local(x).head<2>().normalized();
+}
+
+/// Adds a response to `sum` with a share. `axis`: cosine and sine of its x axis in the frame of the sum. The bias is a
+/// first harmonic, and rotates by the angle; tensors have second harmonics, which rotate by twice the angle.
+void add_rotated(const Eigen::VectorXd& coefs, const response::Degrees& degrees, double share,
+                 const Eigen::Vector2d& axis, Eigen::VectorXd& sum) {
+  const response::Offsets o = response::offsets(degrees);
+  const std::complex<double> first(axis.x(), axis.y()), second = first * first;
+  const auto add_pair = [&](int k, const std::complex<double>& by) {
+    const std::complex<double> h = share * by * std::complex<double>(coefs[k], coefs[k + 1]);
+    sum[k] += h.real();
+    sum[k + 1] += h.imag();
+  };
+  for (int k = 0; k < o.bias; ++k) sum[k] += share * coefs[k];
+  for (int k = o.bias; k < o.stiffness; k += 2) add_pair(k, first);
+  for (int k = o.stiffness; k < o.friction; k += 3) {
+    sum[k] += share * coefs[k];
+    add_pair(k + 1, second);
+  }
+  for (int k = o.friction; k < o.end; ++k) sum[k] += share * coefs[k];
 }
 
 }  // namespace
@@ -40,8 +61,7 @@ SiteResponse blend_sites(const ContactFrame& frame, double depth, const std::vec
   double total = 0;
   for (const FillSource& source : sources) total += source.weight;
   SiteResponse result;
-  response::Law law;
-  law.clear(scales.degrees, scales.depth, scales.tangential);
+  result.response.coefs = Eigen::VectorXd::Zero(response::count(scales.degrees));
   std::vector<GraspShare> grasps;
   std::vector<TurnShare> turns;
   double mean_depth = 0;
@@ -50,14 +70,12 @@ SiteResponse blend_sites(const ContactFrame& frame, double depth, const std::vec
     const Eigen::Vector2d axis = rotated_axis(frame, source);
     const SiteResponse& site = *source.site;
     mean_depth += share * site.depth;
-    law.add(site.response.coefs.data(), 1, 1, share, {axis.x(), axis.y()});
+    add_rotated(site.response.coefs, scales.degrees, share, axis, result.response.coefs);
     result.response.softening += share * site.response.softening;
     if (site.grasp) grasps.push_back({&*site.grasp, share, axis});
     if (site.turn) turns.push_back({&*site.turn, share, axis});
   }
   result.depth = std::min(depth, mean_depth);
-  result.response.coefs =
-      Eigen::Map<const Eigen::VectorXd>(law.coefficients(), response::coefficient_count(scales.degrees));
   if (!grasps.empty()) result.grasp = blend_grasps(grasps, scales.depth);
   if (!turns.empty()) result.turn = blend_turns(turns, scales.depth);
   return result;

@@ -30,7 +30,7 @@ std::vector<response::Degrees> candidates(bool bias, bool friction) {
     }
   }
   std::stable_sort(all.begin(), all.end(), [](const response::Degrees& a, const response::Degrees& b) {
-    return response::coefficient_count(a) < response::coefficient_count(b);
+    return response::count(a) < response::count(b);
   });
   return all;
 }

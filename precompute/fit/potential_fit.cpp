@@ -35,7 +35,7 @@ constexpr int kContinuationPoints = 6;
 class Columns {
 public:
   explicit Columns(const ResponseScales& scales) {
-    const int n = response::coefficient_count(scales.degrees);
+    const int n = response::count(scales.degrees);
     potentials_.reserve(static_cast<std::size_t>(n));
     for (int k = 0; k < n; ++k) potentials_.emplace_back(VectorXd::Unit(n, k), scales);
   }
@@ -75,7 +75,7 @@ PotentialRows make_rows(const PairSamples& data, const ResponseScales& scales) {
   };
   for (const Sample* s : data.normal) add_sample(*s);
   for (const Sample* s : data.tangential) {
-    if (d.has_friction) add_sample(*s);
+    if (d.friction_families) add_sample(*s);
   }
   // Beyond the deepest sample the normal curve continues with its slope there.
   const double deepest = data.normal.back()->deflection.z(), step = 1e-4 * deepest;
@@ -99,7 +99,7 @@ PotentialRows make_rows(const PairSamples& data, const ResponseScales& scales) {
   };
   bend(0, 1, d.normal - 1);
   bend(o.bias, 2, d.bias - 1);
-  if (d.has_friction) {
+  if (d.friction_families) {
     bend(o.stiffness, 3, d.stiffness + 1);
     bend(o.coupling, 3, response::from_square(d.stiffness));
   }
@@ -120,7 +120,7 @@ public:
       if (k == 0) cones_.push_back({{k}, MatrixXd::Ones(1, 1)});
       if (k > 0) cones_.push_back({{k - 1, k}, Eigen::RowVector2d(-1, 1)});
     }
-    for (int i = 0; d_.has_friction && i <= d_.stiffness; ++i) {
+    for (int i = 0; d_.friction_families && i <= d_.stiffness; ++i) {
       for (const int sign : i < 2 ? std::vector{1} : std::vector{1, -1}) add_passive(i, sign);
     }
   }
@@ -134,7 +134,7 @@ public:
     x.head(o_.coupling) = coefs.head(o_.coupling);
     double last = 0;
     for (int k = 0; k < o_.bias; ++k) last = x[k] = std::max(coefs[k], last + kInside);
-    for (int i = 0; d_.has_friction && i <= d_.stiffness; ++i) {
+    for (int i = 0; d_.friction_families && i <= d_.stiffness; ++i) {
       auto k = x.segment<3>(o_.stiffness + 3 * i);
       k[0] = std::max(k[0], std::hypot(k[1], k[2]) + kInside);
     }
@@ -185,28 +185,28 @@ VectorXd fit_friction(const std::vector<Sample>& samples, const ResponseScales& 
 }  // namespace
 
 Potential::Potential(const VectorXd& coefs, const ResponseScales& scales) {
-  law_.clear(scales.degrees, scales.depth, scales.tangential);
-  law_.add(coefs.data(), 1, 1, 1);
+  law_.set(scales.degrees, coefs.data(), scales.depth, scales.tangential);
 }
 
 Eigen::Vector3d Potential::force(const Eigen::Vector2d& tangential, double depth) const {
   if (!(depth > 0)) return Eigen::Vector3d::Zero();
-  const response::AtDepth at = law_.at(depth);
-  const runtime::Vec2 e{tangential.x(), tangential.y()}, across = law_.tangential(at, e);
-  return {across.x, across.y, law_.normal(at, e)};
+  const runtime::ResponseAtDepth at = law_.at(depth);
+  const runtime::Vec2 e{tangential.x(), tangential.y()}, push = at.bias + at.stiffness * e;
+  return {-push.x, -push.y, at.normal_force + dot(at.bias_slope, e) + 0.5 * quadratic(at.normal_coupling, e)};
 }
 
-double Potential::friction(double depth) const { return law_.at(depth).friction; }
+double Potential::friction(double depth) const { return law_.at(depth).friction_coefficient; }
 
 Eigen::Vector2d Potential::deepened(double from, double to, const Eigen::Vector2d& tangential) const {
   if (!(from > 0)) return Eigen::Vector2d::Zero();
-  const runtime::Vec2 kept = response::Law::deepened(law_.at(from), law_.at(to), {tangential.x(), tangential.y()});
+  const runtime::Vec2 e{tangential.x(), tangential.y()};
+  const runtime::Vec2 kept = solve(law_.at(to).stiffness, law_.at(from).stiffness * e);
   return {kept.x, kept.y};
 }
 
 VectorXd fit_potential(const std::vector<Sample>& samples, const ResponseScales& scales, const std::string& what) {
   const PairSamples data = sort_samples(samples, what);
-  if (scales.degrees.has_friction && data.tangential.empty()) {
+  if (scales.degrees.friction_families && data.tangential.empty()) {
     throw Error(ExitCode::numerical, what + ": a scene with friction needs tangential pushes; there are none");
   }
   const Offsets o = response::offsets(scales.degrees);
@@ -219,7 +219,7 @@ VectorXd fit_potential(const std::vector<Sample>& samples, const ResponseScales&
         solve_in_cones(rows.matrix, rows.target, rules.cones(), rules.start(coefs), what + ", quadratic potential");
   }
   coefs.head(o.friction) *= data.peak;
-  if (scales.degrees.has_friction) coefs.tail(o.end - o.friction) = fit_friction(samples, scales, what);
+  if (scales.degrees.friction_families) coefs.tail(o.end - o.friction) = fit_friction(samples, scales, what);
   return coefs;
 }
 
@@ -235,7 +235,7 @@ std::optional<Quantised> quantise(const VectorXd& coefs, const Degrees& degrees,
     whole[static_cast<std::size_t>(k)] =
         std::round(coefs[k] / (k < o.friction ? static_cast<double>(result.unit) : layout::kFrictionUnit));
   }
-  for (int i = 0; degrees.has_friction && i <= degrees.stiffness; ++i) {
+  for (int i = 0; degrees.friction_families && i <= degrees.stiffness; ++i) {
     const double least = std::min(response::least_stiffness(whole.data(), degrees, i, 1),
                                   response::least_stiffness(whole.data(), degrees, i, -1));
     if (least < 0) whole[static_cast<std::size_t>(o.stiffness + 3 * i)] += std::ceil(-least);

@@ -45,7 +45,7 @@ public:
   [[nodiscard]] Eigen::Vector2d deepened(double from, double to, const Eigen::Vector2d& tangential) const;
 
 private:
-  response::Law law_;
+  runtime::ResponseLaw law_;
 };
 
 /// Coefficients as the file has them: integers, those of forces times `unit` N, those of mu times

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "formats/error.hpp"
-#include "palpate/turn_law.hpp"
+#include "palpate/response/bonded_torque_law.hpp"
 #include "precompute/algebra/spectrum.hpp"
 #include "precompute/fit/least_squares.hpp"
 #include "precompute/fit/spline_rows.hpp"
@@ -33,7 +33,7 @@ constexpr double kMostCoupling =
 /// Curve of K's entries.
 constexpr std::array<std::array<int, 3>, 3> kStiffness{{{3, 4, 6}, {4, 5, 7}, {6, 7, 8}}};
 
-grasp::Triple triple(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+bonded::Triple triple(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 std::vector<const Sample*> grasped(const std::vector<Sample>& samples) {
   std::vector<const Sample*> result;
@@ -226,7 +226,7 @@ TurnCurves fit_turns(const std::vector<Sample>& samples, const GraspCurves& gras
 
 TurnCurves blend_turns(const std::vector<TurnShare>& shares, double depth_scale) {
   TurnCurves blend;
-  grasp::TurnLaw law;
+  bonded::TorqueLaw law;
   law.clear(kGraspCoefs, depth_scale);
   for (const TurnShare& s : shares) {
     blend.turned += s.share * s.turn->turned;
@@ -238,13 +238,13 @@ TurnCurves blend_turns(const std::vector<TurnShare>& shares, double depth_scale)
 
 Vector3d evaluate_torque(const GraspCurves& grasp, const TurnCurves& turn, double depth_scale,
                          const Vector3d& deflection, const Vector3d& rotation) {
-  grasp::Law moved;
-  grasp::TurnLaw turned;
+  bonded::Law moved;
+  bonded::TorqueLaw turned;
   moved.clear(kGraspCoefs, depth_scale);
   turned.clear(kGraspCoefs, depth_scale);
   moved.add(grasp.curves.data(), 1);
   turned.add(turn.curves.data(), 1);
-  const grasp::Triple t = turned.answer(moved, triple(deflection), triple(rotation)).torque;
+  const bonded::Triple t = turned.answer(moved, triple(deflection), triple(rotation)).torque;
   return {t.x, t.y, t.n};
 }
 

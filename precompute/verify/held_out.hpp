@@ -5,7 +5,7 @@
 
 #include "formats/samples.hpp"
 #include "formats/scene.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/format/response_view.hpp"
 #include "precompute/body.hpp"
 #include "precompute/tool/tool.hpp"
 

@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "palpate/runtime.hpp"
+#include "palpate/format/open.hpp"
+#include "palpate/response/bonded_response.hpp"
+#include "palpate/response/interpolation.hpp"
 
 namespace palpate::test {
 
@@ -32,24 +34,28 @@ inline std::vector<double> answer(const runtime::View& view, const std::string& 
                                   const std::vector<double>& asked) {
   using runtime::Vec3;
   const auto vec = [&](std::size_t at) { return Vec3{asked.at(at), asked.at(at + 1), asked.at(at + 2)}; };
-  if (word == "distance") return {locate(view, vec(0)).signed_distance};
+  if (word == "distance") return {closest_point(view, vec(0)).signed_distance};
   const runtime::BodyPoint at{static_cast<std::uint32_t>(asked.at(0)), {asked.at(1), asked.at(2), asked.at(3)}};
   const runtime::ToolPoint on_tool{static_cast<std::uint32_t>(asked.at(5)), {asked.at(6), asked.at(7), asked.at(8)}};
   const auto tool = static_cast<std::uint32_t>(asked.at(4));
-  if (word == "bonded") {
-    const Vec3 f = runtime::GraspField(view, tool, at, on_tool).force(vec(9)).force;
-    return {f.x, f.y, f.z};
+  if (word == "bonded" || word == "torque") {
+    runtime::BondedResponse response;
+    response.blend(view, tool, at, on_tool, nullptr);
+    const runtime::BondedWrench w = response.wrench(vec(9), word == "torque" ? vec(12) : Vec3{});
+    if (word == "bonded") return {w.force.x, w.force.y, w.force.z};
+    return {w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z};
   }
-  if (word == "torque") {
-    const runtime::GraspAnswer a = runtime::TurnField(view, tool, at, on_tool).answer(vec(9), vec(12));
-    return {a.force.force.x, a.force.force.y, a.force.force.z, a.torque.x, a.torque.y, a.torque.z};
-  }
+  if (word != "force" && word != "spun") throw std::runtime_error("unknown golden line: " + word);
   runtime::Pose pose;
   for (std::size_t k = 0; word == "spun" && k < 9; ++k) pose.rotation[k] = asked.at(12 + k);
-  const runtime::Field field(view, tool, at, on_tool, {word == "spun" ? &pose : nullptr, 0});
-  if (word != "force" && word != "spun") throw std::runtime_error("unknown golden line: " + word);
-  const runtime::FieldForce f = field.force(vec(9));
-  return {f.force.x, f.force.y, f.force.z, f.limit};
+  runtime::BlendedResponse<> response;
+  response.blend(view, tool, at, on_tool, {1, 0, 0}, word == "spun" ? &pose : nullptr);
+  const double depth = -dot(vec(9), response.normal());
+  if (!(depth > 0)) return {0, 0, 0, 0};
+  const Vec3 f = response.force(vec(9));
+  const runtime::ResponseAtDepth terms = response.law().at(depth);
+  const double limit = terms.friction_coefficient * terms.normal_force;
+  return {f.x, f.y, f.z, view.has(layout::feature_friction) ? limit : HUGE_VAL};
 }
 
 }  // namespace palpate::test

@@ -146,18 +146,18 @@ class File:
         self.bits, self.softenings = meta[16:18]
         need(not any(meta[18]), "META: zero bytes")
         need(1e-9 <= self.Z < 1000 and (self.X == 0 or 1e-9 <= self.X < 1000), "META: scales")
-        self.has_friction = self.X > 0
+        self.friction_families = self.X > 0
         need(2 <= normal <= 6 and (bias == 0 or 2 <= bias <= 6), "META: degrees")
-        if self.has_friction:
+        if self.friction_families:
             need((stiffness == 0 or 2 <= stiffness <= 6) and friction <= 6, "META: degrees")
         else:
             need(stiffness == friction == 0, "META: degrees in a frictionless file")
         need(self.bits in (8, 12, 16), "META: bits")
         need(self.bonded_coefs == 0 or 4 <= self.bonded_coefs <= 32, "META: coefficients of a bonded curve")
-        need(self.softenings <= self.has_friction, "META: softenings")
+        need(self.softenings <= self.friction_families, "META: softenings")
         need(1 <= self.k <= 1024, "META: subdivision")
         need(self.response_count == self.site_count * self.tool_vertex_count, "META: responses")
-        need(self.features == (BIAS * (bias > 0) | FRICTION * self.has_friction
+        need(self.features == (BIAS * (bias > 0) | FRICTION * self.friction_families
                                | TOOL_PATCHES * bool(self.tool_patch_count) | SEARCH * bool(self.search_nodes)
                                | BONDED * (self.bonded_coefs > 0) | TORQUE * (11 in self.sections)
                                | SPIN * (8 in self.sections) | SOFTENING * self.softenings), "features")
@@ -340,7 +340,7 @@ class File:
         families = {"F": (range(2, normal + 1), (0,))}
         if bias:
             families["g"] = (range(2, bias + 1), (1,))
-        if self.has_friction:
+        if self.friction_families:
             families["K'"] = (range(stiffness + 1), (0, 2))
             families["A"] = (range(2, stiffness + 1), (0, 2))
             families["mu"] = (range(friction + 1), (0,))
@@ -363,7 +363,7 @@ class File:
 
     def check_passive(self, law):
         need(all(a <= b for a, b in zip([0] + law["F"][0], law["F"][0])), "RESPONSES: F")
-        if not self.has_friction:
+        if not self.friction_families:
             return
         need(all(0 <= c <= 10 for c in law["mu"][0]), "RESPONSES: mu")
         largest = max(abs(part) for name in ("K'", "A") for family in law[name].values() for c in family

@@ -61,7 +61,7 @@ std::string forces(const View& view) {
     contact.push_back(patched ? record.first_patch + draw.below(record.patch_count) : 0);
     draw.weights(contact, i % 8 == 4 || !patched);
     const runtime::BodyPoint at{triangle, {contact[1], contact[2], contact[3]}};
-    const Vec3 n = normal(view, at), x = runtime::any_orthogonal(n), y = cross(n, x);
+    const Vec3 n = smooth_normal(view, at), x = runtime::any_orthogonal(n), y = cross(n, x);
     const double z = i == 0 ? 0 : draw.between(0.01, 1.4) * depth;
     const double angle = draw.between(0, 6.28), way = i % 5 == 1 ? 0 : draw.between(0, 1.5) * tangential;
     const Vec3 aside = way * std::cos(angle) * x + way * std::sin(angle) * y;
@@ -83,7 +83,9 @@ std::string forces(const View& view) {
       text += as_line(view, "spun", asked);
     }
     const runtime::ToolPoint on_tool{static_cast<std::uint32_t>(contact[5]), {contact[6], contact[7], contact[8]}};
-    if (!(runtime::GraspField(view, tool, at, on_tool).depth() > 0)) continue;
+    runtime::BondedResponse bonded;
+    bonded.blend(view, tool, at, on_tool, nullptr);
+    if (!(bonded.depth() > 0)) continue;
     // Depths of both signs and beyond the sampled ones, rotations up to three quarters of a half turn.
     const Vec3 held = aside + draw.between(-1.5, 1.5) * depth * n;
     text += as_line(view, "bonded", with({held.x, held.y, held.z}));

@@ -9,7 +9,7 @@
 #include <functional>
 
 #include "formats/error.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/format/open.hpp"
 #include "tests/support/response_samples.hpp"
 
 namespace palpate {
@@ -38,7 +38,7 @@ TEST(ResponseFile, ReadsBackWhatWasWritten) {
   EXPECT_EQ(v.features, layout::feature_all & ~layout::feature_spin);
   EXPECT_EQ(v.meta->depth_scale, content.depth_scale);
   EXPECT_EQ(v.meta->tangential_scale, content.tangential_scale);
-  EXPECT_EQ(layout::degrees(*v.meta), content.degrees);
+  EXPECT_EQ(response::degrees(*v.meta), content.degrees);
   ASSERT_EQ(v.meta->site_count, content.sites.size());
   for (std::size_t i = 0; i < content.sites.size(); ++i) {
     expect_close(v.sites[i].position, content.sites[i].position);
@@ -152,7 +152,7 @@ TEST(ResponseFile, WrongContentIsRefusedByName) {
           {"tangential_scale", [](auto& c) { c.tangential_scale = 1e-10; }},
           {"normal_degree must be 2 to 6", [](auto& c) { c.degrees.normal = 7; }},
           {"stiffness_degree must be 0 or 2 to 6", [](auto& c) { c.degrees.stiffness = 1; }},
-          {"must be 0 in a frictionless file", [](auto& c) { c.degrees.has_friction = false; }},
+          {"must be 0 in a frictionless file", [](auto& c) { c.degrees.friction_families = false; }},
           {"coefficients: have 10 bits", [](auto& c) { c.coef_bits = 10; }},
           {"torques of bonded contacts: need curves", [](auto& c) { c.has_bonded_torque = true; }},
           {"response 1: has a slip softening", [](auto& c) { c.responses[1].softening = 0.1F; }},

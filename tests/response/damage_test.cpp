@@ -11,7 +11,9 @@
 
 #include "formats/error.hpp"
 #include "palpate/format/checksum.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/format/open.hpp"
+#include "palpate/response/bonded_response.hpp"
+#include "palpate/response/interpolation.hpp"
 #include "tests/support/response_samples.hpp"
 
 namespace palpate {
@@ -168,16 +170,18 @@ void expect_harmless(const View& view, std::mt19937& random) {
       runtime::ToolPoint on{0, {0.5, 0.25, 0.25}};
       if (record.patch_count > 0) on.patch = record.first_patch + static_cast<std::uint32_t>(random()) % record.patch_count;
       const auto pose = runtime::Pose::from_quaternion(1, 0.2 * unit(random), 0.2 * unit(random), 0, {});
-      const runtime::Field field(view, tool, at, on, {&pose, 0});
-      const runtime::Vec3 d = depth * (runtime::Vec3{unit(random), unit(random), unit(random)} - field.normal());
-      ASSERT_TRUE(std::isfinite(length(field.force(d).force)));
-      const runtime::TurnField bonded(view, tool, at, on, {&pose, 0});
+      runtime::BlendedResponse<> response;
+      response.blend(view, tool, at, on, {1, 0, 0}, &pose);
+      const runtime::Vec3 d = depth * (runtime::Vec3{unit(random), unit(random), unit(random)} - response.normal());
+      ASSERT_TRUE(finite(response.force(d)));
+      runtime::BondedResponse bonded;
+      bonded.blend(view, tool, at, on, &pose);
       if (!(bonded.depth() > 0)) continue;
-      const runtime::GraspAnswer answer = bonded.answer(d, {0.3 * unit(random), 0.3 * unit(random), 0});
-      ASSERT_TRUE(std::isfinite(length(answer.force.force)) && std::isfinite(length(answer.torque)));
+      const runtime::BondedWrench wrench = bonded.wrench(d, {0.3 * unit(random), 0.3 * unit(random), 0});
+      ASSERT_TRUE(finite(wrench.force) && finite(wrench.torque));
     }
     const runtime::Vec3 near{0.04 * unit(random), 0.04 * unit(random), 0.05 * unit(random)};
-    ASSERT_TRUE(std::isfinite(locate(view, near).signed_distance));
+    ASSERT_TRUE(std::isfinite(closest_point(view, near).signed_distance));
   }
 }
 
@@ -319,7 +323,7 @@ TEST(Damage, MetaOutOfRangeIsRefused) {
 TEST(Damage, CoefficientsThatAreNotPassiveAreRefused) {
   const std::vector<std::byte> good = small_file();
   const View view = View::open(good.data(), good.size()).view;
-  const response::Degrees d = layout::degrees(*view.meta);
+  const response::Degrees d = response::degrees(*view.meta);
   const response::Offsets o = response::offsets(d);
   const auto message = [&](int index, std::int16_t value) -> std::string {
     std::vector<std::byte> bytes = good;
@@ -358,7 +362,7 @@ TEST(Damage, BitsOutOfRangeAndPackedPaddingAreRefused) {
   options.bits = 12;  // 22 coefficients: one byte is left over
   const std::vector<std::byte> good = encode(test::box_content(options));
   const View view = View::open(good.data(), good.size()).view;
-  const response::Offsets o = response::offsets(layout::degrees(*view.meta));
+  const response::Offsets o = response::offsets(response::degrees(*view.meta));
   const std::uint32_t packed = static_cast<std::uint32_t>(o.friction) * 12;
   const auto message = [&](const unsigned char* at, unsigned char value) -> std::string {
     std::vector<std::byte> bytes = good;

@@ -127,7 +127,7 @@ inline void add_responses(ResponseFileContent& content, const ResponseSampleOpti
                                                  : response::Degrees{5, bias, 0, 0, false};
   const response::Offsets o = response::offsets(d);
   content.depth_scale = kDepthScale;
-  content.tangential_scale = d.has_friction ? kTangentialScale : 0;
+  content.tangential_scale = d.friction_families ? kTangentialScale : 0;
   content.degrees = d;
   content.coef_bits = options.bits;
   content.slip_softening = options.softening;
@@ -146,12 +146,12 @@ inline void add_responses(ResponseFileContent& content, const ResponseSampleOpti
                  (1 + vary);
     }
     for (int k = o.bias; k < o.stiffness; ++k) c[k] = options.uniform ? 0 : 0.1 * vary * (k % 2 == 0 ? 1 : -0.5);
-    for (int k = 0; d.has_friction && k <= d.stiffness; ++k) {
+    for (int k = 0; d.friction_families && k <= d.stiffness; ++k) {
       c[o.stiffness + 3 * k] = 0.75 * (1 - vary);
       c[o.stiffness + 3 * k + 1] = 0.05;
       c[o.stiffness + 3 * k + 2] = -0.04;
     }
-    for (int k = 2; d.has_friction && k <= d.stiffness; ++k) c[o.coupling + 3 * (k - 2)] = -0.2;
+    for (int k = 2; d.friction_families && k <= d.stiffness; ++k) c[o.coupling + 3 * (k - 2)] = -0.2;
     for (int k = 0; k < o.end; ++k) {
       const double whole = k < o.friction ? units * c[static_cast<std::size_t>(k)] : 0.3 / layout::kFrictionUnit;
       r.coefficients.push_back(static_cast<std::int16_t>(std::lround(whole)));

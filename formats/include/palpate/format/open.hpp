@@ -81,7 +81,7 @@ inline bool check_meta(const layout::Meta& m, Fault& fault) {
   if (!(m.tangential_scale == 0) && !(m.tangential_scale >= 1e-9 && m.tangential_scale < 1e3)) {
     return fault.fail("META: tangential_scale must be at least 1e-9 and below 1000 m with friction, 0 without");
   }
-  if (const char* broken = response::broken_degree(layout::degrees(m))) {
+  if (const char* broken = response::broken_degree(response::degrees(m))) {
     return fault.fail("META: degrees %, %, %, % (normal, bias, stiffness, friction): %", m.normal_degree, m.bias_degree,
                       m.stiffness_degree, m.friction_degree, broken);
   }

@@ -34,12 +34,12 @@ struct Degrees {
   int bias = 0;              ///< g, its tangential force, 2 components, from s^2; 0 (absent) or [2, kMaxDegree]
   int stiffness = 3;         ///< K', 3 components, and A, 3 components from s^2; 0 (a spring) or [2, kMaxDegree]
   int friction = 3;          ///< mu; [0, kMaxDegree]
-  bool has_friction = true;  ///< false: the response has F and g alone, and both degrees above are 0
+  bool friction_families = true;  ///< false: the response has F and g alone, and both degrees above are 0
 };
 
 constexpr bool operator==(const Degrees& a, const Degrees& b) {
   return a.normal == b.normal && a.bias == b.bias && a.stiffness == b.stiffness && a.friction == b.friction &&
-         a.has_friction == b.has_friction;
+         a.friction_families == b.friction_families;
 }
 constexpr bool operator!=(const Degrees& a, const Degrees& b) { return !(a == b); }
 
@@ -48,7 +48,7 @@ constexpr const char* broken_degree(const Degrees& d) {
   const auto inside = [](int value, int low) { return value >= low && value <= kMaxDegree; };
   if (!inside(d.normal, 2)) return "normal_degree must be 2 to 6";
   if (d.bias != 0 && !inside(d.bias, 2)) return "bias_degree must be 0 or 2 to 6";
-  if (!d.has_friction) {
+  if (!d.friction_families) {
     return d.stiffness == 0 && d.friction == 0
                ? nullptr
                : "stiffness_degree and friction_degree must be 0 in a frictionless file";
@@ -71,14 +71,14 @@ constexpr Offsets offsets(const Degrees& d) {
   Offsets o{};
   o.bias = from_square(d.normal);
   o.stiffness = o.bias + 2 * from_square(d.bias);
-  o.coupling = o.stiffness + (d.has_friction ? 3 * (d.stiffness + 1) : 0);
-  o.friction = o.coupling + (d.has_friction ? 3 * from_square(d.stiffness) : 0);
-  o.end = o.friction + (d.has_friction ? d.friction + 1 : 0);
+  o.coupling = o.stiffness + (d.friction_families ? 3 * (d.stiffness + 1) : 0);
+  o.friction = o.coupling + (d.friction_families ? 3 * from_square(d.stiffness) : 0);
+  o.end = o.friction + (d.friction_families ? d.friction + 1 : 0);
   return o;
 }
-constexpr int coefficient_count(const Degrees& d) { return offsets(d).end; }
+constexpr int count(const Degrees& d) { return offsets(d).end; }
 
-inline constexpr int kMaxCoefficients = coefficient_count({kMaxDegree, kMaxDegree, kMaxDegree, kMaxDegree, true});
+inline constexpr int kMostCoefs = count({kMaxDegree, kMaxDegree, kMaxDegree, kMaxDegree, true});
 
 /// Share of the tangential bias that remains while a contact slips, at s = min(1, sqrt(z / Z)).
 /// The friction limit mu F bounds the tangential force less this share of the bias. The rest of the bias is shear of the

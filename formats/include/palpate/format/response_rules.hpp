@@ -36,7 +36,7 @@ const char* broken_rule(const Scalar* coefs, const Degrees& d, double largest_fr
     if (!(value >= last)) return "the normal force must start at zero and not decrease";
     last = value;
   }
-  if (!d.has_friction) return nullptr;
+  if (!d.friction_families) return nullptr;
   for (int k = o.friction; k < o.end; ++k) {
     const auto value = static_cast<double>(coefs[k]);
     if (!(value >= 0 && value <= largest_friction)) return "the friction coefficient is out of 0 to 10";

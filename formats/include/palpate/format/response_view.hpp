@@ -96,9 +96,9 @@ struct View {
   [[nodiscard]] float coefficient_unit(std::uint64_t index) const {
     return *reinterpret_cast<const float*>(packed_coefficients(index));
   }
-  /// Writes response::coefficient_count(degrees) integers to `to`.
+  /// Writes response::count(degrees) integers to `to`.
   void coefficients(std::uint64_t index, std::int16_t* to) const {
-    layout::unpack_coefficients(packed_coefficients(index), response::offsets(layout::degrees(*meta)), meta->coef_bits,
+    layout::unpack_coefficients(packed_coefficients(index), response::offsets(response::degrees(*meta)), meta->coef_bits,
                                 to);
   }
   /// The unit and the packed coefficients that follow it.

@@ -38,9 +38,9 @@ inline bool is_padded(const View& v, std::uint32_t i, const response::Offsets& o
 }
 
 inline bool check_coefficients(const View& v, std::uint32_t i, Fault& fault) {
-  const response::Degrees degrees = layout::degrees(*v.meta);
+  const response::Degrees degrees = response::degrees(*v.meta);
   const float unit = v.coefficient_unit(i);
-  std::int16_t coefs[response::kMaxCoefficients];
+  std::int16_t coefs[response::kMostCoefs];
   v.coefficients(i, coefs);
   if (!(unit >= 0 && unit <= kLargest / 32768)) {
     return fault.fail("RESPONSES: response %: its unit must be 0 to 1e12 / 32768 N", i);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// What a bonded contact answers to any deflection: the gradient of an energy, so that no motion gains any.
+// The law of a bonded contact: the force of a deflection is the gradient of an energy, so that no closed motion does work.
 #pragma once
 
-#include "palpate/grasp_curves.hpp"
+#include "palpate/format/response_layout.hpp"
+#include "palpate/format/spline.hpp"
 
 #include <cmath>
 
@@ -11,16 +12,61 @@
 ///
 ///     W = integral of Fn dz - Fx x - Fy y + (kxx x^2 + 2 kxy x y + kyy y^2) / 2,     f = (-dW/dx, -dW/dy, dW/dz).
 ///
-/// The curves and how they go on beyond -L and L: grasp_curves.hpp. f is continuous, and the gradient of one W,
-/// everywhere.
-namespace palpate::grasp {
+/// The curves continue beyond -L and L (Curves). f is continuous, and the gradient of one W, everywhere.
+namespace palpate::bonded {
 
-/// Curves of one response or of a blend, ready to be evaluated. Fixed size, no allocation.
+/// x and y across the normal, n along it; of a deflection, n is the depth.
+struct Triple {
+  double x, y, n;
+};
+
+/// kCount splines over u = (z / L + 1) / 2, with L = layout::kBondedRange times the depth scale. Beyond 0 and 1 the first
+/// three continue linearly. The others keep their values, which they reach without a slope. Fixed size, no allocation.
+template <int kCount>
+class Curves {
+public:
+  /// Removes all responses. `count` coefficients a curve, 4 to 32; depth scale in m.
+  void clear(int count, double depth_scale) {
+    count_ = count;
+    range_ = layout::kBondedRange * depth_scale;
+    for (int i = 0; i < kCount * count; ++i) coefs_[i] = 0;
+  }
+
+  [[nodiscard]] int count() const { return count_; }
+  [[nodiscard]] double range() const { return range_; }  ///< m, L
+  /// One curve's coefficients after the other's.
+  [[nodiscard]] const double* coefs() const { return coefs_; }
+  [[nodiscard]] double* coefs() { return coefs_; }
+
+  /// All curves at one depth, and their slopes by the depth.
+  struct AtDepth {
+    double value[kCount], slope[kCount];
+  };
+  [[nodiscard]] AtDepth at(double z) const {
+    const double u = 0.5 * (z / range_ + 1), inside = u > 0 ? (u < 1 ? u : 1) : 0;
+    const spline::Basis value = spline::basis(count_, inside), slope = spline::slope_basis(count_, inside);
+    AtDepth terms;
+    for (int k = 0; k < kCount; ++k) {
+      const double* curve = coefs_ + k * count_;
+      const double rise = spline::combine(slope, curve);
+      terms.value[k] = spline::combine(value, curve) + (k < 3 ? (u - inside) * rise : 0);
+      terms.slope[k] = 0.5 * rise / range_;
+    }
+    return terms;
+  }
+
+private:
+  int count_ = 0;
+  double range_ = 1;
+  double coefs_[kCount * layout::kMaxCoefs] = {};
+};
+
+/// Curves of one response or of a blend. Fixed size, no allocation.
 class Law {
 public:
   using AtDepth = Curves<static_cast<int>(layout::kBondedCurves)>::AtDepth;
 
-  /// Forgets everything. `count` coefficients a curve, 4 to 32; depth scale in m.
+  /// Removes all responses. `count` coefficients a curve, 4 to 32; depth scale in m.
   void clear(int count, double depth_scale) { curves_.clear(count, depth_scale); }
 
   /// Adds a response's curves (Fx, Fy, Fn, kxx, kxy, kyy) with a weight; (cosine, sine) of the angle of its x axis in
@@ -61,8 +107,8 @@ public:
     return find_depth(range(), [&](double z) { return excess(z, force, deflection); });
   }
 
-  /// Bisects for the depth, between -range and range, at which `excess`, less than 0 at the one end and not at the
-  /// other, stops being so; ends with a call there. False where it is not so, or no number there.
+  /// Bisects for the depth in [-range, range] at which `excess` changes from below 0 to 0 or more, and calls it there
+  /// last. False where it does not change its sign so, or is NaN there.
   template <class Excess>
   [[nodiscard]] static bool find_depth(double range, const Excess& excess) {
     double low = -range, high = range;
@@ -75,8 +121,8 @@ public:
   }
 
 private:
-  /// Force along the normal, less the wanted one, where x and y, which it sets with n = z, answer with the wanted
-  /// sideways force; no number where no x and y do.
+  /// Normal force less the wanted one at the x and y with the wanted tangential force, which it sets with n = z. NaN
+  /// where no x and y have that force.
   [[nodiscard]] double excess(double z, const Triple& wanted, Triple& deflection) const {
     const AtDepth t = at(z);
     const double xx = t.value[3], xy = t.value[4], yy = t.value[5], size = xx * yy - xy * xy;
@@ -89,4 +135,4 @@ private:
   Curves<static_cast<int>(layout::kBondedCurves)> curves_;
 };
 
-}  // namespace palpate::grasp
+}  // namespace palpate::bonded

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-// What a bonded contact answers when the tool is turned as well as moved: force and torque, of one energy.
+// The law of a bonded contact whose tool is rotated and translated: force and torque of one energy.
 #pragma once
 
 #include "palpate/format/bonded_rules.hpp"
-#include "palpate/grasp_law.hpp"
+#include "palpate/response/bonded_law.hpp"
 
 #include <cmath>
 
-/// With e = (x, y) and the depth z of p - c, the energy of grasp_law.hpp, and the rotation vector theta of the tool
+/// With e = (x, y) and the depth z of p - c, the energy of bonded_law.hpp, and the rotation vector theta of the tool
 /// about p (x, y, n; body's axes), the stored energy is
 ///
 ///     W = W(e, z) - T(z) . u + e . C(z) u + v . K(z) v / 2,     u = o(a) theta / a, v = r(a) theta / a, a = |theta|.
@@ -20,7 +20,7 @@
 /// The torque on the tool about p is -J(theta)^-T dW/dtheta, with J the left Jacobian of SO(3), which takes the rate of
 /// theta to the angular velocity (Sola, Deray and Atchuthan 2018, equations 145 and 146): torque times angular velocity
 /// and force times velocity are the rate of -W, so that closed motions do no work.
-namespace palpate::grasp {
+namespace palpate::bonded {
 
 /// Force (N) and torque (N m) on the tool.
 struct Wrench {
@@ -67,13 +67,10 @@ inline Triple per_angular_velocity(const Triple& theta, const Triple& g) {
   return {g.x + 0.5 * once.x + c * twice.x, g.y + 0.5 * once.y + c * twice.y, g.n + 0.5 * once.n + c * twice.n};
 }
 
-using bonded::solve_positive;
-using bonded::stiffness;
-
-/// The turn's part of one response or of a blend. Fixed size, no allocation.
-class TurnLaw {
+/// The part of the rotation, of one response or of a blend. Fixed size, no allocation.
+class TorqueLaw {
 public:
-  /// Forgets everything. As Law::clear, with the same count.
+  /// Removes all responses. As Law::clear, with the same count.
   void clear(int count, double depth_scale) { curves_.clear(count, depth_scale); }
 
   /// Adds a response's curves (T; Kxx, Kxy, Kyy, Kxn, Kyn, Knn; C row by row) as Law::add does.
@@ -131,7 +128,7 @@ public:
     return w;
   }
 
-  /// Sets a deflection and a rotation that answer with this force (N) and without torque. As Law::find; false, too,
+  /// Finds a deflection and a rotation with this force (N) and without torque. As Law::find; false, too,
   /// where the rotation is more than layout::kMaxRotation.
   [[nodiscard]] bool find(const Law& law, const Triple& force, Triple& d, Triple& theta) const {
     const bool found = Law::find_depth(law.range(), [&](double z) {
@@ -172,4 +169,4 @@ private:
   Curves<static_cast<int>(layout::kTorqueCurves)> curves_;
 };
 
-}  // namespace palpate::grasp
+}  // namespace palpate::bonded
