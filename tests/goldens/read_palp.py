@@ -674,13 +674,13 @@ class Law:
         on = lambda coefs: bernstein(coefs, s) + more * bernstein(derivative(coefs), s)
         family = lambda name, h: self.blend.get(name, {}).get(h, [0])
         F, g = on(family("F", 0)), on(family("g", 1))
+        slope = bernstein(derivative(family("g", 1)), s) / (2 * s * self.Z)
         if not self.X:
-            return F, -g, math.inf
+            return F + real_dot(slope, e), -g, math.inf
         u = e / self.X
         K = [on(integral(family("K'", h))) for h in (0, 2)]
         A = [bernstein(family("A", h), s) for h in (0, 2)]
-        slope = bernstein(derivative(family("g", 1)), s)
-        fn = F + self.X / self.Z * (real_dot(slope, u) + real_dot(u, second_harmonic(*A, u)) / 2) / (2 * s)
+        fn = F + real_dot(slope, e) + self.X / self.Z * real_dot(u, second_harmonic(*A, u)) / (4 * s)
         return fn, -(g + second_harmonic(*K, u)), bernstein(family("mu", 0), s) * F
 
 
