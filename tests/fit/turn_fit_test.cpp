@@ -93,7 +93,7 @@ TEST(TurnFit, FindsTorqueStiffnessAndCoupling) {
 
 void expect_stored(const GraspCurves& grasp, const TurnCurves& turn) {
   const Eigen::VectorXf move = grasp.curves.cast<float>(), curves = turn.curves.cast<float>();
-  EXPECT_STREQ(grasp::broken_turn(move.data(), curves.data(), kGraspCoefs), nullptr);
+  EXPECT_STREQ(bonded::broken_torque(move.data(), curves.data(), kGraspCoefs), nullptr);
 }
 
 // What is stored is accepted: with noise that no energy has, and with a coupling that is too large for one with a

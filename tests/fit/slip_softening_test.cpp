@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What slipping pushes say of a contact that pushes less once it slips.
-#include "precompute/fit/slip_relief.hpp"
-
-#include "palpate/relief.hpp"
+// Slip softening from pushes with a known softening.
+#include "precompute/fit/slip_softening.hpp"
 
 #include <gtest/gtest.h>
 
@@ -29,8 +27,8 @@ struct Course {
   double bend = 0;
 };
 
-// Straight pushes, and such that slip by the law of the runtime, in three directions.
-std::vector<Sample> samples_of(double relief, const Course& course = {}, double deepest = kScale) {
+// Normal pushes, and pushes that slip in three directions.
+std::vector<Sample> samples_of(double softening, const Course& course = {}, double deepest = kScale) {
   std::vector<Sample> samples;
   for (const double share : {0.25, 0.5, 0.75, 1.0}) {
     const double depth = share * share * deepest;
@@ -42,18 +40,15 @@ std::vector<Sample> samples_of(double relief, const Course& course = {}, double 
     for (int d = 0; d < 3; ++d) {
       const double angle = 2 * M_PI * d / 3;
       const Vector2d u(std::cos(angle), std::sin(angle));
-      for (const double moved : {0.8, 1.6, 2.4}) {
+      for (const double moved : {0.8, 1.2, 1.6, 2.4}) {
         const double way = std::max(0.0, moved - 1) * held(depth);
-        const double reached = 1 - std::exp(-way / (runtime::kReliefReach * held(depth)));
-        const double give = reached * relief / kScale, counted = runtime::counted_depth(give, kScale, depth);
         const Vector2d went = way / depth * u;
         Sample s;
         s.kind = SampleKind::slipping;
         s.deflection << moved * held(depth) * u, depth;
         s.force =
             sticking({std::min(moved, 1.0) * held(depth) * u.x(), std::min(moved, 1.0) * held(depth) * u.y(), depth});
-        s.force.z() = runtime::counted_slope(give, kScale, depth) * sticking({0, 0, counted}).z() *
-                      (1 + course.slope.dot(went) + course.bend * went.squaredNorm());
+        s.force.z() *= (1 - (moved > 1 ? softening : 0)) * (1 + course.slope.dot(went) + course.bend * went.squaredNorm());
         s.friction_limit = moved > 1 ? kCoulomb : 0;
         samples.push_back(s);
       }
@@ -62,47 +57,47 @@ std::vector<Sample> samples_of(double relief, const Course& course = {}, double 
   return samples;
 }
 
-TEST(SlipRelief, IsWhatMadeThePushes) {
-  for (const double relief : {0.0, 0.004, 0.03}) {
-    EXPECT_NEAR(slip_relief(samples_of(relief), sticking, kScale), relief, 0.02 * relief + 1e-9) << relief;
+TEST(SlipSoftening, IsFoundAgain) {
+  for (const double softening : {0.0, 0.004, 0.03}) {
+    EXPECT_NEAR(slip_softening(samples_of(softening), sticking), softening, 0.02 * softening + 1e-9) << softening;
   }
-  EXPECT_NEAR(slip_relief(samples_of(0.03, {}, 0.5 * kScale), sticking, kScale), 0.03, 1e-3) << "half as deep";
+  EXPECT_NEAR(slip_softening(samples_of(0.03, {}, 0.5 * kScale), sticking), 0.03, 1e-3) << "half as deep";
 }
 
 // A body that is harder to one side, or all round, where the tool slides to.
-TEST(SlipRelief, IsToldApartFromWhereTheToolComesTo) {
+TEST(SlipSoftening, IsToldApartFromWhereTheToolComesTo) {
   for (const Course& course : {Course{{0.1, -0.2}, 0}, Course{{0, 0}, -0.2}, Course{{0.15, 0.1}, 0.1}}) {
-    EXPECT_NEAR(slip_relief(samples_of(0.02, course), sticking, kScale), 0.02, 2e-3);
+    EXPECT_NEAR(slip_softening(samples_of(0.02, course), sticking), 0.02, 2e-3);
   }
 }
 
-TEST(SlipRelief, IsNoneWhereNothingTells) {
-  EXPECT_EQ(slip_relief({}, sticking, kScale), 0);
+TEST(SlipSoftening, IsNoneWhereNothingTells) {
+  EXPECT_EQ(slip_softening({}, sticking), 0);
   std::vector<Sample> few = samples_of(0.02);
   std::erase_if(few, [](const Sample& s) { return s.kind == SampleKind::slipping; });
-  EXPECT_EQ(slip_relief(few, sticking, kScale), 0);
+  EXPECT_EQ(slip_softening(few, sticking), 0);
   std::vector<Sample> one_way = samples_of(0.02);
   std::erase_if(one_way, [](const Sample& s) { return s.kind == SampleKind::slipping && s.deflection.y() != 0; });
-  EXPECT_EQ(slip_relief(one_way, sticking, kScale), 0) << "the way cannot be told apart";
+  EXPECT_EQ(slip_softening(one_way, sticking), 0) << "the way cannot be told apart";
 }
 
 // What slips pushes more than what sticks: that is no loss, and nothing the runtime could do without a gain.
-TEST(SlipRelief, IsNotNegative) {
+TEST(SlipSoftening, IsNotNegative) {
   std::vector<Sample> more = samples_of(0);
   for (Sample& s : more) {
     if (s.kind == SampleKind::slipping) s.force.z() *= 1.05;
   }
-  EXPECT_EQ(slip_relief(more, sticking, kScale), 0);
+  EXPECT_EQ(slip_softening(more, sticking), 0);
 }
 
 // A tool that slides off a margin loses most of its force, and that is no relief.
-TEST(SlipRelief, IsNoneAtAMargin) {
-  for (const double bend : {-0.8, -2.0}) EXPECT_EQ(slip_relief(samples_of(0.02, {{0, 0}, bend}), sticking, kScale), 0);
+TEST(SlipSoftening, IsNoneAtAMargin) {
+  for (const double bend : {-0.8, -2.0}) EXPECT_EQ(slip_softening(samples_of(0.02, {{0, 0}, bend}), sticking), 0);
   std::vector<Sample> less = samples_of(0.02);
   for (Sample& s : less) {
     if (s.kind == SampleKind::slipping && s.deflection.z() < 0.5 * kScale) s.force.z() *= 0.8;
   }
-  EXPECT_LT(slip_relief(less, sticking, kScale), 0.031) << "shallow pushes that say far more than deep ones";
+  EXPECT_LT(slip_softening(less, sticking), 0.031) << "shallow pushes that say far more than deep ones";
 }
 
 }  // namespace
