@@ -8,7 +8,7 @@
 #include <ctime>
 
 #include "formats/error.hpp"
-#include "palpate/mapped_file.hpp"
+#include "palpate/format/mapped_file.hpp"
 
 namespace palpate::cli {
 namespace {

@@ -11,7 +11,7 @@
 #include "device/glove_source.hpp"
 #include "formats/error.hpp"
 #include "formats/response.hpp"
-#include "palpate/checksum.hpp"
+#include "palpate/format/checksum.hpp"
 #include "tools/elsewhere.hpp"
 #include "tools/plot.hpp"
 

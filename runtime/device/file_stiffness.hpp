@@ -3,7 +3,7 @@
 #pragma once
 
 #include "palpate/math3.hpp"
-#include "palpate/view.hpp"
+#include "palpate/format/response_view.hpp"
 
 namespace palpate::device {
 

@@ -2,7 +2,7 @@
 #include "device/run_record.hpp"
 
 #include "device/run_hand.hpp"
-#include "palpate/checksum.hpp"
+#include "palpate/format/checksum.hpp"
 
 #include <cstring>
 

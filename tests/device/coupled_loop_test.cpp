@@ -2,7 +2,7 @@
 // A virtual coupling in closed loops: what oscillates without it rests with the stiffest one that is called safe, and
 // the bound that says so against Colgate's condition.
 #include "device/safety.hpp"
-#include "palpate/mapped_file.hpp"
+#include "palpate/format/mapped_file.hpp"
 #include "palpate/runtime.hpp"
 #include "tests/device/stability_cases.hpp"
 

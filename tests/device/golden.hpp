@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "palpate/mapped_file.hpp"
+#include "palpate/format/mapped_file.hpp"
 #include "palpate/runtime.hpp"
 
 namespace palpate::test {

@@ -4,7 +4,7 @@
 
 #include "device/closed_loop.hpp"
 #include "device/sim_device.hpp"
-#include "palpate/view.hpp"
+#include "palpate/format/response_view.hpp"
 #include "palpate/virtual_coupling.hpp"
 
 #include <memory>
