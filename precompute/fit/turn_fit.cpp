@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "formats/error.hpp"
-#include "palpate/response/bonded_torque_law.hpp"
+#include "palpate/contact/bonded_contact.hpp"
 #include "precompute/algebra/spectrum.hpp"
 #include "precompute/fit/least_squares.hpp"
 #include "precompute/fit/spline_rows.hpp"

@@ -3,7 +3,7 @@
 #include "precompute/verify/held_out.hpp"
 
 #include "formats/error.hpp"
-#include "palpate/response/bonded_response.hpp"
+#include "palpate/contact/bonded_contact.hpp"
 #include "palpate/response/interpolation.hpp"
 #include "precompute/solve/pair.hpp"
 #include "precompute/solve/solved_limit.hpp"

@@ -10,7 +10,7 @@
 #include <random>
 
 #include "formats/error.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/palpate.hpp"
 #include "tests/bake/kill_driver.hpp"
 #include "tests/support/label_ball.hpp"
 #include "tests/support/slab.hpp"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "formats/error.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/palpate.hpp"
 #include "precompute/bake/pipeline.hpp"
 #include "precompute/bake/sources.hpp"
 #include "tests/support/slab.hpp"

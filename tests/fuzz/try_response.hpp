@@ -6,7 +6,7 @@
 #include <cstring>
 #include <vector>
 
-#include "palpate/runtime.hpp"
+#include "palpate/palpate.hpp"
 #include "tests/fuzz/promise.hpp"
 
 namespace palpate::test {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "palpate/format/open.hpp"
-#include "palpate/response/bonded_response.hpp"
+#include "palpate/contact/bonded_contact.hpp"
 #include "palpate/response/interpolation.hpp"
 
 namespace palpate::test {

@@ -12,7 +12,7 @@
 #include "formats/error.hpp"
 #include "palpate/format/checksum.hpp"
 #include "palpate/format/open.hpp"
-#include "palpate/response/bonded_response.hpp"
+#include "palpate/contact/bonded_contact.hpp"
 #include "palpate/response/interpolation.hpp"
 #include "tests/support/response_samples.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Torques of a turned tool on a bonded contact, against closed forms of rigid discs on a half-space.
 #include "formats/response.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/palpate.hpp"
 #include "precompute/fit/turn_fit.hpp"
 #include "tests/support/press.hpp"
 #include "tests/support/response_samples.hpp"

@@ -11,7 +11,7 @@
 
 #include "formats/surface_fields.hpp"
 #include "formats/surface_io.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/palpate.hpp"
 #include "tests/cli/palpate_program.hpp"
 #include "tests/support/response_samples.hpp"
 

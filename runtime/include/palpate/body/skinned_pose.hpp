@@ -2,7 +2,7 @@
 // A shape that a host gives the body: rotations of its sites, positions of its surface, and a search tree for these.
 #pragma once
 
-#include "palpate/format/validate.hpp"
+#include "palpate/format/validate_common.hpp"
 #include "palpate/geometry/surface.hpp"
 #include "palpate/math/pose.hpp"
 
