@@ -62,7 +62,8 @@ public:
       tick.fault = fault;
       return tick;
     }
-    if (!state_.touching) {
+    const bool lasted = state_.touching;
+    if (!lasted) {
       const Sweep found = free_.advance(shape_, tool, body, latest, size(view_->meta->depth_scale),
                                         ContactConstants::kTouchGap * view_->meta->depth_scale);
       if (!found.touches) return {};
@@ -76,7 +77,7 @@ public:
     Tick tick = step(in_body(tool, frame), body, latest);
     if (!state_.touching) {
       free_.leave(tool, body, state_.place.foot.at);
-      return tick;
+      return lasted ? tick : Tick{};
     }
     state_.tool = in_body(tool, frame);
     rebase(frame, body.frame(state_.place.body_point.at));
