@@ -325,8 +325,8 @@ private:
     constexpr double kWidest = 0.05;  // of the depth scale, of the ball's radius
     const double widest = 2 * kWidest * view.meta->depth_scale;
     double distance = length(p - position(view, near)) * (1 + 1e-9);
-    double squared[kMost + 1];
-    std::uint32_t ids[kMost + 1];
+    double squared[kMost + 1] = {};
+    std::uint32_t ids[kMost + 1] = {};
     int count = 0;
     const double first = distance + widest;
     detail::visit_near<kFeatures>(view, p, first * first, [&](std::uint32_t t, double& bound) {
