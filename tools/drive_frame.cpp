@@ -26,7 +26,7 @@ bool has_own_response(const runtime::View& view, std::uint32_t tool, std::uint32
   const layout::ToolRecord& record = view.tools[tool];
   for (std::uint32_t k = 0; k < record.vertex_count; ++k) {
     const std::uint64_t index = layout::response_index(*view.meta, site, record.first_vertex + k);
-    if (view.response_head(index).flags != layout::response_covered) return true;
+    if (view.response_head(index).flags != layout::response_filled) return true;
   }
   return false;
 }

@@ -175,9 +175,9 @@ TEST_F(Playback, BenchOpensTheFileAndALargerOneOfTheSameBody) {
   options.search = true;  // whose tree is grown over all copies, and read by the validation that is timed
   options.tools = ResponseSampleOptions::Tools::all;
   write_response_file(folder() / "search.palp", encode(box_content(options)));
-  options.coupled = 4;
-  write_response_file(folder() / "coupled.palp", encode(box_content(options)));
-  for (const char* file : {"box.palp", "search.palp", "coupled.palp"}) {
+  options.bits = 8;
+  write_response_file(folder() / "packed.palp", encode(box_content(options)));
+  for (const char* file : {"box.palp", "search.palp", "packed.palp"}) {
     const Json once = Json::parse(run({"bench", file, "--open", "--json"}).out);
     EXPECT_EQ(once["bytes"], std::filesystem::file_size(folder() / file));
     const RunResult result = run({"bench", file, "--open", "--bytes", "3e6", "--json"});
