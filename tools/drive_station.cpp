@@ -91,7 +91,7 @@ Station set_up(const runtime::View& view, std::uint32_t tool, const device::Devi
   station.frame = place_device(view, tool, options.placing);
   station.several = options.several;
   station.coupling = choose_coupling(options.coupling, view, station.frame, kind, globals);
-  station.source = station.several ? source<runtime::FeltPlaces>(view, tool, station)
+  station.source = station.several ? source<runtime::ContactSet<3>>(view, tool, station)
                                    : source<runtime::Contact>(view, tool, station);
   DriveDeviceOptions device = options.device;
   device.probing = probing(view, options.placing);

@@ -2,7 +2,7 @@
 // What a tool that is felt at one place misses, and what one that is felt at several has too much of.
 #pragma once
 
-#include "palpate/as_one.hpp"
+#include "palpate/contact/contact_set.hpp"
 
 namespace palpate::cli {
 
@@ -19,11 +19,11 @@ public:
     place_.at[0] = tick.body_point;
     return finder_.look(place_, 0).touch.clearance < 0;
   }
-  static bool missed(const runtime::FeltPlaces&, const runtime::Pose&, const runtime::Tick&) { return false; }
+  static bool missed(const runtime::ContactSet<3>&, const runtime::Pose&, const runtime::Tick&) { return false; }
 
   /// Felt at several, these lie so near each other that their sum is too large.
   static bool near(const runtime::Contact&) { return false; }
-  static bool near(const runtime::FeltPlaces& places) { return places.last().overlap.near(); }
+  static bool near(const runtime::ContactSet<3>& places) { return places.last().overlap.near(); }
 
 private:
   runtime::PlaceFinder<> finder_;

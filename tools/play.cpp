@@ -90,7 +90,7 @@ std::vector<PlayedRow> play_with(Contact&& contact, const runtime::View& view, s
                                  const std::vector<MotionRow>& motion, PlaySummary& summary) {
   summary = {};
   Elsewhere elsewhere(view, tool);
-  const double reach = runtime::skeleton_radius(view, tool) + view.tools[tool].probe_radius;
+  const double reach = runtime::ToolShape<>(view, tool).extent();
   const double longest = 0.01 * view.meta->depth_scale;
   std::vector<PlayedRow> rows;
   rows.reserve(motion.size());
@@ -103,8 +103,8 @@ std::vector<PlayedRow> play_with(Contact&& contact, const runtime::View& view, s
     for (int k = 1; k <= steps; ++k) {
       tick = contact.tick(pose_between(from, motion[i], k / static_cast<double>(steps)));
       account(summary, tick, duration);
-      beyond = beyond || tick.beyond;
-      covered = covered || tick.covered > 0.5;
+      beyond = beyond || tick.extrapolated;
+      covered = covered || tick.filled_share > 0.5;
     }
     summary.rows_beyond += beyond ? 1 : 0;
     summary.rows_covered += covered ? 1 : 0;
@@ -120,7 +120,7 @@ std::vector<PlayedRow> play_with(Contact&& contact, const runtime::View& view, s
 
 std::vector<PlayedRow> play(const runtime::View& view, std::uint32_t tool, const std::vector<MotionRow>& motion,
                             PlaySummary& summary, bool several) {
-  return several ? play_with(runtime::FeltPlaces(view, tool), view, tool, motion, summary)
+  return several ? play_with(runtime::ContactSet<3>(view, tool), view, tool, motion, summary)
                  : play_with(runtime::Contact(view, tool), view, tool, motion, summary);
 }
 

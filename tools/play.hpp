@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/runtime.hpp"
+#include "palpate/palpate.hpp"
 #include "tools/motion_file.hpp"
 
 namespace palpate::cli {

@@ -136,7 +136,7 @@ PlayedRun play_run(const device::RunLog& log, const ResponseInput& input, std::u
     }
     replay_into(played, log, elsewhere, glove);
   } else if (log.header.several == 1) {
-    replay_held<runtime::FeltPlaces>(played, log, elsewhere, input.view(), tool);
+    replay_held<runtime::ContactSet<3>>(played, log, elsewhere, input.view(), tool);
   } else {
     replay_held<runtime::Contact>(played, log, elsewhere, input.view(), tool);
   }

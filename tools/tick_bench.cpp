@@ -159,7 +159,7 @@ class Plain {
 public:
   Plain(const View& view, std::uint32_t tool, const BodyPoint& at, const ToolPoint& on) {
     double body[3];
-    runtime::patch_weights(view, at, body);
+    runtime::site_weights(view, at, body);
     const auto& sites = view.triangles[at.triangle].site;
     for (int k = 0; k < 3; ++k) {
       const BodyPoint site = locate(view, runtime::to_vec(view.sites[sites[k]].position)).at;

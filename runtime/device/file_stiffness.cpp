@@ -2,7 +2,7 @@
 #include "device/file_stiffness.hpp"
 
 #include "device/device.hpp"
-#include "palpate/field.hpp"
+#include "palpate/response/interpolation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -25,7 +25,7 @@ std::vector<std::pair<std::uint32_t, BodyPoint>> site_points(const View& view) {
       BodyPoint at{t, {0, 0, 0}};
       at.bary[k] = 1;
       double weights[3];
-      patch_weights(view, at, weights);
+      site_weights(view, at, weights);
       for (int j = 0; j < 3; ++j) {
         const std::uint32_t site = view.triangles[t].site[j];
         if (weights[j] < 1 - 1e-9 || seen[site]) continue;

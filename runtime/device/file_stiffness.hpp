@@ -2,7 +2,7 @@
 // How stiff the responses of a file are: the largest slope of force over deflection that a stuck contact has.
 #pragma once
 
-#include "palpate/math3.hpp"
+#include "palpate/math/pose.hpp"
 #include "palpate/format/response_view.hpp"
 
 namespace palpate::device {

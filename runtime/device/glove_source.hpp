@@ -5,8 +5,8 @@
 #include "device/force_source.hpp"
 #include "device/glove_options.hpp"
 #include "device/hand_calibration.hpp"
-#include "palpate/output.hpp"
-#include "palpate/several.hpp"
+#include "palpate/output/output_chain.hpp"
+#include "palpate/contact/contact_set.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -77,7 +77,7 @@ public:
   [[nodiscard]] const runtime::Overlap& overlap() const { return tools_.overlap(); }
 
 private:
-  using Cable = runtime::Output<runtime::output::OneAxis, runtime::output::Limit, runtime::output::LowPass,
+  using Cable = runtime::OutputChain<runtime::output::OneAxis, runtime::output::Limit, runtime::output::LowPass,
                                 runtime::output::RateLimit>;
   static constexpr double kBeyond = 3.2;  // rad: no joint bends so far, the sensor is broken
 

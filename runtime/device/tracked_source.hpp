@@ -4,9 +4,9 @@
 #pragma once
 
 #include "device/scene_answer.hpp"
-#include "palpate/contact.hpp"
-#include "palpate/latest.hpp"
-#include "palpate/output.hpp"
+#include "palpate/contact/contact.hpp"
+#include "palpate/threading/triple_buffer.hpp"
+#include "palpate/output/output_chain.hpp"
 
 #include <atomic>
 #include <chrono>
@@ -81,8 +81,8 @@ private:
   double stale_, time_ = 0;
   bool fresh_ = false;  // a search has come
   Found latest_;
-  runtime::Latest<Asked> asked_;
-  runtime::Latest<Found> found_;
+  runtime::TripleBuffer<Asked> asked_;
+  runtime::TripleBuffer<Found> found_;
   std::atomic<bool> ending_{false};
   std::thread thread_;
 };

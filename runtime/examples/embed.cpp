@@ -2,8 +2,8 @@
 // Pushes the first tool straight down on a site with a response of its own, to its depth limit: embed FILE.palp
 #include <cstdio>
 
-#include "palpate/mapped_file.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/format/mapped_file.hpp"
+#include "palpate/palpate.hpp"
 
 int main(int argc, char** argv) {
   using namespace palpate::runtime;

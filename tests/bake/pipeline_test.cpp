@@ -12,7 +12,7 @@
 #include "formats/error.hpp"
 #include "formats/file.hpp"
 #include "palpate/format/open.hpp"
-#include "palpate/response/bonded_response.hpp"
+#include "palpate/contact/bonded_contact.hpp"
 #include "tests/bake/kill_driver.hpp"
 #include "tests/support/label_ball.hpp"
 #include "tests/support/slab.hpp"
@@ -127,8 +127,7 @@ TEST_F(SlabPipeline, AToolThatHoldsOnHasItsPullsAndTurnsInTheFile) {
     const PairPlan& plan = p.plan.pairs[pair];
     const runtime::Location at =
         closest_point(opened.view, {plan.frame.origin.x(), plan.frame.origin.y(), plan.frame.origin.z()});
-    runtime::BondedResponse response;
-    response.blend(opened.view, plan.tool, at.at, {}, nullptr);
+    const runtime::BondedResponse<true> response(opened.view, plan.tool, at.at, {});
     EXPECT_EQ(response.depth() > 0, plan.tool == 1);
     EXPECT_EQ(response.rotated() > 0, plan.tool == 1);
     double given = 0;
@@ -137,7 +136,7 @@ TEST_F(SlabPipeline, AToolThatHoldsOnHasItsPullsAndTurnsInTheFile) {
       if (s.kind != SampleKind::grasped) continue;
       const Eigen::Vector3d d = plan.frame.to_world({s.deflection.x(), s.deflection.y(), -s.deflection.z()});
       const Eigen::Vector3d r = plan.frame.to_world(s.rotation);
-      const runtime::BondedWrench answer = response.wrench({d.x(), d.y(), d.z()}, {r.x(), r.y(), r.z()});
+      const runtime::BondedForce answer = response.at({d.x(), d.y(), d.z()}, {r.x(), r.y(), r.z()});
       if (r.norm() > 0) {
         const Eigen::Vector3d torque(answer.torque.x, answer.torque.y, answer.torque.z);
         EXPECT_LT((torque - plan.frame.to_world(s.torque)).norm(), 0.15 * s.torque.norm());

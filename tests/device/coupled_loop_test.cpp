@@ -3,7 +3,7 @@
 // the bound that says so against Colgate's condition.
 #include "device/safety.hpp"
 #include "palpate/format/mapped_file.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/palpate.hpp"
 #include "tests/device/stability_cases.hpp"
 
 #include <gtest/gtest.h>

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "palpate/format/mapped_file.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/palpate.hpp"
 
 namespace palpate::test {
 

@@ -6,7 +6,7 @@
 #include "tests/device/stability_cases.hpp"
 
 #include "palpate/format/mapped_file.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/palpate.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include "device/closed_loop.hpp"
 #include "device/sim_device.hpp"
 #include "palpate/format/response_view.hpp"
-#include "palpate/virtual_coupling.hpp"
+#include "palpate/output/virtual_coupling.hpp"
 
 #include <memory>
 #include <string>

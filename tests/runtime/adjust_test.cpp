@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Factors that change while a tool presses: no tear in the force, no energy from nowhere.
-#include "palpate/adjust.hpp"
+#include "palpate/body/stiffness_scale.hpp"
 
 #include <cmath>
 #include <vector>

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <memory>
 
-#include "palpate/several.hpp"
+#include "palpate/contact/contact_set.hpp"
 #include "tests/runtime/battery_hand.hpp"
 
 namespace palpate::test::battery {

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "palpate/mapped_file.hpp"
+#include "palpate/format/mapped_file.hpp"
 #include "tests/runtime/battery.hpp"
 
 namespace palpate::test {

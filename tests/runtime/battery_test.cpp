@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "palpate/mapped_file.hpp"
+#include "palpate/format/mapped_file.hpp"
 #include "tests/runtime/battery_hand.hpp"
 #include "tests/runtime/support.hpp"
 

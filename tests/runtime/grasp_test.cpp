@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A tool that holds on: taken over without a step, pulled out and aside, no work in loops; files that have no grasp.
-#include "palpate/grasp.hpp"
+#include "palpate/contact/bonded_contact.hpp"
 
 #include <algorithm>
 #include <cmath>

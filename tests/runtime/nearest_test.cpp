@@ -2,7 +2,7 @@
 // What a search of the surface leaves out is nowhere nearer than what it finds.
 #include <cmath>
 
-#include "palpate/nearest.hpp"
+#include "palpate/geometry/closest_point.hpp"
 #include "tests/runtime/support.hpp"
 
 namespace palpate {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One tool between two lobes, a stem over both, several tools at once; what adding their forces is wrong by.
-#include "palpate/as_one.hpp"
+#include "palpate/contact/contact_set.hpp"
 
 #include <cmath>
 
-#include "palpate/virtual_coupling.hpp"
+#include "palpate/output/virtual_coupling.hpp"
 #include "tests/runtime/allocation_counter.hpp"
 #include "tests/runtime/two_lobes.hpp"
 

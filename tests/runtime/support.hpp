@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "palpate/runtime.hpp"
+#include "palpate/palpate.hpp"
 #include "tests/support/response_samples.hpp"
 
 namespace palpate::test {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A tool that holds on and is turned: torque of twist and rolling, no work in loops of moves and turns, the reader's
 // rules.
-#include "palpate/turn.hpp"
+#include "palpate/contact/bonded_contact.hpp"
 
 #include <cmath>
 #include <functional>

@@ -2,7 +2,7 @@
 // Torques of a turned tool on a bonded contact, against closed forms of rigid discs on a half-space.
 #include "formats/response.hpp"
 #include "palpate/format/open.hpp"
-#include "palpate/response/bonded_response.hpp"
+#include "palpate/contact/bonded_contact.hpp"
 #include "precompute/fit/turn_fit.hpp"
 #include "tests/support/press.hpp"
 #include "tests/support/response_samples.hpp"
@@ -80,14 +80,13 @@ TEST(TurnedPunch, AnswersTwistAndRollingAsARigidDisc) {
   const runtime::OpenResult opened = runtime::View::open(bytes.data(), bytes.size());
   ASSERT_TRUE(opened) << opened.error;
   const runtime::Location top = closest_point(opened.view, {0, 0, test::kBoxSize / 4});
-  runtime::BondedResponse response;
-  response.blend(opened.view, 0, top.at, {}, nullptr);
+  const runtime::BondedResponse<true> response(opened.view, 0, top.at, {});
   for (const double angle : {-0.0003, 0.0004}) {
     for (const double z : {0.1 * depth, 0.4 * depth}) {
-      EXPECT_NEAR(response.wrench({0, 0, -z}, {0, 0, angle}).torque.z / (-angle * twist), 1.0, 0.04);
-      EXPECT_NEAR(response.wrench({0, 0, -z}, {0, angle, 0}).torque.y / (-angle * roll), 1.0, 0.04);
+      EXPECT_NEAR(response.at({0, 0, -z}, {0, 0, angle}).torque.z / (-angle * twist), 1.0, 0.04);
+      EXPECT_NEAR(response.at({0, 0, -z}, {0, angle, 0}).torque.y / (-angle * roll), 1.0, 0.04);
       const double oblique = angle / std::sqrt(2.0);
-      EXPECT_NEAR(response.wrench({0, 0, -z}, {oblique, 0, oblique}).torque.z / (-oblique * twist), 1.0, 0.04);
+      EXPECT_NEAR(response.at({0, 0, -z}, {oblique, 0, oblique}).torque.z / (-oblique * twist), 1.0, 0.04);
     }
   }
 }

@@ -55,12 +55,12 @@ struct StiffnessScale {
   double step = 0.01;
 
   [[nodiscard]] bool valid() const { return body.valid() && step > 0; }
-  [[nodiscard]] Pose frame(const BodyPoint& at) const { return body.frame(at); }
+  [[nodiscard]] auto frame(const BodyPoint& at) const { return body.frame(at); }
   [[nodiscard]] const View& surface() const { return body.surface(); }
-  [[nodiscard]] Pose surface_frame() const { return body.surface_frame(); }
+  [[nodiscard]] auto surface_frame() const { return body.surface_frame(); }
   [[nodiscard]] double travel() const { return body.travel(); }
   [[nodiscard]] double factor(const BodyPoint& at) const { return scales->at(*view, at) * body.factor(at); }
-  [[nodiscard]] double factor_step() const { return std::fmin(step, body.factor_step()); }
+  [[nodiscard]] double factor_step() const { return smaller(step, body.factor_step()); }
 };
 
 }  // namespace palpate::runtime

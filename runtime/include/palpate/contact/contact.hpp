@@ -68,14 +68,18 @@ public:
       if (!found.touches) return {};
       start(found.touch, body.surface_frame() * found.pose, body);
     }
-    const Pose frame = body.frame(state_.place.body_point.at);
+    if (state_.touching && jumped(tool, body) && !put_elsewhere(tool, body, latest)) {
+      free_.leave(tool, body, state_.place.foot.at);
+      return released();
+    }
+    const auto frame = body.frame(state_.place.body_point.at);
     Tick tick = step(in_body(tool, frame), body, latest);
     if (!state_.touching) {
       free_.leave(tool, body, state_.place.foot.at);
       return tick;
     }
-    // c may have gone on to a place that moves otherwise: the last pose is that against the body near this place.
-    state_.tool = in_body(tool, body.frame(state_.place.body_point.at));
+    state_.tool = in_body(tool, frame);
+    rebase(frame, body.frame(state_.place.body_point.at));
     return in_world(frame, tick);
   }
 
@@ -96,7 +100,7 @@ public:
   /// to count as two. A tool that goes farther in a tick was put elsewhere and begins anew, without force.
   [[nodiscard]] double size(double depth) const {
     const double radius = rounding();
-    return std::sqrt(2 * radius * std::fmax(depth, 0.02 * radius)) + 0.25 * radius;
+    return std::sqrt(2 * radius * larger(depth, 0.02 * radius)) + 0.25 * radius;
   }
 
 private:
@@ -112,6 +116,7 @@ private:
   /// What all trials of a tick share.
   struct TickMotion {
     double moved = 0;  ///< m, largest travel of the tool's skin
+    double crept = 0;  ///< m, way of c
     Vec3 before;       ///< m, motion of the tool's point where the last force acted
     Vec3 after;        ///< m, motion of the tool's point where this force acts
     Vec3 point;        ///< m, where this force acts
@@ -138,6 +143,7 @@ private:
     return Fault::none;
   }
 
+  static const Tick& in_world(StillFrame /*frame*/, const Tick& tick) { return tick; }
   static Tick in_world(const Pose& frame, Tick tick) {
     tick.force = frame.rotate(tick.force);
     tick.torque = frame.rotate(tick.torque);
@@ -145,6 +151,16 @@ private:
     tick.body_point = frame.apply(tick.body_point);
     tick.tool_point = frame.apply(tick.tool_point);
     return tick;
+  }
+
+  /// c has gone on to a place of the body that has moved otherwise: what was against the old place is against the new.
+  void rebase(StillFrame /*from*/, StillFrame /*to*/) {}
+  void rebase(const Pose& from, const Pose& to) {
+    const Pose by = inverse(to) * from;
+    state_.tool = by * state_.tool;
+    state_.place.normal = by.rotate(state_.place.normal);
+    state_.place.axis = by.rotate(state_.place.axis);
+    state_.applied = {by.rotate(state_.applied.force), by.apply(state_.applied.point)};
   }
 
   /// A contact without force at the place of a search. `tool`: the pose (world) there.
@@ -164,7 +180,7 @@ private:
     place.axis = any_orthogonal(place.normal);
     place.tool_point = touch.core;
     place.tool_point.at = shape_.sampled_point(touch.core, state_.tool, place.normal);
-    state_.indentation = std::fmax(0, shape_.skin() - place.foot.signed_distance);
+    state_.indentation = larger(0, shape_.skin() - place.foot.signed_distance);
     state_.factor = body.factor(at);
     state_.applied.point = state_.tool.apply(place.tool_point.point);
     foot_tracker_.reset();
@@ -176,10 +192,6 @@ private:
   template <class Body>
   Tick step(const Pose& tool, const Body& body, const Search* latest) {
     ContactPlace& place = state_.place;
-    const Vec3 core = place.tool_point.point;
-    if (length(tool.apply(core) - state_.tool.apply(core)) > size(view_->meta->depth_scale)) {
-      return put_elsewhere(tool, body, latest);
-    }
     TickMotion motion;
     motion.moved = travel(state_.tool, tool, shape_.extent());
     const double reach = ContactConstants::kPointSpeed * motion.moved;
@@ -187,11 +199,17 @@ private:
     place.tool_point = shape_.advance(from, tool, place.foot.point, place.normal, reach);
     const Vec3 q = tool.apply(place.tool_point.point);
     advance_foot(q, length(q - state_.tool.apply(from.point)), latest);
-    const double z = shape_.skin() - place.foot.signed_distance;
-    if (!(z > 0)) return release();
+    // A search that arrives late may find less than was felt: it is lost as the tool moves.
+    const double z = larger(shape_.skin() - place.foot.signed_distance, state_.indentation - motion.moved);
+    if (!(z > 0)) {
+      state_.touching = false;
+      return released();
+    }
     turn_normal(q, z, motion.moved);
     const bool turned_tool = orientation_matters() && !(state_.tool == tool);
+    const Vec3 c = place.body_point.point;
     if (advance_body_point(reach, latest) || !same(from, place.tool_point) || turned_tool) blend(tool);
+    motion.crept = length(place.body_point.point - c);
 
     motion.point = q - shape_.skin() * place.normal;
     motion.before = tool.apply(state_.tool.unapply(state_.applied.point)) - state_.applied.point;
@@ -201,18 +219,28 @@ private:
     return answer(tool, z, motion, body);
   }
 
+  /// Whether the tool went farther than a contact's size since the last tick.
   template <class Body>
-  Tick put_elsewhere(const Pose& tool, const Body& body, const Search* latest) {
-    const BodyPoint near = state_.place.foot.at;
-    const ToolTouch touch = latest != nullptr ? local_touch(*view_, shape_, *latest, tool, latest->touch.body.at)
-                                              : shape_.touch(*view_, tool, near);
-    if (!(touch.clearance < 0)) return release();
-    start(touch, body.frame(state_.place.body_point.at) * tool, body);
-    return step(in_body(body.frame(near) * tool, body.frame(near)), body, latest);
+  [[nodiscard]] bool jumped(const Pose& tool, const Body& body) const {
+    const Pose& now = in_body(tool, body.frame(state_.place.body_point.at));
+    const Vec3& core = state_.place.tool_point.point;
+    return length(now.apply(core) - state_.tool.apply(core)) > size(view_->meta->depth_scale);
   }
 
-  Tick release() {
+  /// Begins anew, without force, where the tool is now. False where it overlaps nothing there.
+  template <class Body>
+  bool put_elsewhere(const Pose& tool, const Body& body, const Search* latest) {
     state_.touching = false;
+    const Pose& there = in_body(tool, body.surface_frame());
+    const ToolTouch touch = latest != nullptr
+                                ? local_touch(body.surface(), shape_, *latest, there, latest->touch.body.at)
+                                : shape_.touch(body.surface(), there, state_.place.foot.at);
+    if (!(touch.clearance < 0)) return false;
+    start(touch, tool, body);
+    return true;
+  }
+
+  static Tick released() {
     Tick tick;
     tick.state = State::released;
     return tick;
@@ -225,7 +253,8 @@ private:
     Location closest = latest != nullptr ? local_foot(q, *latest) : foot_tracker_.at(*view_, q, foot.at);
     const double before = foot.signed_distance, distance = std::fabs(closest.signed_distance);
     const bool crosses = std::fabs(before) + distance <= moved;
-    if (!crosses) closest.signed_distance = before < 0 ? -distance : distance;
+    const bool inside = crosses ? is_inside(*view_, q, closest) : before < 0;
+    closest.signed_distance = inside ? -distance : distance;
     foot = closest;
   }
 
@@ -293,38 +322,42 @@ private:
     layers_.set(response_.law());
   }
 
-  /// The force at the indentation z (m). The counted depth d is z where the hand has put in what the contact stores at
-  /// z; else it is the depth at which
+  /// The force at the indentation z (m). The counted depth d is z where the hand has put in what the contact stored at the
+  /// last indentation z_0; else
   ///
-  ///     W(d) + energy of the springs = E + work of the hand in this tick.
+  ///     d = z - z_0 + the depth at which W + energy beside W = E,
+  ///
+  /// for the tick's own work deepens d as it deepens z (by at most the tool's way). The correction by E is at most the way of the tool and of c in
+  /// this tick; the rest is made in the next ones.
   template <class Body>
   Tick answer(const Pose& tool, double z, const TickMotion& motion, const Body& body) {
     const double wanted = body.factor(state_.place.body_point.at), step = body.factor_step();
-    const double factor = std::fmin(std::fmax(wanted, state_.factor - step), state_.factor + step);
-    ResponseAtDepth full, before;
-    response_.law().set_normal(z, full);
-    const double last = state_.counted_depth;
+    const double factor = smaller(larger(wanted, state_.factor - step), state_.factor + step);
+    const double last = state_.indentation, paid_for = factor > 0 ? state_.energy.energy() / factor - state_.other : 0;
+    ResponseAtDepth before, full;
     if (last > 0) response_.law().set_normal(last, before);
-    const bool paid = last == state_.indentation;
-    const double limit = paid ? 0 : EnergyTank::recovery_limit(before.work / full.work, full.normal_force);
-    const double guess = paid ? z : std::fmin(std::fmax(last + z - state_.indentation, 0.0), z);
-    Trial trial;
-    const auto try_at = [&](double depth) {
-      try_depth(depth, full.normal_slope, limit, motion, trial);
-      return energy_after(depth, before, factor, motion, trial);
-    };
-    double energy = try_at(guess), depth = guess;
-    const double owed = factor * (full.work * (1 - EnergyConstants::kRounding) + trial.other) - energy;
-    if (!(owed > 0)) {
-      depth = z;
-    } else if (factor > 0) {
-      depth = EnergyTank::counted_depth(response_.law(), energy / factor - trial.other, z, full.work, guess);
+    // An indentation that grows by more than the tool's way was found, not made.
+    const double deepened = smaller(z - last, motion.moved);
+    double depth = z, limit = 0;
+    const bool owed = state_.counted_depth < last || deepened < z - last || !(paid_for >= before.work * (1 - EnergyConstants::kRounding));
+    if (owed) {
+      response_.law().set_normal(z, full);
+      const double counted = EnergyTank::counted_depth(response_.law(), paid_for, last, before.work, state_.counted_depth);
+      const double correction = clamped(counted - state_.counted_depth, -motion.moved - motion.crept,
+                                        motion.moved + motion.crept);
+      depth = smaller(larger(state_.counted_depth + correction + deepened, 0.0), z);
+      limit = EnergyTank::recovery_limit(before.work > 0 ? paid_for / before.work : 0, full.normal_force);
+      before = ResponseAtDepth{};
+      if (state_.counted_depth > 0) response_.law().set_normal(state_.counted_depth, before);
     }
-    if (depth != guess) energy = try_at(depth);
-    state_.energy.settle(energy, factor * (full.work + trial.other),
+    Trial trial;
+    try_depth(depth, z, full.normal_slope, limit, motion, trial);
+    if (!owed) full = trial.response;
+    state_.energy.settle(energy_after(depth, before, factor, motion, trial), factor * (full.work + trial.other),
                          motion.moved / (EnergyConstants::kHoldTravel * rounding()));
     state_.springs = trial.springs;
     state_.recovery = trial.recovery;
+    state_.other = trial.other;
     state_.indentation = z;
     state_.counted_depth = depth;
     state_.factor = factor;
@@ -332,8 +365,8 @@ private:
     return report(tool, trial);
   }
 
-  /// Springs and force at a counted depth. `stiffness` (N/m) and `limit` (N): of the recovery layer.
-  void try_depth(double depth, double stiffness, double limit, const TickMotion& motion, Trial& trial) const {
+  /// Springs and force at a counted depth. `limit` (N) and `stiffness` (N/m, where depth < z): of the recovery layer.
+  void try_depth(double depth, double z, double stiffness, double limit, const TickMotion& motion, Trial& trial) const {
     trial.response = depth > 0 ? response_.law().at(depth) : ResponseAtDepth{};
     const ResponseAtDepth& r = trial.response;
     trial.springs = state_.springs;
@@ -343,15 +376,17 @@ private:
       trial.friction = update_springs(layers_, r, {state_.counted_depth, depth, motion.way}, trial.springs);
       mean = solve(r.stiffness, trial.friction.force);
     }
-    trial.recovery = limit > 0 ? state_.recovery + motion.way : Vec2{};
-    const double pull = stiffness * length(trial.recovery);
-    if (pull > limit) trial.recovery = (limit / pull) * trial.recovery;
-    const Vec2 drag = stiffness * trial.recovery;
+    // The recovery layer: its deflection shrinks no faster than the tool moves.
+    const double slope = depth < z ? stiffness : r.normal_slope, before = length(state_.recovery);
+    trial.recovery = state_.recovery + motion.way;
+    const double reach = length(trial.recovery), most = larger(slope > 0 ? limit / slope : 0, before - motion.moved);
+    if (reach > most) trial.recovery = (larger(most, 0) / reach) * trial.recovery;
+    const Vec2 drag = slope * trial.recovery;
     const double softening = response_.softening();
     const double normal = r.normal_force + dot(r.bias_slope, mean) + 0.5 * quadratic(r.normal_coupling, mean) -
                           softening * trial.friction.lost_force;
     const Vec2 push = r.bias + trial.friction.force + drag;
-    trial.force = std::fmax(0, normal) * state_.place.normal - push.x * state_.place.axis - push.y * motion.axis_y;
+    trial.force = larger(0, normal) * state_.place.normal - push.x * state_.place.axis - push.y * motion.axis_y;
     trial.other = dot(r.bias, mean) + trial.friction.energy - softening * trial.friction.lost_work +
                   0.5 * dot(drag, trial.recovery);
   }
@@ -394,7 +429,8 @@ private:
   ToolShape<kFeatures> shape_;
   BlendedResponse<kFeatures> response_;
   FrictionLayers layers_;
-  ClosestPointTracker<kFeatures> foot_tracker_, point_tracker_;
+  ClosestPointTracker<kFeatures> foot_tracker_;
+  ClosestPointTracker<kFeatures, 4> point_tracker_;  // c rests most of the time
 };
 
 using Contact = BasicContact<>;

@@ -43,7 +43,7 @@ PALPATE_NOINLINE inline ToolTouch find_wall(const View& surface, const ToolShape
   shape.for_each_sample([&](const CorePoint& core) {
     const Vec3 q = request.pose.apply(core.point);
     Location found;
-    const double within = std::fmin(shape.skin() + reach, shape.skin() + best.clearance);
+    const double within = smaller(shape.skin() + reach, shape.skin() + best.clearance);
     if (!closest_point_where<kFeatures>(surface, q, apart, within, found)) return;
     // Where the distance falls on towards a foot this is that foot's wall.
     found = local_closest_point(surface, found.at, q);
@@ -65,12 +65,12 @@ struct SharedBody {
   double step;   ///< most that the share may change by in a tick
 
   [[nodiscard]] bool valid() const { return body->valid(); }
-  [[nodiscard]] Pose frame(const BodyPoint& at) const { return body->frame(at); }
+  [[nodiscard]] auto frame(const BodyPoint& at) const { return body->frame(at); }
   [[nodiscard]] const View& surface() const { return body->surface(); }
-  [[nodiscard]] Pose surface_frame() const { return body->surface_frame(); }
+  [[nodiscard]] auto surface_frame() const { return body->surface_frame(); }
   [[nodiscard]] double travel() const { return body->travel(); }
   [[nodiscard]] double factor(const BodyPoint& at) const { return share * body->factor(at); }
-  [[nodiscard]] double factor_step() const { return step + body->factor_step(); }
+  [[nodiscard]] double factor_step() const { return smaller(step, body->factor_step()); }
 };
 
 /// One tool that may touch up to `Most` walls: between two lobes, in a fold, by tip and stem. Ticks as a contact does;
@@ -102,7 +102,8 @@ public:
   Tick tick(const Pose& tool, const Body& body, const SetSearch<Most>* latest = nullptr) {
     const double moved = travel(last_, tool, contacts_[0].shape().extent());
     const Search* const first = latest != nullptr ? &latest->first : nullptr;
-    ticks_[0] = contacts_[0].tick(tool, body, first);
+    const double fade = 4 * moved / gap();
+    ticks_[0] = contacts_[0].tick(tool, SharedBody<Body>{&body, 1, fade}, first);
     if (ticks_[0].state == State::fault) {
       const Tick fault = ticks_[0];
       reset();
@@ -110,13 +111,13 @@ public:
     }
     for (std::size_t k = 1; k < Most; ++k) {
       if (!ticks_[k].touches()) continue;
-      const double share = share_of(k);
-      if (!(share > 0)) {
+      const double share = larger(0, share_of(k));
+      if (share == 0 && contacts_[k].state().factor == 0) {
         contacts_[k].reset();
         ticks_[k] = Tick{};
         continue;
       }
-      const SharedBody<Body> shared{&body, share, 4 * moved / gap()};
+      const SharedBody<Body> shared{&body, share, fade};
       ticks_[k] = contacts_[k].tick(tool, shared, latest != nullptr ? &latest->more : nullptr);
     }
     lead();
@@ -158,7 +159,7 @@ private:
       if (!ticks_[j].touches()) continue;
       const double apart =
           length(contacts_[k].state().place.foot.point - contacts_[j].state().place.foot.point) / gap();
-      share = std::fmin(share, 2 * apart - 1);
+      share = smaller(share, 2 * apart - 1);
     }
     return share;
   }
@@ -194,7 +195,7 @@ private:
       looked_ = tool;
       const double reach = 0.25 * gap();
       wall = detail::find_wall(contacts_[0].view(), contacts_[0].shape(), request(in_frame), gap(), reach);
-      clear_ = std::fmin(reach, std::fmax(0, wall.clearance));
+      clear_ = smaller(reach, larger(0, wall.clearance));
       if (!(wall.clearance <= 0)) return;
     }
     contacts_[spare].begin(wall, last_, body);
@@ -210,9 +211,9 @@ private:
       all.force = all.force + tick.force;
       all.torque = all.torque + tick.torque;
       all.friction_limit += tick.friction_limit;
-      all.depth = std::fmax(all.depth, tick.depth);
-      all.counted_depth = std::fmax(all.counted_depth, tick.counted_depth);
-      all.filled_share = std::fmax(all.filled_share, tick.filled_share);
+      all.depth = larger(all.depth, tick.depth);
+      all.counted_depth = larger(all.counted_depth, tick.counted_depth);
+      all.filled_share = larger(all.filled_share, tick.filled_share);
       all.extrapolated = all.extrapolated || tick.extrapolated;
     }
     return all;

@@ -31,6 +31,7 @@ struct ContactState {
   SpringState springs;   ///< friction
   Vec2 recovery;         ///< m, deflection of the recovery layer
   EnergyTank energy;
+  double other = 0;          ///< J stored beside W, at a body's factor of 1
   double indentation = 0;    ///< z, m
   double counted_depth = 0;  ///< m, in [0, z]
   double factor = 1;         ///< stiffness factor of the body at c

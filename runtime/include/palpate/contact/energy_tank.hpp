@@ -35,32 +35,33 @@ public:
   /// Ends a tick with `energy` (J) in the contact and `stored` (J) stored at full depth; `moved`: the tool's travel in
   /// the tick over kHoldTravel times the radius. Returns what was dissipated (J).
   double settle(double energy, double stored, double moved) {
-    hold_ = std::fmax(stored, hold_ * std::fmax(0, 1 - moved));
-    energy_ = std::fmin(std::fmax(energy, 0), std::fmax(hold_, 0));
-    return std::fmax(0, energy - energy_);
+    hold_ = larger(stored, hold_ * larger(0, 1 - moved));
+    energy_ = smaller(larger(energy, 0), larger(hold_, 0));
+    return larger(0, energy - energy_);
   }
 
   /// Slip limit (N) of the recovery layer where the share r of W is in the contact, with F (N) at full depth:
   /// 2 kappa F sqrt(r (1 - r)).
   static double recovery_limit(double share, double force) {
-    const double r = std::fmin(std::fmax(share, EnergyConstants::kLeastShare), 1.0);
+    const double r = smaller(larger(share, EnergyConstants::kLeastShare), 1.0);
     return 2 * EnergyConstants::kRecovery * force * std::sqrt(r * (1 - r));
   }
 
   /// The depth d in [0, z] with W(d) = `energy` (J), by Newton's method on sqrt(W) from the last counted depth. W is
-  /// monotone and W(z) > energy.
+  /// monotone; `work` is W(z).
   static double counted_depth(const ResponseLaw& law, double energy, double z, double work, double last) {
     if (!(energy > 0)) return 0;
+    if (!(energy < work)) return z;
     const double wanted = std::sqrt(energy);
     // W grows at least like z and at most like z^4, so this start is near the root where the last depth says nothing.
-    double d = std::fmin(z, std::fmax(last, z * std::sqrt(energy / work)));
+    double d = smaller(z, larger(last, z * std::sqrt(energy / work)));
     for (int step = 0; step < EnergyConstants::kNewtonSteps; ++step) {
       ResponseAtDepth r;
       law.set_normal(d, r);
       if (!(r.normal_force > 0)) break;
       const double root = std::sqrt(r.work);
       d += 2 * root * (wanted - root) / r.normal_force;
-      d = std::fmin(std::fmax(d, 1e-6 * z), z);
+      d = smaller(larger(d, 1e-6 * z), z);
     }
     return d;
   }

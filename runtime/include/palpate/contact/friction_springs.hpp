@@ -13,23 +13,20 @@ struct SpringConstants {
   /// Layers. A contact that slips in part follows Cattaneo and Mindlin within 2.6 % of its limit from 0.05 Z to 1.3 Z
   /// with 12 layers at z_k = (k / 12)^3 Z (8 at (k / 8)^2: 5.7 %).
   static constexpr int kLayers = 12;
-  /// Share of the tangential bias at full depth that acts on the tool's flanks rather than through friction, less at
-  /// the surface: 1/4 + 3/4 s, measured in the gross-slip forces of 67 solved contacts (0.28, 0.43, 0.62, 0.75).
-  static constexpr double kFlankShare = 0.75;
-  /// Of the friction limit: most that the flanks' share may shift its centre by, so that friction opposes each slip.
-  static constexpr double kMostShift = 0.5;
 };
 
-/// s_k = (k / M)^1.5: where layer k engages, as sqrt(z_k / Z).
-constexpr double layer_abscissa(int k) {
-  constexpr double kTable[SpringConstants::kLayers] = {
-      0.0, 0.024056261216234404, 0.06804138174397717, 0.125,
-      0.19245008972987523, 0.26895717681995951, 0.35355339059327379, 0.44552819256515114,
-      0.54433105395181736, 0.649519052838329, 0.76072577431273081, 0.87764151544330993};
-  return kTable[k];
-}
+/// s_k = (k / M)^1.5 = sqrt(z_k / Z): where layer k engages.
+inline constexpr double kLayerAbscissa[SpringConstants::kLayers] = {
+    0.0, 0.024056261216234404, 0.06804138174397717, 0.125,
+    0.19245008972987523, 0.26895717681995951, 0.35355339059327379, 0.44552819256515114,
+    0.54433105395181736, 0.649519052838329, 0.76072577431273081, 0.87764151544330993};
+/// z_k / Z = (k / M)^3.
+inline constexpr double kLayerDepth[SpringConstants::kLayers] = {
+    0.0, 0.00057870370370370356, 0.0046296296296296285, 0.015625,
+    0.037037037037037028, 0.072337962962962979, 0.125, 0.19849537037037041,
+    0.29629629629629622, 0.421875, 0.57870370370370383, 0.77025462962962954};
 
-/// What a blended response says at the depths where layers engage.
+/// What a blended response says of the layers: stiffness, and force and work as polynomials of the depth.
 class FrictionLayers {
 public:
   static constexpr int kCount = SpringConstants::kLayers;
@@ -38,15 +35,16 @@ public:
     depth_scale_ = law.depth_scale();
     ResponseAtDepth r;
     for (int k = 1; k < kCount; ++k) {
-      const double s = layer_abscissa(k);
-      law.set_normal(s * s * depth_scale_, r);
+      law.set_normal(start(k), r);
       force_[k] = r.normal_force;
       slope_[k] = r.normal_slope;
       work_[k] = r.work;
-      stiffness_[k] = law.has_friction() ? law.stiffness_at(s) : Sym2{};
+      stiffness_[k] = law.has_friction() ? law.stiffness_at(kLayerAbscissa[k]) : Sym2{};
     }
   }
 
+  /// m, Z.
+  [[nodiscard]] double depth_scale() const { return depth_scale_; }
   /// Number of layers engaged at a depth (m).
   [[nodiscard]] int engaged(double depth) const {
     int count = 0;
@@ -54,7 +52,7 @@ public:
     return count;
   }
   /// m, z_k.
-  [[nodiscard]] double start(int k) const { return layer_abscissa(k) * layer_abscissa(k) * depth_scale_; }
+  [[nodiscard]] double start(int k) const { return kLayerDepth[k] * depth_scale_; }
   /// K(s_k) (N/m); 0 for k = 0.
   [[nodiscard]] const Sym2& stiffness(int k) const { return stiffness_[k]; }
   /// L_k(z): the tangent to F at z_k; 0 for k = 0.
@@ -66,9 +64,9 @@ public:
   }
 
 private:
-  double depth_scale_ = 1;                                           ///< Z, m
+  double depth_scale_ = 1;                                              ///< Z, m
   double force_[kCount] = {}, slope_[kCount] = {}, work_[kCount] = {};  ///< N, N/m, J
-  Sym2 stiffness_[kCount] = {};                                      ///< N/m
+  Sym2 stiffness_[kCount] = {};                                         ///< N/m
 };
 
 /// The springs of one contact.
@@ -100,10 +98,9 @@ struct SpringMotion {
 ///                                                           the others scaled to the same sum
 ///     e_k   += (share of the tick in which the layer was engaged) * way
 ///     where K_k grew:  e_k *= K_k(before) / K_k             new area is unstressed
-///     t = K_k e_k + w_k g_f,  |t| > limit:  t *= limit / |t|  radial return (Simo and Hughes 1998, chapter 3)
+///     where |K_k e_k| > limit:  e_k *= limit / |K_k e_k|    radial return (Simo and Hughes 1998, chapter 3)
 ///
-/// with w_k the layer's share of F and g_f the part of the tangential bias that friction bears. Jaeger 1993 and
-/// Ciavarella 1998 show that a contact in partial slip is such a row of layers.
+/// A contact in partial slip is such a row of layers (Jaeger 1993, Ciavarella 1998).
 inline SpringForce update_springs(const FrictionLayers& layers, const ResponseAtDepth& r, const SpringMotion& motion,
                                   SpringState& state) {
   constexpr int kCount = SpringConstants::kLayers;
@@ -116,19 +113,14 @@ inline SpringForce update_springs(const FrictionLayers& layers, const ResponseAt
   const double mu = r.friction_coefficient, force = r.normal_force;
   if (!(force > 0)) return result;
 
-  double share[kCount], sum = 0;  // N, of the normal force
+  double share[kCount], sum = 0, below = 0;  // N, of the normal force
   for (int k = 0; k < engaged; ++k) {
     const double above = k + 1 < engaged ? layers.tangent(k + 1, motion.to) : force;
-    share[k] = std::fmax(0, above - layers.tangent(k, motion.to));
+    share[k] = larger(0, above - below);
     sum += share[k];
+    below = above;
   }
   const double scale = sum > 0 ? force / sum : 0;
-
-  // The flanks' share of the bias shifts the centre of the limit; friction bears the rest.
-  const double s = std::fmin(1, std::sqrt(motion.to / layers.start(1)) * layer_abscissa(1));
-  const double flanks = 1 - SpringConstants::kFlankShare * (1 - s);
-  const double shift = flanks * length(r.bias), most = SpringConstants::kMostShift * mu * force;
-  const Vec2 borne = (1 / force) * (r.bias - (shift > most ? most / shift : 1) * (flanks * r.bias));
 
   result.slides = engaged > 0;
   for (int k = 0; k < engaged; ++k) {
@@ -139,14 +131,12 @@ inline SpringForce update_springs(const FrictionLayers& layers, const ResponseAt
     if (stiffness.m > state.stiffness[k]) e = (state.stiffness[k] / stiffness.m) * e;
     e = e + (motion.from >= start ? 1 : (motion.to - start) / (motion.to - motion.from)) * motion.way;
     Vec2 elastic = stiffness * e;
-    const Vec2 bias = normal * borne, load = elastic + bias;
-    const double size = length(load);
-    if (size > limit) {
-      elastic = (limit / size) * load - bias;
-      const Vec2 held = solve(stiffness, elastic);
-      const double slip = length(e - held), reach = length(held);
-      state.slipped[k] += (1 - state.slipped[k]) * (slip < reach ? slip / reach : 1);
-      e = held;
+    const double squared = dot(elastic, elastic);
+    if (squared > limit * limit) {
+      const double held = limit / std::sqrt(squared);  // share of e
+      state.slipped[k] += (1 - state.slipped[k]) * (held > 0.5 ? (1 - held) / held : 1);
+      elastic = held * elastic;
+      e = held * e;
     } else {
       result.slides = false;
     }
@@ -157,7 +147,7 @@ inline SpringForce update_springs(const FrictionLayers& layers, const ResponseAt
     if (state.slipped[k] > 0) {
       const double work = (last ? r.work : layers.tangent_work(k + 1, motion.to)) - layers.tangent_work(k, motion.to);
       result.lost_force += state.slipped[k] * normal;
-      result.lost_work += state.slipped[k] * std::fmax(0, work);
+      result.lost_work += state.slipped[k] * larger(0, work);
     }
   }
   return result;

@@ -78,7 +78,7 @@ inline double squared_distance(const layout::SearchNode& box, const Vec3& p) {
   const double q[3] = {p.x, p.y, p.z};
   double squared = 0;
   for (int k = 0; k < 3; ++k) {
-    const double gap = std::fmax(0.0, std::fmax(box.lower[k] - q[k], q[k] - box.upper[k]));
+    const double gap = larger(0.0, larger(box.lower[k] - q[k], q[k] - box.upper[k]));
     squared += gap * gap;
   }
   return squared;
@@ -159,12 +159,26 @@ inline Vec3 pseudonormal(const View& view, const BodyPoint& at) {
   return own + unit(face_normal(view, view.triangles[at.triangle].neighbour[zero]), {});
 }
 
-inline Location location(const View& view, const Vec3& p, std::uint32_t triangle, const Closest& closest) {
+inline Location unsigned_location(const View& view, std::uint32_t triangle, const Closest& closest) {
   Location found;
   found.at = {triangle, {closest.bary[0], closest.bary[1], closest.bary[2]}};
   found.point = position(view, found.at);
-  const double distance = std::sqrt(closest.squared);
-  found.signed_distance = dot(p - found.point, pseudonormal(view, found.at)) < 0 ? -distance : distance;
+  found.signed_distance = std::sqrt(closest.squared);
+  return found;
+}
+
+}  // namespace detail
+
+/// Whether p lies inside the body, whose closest point to p is `closest`.
+inline bool is_inside(const View& view, const Vec3& p, const Location& closest) {
+  return dot(p - closest.point, detail::pseudonormal(view, closest.at)) < 0;
+}
+
+namespace detail {
+
+inline Location location(const View& view, const Vec3& p, std::uint32_t triangle, const Closest& closest) {
+  Location found = unsigned_location(view, triangle, closest);
+  if (is_inside(view, p, found)) found.signed_distance = -found.signed_distance;
   return found;
 }
 
@@ -240,46 +254,82 @@ PALPATE_NOINLINE inline Location local_closest_point(const View& view, const Bod
 }
 
 /// The closest point of a point that moves. A search keeps the triangles that can be closest while the point stays
-/// within some distance of where it was; until it leaves that ball only these are measured. The results are those of
-/// closest_point(), for a few times less.
-template <std::uint32_t kFeatures = layout::feature_all>
+/// within some distance of where it was; until it leaves that ball only these are measured. The points are those of
+/// closest_point(), for a few times less; the distances have no sign.
+/// kMost: triangles that are kept; a vertex has about six.
+template <std::uint32_t kFeatures = layout::feature_all, int kMost = 12>
 class ClosestPointTracker {
 public:
   /// Forgets the last search.
   void reset() { count_ = 0; }
 
+  /// The Location closest to p. `near`: any point of the surface, the nearer the faster.
   [[nodiscard]] Location at(const View& view, const Vec3& p, const BodyPoint& near) {
-    if (count_ > 0 && length(p - centre_) <= radius_) return measure(view, p);
-    const Location found = closest_point<kFeatures>(view, p, near);
-    collect(view, p, std::fabs(found.signed_distance));
-    return found;
+    const Vec3 way = p - centre_;
+    if (count_ == 0 || !(dot(way, way) <= radius_ * radius_)) collect(view, p, near);
+    detail::Closest best;
+    std::uint32_t triangle = kept_[0].triangle;
+    for (int k = 0; k < count_; ++k) {
+      if (measure(view, kept_[k], p, best)) triangle = kept_[k].triangle;
+    }
+    return detail::unsigned_location(view, triangle, best);
   }
 
 private:
-  static constexpr int kMost = 8;  // triangles; a search costs about as much as measuring 12
+  /// A triangle with what an inside test needs: weights of p are affine in p.
+  struct Kept {
+    std::uint32_t triangle = 0;
+    bool flat = false;        ///< has an area to project on
+    Vec3 corner;              ///< m
+    Vec3 weight[2], height;   ///< 1/m, 1/m, unit normal
+  };
 
-  [[nodiscard]] Location measure(const View& view, const Vec3& p) const {
-    detail::Closest best;
-    std::uint32_t triangle = triangles_[0];
-    for (int k = 0; k < count_; ++k) {
-      const detail::Closest on = detail::closest_on_triangle(view, triangles_[k], p, best.squared);
-      if (!(on.squared < best.squared)) continue;
-      best = on;
-      triangle = triangles_[k];
+  /// True where the triangle is nearer than `best`, which it becomes.
+  static bool measure(const View& view, const Kept& kept, const Vec3& p, detail::Closest& best) {
+    const Vec3 gap = p - kept.corner;
+    const double wb = dot(gap, kept.weight[0]), wc = dot(gap, kept.weight[1]), h = dot(gap, kept.height);
+    detail::Closest on;
+    if (kept.flat && h * h >= best.squared) return false;
+    if (kept.flat && wb >= 0 && wc >= 0 && wb + wc <= 1) {
+      on.squared = h * h;
+      on.bary[0] = 1 - wb - wc;
+      on.bary[1] = wb;
+      on.bary[2] = wc;
+    } else {
+      on = detail::closest_on_triangle(view, kept.triangle, p, best.squared);
     }
-    return detail::location(view, p, triangle, best);
+    if (!(on.squared < best.squared)) return false;
+    best = on;
+    return true;
   }
 
-  /// Keeps the nearest triangles, and the radius of the ball in which no other triangle can be closest: with `distance`
-  /// (m) to the closest and `next` to the nearest that is not kept, a point moved by r is at most distance + r from the
+  [[nodiscard]] static Kept keep(const View& view, std::uint32_t triangle) {
+    const auto& v = view.triangles[triangle].vertex;
+    Kept kept;
+    kept.triangle = triangle;
+    kept.corner = vertex(view, v[0]);
+    const Vec3 ab = vertex(view, v[1]) - kept.corner, ac = vertex(view, v[2]) - kept.corner, n = cross(ab, ac);
+    const double area = dot(n, n), longest = dot(ab, ab) + dot(ac, ac);
+    kept.flat = area > 1e-8 * longest * longest;
+    if (!kept.flat) return kept;
+    kept.weight[0] = (1 / area) * cross(ac, n);
+    kept.weight[1] = (1 / area) * cross(n, ab);
+    kept.height = (1 / std::sqrt(area)) * n;
+    return kept;
+  }
+
+  /// Keeps the nearest triangles, and the radius of the ball in which no other triangle can be closest: with d (m) the
+  /// distance to the closest and `next` to the nearest that is not kept, a point moved by r is at most d + r from the
   /// former and at least next - r from the latter.
-  PALPATE_NOINLINE void collect(const View& view, const Vec3& p, double distance) {
-    constexpr double kWidest = 0.25;  // of the depth scale, of the ball's radius
-    double next = distance + 2 * kWidest * view.meta->depth_scale;
+  PALPATE_NOINLINE void collect(const View& view, const Vec3& p, const BodyPoint& near) {
+    constexpr double kWidest = 0.05;  // of the depth scale, of the ball's radius
+    const double widest = 2 * kWidest * view.meta->depth_scale;
+    double distance = length(p - position(view, near)) * (1 + 1e-9);
     double squared[kMost + 1];
     std::uint32_t ids[kMost + 1];
     int count = 0;
-    detail::visit_near<kFeatures>(view, p, next * next, [&](std::uint32_t t, double& bound) {
+    const double first = distance + widest;
+    detail::visit_near<kFeatures>(view, p, first * first, [&](std::uint32_t t, double& bound) {
       const detail::Closest on = detail::closest_on_triangle(view, t, p, bound);
       if (!(on.squared < bound)) return;
       int k = count <= kMost ? count++ : kMost;
@@ -289,22 +339,27 @@ private:
       }
       squared[k] = on.squared;
       ids[k] = t;
-      if (count > kMost) bound = squared[kMost];
+      if (k == 0 && on.squared < distance * distance) {
+        distance = std::sqrt(on.squared);
+        bound = smaller(bound, (distance + widest) * (distance + widest));
+      }
+      if (count > kMost) bound = smaller(bound, squared[kMost]);
     });
-    if (count > kMost) {
-      next = std::sqrt(squared[kMost]);
-      count = kMost;
+    distance = std::sqrt(squared[0]);
+    double next = distance + widest;
+    if (count > kMost) next = smaller(next, std::sqrt(squared[kMost]));
+    count_ = 0;
+    for (int k = 0; k < count && k < kMost; ++k) {
+      if (squared[k] < next * next || k == 0) kept_[count_++] = keep(view, ids[k]);
     }
-    for (int k = 0; k < count; ++k) triangles_[k] = ids[k];
-    count_ = count;
     centre_ = p;
-    radius_ = std::fmax(0.0, 0.5 * (1 - 1e-9) * (next - distance));
+    radius_ = larger(0.0, 0.5 * (1 - 1e-9) * (next - distance));
   }
 
   Vec3 centre_;  ///< m
   double radius_ = 0;
   int count_ = 0;
-  std::uint32_t triangles_[kMost] = {};
+  Kept kept_[kMost];
 };
 
 }  // namespace palpate::runtime

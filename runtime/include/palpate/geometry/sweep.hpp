@@ -35,7 +35,7 @@ PALPATE_NOINLINE inline Sweep sweep(const Pose& from, const Pose& to, const Tool
       return sweep;
     }
     if (sweep.share == 1) return sweep;
-    sweep.share = way > 0 ? std::fmin(1.0, sweep.share + sweep.touch.clearance / way) : 1;
+    sweep.share = way > 0 ? smaller(1.0, sweep.share + sweep.touch.clearance / way) : 1;
     sweep.pose = sweep.share == 1 ? to : between(from, to, sweep.share);
     sweep.touch = search(sweep.pose, sweep.touch.body.at);
   }

@@ -42,7 +42,7 @@ public:
     reach_ = record_->axis_length;
     if constexpr (kPatches) {
       for (std::uint32_t i = 0; is_mesh() && i < record_->vertex_count; ++i) {
-        reach_ = std::fmax(reach_, length(to_vec(view.tool_vertices[record_->first_vertex + i].point)));
+        reach_ = larger(reach_, length(to_vec(view.tool_vertices[record_->first_vertex + i].point)));
       }
     }
   }
@@ -78,12 +78,11 @@ public:
     if (is_mesh()) return run_down(from, pose.unrotate(-n), reach);
     CorePoint to = from;
     if (!is_profile()) return to;
-    const double wanted = std::fmin(std::fmax(pose.unapply(foot).z, 0.0), double{record_->axis_length});
-    const double step = std::fmin(std::fmax(wanted - from.point.z, -reach), reach);
+    const double wanted = smaller(larger(pose.unapply(foot).z, 0.0), double{record_->axis_length});
+    const double step = smaller(larger(wanted - from.point.z, -reach), reach);
     to.point.z = from.point.z + step;
-    const double meridian = meridian_at(to.point.z, dot(pose.axis(), n));
-    const double round = std::fmin(std::fmax(meridian - meridian_of(from.at), -reach), reach);
-    to.at = profile_point(to.point.z > 0 ? meridian : meridian_of(from.at) + round);
+    const double last = meridian_of(from.at), meridian = meridian_at(to.point.z, dot(pose.axis(), n));
+    to.at = profile_point(last + clamped(meridian - last, -reach, reach));
     return to;
   }
 
@@ -146,7 +145,7 @@ private:
         found = closest_point<kFeatures>(surface_, q, best_.at);
         return true;
       }
-      const double reach = std::fmax(best + radius, length(q - best_at_) - best + radius);
+      const double reach = larger(best + radius, length(q - best_at_) - best + radius);
       return closest_point_where<kFeatures>(
           surface_, q, [](const Vec3& /*point*/) { return true; }, (1 + 1e-9) * reach, found);
     }
@@ -166,9 +165,9 @@ private:
     }
     ToolTouch touch;
     // Between samples the distance falls by at most half their spacing.
-    touch.safe = std::fmax(0, walk.best().signed_distance - skin() - 0.5 * spacing);
+    touch.safe = larger(0, walk.best().signed_distance - skin() - 0.5 * spacing);
     for (int i = 0; axis > 0 && i < kRefinements && walk.best().signed_distance > 0; ++i) {
-      const double at = std::fmin(std::fmax(pose.unapply(walk.best().point).z, 0.0), axis);
+      const double at = smaller(larger(pose.unapply(walk.best().point).z, 0.0), axis);
       if (std::fabs(at - along) < 1e-9 * axis || !walk.nearer(pose.apply({0, 0, at}))) break;
       along = at;
     }
@@ -192,7 +191,7 @@ private:
       const Vec3 v[3] = {corner(p, 0), corner(p, 1), corner(p, 2)};
       const Vec3 middle = (1.0 / 3) * (v[0] + v[1] + v[2]);
       double radius = 0;
-      for (const Vec3& each : v) radius = std::fmax(radius, length(each - middle));
+      for (const Vec3& each : v) radius = larger(radius, length(each - middle));
       if (!walk.may_be_nearer(pose.apply(middle), radius)) continue;
       for (int a = 0; a <= kSteps; ++a) {
         for (int b = 0; a + b <= kSteps; ++b) {
@@ -204,7 +203,7 @@ private:
     }
     touch.body = walk.best();
     touch.clearance = touch.body.signed_distance - skin();
-    touch.safe = std::fmax(0, touch.clearance);
+    touch.safe = larger(0, touch.clearance);
     return touch;
   }
 
@@ -217,7 +216,7 @@ private:
   [[nodiscard]] double meridian_at(double along, double cosine) const {
     const double stem = skin() * 0.25 * kFullTurn;
     if (along > 0) return stem + along;
-    return std::fmin(skin() * std::acos(std::fmin(std::fmax(cosine, 0.0), 1.0)), stem);
+    return smaller(skin() * std::acos(smaller(larger(cosine, 0.0), 1.0)), stem);
   }
   [[nodiscard]] double meridian_of(const ToolPoint& at) const {
     if (view_->tool_patches == nullptr) return 0;
@@ -234,7 +233,7 @@ private:
       const auto& vertex = view_->tool_patches[p].vertex;
       const double low = view_->tool_vertices[vertex[0]].meridian, high = view_->tool_vertices[vertex[1]].meridian;
       at.patch = p;
-      const double share = high > low ? std::fmin(std::fmax((meridian - low) / (high - low), 0.0), 1.0) : 0;
+      const double share = high > low ? smaller(larger((meridian - low) / (high - low), 0.0), 1.0) : 0;
       at.weights[0] = 1 - share;
       at.weights[1] = share;
       if (meridian <= high) break;
@@ -259,7 +258,7 @@ private:
       if (!(falls > 1e-9 * size)) break;
       // A body with a curvature radius of `extent` bends away from a facet: the deepest point lies where its slope
       // equals the facet's, falls / size.
-      const double step = std::fmin(reach, kCurvature * reach_ * falls / size), share = step / size;
+      const double step = smaller(reach, kCurvature * reach_ * falls / size), share = step / size;
       if (share < 1) {
         for (int k = 0; k < 3; ++k) from.at.weights[k] *= 1 - share;
         from.at.weights[lowest] += share;

@@ -8,6 +8,11 @@
 
 namespace palpate::runtime {
 
+/// The larger and the smaller of two numbers that are no NaN. std::fmax is a library call on most platforms.
+inline constexpr double larger(double a, double b) { return a > b ? a : b; }
+inline constexpr double smaller(double a, double b) { return a < b ? a : b; }
+inline constexpr double clamped(double a, double low, double high) { return a > low ? (a < high ? a : high) : low; }
+
 struct Vec3 {
   double x = 0, y = 0, z = 0;
 };

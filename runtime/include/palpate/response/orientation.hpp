@@ -68,9 +68,9 @@ inline LaidTangent laid_tangent(const View& view, const layout::ToolRecord& tool
   const Vec2 flat{dot(along, x), dot(along, y)};
   const double size = length(flat);
   if (!(size > 0)) return {};
-  const double sine = std::sqrt(std::fmax(0, 1 - cosine * cosine));
+  const double sine = std::sqrt(larger(0, 1 - cosine * cosine));
   const bool loses = cosine < 0 || (profile && record.tangent[2] > 0.9f);
-  return {(1 / size) * flat, loses ? std::fmin(1, 2 * sine) : 1};
+  return {(1 / size) * flat, loses ? smaller(1, 2 * sine) : 1};
 }
 
 }  // namespace detail
