@@ -33,7 +33,7 @@ constexpr double kMostCoupling =
 /// Curve of K's entries.
 constexpr std::array<std::array<int, 3>, 3> kStiffness{{{3, 4, 6}, {4, 5, 7}, {6, 7, 8}}};
 
-runtime::Vec3 components(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+runtime::Vec3 triple(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 std::vector<const Sample*> grasped(const std::vector<Sample>& samples) {
   std::vector<const Sample*> result;
@@ -244,7 +244,7 @@ Vector3d evaluate_torque(const GraspCurves& grasp, const TurnCurves& turn, doubl
   turned.clear(kGraspCoefs, depth_scale);
   moved.add(grasp.curves.data(), 1);
   turned.add(turn.curves.data(), 1);
-  const runtime::Vec3 t = turned.wrench(moved, components(deflection), components(rotation)).torque;
+  const runtime::Vec3 t = turned.wrench(moved, triple(deflection), triple(rotation)).torque;
   return {t.x, t.y, t.z};
 }
 

@@ -371,8 +371,9 @@ void compare_with_file(const runtime::View& view, std::vector<HeldOut>& contacts
         throw Error(ExitCode::bad_input, "a recorded contact is turned; the file has no turns for that tool");
       }
       const Vector3d rotation = f.turn ? f.turn->rotation : Vector3d::Zero();
-      const runtime::BondedForce held =
-          f.kind == SampleKind::grasped ? bonded.at(deflection, to_runtime(rotation)) : runtime::BondedForce{};
+      const runtime::BondedForce held = f.kind == SampleKind::grasped
+                                             ? bonded.at(deflection, to_runtime(rotation))
+                                             : runtime::BondedForce{};
       f.baked = to_eigen(f.kind == SampleKind::path      ? replay.go(f)
                          : f.kind == SampleKind::grasped ? held.force
                                                          : response.force(deflection));
