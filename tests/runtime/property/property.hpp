@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The property test: random motions against a response file, and the ten promises of a contact.
+// The property test: random motions against a response file, and promises 1 to 7 of a contact.
 #pragma once
 
 #include <cstdint>
@@ -80,6 +80,9 @@ struct Stiffest {
 Stiffest stiffest(const runtime::View& view, std::uint32_t tool);
 
 PropertyResult run_property(const runtime::View& view, const PropertyCase& c);
+
+inline constexpr Motion kMotions[] = {Motion::press, Motion::graze, Motion::corner, Motion::turn, Motion::fast};
+inline constexpr Driver kDrivers[] = {Driver::alone, Driver::searched, Driver::scaled, Driver::deforming, Driver::set};
 
 const char* name(Motion motion);
 const char* name(Driver driver);

@@ -62,7 +62,8 @@ public:
       tick.fault = fault;
       return tick;
     }
-    if (!state_.touching) {
+    const bool lasted = state_.touching;
+    if (!lasted) {
       const Sweep found = free_.advance(shape_, tool, body, latest, size(view_->meta->depth_scale),
                                         ContactConstants::kTouchGap * view_->meta->depth_scale);
       if (!found.touches) return {};
@@ -76,7 +77,7 @@ public:
     Tick tick = step(in_body(tool, frame), body, latest);
     if (!state_.touching) {
       free_.leave(tool, body, state_.place.foot.at);
-      return tick;
+      return lasted ? tick : Tick{};
     }
     state_.tool = in_body(tool, frame);
     rebase(frame, body.frame(state_.place.body_point.at));
@@ -212,11 +213,16 @@ private:
     motion.crept = length(place.body_point.point - c);
 
     motion.point = q - shape_.skin() * place.normal;
-    motion.before = tool.apply(state_.tool.unapply(state_.applied.point)) - state_.applied.point;
-    motion.after = motion.point - state_.tool.apply(tool.unapply(motion.point));
+    motion.before = way_of(state_.tool.unapply(state_.applied.point), tool);
+    motion.after = way_of(tool.unapply(motion.point), tool);
     motion.axis_y = cross(place.normal, place.axis);
     motion.way = {dot(motion.after, place.axis), dot(motion.after, motion.axis_y)};
     return answer(tool, z, motion, body);
+  }
+
+  /// m, way of a point of the tool's frame in this tick; exactly 0 at rest, of a rotation that is not quite orthonormal too.
+  [[nodiscard]] Vec3 way_of(const Vec3& point, const Pose& tool) const {
+    return tool.apply(point) - state_.tool.apply(point);
   }
 
   /// Whether the tool went farther than a contact's size since the last tick.

@@ -2,6 +2,7 @@
 // The energy that the hand has put into a contact and not got back, and the depth that it pays for.
 #pragma once
 
+#include "palpate/math/vec3.hpp"
 #include "palpate/response/response_law.hpp"
 
 #include <cmath>

@@ -49,7 +49,12 @@ public:
     const double way = travel(pose_, to, shape.extent()) + std::fabs(surface_travel - surface_travel_);
     Sweep found;
     found.pose = to;
-    if (known_ && way < safe_) return found;
+    if (known_ && way < safe_) {
+      pose_ = to;
+      surface_travel_ = surface_travel;
+      safe_ -= way;
+      return found;
+    }
     const View& surface = body.surface();
     if (latest != nullptr && travel(latest->pose, to, shape.extent()) < latest->touch.safe) {
       return remain(to, surface_travel, latest->touch, 0), found;

@@ -2,6 +2,7 @@
 // Friction as a row of springs in parallel, each with a slip limit and radial return.
 #pragma once
 
+#include "palpate/math/vec3.hpp"
 #include "palpate/response/response_law.hpp"
 
 #include <cmath>

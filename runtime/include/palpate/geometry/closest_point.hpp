@@ -237,7 +237,7 @@ PALPATE_NOINLINE inline Location local_closest_point(const View& view, const Bod
       const int corner = best.bary[(k + 1) % 3] > 0 ? (k + 1) % 3 : (k + 2) % 3;
       const bool edge = best.bary[3 - k - corner] > 0;
       const std::uint32_t from = triangle, centre = view.triangles[from].vertex[corner];
-      std::uint32_t next = view.triangles[from].neighbour[k];
+      std::uint32_t next = view.triangles[from].neighbour[edge ? k : (corner + 1) % 3];
       for (int i = 0; i < (edge ? 1 : kMostFaces) && next != from; ++i) {
         if (improves(next)) return true;
         const layout::SurfaceTriangle& face = view.triangles[next];
@@ -325,8 +325,8 @@ private:
     constexpr double kWidest = 0.05;  // of the depth scale, of the ball's radius
     const double widest = 2 * kWidest * view.meta->depth_scale;
     double distance = length(p - position(view, near)) * (1 + 1e-9);
-    double squared[kMost + 1] = {};
-    std::uint32_t ids[kMost + 1] = {};
+    double squared[kMost + 1] = {distance * distance};
+    std::uint32_t ids[kMost + 1] = {near.triangle};
     int count = 0;
     const double first = distance + widest;
     detail::visit_near<kFeatures>(view, p, first * first, [&](std::uint32_t t, double& bound) {
