@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "tools/elsewhere.hpp"
+#include "tools/other_walls.hpp"
 #include "tools/plot.hpp"
 
 namespace palpate::cli {
@@ -89,7 +89,7 @@ template <class Contact>
 std::vector<PlayedRow> play_with(Contact&& contact, const runtime::View& view, std::uint32_t tool,
                                  const std::vector<MotionRow>& motion, PlaySummary& summary) {
   summary = {};
-  Elsewhere elsewhere(view, tool);
+  const OtherWalls walls(view, tool);
   const double reach = runtime::ToolShape<>(view, tool).extent();
   const double longest = 0.01 * view.meta->depth_scale;
   std::vector<PlayedRow> rows;
@@ -108,8 +108,8 @@ std::vector<PlayedRow> play_with(Contact&& contact, const runtime::View& view, s
     }
     summary.rows_beyond += beyond ? 1 : 0;
     summary.rows_covered += covered ? 1 : 0;
-    summary.rows_elsewhere += elsewhere.missed(contact, pose_between(from, motion[i], 1), tick) ? 1 : 0;
-    summary.rows_near += elsewhere.near(contact) ? 1 : 0;
+    summary.rows_elsewhere += OtherWalls::missed(contact, pose_between(from, motion[i], 1), tick) ? 1 : 0;
+    summary.rows_near += walls.near(contact) ? 1 : 0;
     summary.starts_inside = summary.starts_inside || (i == 0 && summary.touching);
     rows.push_back({motion[i].time, tick});
   }
@@ -119,9 +119,9 @@ std::vector<PlayedRow> play_with(Contact&& contact, const runtime::View& view, s
 }  // namespace
 
 std::vector<PlayedRow> play(const runtime::View& view, std::uint32_t tool, const std::vector<MotionRow>& motion,
-                            PlaySummary& summary, bool several) {
-  return several ? play_with(runtime::ContactSet<3>(view, tool), view, tool, motion, summary)
-                 : play_with(runtime::Contact(view, tool), view, tool, motion, summary);
+                            PlaySummary& summary, bool single) {
+  return single ? play_with(runtime::Contact(view, tool), view, tool, motion, summary)
+                : play_with(runtime::ContactSet<3>(view, tool), view, tool, motion, summary);
 }
 
 std::string forces_csv(const std::vector<PlayedRow>& rows) {

@@ -11,8 +11,8 @@ PairResponse fit_pair(const std::vector<Sample>& samples, const ResponseScales& 
   PairResponse response;
   response.coefs = fit_potential(samples, scales, what);
   const Potential potential(response.coefs, scales);
-  response.softening =
-      slip_softening(samples, [&](const Eigen::Vector3d& deflection) { return potential.force(deflection); });
+  const auto sticking = [&](const Eigen::Vector3d& deflection) { return potential.force(deflection); };
+  response.softening = slip_softening(samples, sticking, scales.depth);
   // Errors are those of the file. Rounding to 16 bits changes none of their digits.
   if (scales.bits < 16) response.coefs = rounded(response.coefs, scales.degrees, scales.bits, what);
   return response;

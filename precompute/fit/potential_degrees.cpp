@@ -35,6 +35,22 @@ std::vector<response::Degrees> candidates(bool bias, bool friction) {
   return all;
 }
 
+// Degrees of a scene with too few samples to leave any out. Throws when no pair can be fitted.
+DegreeChoice usual_degrees(const std::vector<const std::vector<Sample>*>& pairs, ResponseScales scales, bool bias) {
+  scales.degrees = scales.friction() ? response::Degrees{5, bias ? 4 : 0, 3, 3, true}
+                                     : response::Degrees{4, bias ? 3 : 0, 0, 0, false};
+  std::string cause = "there is none";
+  for (const auto* samples : pairs) {
+    try {
+      fit_pair(*samples, scales, "degrees");
+      return {scales.degrees, 16, {}, false};
+    } catch (const Error& error) {
+      cause = error.what();
+    }
+  }
+  throw Error(ExitCode::numerical, "responses: no accepted pair can be fitted: " + cause);
+}
+
 // Nearest rank.
 HeldOutFigures figures(std::vector<double> errors) {
   HeldOutFigures f;
@@ -106,9 +122,7 @@ DegreeChoice choose_degrees(const std::vector<const std::vector<Sample>*>& pairs
     best = {degrees, 16, f, f.p95 <= tolerance};
     if (best.met) break;
   }
-  if (best.held_out.samples == 0) {
-    throw Error(ExitCode::numerical, "responses: no pair has samples to fit and samples to test the fit");
-  }
+  if (best.held_out.samples == 0) return usual_degrees(drawn, scales, bias);
   scales.degrees = best.degrees;
   for (scales.bits = 8; scales.bits < 16; scales.bits += 4) {
     const HeldOutFigures f = held_out_figures(drawn, scales);

@@ -24,7 +24,8 @@ struct DegreeChoice {
 
 /// Fits every candidate to four fifths of the samples of up to 24 pairs, drawn evenly, and compares it with the rest.
 /// `scales`: Z and X. `bias`: normal indentations have a tangential force that the responses must hold. `tolerance`: of
-/// the 95th percentile of the relative error. Throws Error(numerical) when no pair can be fitted.
+/// the 95th percentile of the relative error. Pairs with too few samples to leave any out get usual degrees, 16 bits and
+/// no figures. Throws Error(numerical) when no pair can be fitted.
 DegreeChoice choose_degrees(const std::vector<const std::vector<Sample>*>& pairs, ResponseScales scales, bool bias,
                             double tolerance);
 

@@ -72,7 +72,7 @@ std::optional<double> without_slip(const std::vector<Shortfall>& all, double dep
 
 }  // namespace
 
-double slip_softening(const std::vector<Sample>& samples, const StickingForce& sticking) {
+double slip_softening(const std::vector<Sample>& samples, const StickingForce& sticking, double depth_scale) {
   std::map<double, std::vector<Shortfall>> by_depth;  // a slipping push has the depth of its normal push, bit by bit
   std::map<double, const Sample*> normal;
   for (const Sample& s : samples) {
@@ -83,19 +83,20 @@ double slip_softening(const std::vector<Sample>& samples, const StickingForce& s
     const auto from = normal.find(s.deflection.z());
     if (from != normal.end()) by_depth[s.deflection.z()].push_back(shortfall(s, *from->second, sticking));
   }
-  double sum = 0, deepest = 0;
-  int depths = 0;
+  // Least squares of missing = k z / Z.
+  double sum = 0, weight = 0, deepest = 0;
   for (const auto& [depth, all] : by_depth) {
     const std::optional<double> missing = without_slip(all, depth);
     if (!missing && depth == by_depth.rbegin()->first) return 0;
     if (!missing) continue;
-    deepest = *missing;  // the last of them
-    sum += *missing;
-    ++depths;
+    const double share = std::min(depth / depth_scale, 1.0);
+    deepest = *missing / share;  // the last of them
+    sum += share * *missing;
+    weight += share * share;
   }
-  constexpr double kBeyond = 1.5;  // times the deepest, that the mean may be
+  constexpr double kBeyond = 1.5;  // times the deepest, that k may be
   const double most = std::min(kBeyond * std::max(deepest, 0.0), static_cast<double>(layout::kMaxSoftening));
-  return depths > 0 ? std::clamp(sum / depths, 0.0, most) : 0.0;
+  return weight > 0 ? std::clamp(sum / weight, 0.0, most) : 0.0;
 }
 
 }  // namespace palpate::fit

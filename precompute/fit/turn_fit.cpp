@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "formats/error.hpp"
-#include "palpate/contact/bonded_contact.hpp"
+#include "palpate/response/bonded_law.hpp"
 #include "precompute/algebra/spectrum.hpp"
 #include "precompute/fit/least_squares.hpp"
 #include "precompute/fit/spline_rows.hpp"
@@ -33,7 +33,7 @@ constexpr double kMostCoupling =
 /// Curve of K's entries.
 constexpr std::array<std::array<int, 3>, 3> kStiffness{{{3, 4, 6}, {4, 5, 7}, {6, 7, 8}}};
 
-bonded::Triple triple(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+runtime::Vec3 triple(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 std::vector<const Sample*> grasped(const std::vector<Sample>& samples) {
   std::vector<const Sample*> result;
@@ -226,11 +226,11 @@ TurnCurves fit_turns(const std::vector<Sample>& samples, const GraspCurves& gras
 
 TurnCurves blend_turns(const std::vector<TurnShare>& shares, double depth_scale) {
   TurnCurves blend;
-  bonded::TorqueLaw law;
+  runtime::BondedTorqueLaw law;
   law.clear(kGraspCoefs, depth_scale);
   for (const TurnShare& s : shares) {
     blend.turned += s.share * s.turn->turned;
-    law.add(s.turn->curves.data(), s.share, s.turned.x(), s.turned.y());
+    law.add(s.turn->curves.data(), s.share, {s.turned.x(), s.turned.y()});
   }
   blend.curves = Eigen::Map<const VectorXd>(law.coefs(), kCurves * kGraspCoefs);
   return blend;
@@ -238,14 +238,14 @@ TurnCurves blend_turns(const std::vector<TurnShare>& shares, double depth_scale)
 
 Vector3d evaluate_torque(const GraspCurves& grasp, const TurnCurves& turn, double depth_scale,
                          const Vector3d& deflection, const Vector3d& rotation) {
-  bonded::Law moved;
-  bonded::TorqueLaw turned;
+  runtime::BondedLaw moved;
+  runtime::BondedTorqueLaw turned;
   moved.clear(kGraspCoefs, depth_scale);
   turned.clear(kGraspCoefs, depth_scale);
   moved.add(grasp.curves.data(), 1);
   turned.add(turn.curves.data(), 1);
-  const bonded::Triple t = turned.answer(moved, triple(deflection), triple(rotation)).torque;
-  return {t.x, t.y, t.n};
+  const runtime::Vec3 t = turned.wrench(moved, triple(deflection), triple(rotation)).torque;
+  return {t.x, t.y, t.z};
 }
 
 std::vector<double> turn_errors(const GraspCurves& grasp, const TurnCurves& turn, double depth_scale,

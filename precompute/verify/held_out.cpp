@@ -355,8 +355,7 @@ void compare_with_file(const runtime::View& view, std::vector<HeldOut>& contacts
     runtime::BlendedResponse<> response;
     response.blend(view, contact.tool, at.at, tool_point, {1, 0, 0}, orientation);
     contact.filled = response.filled_share();
-    runtime::BondedResponse bonded;
-    bonded.blend(view, contact.tool, at.at, tool_point, orientation);
+    const runtime::BondedResponse<true> bonded(view, contact.tool, at.at, tool_point, orientation);
     double peak = 0, peak_torque = 0;
     for (const ForcePair& f : contact.forces) {
       peak = std::max(peak, f.solved.norm());
@@ -372,9 +371,9 @@ void compare_with_file(const runtime::View& view, std::vector<HeldOut>& contacts
         throw Error(ExitCode::bad_input, "a recorded contact is turned; the file has no turns for that tool");
       }
       const Vector3d rotation = f.turn ? f.turn->rotation : Vector3d::Zero();
-      const runtime::BondedWrench held = f.kind == SampleKind::grasped
-                                             ? bonded.wrench(deflection, to_runtime(rotation))
-                                             : runtime::BondedWrench{};
+      const runtime::BondedForce held = f.kind == SampleKind::grasped
+                                             ? bonded.at(deflection, to_runtime(rotation))
+                                             : runtime::BondedForce{};
       f.baked = to_eigen(f.kind == SampleKind::path      ? replay.go(f)
                          : f.kind == SampleKind::grasped ? held.force
                                                          : response.force(deflection));

@@ -4,7 +4,7 @@
 
 #include "device/scene_answer.hpp"
 #include "palpate/contact/contact_set.hpp"
-#include "palpate/contact/contact.hpp"
+#include "palpate/output/device_frame.hpp"
 #include "palpate/output/output_chain.hpp"
 #include "palpate/output/virtual_coupling.hpp"
 
@@ -12,7 +12,7 @@ namespace palpate::device {
 
 /// Scene force through the frame and the output's steps. The view must outlive it.
 /// Tie: what the device holds the tool by, runtime::Rigid or runtime::VirtualCoupling. Contact: runtime::Contact, or
-/// runtime::ContactsAsOne for a tool that is felt at several places.
+/// runtime::ContactSet for a tool that is felt at several places.
 template <class Tie = runtime::Rigid, class Contact = runtime::Contact, class... Steps>
 class ContactSource : public ForceSource {
 public:

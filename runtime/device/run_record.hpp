@@ -3,7 +3,7 @@
 #pragma once
 
 #include "device/governor.hpp"
-#include "palpate/output/output_chain.hpp"
+#include "palpate/output/device_frame.hpp"
 #include "palpate/output/virtual_coupling.hpp"
 
 #include <cstddef>

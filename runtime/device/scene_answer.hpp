@@ -3,7 +3,7 @@
 #pragma once
 
 #include "device/force_source.hpp"
-#include "palpate/output/output_chain.hpp"
+#include "palpate/output/device_frame.hpp"
 #include "palpate/contact/tick.hpp"
 
 namespace palpate::device {

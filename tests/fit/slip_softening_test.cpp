@@ -48,7 +48,7 @@ std::vector<Sample> samples_of(double softening, const Course& course = {}, doub
         s.deflection << moved * held(depth) * u, depth;
         s.force =
             sticking({std::min(moved, 1.0) * held(depth) * u.x(), std::min(moved, 1.0) * held(depth) * u.y(), depth});
-        s.force.z() *= (1 - (moved > 1 ? softening : 0)) * (1 + course.slope.dot(went) + course.bend * went.squaredNorm());
+        s.force.z() *= (1 - (moved > 1 ? softening * depth / kScale : 0)) * (1 + course.slope.dot(went) + course.bend * went.squaredNorm());
         s.friction_limit = moved > 1 ? kCoulomb : 0;
         samples.push_back(s);
       }
@@ -59,26 +59,26 @@ std::vector<Sample> samples_of(double softening, const Course& course = {}, doub
 
 TEST(SlipSoftening, IsFoundAgain) {
   for (const double softening : {0.0, 0.004, 0.03}) {
-    EXPECT_NEAR(slip_softening(samples_of(softening), sticking), softening, 0.02 * softening + 1e-9) << softening;
+    EXPECT_NEAR(slip_softening(samples_of(softening), sticking, kScale), softening, 0.02 * softening + 1e-9) << softening;
   }
-  EXPECT_NEAR(slip_softening(samples_of(0.03, {}, 0.5 * kScale), sticking), 0.03, 1e-3) << "half as deep";
+  EXPECT_NEAR(slip_softening(samples_of(0.03, {}, 0.5 * kScale), sticking, kScale), 0.03, 1e-3) << "half as deep";
 }
 
 // A body that is harder to one side, or all round, where the tool slides to.
 TEST(SlipSoftening, IsToldApartFromWhereTheToolComesTo) {
   for (const Course& course : {Course{{0.1, -0.2}, 0}, Course{{0, 0}, -0.2}, Course{{0.15, 0.1}, 0.1}}) {
-    EXPECT_NEAR(slip_softening(samples_of(0.02, course), sticking), 0.02, 2e-3);
+    EXPECT_NEAR(slip_softening(samples_of(0.02, course), sticking, kScale), 0.02, 2e-3);
   }
 }
 
 TEST(SlipSoftening, IsNoneWhereNothingTells) {
-  EXPECT_EQ(slip_softening({}, sticking), 0);
+  EXPECT_EQ(slip_softening({}, sticking, kScale), 0);
   std::vector<Sample> few = samples_of(0.02);
   std::erase_if(few, [](const Sample& s) { return s.kind == SampleKind::slipping; });
-  EXPECT_EQ(slip_softening(few, sticking), 0);
+  EXPECT_EQ(slip_softening(few, sticking, kScale), 0);
   std::vector<Sample> one_way = samples_of(0.02);
   std::erase_if(one_way, [](const Sample& s) { return s.kind == SampleKind::slipping && s.deflection.y() != 0; });
-  EXPECT_EQ(slip_softening(one_way, sticking), 0) << "the way cannot be told apart";
+  EXPECT_EQ(slip_softening(one_way, sticking, kScale), 0) << "the way cannot be told apart";
 }
 
 // What slips pushes more than what sticks: that is no loss, and nothing the runtime could do without a gain.
@@ -87,17 +87,17 @@ TEST(SlipSoftening, IsNotNegative) {
   for (Sample& s : more) {
     if (s.kind == SampleKind::slipping) s.force.z() *= 1.05;
   }
-  EXPECT_EQ(slip_softening(more, sticking), 0);
+  EXPECT_EQ(slip_softening(more, sticking, kScale), 0);
 }
 
 // A tool that slides off a margin loses most of its force, and that is no relief.
 TEST(SlipSoftening, IsNoneAtAMargin) {
-  for (const double bend : {-0.8, -2.0}) EXPECT_EQ(slip_softening(samples_of(0.02, {{0, 0}, bend}), sticking), 0);
+  for (const double bend : {-0.8, -2.0}) EXPECT_EQ(slip_softening(samples_of(0.02, {{0, 0}, bend}), sticking, kScale), 0);
   std::vector<Sample> less = samples_of(0.02);
   for (Sample& s : less) {
     if (s.kind == SampleKind::slipping && s.deflection.z() < 0.5 * kScale) s.force.z() *= 0.8;
   }
-  EXPECT_LT(slip_softening(less, sticking), 0.031) << "shallow pushes that say far more than deep ones";
+  EXPECT_LT(slip_softening(less, sticking, kScale), 0.031) << "shallow pushes that say far more than deep ones";
 }
 
 }  // namespace

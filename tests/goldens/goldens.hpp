@@ -39,9 +39,8 @@ inline std::vector<double> answer(const runtime::View& view, const std::string& 
   const runtime::ToolPoint on_tool{static_cast<std::uint32_t>(asked.at(5)), {asked.at(6), asked.at(7), asked.at(8)}};
   const auto tool = static_cast<std::uint32_t>(asked.at(4));
   if (word == "bonded" || word == "torque") {
-    runtime::BondedResponse response;
-    response.blend(view, tool, at, on_tool, nullptr);
-    const runtime::BondedWrench w = response.wrench(vec(9), word == "torque" ? vec(12) : Vec3{});
+    const runtime::BondedResponse<true> response(view, tool, at, on_tool);
+    const runtime::BondedForce w = response.at(vec(9), word == "torque" ? vec(12) : Vec3{});
     if (word == "bonded") return {w.force.x, w.force.y, w.force.z};
     return {w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z};
   }

@@ -83,8 +83,7 @@ std::string forces(const View& view) {
       text += as_line(view, "spun", asked);
     }
     const runtime::ToolPoint on_tool{static_cast<std::uint32_t>(contact[5]), {contact[6], contact[7], contact[8]}};
-    runtime::BondedResponse bonded;
-    bonded.blend(view, tool, at, on_tool, nullptr);
+    const runtime::BondedResponse<true> bonded(view, tool, at, on_tool);
     if (!(bonded.depth() > 0)) continue;
     // Depths of both signs and beyond the sampled ones, rotations up to three quarters of a half turn.
     const Vec3 held = aside + draw.between(-1.5, 1.5) * depth * n;

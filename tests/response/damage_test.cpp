@@ -174,10 +174,9 @@ void expect_harmless(const View& view, std::mt19937& random) {
       response.blend(view, tool, at, on, {1, 0, 0}, &pose);
       const runtime::Vec3 d = depth * (runtime::Vec3{unit(random), unit(random), unit(random)} - response.normal());
       ASSERT_TRUE(finite(response.force(d)));
-      runtime::BondedResponse bonded;
-      bonded.blend(view, tool, at, on, &pose);
+      const runtime::BondedResponse<true> bonded(view, tool, at, on, &pose);
       if (!(bonded.depth() > 0)) continue;
-      const runtime::BondedWrench wrench = bonded.wrench(d, {0.3 * unit(random), 0.3 * unit(random), 0});
+      const runtime::BondedForce wrench = bonded.at(d, {0.3 * unit(random), 0.3 * unit(random), 0});
       ASSERT_TRUE(finite(wrench.force) && finite(wrench.torque));
     }
     const runtime::Vec3 near{0.04 * unit(random), 0.04 * unit(random), 0.05 * unit(random)};

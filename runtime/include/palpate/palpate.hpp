@@ -9,6 +9,7 @@
 #include "palpate/contact/contact.hpp"
 #include "palpate/contact/contact_set.hpp"
 #include "palpate/contact/superposition.hpp"
+#include "palpate/contact/tool_set.hpp"
 #include "palpate/format/open.hpp"
 #include "palpate/format/response_view.hpp"
 #include "palpate/output/device_frame.hpp"

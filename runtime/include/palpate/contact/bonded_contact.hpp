@@ -24,9 +24,10 @@ template <bool kTorque>
 class BondedResponse {
 public:
   BondedResponse() = default;
-  /// `tool`: an index into the file's tools. `p.patch`: a patch of this tool. `pose`: of the tool at the bond, for
-  /// tools that were sampled at several spins; null for the first spin.
-  BondedResponse(const View& view, std::uint32_t tool, const BodyPoint& c, const ToolPoint& p, const Pose* pose = {}) {
+  /// `tool`: an index into the file's tools. `p.patch`: a patch of this tool. `lies`: of the tool at the bond, for
+  /// tools that were sampled at several spins.
+  BondedResponse(const View& view, std::uint32_t tool, const BodyPoint& c, const ToolPoint& p,
+                 const Orientation& lies = {}) {
     if (view.bonded == nullptr) return;
     double weights[3];
     site_weights(view, c, weights);
@@ -37,7 +38,7 @@ public:
     law_.clear(count, view.meta->depth_scale);
     if constexpr (kTorque) torque_law_.clear(count, view.meta->depth_scale);
     const auto use = [&](std::uint64_t index, double share, const Vec2& axis) { add(view, index, share, axis); };
-    for_each_share<layout::feature_all>(view, tool, c, p, pose, *this, weights, use);
+    for_each_share<layout::feature_all>(view, tool, c, p, lies, *this, weights, use);
   }
 
   [[nodiscard]] const Vec3& normal() const { return normal_; }

@@ -325,7 +325,7 @@ private:
     ContactPlace& place = state_.place;
     const Vec3 n = smooth_normal(*view_, place.body_point.at);
     response_.blend(*view_, tool_, place.body_point.at, place.tool_point.at, turned(place.axis, place.normal, n), &tool);
-    layers_.set(response_.law());
+    layers_.set(response_.law(), response_.softening());
   }
 
   /// The force at the indentation z (m). The counted depth d is z where the hand has put in what the contact stored at the
@@ -388,12 +388,13 @@ private:
     const double reach = length(trial.recovery), most = larger(slope > 0 ? limit / slope : 0, before - motion.moved);
     if (reach > most) trial.recovery = (larger(most, 0) / reach) * trial.recovery;
     const Vec2 drag = slope * trial.recovery;
-    const double softening = response_.softening();
-    const double normal = r.normal_force + dot(r.bias_slope, mean) + 0.5 * quadratic(r.normal_coupling, mean) -
-                          softening * trial.friction.lost_force;
-    const Vec2 push = r.bias + trial.friction.force + drag;
+    // Slip removes the shear that the sticking contact's bias contains.
+    const Vec2 bias = (1 - trial.friction.lost_bias) * r.bias;
+    const double normal = r.normal_force + (1 - trial.friction.lost_bias) * dot(r.bias_slope, mean) + 0.5 * quadratic(r.normal_coupling, mean) -
+                          trial.friction.lost_force;
+    const Vec2 push = bias + trial.friction.force + drag;
     trial.force = larger(0, normal) * state_.place.normal - push.x * state_.place.axis - push.y * motion.axis_y;
-    trial.other = dot(r.bias, mean) + trial.friction.energy - softening * trial.friction.lost_work +
+    trial.other = dot(bias, mean) + trial.friction.energy - trial.friction.lost_work +
                   0.5 * dot(drag, trial.recovery);
   }
 

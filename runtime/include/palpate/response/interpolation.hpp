@@ -18,10 +18,9 @@ class BlendedResponse {
 
 public:
   /// Blends the responses at a point c of the body and a point p of the tool. `x`: a unit vector; its part across the
-  /// smooth normal at c becomes the basis of the blend. `pose`: how the tool lies, for tools that are sampled at
-  /// several spins; null where it does not matter.
+  /// smooth normal at c becomes the basis of the blend. `lies`: for tools that are sampled at several spins.
   void blend(const View& view, std::uint32_t tool, const BodyPoint& c, const ToolPoint& p, const Vec3& x,
-             const Pose* pose) {
+             const Orientation& lies) {
     double weights[3];
     site_weights(view, c, weights);
     normal_ = smooth_normal(view, c, weights);
@@ -31,7 +30,7 @@ public:
     double sum[response::kMostCoefs];
     for (int k = 0; k < response::count(degrees); ++k) sum[k] = 0;
     depth_limit_ = filled_share_ = softening_ = 0;
-    for_each_share<kFeatures>(view, tool, c, p, pose, *this, weights,
+    for_each_share<kFeatures>(view, tool, c, p, lies, *this, weights,
                               [&](std::uint64_t index, double share, const Vec2& axis) {
                                 add(view, degrees, index, share, axis, sum);
                               });

@@ -44,6 +44,17 @@ inline Vec2 carried_axis(const layout::Site& site, const Vec3& n, const Vec3& x,
   return size > 1e-12 ? (1 / size) * carried : Vec2{1, 0};
 }
 
+/// How a tool lies at a contact: by its pose (body frame), or as one of the sampled spins was baked (0 where a vertex has
+/// fewer). Tools with one spin have no use for either.
+struct Orientation {
+  const Pose* pose = nullptr;
+  std::uint32_t sample = 0;
+
+  Orientation() = default;
+  Orientation(const Pose* pose_of_tool) : pose(pose_of_tool) {}
+  explicit Orientation(std::uint32_t sampled_spin) : sample(sampled_spin) {}
+};
+
 namespace detail {
 
 /// How the tangent of a tool vertex lies at a contact.
@@ -81,7 +92,7 @@ inline LaidTangent laid_tangent(const View& view, const layout::ToolRecord& tool
 /// lies; what is not confident is the first sample's, as it was baked.
 template <std::uint32_t kFeatures, class Frame, class Use>
 inline void for_each_share(const View& view, std::uint32_t tool, const BodyPoint& c, const ToolPoint& p,
-                           const Pose* pose, const Frame& frame, const double (&weights)[3], const Use& use) {
+                           const Orientation& lies, const Frame& frame, const double (&weights)[3], const Use& use) {
   const auto& site = view.triangles[c.triangle].site;
   const ToolCorners corners = tool_corners<kFeatures>(view, tool, p);
   Vec2 axis[3];
@@ -92,18 +103,18 @@ inline void for_each_share(const View& view, std::uint32_t tool, const BodyPoint
     const std::uint32_t vertex = corners.vertex[l];
     std::uint32_t spins = 1;
     if constexpr ((kFeatures & layout::feature_spin) != 0) {
-      if (view.spins != nullptr && pose != nullptr) spins = view.spins[vertex];
+      if (view.spins != nullptr) spins = view.spins[vertex];
     }
     const auto answer = [&](int k, std::uint32_t sample, double share, const Vec2& x) {
       const double all = weights[k] * corners.weight[l] * share;
       if (all > 0) use(layout::response_index(*view.meta, site[k], vertex) + sample, all, x);
     };
-    if (spins <= 1) {
-      for (int k = 0; k < 3; ++k) answer(k, 0, 1, axis[k]);
+    if (spins <= 1 || lies.pose == nullptr) {
+      for (int k = 0; k < 3; ++k) answer(k, lies.sample < spins ? lies.sample : 0, 1, axis[k]);
       continue;
     }
     if constexpr ((kFeatures & layout::feature_spin) != 0) {
-      const detail::LaidTangent laid = detail::laid_tangent(view, view.tools[tool], vertex, *pose, frame.normal(),
+      const detail::LaidTangent laid = detail::laid_tangent(view, view.tools[tool], vertex, *lies.pose, frame.normal(),
                                                             frame.basis_x(), frame.basis_y());
       for (int k = 0; k < 3; ++k) {
         const Vec2 from = product(laid.axis, {axis[k].x, -axis[k].y});  // angle from the site's axis to the tangent
