@@ -146,10 +146,12 @@ inline SpringForce update_springs(const FrictionLayers& layers, const ResponseAt
     Vec2 elastic = stiffness * e;
     const double squared = dot(elastic, elastic);
     if (squared > limit * limit) {
-      const double held = limit / std::sqrt(squared);  // share of e
+      const double size = std::sqrt(squared), held = limit / size;  // share of e
       state.slipped[k] += (1 - state.slipped[k]) * smaller(1, (1 - held) / (SpringConstants::kSlipTravel * held));
-      elastic = held * elastic;
-      e = held * e;
+      // With the softening of this slip, so that a contact at rest stays at its limit.
+      const double kept = mu * normal * (1 - softening * state.slipped[k]) / size;
+      elastic = kept * elastic;
+      e = kept * e;
     } else {
       result.slides = false;
     }
