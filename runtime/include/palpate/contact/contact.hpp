@@ -276,6 +276,7 @@ private:
   /// indentation z changes by at most kTurnSpeed times that of a press by the tool's travel. The tangential axis is
   /// carried along.
   void turn_normal(const Vec3& q, double z, double moved) {
+    if (!(moved > 0)) return;  // at rest not even rounding turns it
     ContactPlace& place = state_.place;
     const double sign = place.foot.signed_distance < 0 ? -1 : 1, smooth = ContactConstants::kSmoothNormal * rounding();
     const Vec3 target =
