@@ -288,7 +288,7 @@ TEST(FirstContact, ToolThatIsPutBehindASheetIsFree) {
   const auto at = [](double height) { return upright({0.003, 0.002, height}); };
   EXPECT_FALSE(contact.tick(at(0.002)).touches());
   EXPECT_FALSE(contact.tick(at(0.002 - 1.01 * contact.size(kDepthScale))).touches());
-  EXPECT_TRUE(contact.tick(at(0.0005)).touches());
+  EXPECT_TRUE(contact.tick(at(0.00015)).touches());
 }
 
 }  // namespace

@@ -197,7 +197,7 @@ private:
     motion.moved = travel(state_.tool, tool, shape_.extent());
     const double reach = ContactConstants::kPointSpeed * motion.moved;
     const CorePoint from = place.tool_point;
-    place.tool_point = shape_.advance(from, tool, place.foot.point, place.normal, reach);
+    place.tool_point = shape_.advance(from, tool, place.foot, place.normal, reach);
     const Vec3 q = tool.apply(place.tool_point.point);
     advance_foot(q, length(q - state_.tool.apply(from.point)), latest);
     // A search that arrives late may find less than was felt: it is lost as the tool moves.

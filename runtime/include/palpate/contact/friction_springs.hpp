@@ -145,14 +145,16 @@ inline SpringForce update_springs(const FrictionLayers& layers, const ResponseAt
     e = e + (motion.from >= start ? 1 : (motion.to - start) / (motion.to - motion.from)) * motion.way;
     Vec2 elastic = stiffness * e;
     const double squared = dot(elastic, elastic);
-    if (squared > limit * limit) {
+    // Rounding neither moves what is at its limit nor lets it stick.
+    constexpr double kRounding = 1e-12;
+    if (squared > limit * limit * (1 + kRounding)) {
       const double size = std::sqrt(squared), held = limit / size;  // share of e
       state.slipped[k] += (1 - state.slipped[k]) * smaller(1, (1 - held) / (SpringConstants::kSlipTravel * held));
       // With the softening of this slip, so that a contact at rest stays at its limit.
       const double kept = mu * normal * (1 - softening * state.slipped[k]) / size;
       elastic = kept * elastic;
       e = kept * e;
-    } else {
+    } else if (squared < limit * limit * (1 - kRounding)) {
       result.slides = false;
     }
     state.deflection[k] = e;
