@@ -139,15 +139,16 @@ inline SpringForce update_springs(const FrictionLayers& layers, const ResponseAt
     const bool last = k + 1 == engaged;
     const Sym2 stiffness = (last ? r.stiffness : layers.stiffness(k + 1)) - layers.stiffness(k);
     const double normal = scale * share[k], start = layers.start(k);
-    const double limit = mu * normal * (1 - softening * state.slipped[k]);
+    const auto limit = [&] { return mu * normal * (1 - softening * state.slipped[k]); };
     Vec2 e = state.deflection[k];
     if (stiffness.m > state.stiffness[k]) e = (state.stiffness[k] / stiffness.m) * e;
     e = e + (motion.from >= start ? 1 : (motion.to - start) / (motion.to - motion.from)) * motion.way;
     Vec2 elastic = stiffness * e;
     const double squared = dot(elastic, elastic);
-    if (squared > limit * limit) {
-      const double held = limit / std::sqrt(squared);  // share of e
-      state.slipped[k] += (1 - state.slipped[k]) * smaller(1, (1 - held) / (SpringConstants::kSlipTravel * held));
+    if (squared > limit() * limit()) {
+      const double size = std::sqrt(squared), over = size / limit() - 1;  // slip over the deflection at the limit
+      state.slipped[k] += (1 - state.slipped[k]) * smaller(1, over / SpringConstants::kSlipTravel);
+      const double held = limit() / size;  // share of e
       elastic = held * elastic;
       e = held * e;
     } else {
