@@ -70,7 +70,7 @@ private:
     const layout::ResponseHead& head = view.response_head(index);
     depth_limit_ += share * double{head.depth_limit};
     if (head.flags == layout::response_filled) filled_share_ += share;
-    if constexpr (kSoftening) softening_ += share * view.softening(index);
+    if (kSoftening && view.meta->softening_count > 0) softening_ += share * view.softening(index);
     std::int16_t coefs[response::kMostCoefs];
     view.coefficients(index, coefs);
     const double factor = share * double{view.coefficient_unit(index)};
