@@ -83,6 +83,17 @@ void read_regions(Scene& scene, const toml::table& root, const Place& place) {
   name_all(scene.regions, tables, "region", place);
 }
 
+void read_cavities(Scene& scene, const toml::table& root, const Place& place) {
+  const auto tables = sections(root, "cavity", place);
+  for (const toml::table* table : tables) {
+    read_table(scene.cavities.emplace_back(), *table, cavity_keys(), place.below("cavity"));
+    if (table->contains("surface") == table->contains("labels")) {
+      fail(place.below("cavity"), table, "allowed exactly one of surface, labels");
+    }
+  }
+  name_all(scene.cavities, tables, "cavity", place);
+}
+
 void read_supports(Scene& scene, const toml::table& root, const Place& place) {
   for (const toml::table* table : sections(root, "support", place)) {
     const Place here = place.below("support");
@@ -251,6 +262,7 @@ Scene read_scene(const std::filesystem::path& file) {
     check_material(scene.material, *table, place.below("material"));
   }
   read_regions(scene, root, place);
+  read_cavities(scene, root, place);
   read_supports(scene, root, place);
   read_section(scene.prestress, root, "prestress", prestress_keys(), place);
   if (const toml::table* table = section(root, "prestress", place)) {
@@ -263,9 +275,13 @@ Scene read_scene(const std::filesystem::path& file) {
   read_section(scene.solver, root, "solver", solver_keys(), place);
   static_cast<void>(to_sources(root, place));  // kept apart; what is wrong there is wrong in the scene
 
-  if (scene.body.surfaces.empty()) {
+  if (scene.body.surfaces.empty() && scene.body.labels.file.empty()) {
     fail(place.below("body.surface"), root.get("body"),
-         "missing; a scene needs a surface file, for example:  [body] surface = \"liver.ply\"");
+         "missing; a scene needs a surface file, for example:  [body] surface = \"liver.ply\"  or voxels:  [body] "
+         "labels = {image = \"liver.nii.gz\", value = 1}");
+  }
+  if (!scene.body.surfaces.empty() && !scene.body.labels.file.empty()) {
+    fail(place.below("body.labels"), root["body"]["labels"].node(), "allowed exactly one of surface, labels");
   }
   check_sampling(scene.sampling, root, place);
   check_response(scene, root, place);
@@ -283,8 +299,20 @@ std::vector<std::filesystem::path> files_of(const Scene& scene) {
     if (!source.file.empty()) files.push_back(source.file);
   };
   for (const SurfaceSource& source : scene.body.surfaces) add(source);
+  const auto add_image = [&](const LabelSource& labels) {
+    if (!labels.file.empty()) files.push_back(labels.file);
+  };
+  add_image(scene.body.labels);
   add(scene.material.centreline);
-  for (const RegionScene& region : scene.regions) add(region.surface), add(region.material.centreline);
+  for (const RegionScene& region : scene.regions) {
+    add(region.surface);
+    add_image(region.labels);
+    add(region.material.centreline);
+  }
+  for (const CavityScene& cavity : scene.cavities) {
+    add(cavity.surface);
+    add_image(cavity.labels);
+  }
   for (const SupportScene& support : scene.supports) add(support.other);
   for (const ToolScene& tool : scene.tools) add(tool.surface);
   return files;
