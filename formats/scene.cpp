@@ -14,6 +14,25 @@ namespace {
 
 using namespace scene_io;
 
+/// What is missing on a line that is no TOML; empty where it is none of the usual mistakes.
+std::string toml_hint(const std::string& text, std::size_t line) {
+  std::size_t at = 0;
+  for (std::size_t k = 1; k < line && at != std::string::npos; ++k) at = text.find('\n', at) + 1;
+  if (at >= text.size()) return {};
+  const std::string row = text.substr(at, text.find('\n', at) - at);
+  const auto equals = row.find('=');
+  if (equals == std::string::npos) return {};
+  const auto begin = row.find_first_not_of(" \t", equals + 1);
+  if (begin == std::string::npos) return "; the value is missing";
+  std::string value = row.substr(begin, row.find_first_of("#\r", begin) - begin);
+  while (!value.empty() && (value.back() == ' ' || value.back() == '\t')) value.pop_back();
+  const auto begins_text = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '/' || c == '~' || c == '.';
+  };
+  if (value.empty() || !begins_text(value.front()) || value == "true" || value == "false") return {};
+  return "; a text needs quotation marks: " + row.substr(0, equals) + "= " + show(value);
+}
+
 toml::table parse(const std::filesystem::path& file) {
   // Scenes are a few kilobytes; the bound keeps a wrong file (an organ, a device) from filling the memory.
   const std::string text = read_file(file, "scene", std::size_t{1} << 20);
@@ -21,7 +40,8 @@ toml::table parse(const std::filesystem::path& file) {
     return toml::parse(text, file.string());
   } catch (const toml::parse_error& error) {
     throw Error(ExitCode::bad_input, file.string() + ":" + std::to_string(error.source().begin.line) +
-                                         ": not TOML: " + std::string(error.description()));
+                                         ": not TOML: " + std::string(error.description()) +
+                                         toml_hint(text, error.source().begin.line));
   }
 }
 

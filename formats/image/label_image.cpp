@@ -244,6 +244,43 @@ void note_border(const LabelImage& image, LabelMask& mask, const std::array<int,
   }
 }
 
+// Adds the voxels of a mask of the same grid; the box grows as far as they reach.
+void add_mask(const LabelImage& image, LabelMask& mask, std::array<int, 3>& low, const LabelMask& other) {
+  const double voxel = image.axes.colwise().norm().minCoeff();
+  const Eigen::Vector3d shift = mask.axes.inverse() * (other.origin - mask.origin);
+  const Eigen::Vector3d whole = shift.array().round();
+  if ((mask.axes - other.axes).norm() > 1e-3 * voxel || (shift - whole).norm() > 0.05) {
+    fail(image, "and the image of what lies inside have different voxels; allowed: one grid for both");
+  }
+  LabelMask joined = mask;
+  std::array<int, 3> first{}, start{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    start[a] = int(whole[int(a)]);
+    first[a] = std::min(0, start[a]);
+    joined.size[a] = std::max(mask.size[a], start[a] + other.size[a]) - first[a];
+    low[a] += first[a];
+  }
+  joined.origin = mask.origin + mask.axes * Eigen::Vector3d(first[0], first[1], first[2]);
+  joined.inside.assign(std::size_t(joined.size[0]) * std::size_t(joined.size[1]) * std::size_t(joined.size[2]), 0);
+  const auto add = [&](const LabelMask& from, const std::array<int, 3>& at) {
+    std::size_t v = 0;
+    for (int k = 0; k < from.size[2]; ++k) {
+      for (int j = 0; j < from.size[1]; ++j) {
+        for (int i = 0; i < from.size[0]; ++i, ++v) {
+          if (from.inside[v] == 0) continue;
+          const std::size_t row = std::size_t(k + at[2] - first[2]) * std::size_t(joined.size[1]) +
+                                  std::size_t(j + at[1] - first[1]);
+          joined.inside[row * std::size_t(joined.size[0]) + std::size_t(i + at[0] - first[0])] = 1;
+        }
+      }
+    }
+  };
+  add(mask, {0, 0, 0});
+  add(other, start);
+  joined.count = std::size_t(std::count(joined.inside.begin(), joined.inside.end(), 1));
+  mask = std::move(joined);
+}
+
 }  // namespace
 
 LabelImage read_label_image(const std::filesystem::path& file, double unit) {
@@ -327,7 +364,8 @@ std::vector<LabelExtent> label_extents(const LabelImage& image) {
   return extents;
 }
 
-LabelMask label_mask(const LabelImage& image, const LabelSource& source, MaskUse use) {
+LabelMask label_mask(const LabelImage& image, const LabelSource& source, MaskUse use,
+                     const std::vector<LabelMask>& also) {
   const std::set<Label> wanted = wanted_labels(image, source);
   const auto layers = std::size_t(image.layers);
   std::map<Label, std::size_t> counts;
@@ -370,6 +408,7 @@ LabelMask label_mask(const LabelImage& image, const LabelSource& source, MaskUse
       }
     }
   }
+  for (const LabelMask& other : also) add_mask(image, mask, low, other);
   choose_islands(image, mask, source.islands, use);
   fill_holes(mask);
   note_border(image, mask, low);

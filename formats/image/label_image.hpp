@@ -67,6 +67,9 @@ enum class MaskUse { body, region };
 /// largest are dropped, holes of less than 0.1 % of all voxels are filled; notes tell it, and what the image's border
 /// cuts. Throws Error(bad_input) for a value or segment that is not there (the message lists those that are), and for a
 /// body of several large islands unless `source.islands` says what to keep.
-LabelMask label_mask(const LabelImage& image, const LabelSource& source, MaskUse use);
+/// `also`: masks of other files whose voxels belong to it as well (a tumour's file beside its organ's). Their voxels
+/// must be those of the image, else Error(bad_input).
+LabelMask label_mask(const LabelImage& image, const LabelSource& source, MaskUse use,
+                     const std::vector<LabelMask>& also = {});
 
 }  // namespace palpate

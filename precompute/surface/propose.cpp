@@ -274,7 +274,19 @@ private:
         labels.segments.insert(labels.segments.end(), other.labels.segments.begin(), other.labels.segments.end());
       }
     }
-    thing.surface = label_surface(label_mask(*image, labels, use), thing.name);
+    std::vector<LabelMask> also;
+    if (use == MaskUse::body && !image_) {
+      for (const Thing& other : things_) {
+        if (&other == &thing || other.labels.file.empty() || !thing.box.contains(other.box)) continue;
+        try {
+          also.push_back(label_mask(read_label_image(other.file, 0), other.labels, MaskUse::region));
+          static_cast<void>(label_mask(*image, labels, use, {also.back()}));
+        } catch (const Error&) {
+          if (!also.empty()) also.pop_back();  // of another grid
+        }
+      }
+    }
+    thing.surface = label_surface(label_mask(*image, labels, use, also), thing.name);
     return thing.surface;
   }
 

@@ -41,9 +41,9 @@ const LabelImage& SceneSurfaces::image(const LabelSource& labels) {
   return *entry;
 }
 
-Surface SceneSurfaces::labelled(const LabelSource& labels, MaskUse use) {
+Surface SceneSurfaces::labelled(const LabelSource& labels, MaskUse use, const std::vector<LabelMask>& also) {
   const LabelImage& from = image(labels);
-  const LabelMask mask = label_mask(from, labels, use);
+  const LabelMask mask = label_mask(from, labels, use, also);
   Surface surface = label_surface(mask, described(labels));
   surface.frame = from.frame;
   surface.notes = mask.notes;
@@ -69,14 +69,19 @@ Surface SceneSurfaces::body() {
   if (!body.labels.file.empty()) {
     // A tumour's voxels have a value of their own: without them the organ would have a hole.
     LabelSource labels = body.labels;
+    std::vector<LabelMask> also;
     const auto add = [&](const LabelSource& inner) {
-      if (inner.file != labels.file) return;
+      if (inner.file.empty()) return;
+      if (inner.file != labels.file) {
+        also.push_back(label_mask(image(inner), inner, MaskUse::region));
+        return;
+      }
       labels.values.insert(labels.values.end(), inner.values.begin(), inner.values.end());
       labels.segments.insert(labels.segments.end(), inner.segments.begin(), inner.segments.end());
     };
     for (const RegionScene& region : scene_.regions) add(region.labels);
     for (const CavityScene& cavity : scene_.cavities) add(cavity.labels);
-    Surface surface = labelled(labels, MaskUse::body);
+    Surface surface = labelled(labels, MaskUse::body, also);
     rename(surface, "body");  // no path: it is hashed into the plan
     if (frame_ == Frame::unstated) frame_ = surface.frame;
     if (surface.frame == Frame::unstated) unstated_ = labels.file.string();

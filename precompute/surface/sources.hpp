@@ -28,7 +28,7 @@ public:
 
 private:
   const LabelImage& image(const LabelSource& labels);
-  Surface labelled(const LabelSource& labels, MaskUse use);
+  Surface labelled(const LabelSource& labels, MaskUse use, const std::vector<LabelMask>& also = {});
   void turn(Surface& surface, const std::string& file);
 
   const Scene& scene_;
