@@ -7,7 +7,7 @@ find_package(nlohmann_json CONFIG REQUIRED)
 find_package(ZLIB REQUIRED)
 add_library(palpate_surface_io STATIC
   curve_io.cpp surface_io.cpp surface_openmesh.cpp
-  surface_plain.cpp surface_ply.cpp surface_polygon.cpp surface_vtk.cpp surface_vtp.cpp surface_gltf.cpp surface_gltf_screen.cpp surface_fields_glb.cpp
+  surface_plain.cpp surface_ply.cpp surface_polygon.cpp surface_vtk.cpp surface_vtp.cpp volume_vtu.cpp surface_gltf.cpp surface_gltf_screen.cpp surface_fields_glb.cpp
   surface_fields_vtu.cpp)
 target_link_libraries(palpate_surface_io
   PUBLIC palpate_formats

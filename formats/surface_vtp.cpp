@@ -46,6 +46,9 @@ public:
       }
     }
     if (!inside) fail("not a VTK XML file: no element VTKFile");
+    if (bytes_.find("</VTKFile", bytes_.size() - std::min<std::size_t>(bytes_.size(), 64)) == std::string_view::npos) {
+      fail("truncated: it does not end with </VTKFile>");
+    }
     end_piece();
     if (const auto cause = detail::vtk_points_fault(soup_); !cause.empty()) fail(cause);
     return std::move(soup_);
@@ -143,8 +146,11 @@ private:
 
   std::uint64_t header_word(std::string_view data, std::size_t k) const {
     if (data.size() < (k + 1) * header_size_) fail("truncated in the header of an array");
-    return std::uint64_t(
-        detail::vtk_numbers(data.substr(k * header_size_, header_size_), {'u', header_size_}, big_endian_)[0]);
+    const double word =
+        detail::vtk_numbers(data.substr(k * header_size_, header_size_), {'u', header_size_}, big_endian_)[0];
+    constexpr double kMost = 0x1p40;  // bytes
+    if (!(word < kMost)) fail("a length in the header of an array is out of range");
+    return std::uint64_t(word);
   }
 
   // The plain bytes of an array whose header begins at `text`.

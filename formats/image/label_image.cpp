@@ -3,6 +3,7 @@
 #include "formats/image/label_image.hpp"
 
 #include "formats/error.hpp"
+#include "formats/image/image_header.hpp"
 #include "formats/image/itk_reader.hpp"
 
 #include <Eigen/LU>
