@@ -14,7 +14,7 @@
 #include "formats/descriptor.hpp"
 #include "formats/error.hpp"
 #include "formats/journal_record.hpp"
-#include "palpate/checksum.hpp"
+#include "palpate/format/checksum.hpp"
 
 namespace palpate {
 namespace {

@@ -6,7 +6,7 @@
 #include <bit>
 #include <cstring>
 
-#include "palpate/checksum.hpp"
+#include "palpate/format/checksum.hpp"
 
 static_assert(std::endian::native == std::endian::little, "the journal is written on little-endian machines");
 

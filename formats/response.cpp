@@ -3,7 +3,7 @@
 #include "formats/response.hpp"
 
 #include "formats/response_check.hpp"
-#include "palpate/checksum.hpp"
+#include "palpate/format/checksum.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -168,69 +168,60 @@ void add_tools(Sections& sections, const ResponseFileContent& c, layout::Meta& m
   if (has_spins(c)) sections.add(Section::spins, spins);
 }
 
-void put_coupled(std::byte* law, const ResponseFileContent& c, const Response& r) {
-  const std::uint32_t bits = c.coupled_bits;
-  const coupled::Places places = coupled::places(*c.coupled);
-  const auto before = static_cast<std::size_t>(places.limit);
+void put_coefficients(std::byte* law, const ResponseFileContent& c, const Response& r) {
+  const std::uint32_t bits = c.coef_bits;
+  const response::Offsets offsets = response::offsets(c.degrees);
+  const auto before = static_cast<std::size_t>(offsets.friction);
   std::memcpy(law, &r.unit, sizeof r.unit);
   for (std::size_t bit = 0; bit < before * bits; ++bit) {
-    const bool set = (static_cast<std::uint16_t>(r.coupled[bit / bits]) >> bit % bits & 1) != 0;
+    const bool set = (static_cast<std::uint16_t>(r.coefficients[bit / bits]) >> bit % bits & 1) != 0;
     if (set) law[sizeof r.unit + bit / 8] |= std::byte{1} << bit % 8;
   }
-  std::memcpy(law + layout::coupled_limit_offset(places, bits), r.coupled.data() + before,
-              (r.coupled.size() - before) * sizeof(std::int16_t));
+  if (r.coefficients.size() > before) {
+    std::memcpy(law + layout::friction_offset(offsets, bits), r.coefficients.data() + before,
+                (r.coefficients.size() - before) * sizeof(std::int16_t));
+  }
 }
 
-void add_grasps(Sections& sections, const ResponseFileContent& c) {
-  const std::size_t size = layout::grasp_size(c.grasp_coefs);
-  std::vector<std::byte> grasps(size * c.responses.size());
+void add_bonded(Sections& sections, const ResponseFileContent& c) {
+  const std::size_t size = layout::bonded_size(c.bonded_coefs);
+  std::vector<std::byte> records(size * c.responses.size());
   for (std::size_t i = 0; i < c.responses.size(); ++i) {
     const Response& r = c.responses[i];
-    const layout::GraspHead head{static_cast<float>(r.grasp_depth), static_cast<float>(r.grasp_pulled)};
-    std::memcpy(grasps.data() + i * size, &head, sizeof head);
-    std::memcpy(grasps.data() + i * size + sizeof head, r.grasp.data(), r.grasp.size() * sizeof(float));
+    const layout::BondedHead head{static_cast<float>(r.bonded_depth), static_cast<float>(r.bonded_pulled)};
+    std::memcpy(records.data() + i * size, &head, sizeof head);
+    std::memcpy(records.data() + i * size + sizeof head, r.bonded.data(), r.bonded.size() * sizeof(float));
   }
-  sections.add(Section::grasp, grasps.data(), size, c.responses.size());
+  sections.add(Section::bonded, records.data(), size, c.responses.size());
 }
 
-void add_turns(Sections& sections, const ResponseFileContent& c) {
-  const std::size_t size = layout::turn_size(c.grasp_coefs);
-  std::vector<std::byte> turns(size * c.responses.size());
+void add_bonded_torque(Sections& sections, const ResponseFileContent& c) {
+  const std::size_t size = layout::torque_size(c.bonded_coefs);
+  std::vector<std::byte> records(size * c.responses.size());
   for (std::size_t i = 0; i < c.responses.size(); ++i) {
     const Response& r = c.responses[i];
-    const layout::TurnHead head{static_cast<float>(r.turned)};
-    std::memcpy(turns.data() + i * size, &head, sizeof head);
-    std::memcpy(turns.data() + i * size + sizeof head, r.turn.data(), r.turn.size() * sizeof(float));
+    const layout::BondedTorqueHead head{static_cast<float>(r.rotated)};
+    std::memcpy(records.data() + i * size, &head, sizeof head);
+    std::memcpy(records.data() + i * size + sizeof head, r.bonded_torque.data(),
+                r.bonded_torque.size() * sizeof(float));
   }
-  sections.add(Section::turn, turns.data(), size, c.responses.size());
+  sections.add(Section::bonded_torque, records.data(), size, c.responses.size());
 }
 
 void add_responses(Sections& sections, const ResponseFileContent& c, const layout::Meta& meta) {
-  const std::size_t size = layout::response_size(meta);
+  const std::size_t size = layout::response_size(meta), law = layout::response_head_size(meta);
   std::vector<std::byte> records(size * c.responses.size());
-  std::byte* to = records.data();
-  const auto put = [&to](const void* from, std::size_t bytes) {
-    std::memcpy(to, from, bytes);
-    to += bytes;
-  };
   for (std::size_t i = 0; i < c.responses.size(); ++i) {
     const Response& r = c.responses[i];
     const layout::ResponseHead head{static_cast<float>(r.depth_limit), r.flags};
-    to = records.data() + i * size;
-    put(&head, sizeof head);
-    if (c.reliefs) put(&r.relief, sizeof r.relief);
-    if (c.coupled) {
-      put_coupled(to, c, r);
-      continue;
-    }
-    for (const auto* family :
-         {&r.normal, &r.lateral_x, &r.lateral_y, &r.growth_x, &r.growth_y, &r.sideways_x, &r.sideways_y, &r.friction}) {
-      if (!family->empty()) put(family->data(), family->size() * sizeof(float));
-    }
+    std::byte* const to = records.data() + i * size;
+    std::memcpy(to, &head, sizeof head);
+    if (c.slip_softening) std::memcpy(to + sizeof head, &r.softening, sizeof r.softening);
+    put_coefficients(to + law, c, r);
   }
   sections.add(Section::responses, records.data(), size, c.responses.size());
-  if (c.grasp_coefs > 0) add_grasps(sections, c);
-  if (c.turns) add_turns(sections, c);
+  if (c.bonded_coefs > 0) add_bonded(sections, c);
+  if (c.has_bonded_torque) add_bonded_torque(sections, c);
 }
 
 }  // namespace
@@ -245,32 +236,20 @@ std::vector<std::byte> encode(const ResponseFileContent& c) {
   detail::check_content(c);
   layout::Meta meta{};
   meta.depth_scale = c.depth_scale;
-  meta.sideways_scale = c.sideways_scale;
-  meta.model = static_cast<std::uint32_t>(c.coupled ? layout::Model::coupled : layout::Model::separable);
-  if (c.coupled) {
-    const coupled::Degrees& d = *c.coupled;
-    std::uint32_t* const to[] = {
-        &meta.order,        &meta.push_degree,    &meta.straight_degree, &meta.stiffness_degree,
-        &meta.cubic_degree, &meta.quartic_degree, &meta.limit_degree};
-    const int from[] = {d.order, d.push, d.straight, d.stiffness, d.cubic, d.quartic, d.limit};
-    for (int k = 0; k < 7; ++k) *to[k] = static_cast<std::uint32_t>(from[k]);
-    meta.coef_bits = c.coupled_bits;
-  }
+  meta.tangential_scale = c.tangential_scale;
+  meta.normal_degree = static_cast<std::uint32_t>(c.degrees.normal);
+  meta.bias_degree = static_cast<std::uint32_t>(c.degrees.bias);
+  meta.stiffness_degree = static_cast<std::uint32_t>(c.degrees.stiffness);
+  meta.friction_degree = static_cast<std::uint32_t>(c.degrees.friction);
+  meta.coef_bits = c.coef_bits;
   meta.site_count = static_cast<std::uint32_t>(c.sites.size());
   meta.vertex_count = static_cast<std::uint32_t>(c.surface_vertices.size());
   meta.triangle_count = static_cast<std::uint32_t>(c.surface_triangles.size());
   meta.response_count = static_cast<std::uint32_t>(c.responses.size());
   meta.subdivision = c.subdivision;
-  meta.normal_coefs = c.normal_coefs;
-  meta.lateral_coefs = c.lateral_coefs;
-  meta.growth_coefs = c.growth_coefs;
-  meta.sideways_coefs = c.sideways_coefs;
-  meta.friction_coefs = c.friction_coefs;
-  meta.grasp_coefs = c.grasp_coefs;
+  meta.bonded_coefs = c.bonded_coefs;
   meta.search_nodes = static_cast<std::uint32_t>(c.search.size());
-  meta.rim_share = static_cast<float>(c.rim_share);
-  meta.rim_limit = static_cast<float>(c.rim_limit);
-  meta.relief_count = c.reliefs ? 1 : 0;
+  meta.softening_count = c.slip_softening ? 1 : 0;
 
   Sections sections;
   add_body(sections, c);
@@ -279,12 +258,12 @@ std::vector<std::byte> encode(const ResponseFileContent& c) {
   sections.add(Section::meta, &meta, sizeof meta, 1);
   sections.add(Section::provenance, c.provenance.data(), 1, c.provenance.size());
   const std::uint32_t features =
-      (c.lateral_coefs + meta.straight_degree > 0 ? layout::feature_lateral : 0u) |
-      (c.growth_coefs > 0 || c.coupled ? layout::feature_friction : 0u) |
+      (c.degrees.bias > 0 ? layout::feature_tangential_bias : 0u) |
+      (c.degrees.friction_families ? layout::feature_friction : 0u) |
       (has_tool_patches(c) ? layout::feature_tool_patches : 0u) | (c.search.empty() ? 0u : layout::feature_search) |
-      (c.coupled ? layout::feature_coupled : 0u) | (c.grasp_coefs > 0 ? layout::feature_grasp : 0u) |
-      (c.turns ? layout::feature_turn : 0u) | (c.rim_share > 0 ? layout::feature_rim : 0u) |
-      (has_spins(c) ? layout::feature_spin : 0u) | (c.reliefs ? layout::feature_relief : 0u);
+      (c.bonded_coefs > 0 ? layout::feature_bonded : 0u) |
+      (c.has_bonded_torque ? layout::feature_bonded_torque : 0u) | (has_spins(c) ? layout::feature_spin : 0u) |
+      (c.slip_softening ? layout::feature_slip_softening : 0u);
   std::vector<std::byte> bytes = sections.assemble(features);
   detail::check_bytes(bytes);
   return bytes;

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: MIT
-// The response file in memory and its writer; the reader is the runtime (runtime/include/palpate/view.hpp).
+// The response file in memory and its writer. The reader is palpate/format/open.hpp.
 #pragma once
 
-#include "palpate/response_layout.hpp"
-#include "palpate/spline.hpp"
+#include "palpate/format/response_layout.hpp"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,7 +43,7 @@ struct ResponseToolVertex {
   Triple normal{0, 0, -1};
   Triple tangent{1, 0, 0};
   double meridian = 0.0;  ///< m; ascending along a profile
-  /// How many spins its point has, [1, 64]; the others follow it, with 0 here, the k-th with the tangent turned by
+  /// Number of spins of its point, [1, 64]. The others follow it, with 0 here. The tangent of the k-th is rotated by
   /// k / spins of a circle about the normal. Patches name the first.
   std::uint32_t spins = 1;
 };
@@ -54,51 +52,38 @@ struct ResponseTool {
   std::string name;  ///< at most 31 bytes, not empty, unique in the file
   layout::ToolKind kind = layout::ToolKind::point_sphere;
   double radius = 0.0;        ///< m, as in the scene
-  double probe_radius = 0.0;  ///< m, axis to skin: sphere and capsule their radius, punch and mesh 0
+  double probe_radius = 0.0;  ///< m, axis to surface: sphere and capsule their radius, punch and mesh 0
   double axis_length = 0.0;   ///< m, capsule: distance of the cap centres; else 0
   std::vector<ResponseToolVertex> vertices;
   /// Corners index `vertices` above: {v, v, v}, a profile's segment {a, b, b}, or a triangle.
   std::vector<std::array<std::uint32_t, 3>> patches;
 };
 
-/// Curves of one (site, tool vertex), as spline coefficients; lengths are the content's counts. See
-/// formats/response-file.md for what each means. Components are in the site's frame (x, y, n).
+/// The response of one (site, tool vertex). formats/response-file.md says what each value means. Components are in the
+/// site's frame (x, y, n).
 struct Response {
   double depth_limit = 0.0;  ///< m, > 0, at most depth_scale
   std::uint32_t flags = layout::response_solved;
-  float relief = 0.0f;        ///< in a file with reliefs: see palpate/relief.hpp; 0 to layout::kMostRelief
-  std::vector<float> normal;  ///< Fn(s), N; [0] = [1] = 0, non-decreasing
-  std::vector<float> lateral_x, lateral_y;    ///< Fx(s), Fy(s), N; [0] = [1] = 0
-  std::vector<float> growth_x, growth_y;      ///< gx(s), gy(s); [0] = 0, >= 0
-  std::vector<float> sideways_x, sideways_y;  ///< phi(x / X), N; non-increasing, phi(0) = 0
-  std::vector<float> friction;                ///< mu(s); in [0, 10]
-  // The coupled model, in place of all these: see palpate/coupled_layout.hpp.
-  float unit = 0.0f;                  ///< N of one unit of the coefficients (those of mu: layout::kLimitUnit)
-  std::vector<std::int16_t> coupled;  ///< count(degrees) of them, which meet coupled::broken_rule
-  // In a file with grasps: see palpate/grasp_law.hpp.
-  double grasp_depth = 0.0, grasp_pulled = 0.0;  ///< m; depth 0: this tool does not hold on
-  std::vector<float> grasp;                      ///< curves Fx, Fy, Fn (N), kxx, kxy, kyy (N/m), one after the other
-  // In a file with turns: see palpate/turn_law.hpp.
-  double turned = 0.0;      ///< rad; 0: turns of this tool have no torque
-  std::vector<float> turn;  ///< layout::kTurnCurves curves, one after the other
+  float softening = 0.0f;                  ///< [0, layout::kMaxSoftening]; 0 in a file without softening
+  float unit = 0.0f;                       ///< N of one unit of the coefficients, those of mu excepted
+  std::vector<std::int16_t> coefficients;  ///< count(degrees) of them, which meet response::broken_rule
+  // In a file with bonded contacts:
+  double bonded_depth = 0.0, bonded_pulled = 0.0;  ///< m; depth 0: this tool does not bond
+  std::vector<float> bonded;                       ///< curves Fx, Fy, Fn (N), kxx, kxy, kyy (N/m), one after the other
+  // In a file with torques of bonded contacts:
+  double rotated = 0.0;              ///< rad; 0: this tool was not rotated
+  std::vector<float> bonded_torque;  ///< layout::kTorqueCurves curves, one after the other
 };
 
-/// Everything a file holds. A count of 0 leaves the family, and its section, out.
+/// Everything that a file holds.
 struct ResponseFileContent {
   double depth_scale = 0.0;         ///< Z, m, > 0
-  double sideways_scale = 0.0;      ///< X, m; > 0 with friction, 0 without
-  std::uint32_t normal_coefs = 10;  ///< [4, 32]
-  std::uint32_t lateral_coefs = 0;  ///< 0 or [4, 32]
-  std::uint32_t growth_coefs = 0;   ///< 0 or [4, 32]; growth, sideways and friction all 0 or none
-  std::uint32_t sideways_coefs = 0;
-  std::uint32_t friction_coefs = 0;
-  std::optional<palpate::coupled::Degrees>
-      coupled;                              ///< a file of the coupled model, all counts above 0; none: separable
-  std::uint32_t coupled_bits = 16;          ///< 8, 12 or 16: of a coefficient of Response::coupled but the limit's
-  std::uint32_t grasp_coefs = 0;            ///< 0 or [4, 32]
-  double rim_share = 0.0, rim_limit = 0.0;  ///< see palpate/rim.hpp: both 0, or with friction both in (0, 1)
-  bool reliefs = false;                     ///< contacts push less where they slip; only with friction
-  bool turns = false;  ///< grasped tools that are turned, by curves of grasp_coefs; only with grasps
+  double tangential_scale = 0.0;    ///< X, m; > 0 with friction, 0 without
+  response::Degrees degrees;        ///< friction_families exactly where tangential_scale > 0
+  std::uint32_t coef_bits = 16;     ///< 8, 12 or 16: of a coefficient, those of mu excepted
+  bool slip_softening = false;      ///< only with friction
+  std::uint32_t bonded_coefs = 0;   ///< 0 or [4, 32]: of a curve of a bonded contact
+  bool has_bonded_torque = false;   ///< torques of bonded contacts, by curves of bonded_coefs; only with bonded_coefs
 
   std::vector<ResponseSite> sites;
   std::vector<std::array<std::uint32_t, 3>> patches;  ///< of the haptic mesh; corners index sites

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Checks of a response file before it is given out; what the bytes can tell is left to the reader.
+// Checks the content of a response file before it is written. The reader checks the rest on the bytes.
 #include "formats/response_check.hpp"
 
 #include "formats/error.hpp"
-#include "palpate/open.hpp"
+#include "palpate/format/open.hpp"
 
 #include <algorithm>
 #include <set>
@@ -55,36 +55,32 @@ void check_responses(const ResponseFileContent& c) {
               std::to_string(expected));
   for (std::size_t i = 0; i < c.responses.size(); ++i) {
     const Response& r = c.responses[i];
-    check_family(r.normal, c.normal_coefs, "normal force", i);
-    check_family(r.lateral_x, c.lateral_coefs, "lateral x", i);
-    check_family(r.lateral_y, c.lateral_coefs, "lateral y", i);
-    check_family(r.growth_x, c.growth_coefs, "growth x", i);
-    check_family(r.growth_y, c.growth_coefs, "growth y", i);
-    check_family(r.sideways_x, c.sideways_coefs, "sideways x", i);
-    check_family(r.sideways_y, c.sideways_coefs, "sideways y", i);
-    check_family(r.friction, c.friction_coefs, "friction", i);
-    for (int k = 0; c.coupled && k < std::min(coupled::places(*c.coupled).limit, static_cast<int>(r.coupled.size()));
-         ++k) {
-      const int most = (1 << (c.coupled_bits - 1)) - 1;
-      require(std::abs(int{r.coupled[static_cast<std::size_t>(k)]}) <= most, "response " + std::to_string(i),
-              "a coefficient of the coupled model takes more bits than the file gives it");
+    check_family(r.coefficients, static_cast<std::uint32_t>(response::count(c.degrees)), "coefficients", i);
+    const int most = (1 << (c.coef_bits - 1)) - 1;
+    for (int k = 0; k < response::offsets(c.degrees).friction; ++k) {
+      const int value = r.coefficients[static_cast<std::size_t>(k)];
+      require(std::abs(value) <= most, at("response", i),
+              "coefficient " + std::to_string(k) + " is " + std::to_string(value) + ", allowed -" +
+                  std::to_string(most) + " to " + std::to_string(most) + " with " + std::to_string(c.coef_bits) +
+                  " bits");
     }
-    check_family(r.coupled, c.coupled ? static_cast<std::uint32_t>(coupled::count(*c.coupled)) : 0, "coupled", i);
-    check_family(r.grasp, layout::kGraspCurves * c.grasp_coefs, "grasp", i);
-    check_family(r.turn, c.turns ? layout::kTurnCurves * c.grasp_coefs : 0, "turn", i);
+    require(c.slip_softening || r.softening == 0, at("response", i), "has a slip softening, the file has none");
+    check_family(r.bonded, layout::kBondedCurves * c.bonded_coefs, "curves of a bonded contact", i);
+    check_family(r.bonded_torque, c.has_bonded_torque ? layout::kTorqueCurves * c.bonded_coefs : 0,
+                 "torque curves of a bonded contact", i);
   }
 }
 
 }  // namespace
 
 void check_content(const ResponseFileContent& c) {
-  const bool friction = c.growth_coefs > 0;
-  require(friction == (c.sideways_coefs > 0) && friction == (c.friction_coefs > 0), "coefficient counts",
-          "growth, sideways and friction are all 0 or none is");
-  require(!c.coupled || coupled::in_range(*c.coupled), "coupled model", "its degrees are out of range");
-  require(c.coupled_bits == 16 || (c.coupled && (c.coupled_bits == 8 || c.coupled_bits == 12)), "coupled model",
-          "its coefficients have 8, 12 or 16 bits");
-  require(!c.turns || c.grasp_coefs > 0, "turns", "there are none without grasps");
+  if (const char* broken = response::broken_degree(c.degrees)) fail("degrees", broken);
+  require(c.degrees.friction_families == (c.tangential_scale > 0), "tangential scale",
+          "must be above 0 with friction and 0 without, got " + std::to_string(c.tangential_scale) + " m");
+  require(c.coef_bits == 8 || c.coef_bits == 12 || c.coef_bits == 16, "coefficients",
+          "have " + std::to_string(c.coef_bits) + " bits, allowed 8, 12 or 16");
+  require(!c.has_bonded_torque || c.bonded_coefs > 0, "torques of bonded contacts",
+          "need curves of bonded contacts, the file has none");
   for (std::size_t i = 0; i < c.surface_triangles.size(); ++i) {
     const std::uint32_t patch = c.surface_triangles[i].patch;
     require(patch < c.patches.size(), at("contact surface triangle", i), "no patch " + std::to_string(patch));
@@ -97,10 +93,12 @@ void check_bytes(const std::vector<std::byte>& bytes) {
   const runtime::OpenResult opened = runtime::View::open(bytes.data(), bytes.size());
   if (opened) return;
   const std::string fault = opened.error;
-  // Curves come from the fit, all the rest from the scene and its surfaces.
-  bool curves = false;
-  for (const char* section : {"RESPONSES: ", "GRASP: ", "TURN: "}) curves = curves || fault.rfind(section, 0) == 0;
-  throw Error(curves ? ExitCode::numerical : ExitCode::bad_input, "response file: " + fault);
+  // Responses come from the fit, everything else from the scene and its surfaces.
+  bool fitted = false;
+  for (const char* section : {"RESPONSES: ", "BONDED: ", "BONDED_TORQUE: "}) {
+    fitted = fitted || fault.rfind(section, 0) == 0;
+  }
+  throw Error(fitted ? ExitCode::numerical : ExitCode::bad_input, "response file: " + fault);
 }
 
 std::vector<std::array<std::uint32_t, 3>> neighbours(const ResponseFileContent& c) {

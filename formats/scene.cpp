@@ -213,15 +213,19 @@ void check_sampling(const SamplingScene& sampling, const toml::table& root, cons
   }
 }
 
-void check_response(const Scene& scene, const toml::table& root, const Place& place) {
-  if (scene.response.order == 1) {
-    fail(place.below("response.order"), root["response"]["order"].node(),
-         "got 1; allowed 2 <= x <= 4, or 0 for the least that does");
-  }
-  if (scene.response.model != ResponseScene::Model::separable && !(scene.friction > 0)) {
-    const char* name = scene.response.model == ResponseScene::Model::coupled ? "\"coupled\"" : "\"linear\"";
-    fail(place.below("response.model"), root["response"]["model"].node(),
-         std::string(name) + " needs [contact] friction > 0: without it nothing holds the contact sideways");
+/// Names the replacement of a key that earlier versions had.
+void check_removed(const toml::table& root, const Place& place) {
+  const toml::table* table = section(root, "response", place);
+  if (table == nullptr) return;
+  constexpr std::pair<const char*, const char*> kRemoved[] = {
+      {"model", "every response is a quadratic potential, with friction or without; `palpate bench --models` compares "
+                "it with the separable field, the linear spring and a radial-basis network"},
+      {"order", "the potential is quadratic (order 2)"},
+      {"slip", "every contact with friction slips in part before it slips as a whole"}};
+  for (const auto& [name, instead] : kRemoved) {
+    if (const toml::node* node = table->get(name)) {
+      fail(place.below(std::string("response.") + name), node, std::string("was removed: ") + instead + "; delete the key");
+    }
   }
 }
 
@@ -291,6 +295,7 @@ Scene read_scene(const std::filesystem::path& file) {
   read_tools(scene, root, place);
   read_section(scene, root, "contact", contact_keys(), place);
   read_section(scene.sampling, root, "sampling", sampling_keys(), place);
+  check_removed(root, place);
   read_section(scene.response, root, "response", response_keys(), place);
   read_section(scene.solver, root, "solver", solver_keys(), place);
   static_cast<void>(to_sources(root, place));  // kept apart; what is wrong there is wrong in the scene
@@ -304,7 +309,6 @@ Scene read_scene(const std::filesystem::path& file) {
     fail(place.below("body.labels"), root["body"]["labels"].node(), "allowed exactly one of surface, labels");
   }
   check_sampling(scene.sampling, root, place);
-  check_response(scene, root, place);
   for (const ToolScene& tool : scene.tools) {
     if (tool.grasp_depth <= scene.sampling.depth) continue;
     fail(place.below("tool.grasp_depth"), root.get("tool"),

@@ -138,10 +138,10 @@ struct SamplingScene {
   double depth = 0.005;           ///< m; deepest push, > 0
   double depth_fraction = 0.6;    ///< of the local thickness, (0, 0.8]
   int normal_points = 12;         ///< points of a normal curve, [4, 64]
-  int tangential_depths = 2;      ///< [2, 8], at most normal_points
+  int tangential_depths = 3;      ///< [2, 8], at most normal_points
   int tangential_directions = 4;  ///< [4, 16], even
   int tangential_points = 3;      ///< points of one tangential push, [2, 16]
-  /// mu(depth): foretold from the slopes of the contact, or of a tool that is drawn sideways until all of it slips.
+  /// mu(depth): predicted from the slopes of the contact, or solved by drawing the tool aside until all of it slips.
   FrictionLimit friction_limit = FrictionLimit::estimated;
   double max_refused = 0.03;  ///< share of refused pairs beyond which the fit fails, [0, 0.5]
   /// Region of the body's surface whose sites are baked: everything, or only inside this box (m).
@@ -150,16 +150,10 @@ struct SamplingScene {
 
 struct ResponseScene {
   enum class Search { automatic, none, bvh };
-  enum class Model { separable, coupled, linear };
-  enum class Slip { automatic, partial, whole };
-  Model model = Model::separable;
-  int order = 0;  ///< coupled: of the energy in the sideways deflection, [2, 4]; 0: the least that does
-  double path_share =
-      0.1;  ///< coupled: of the pairs, that are also pushed along paths which the fit never reads, [0, 1]
-  Slip slip = Slip::automatic;  ///< with friction: whether contacts slip in part before they slide
+  double path_share = 0.1;  ///< with friction: of the pairs that are also solved along paths which only test, [0, 1]
   Search search = Search::automatic;
-  double tolerance = 0.05;  ///< asked relative force error, (0, 1); verify says whether straight pushes meet it
-  double max_residual = 1;  ///< relative error beyond which a pair's fit is not believed, [0.01, 1000]
+  double tolerance = 0.05;  ///< requested relative force error, (0, 1): it chooses the degrees of the responses
+  double max_residual = 1;  ///< relative error beyond which a pair's fit is refused, [0.01, 1000]
 };
 
 struct SolverScene {
@@ -199,13 +193,17 @@ Scene read_scene(const std::filesystem::path& file);
 /// Every file that a scene names but the recordings (SceneSources), there or not.
 std::vector<std::filesystem::path> files_of(const Scene& scene);
 
-/// What a canonical text covers: everything that changes a result, or only what changes a solve (and so
-/// leaves out the refusal limit and the response model, which a new fit takes up without new solves).
+/// Scope of a canonical text: everything that changes a result, or only what changes a solve. The latter leaves out the
+/// keys of the fit, such as the refusal limit, because a new fit needs no new solves.
 enum class CanonicalScope { everything, solves };
 
 /// Canonical text of everything in the scene that changes a result (for content hashes; no paths, no names:
 /// the contents of surface files are to be hashed beside it).
 std::string canonical_text(const Scene& scene, CanonicalScope scope = CanonicalScope::everything);
+
+/// Texts that earlier programs gave the same scene with CanonicalScope::solves, for work folders that they baked.
+/// They had 2 tangential depths by default, and paths only in scenes that asked for them.
+std::vector<std::string> earlier_canonical_texts(const Scene& scene);
 
 /// Reference of every key with its help, default and allowed range: TOML that reads back as the defaults.
 std::string scene_reference();

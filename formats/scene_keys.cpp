@@ -3,7 +3,7 @@
 #include "formats/scene_keys.hpp"
 
 #include "formats/scene_key_kinds.hpp"
-#include "palpate/response_layout.hpp"
+#include "palpate/format/response_layout.hpp"
 
 #include <algorithm>
 
@@ -164,12 +164,13 @@ const Keys<SamplingScene>& sampling_keys() {
              "cavity together."),
       integer("normal_points", &S::normal_points, {4, 64, false, ""}, "Solved points of a straight push."),
       integer("tangential_depths", &S::tangential_depths, {2, 8, false, ""},
-              "Depths at which it is pushed sideways; at most normal_points."),
-      integer("tangential_directions", &S::tangential_directions, {4, 16, false, ""}, "Directions sideways.", 2),
-      integer("tangential_points", &S::tangential_points, {2, 16, false, ""}, "Solved points of one sideways push."),
+              "With friction, depths of tangential pushes; at most normal_points."),
+      integer("tangential_directions", &S::tangential_directions, {4, 16, false, ""},
+              "Directions of tangential pushes at each depth.", 2),
+      integer("tangential_points", &S::tangential_points, {2, 16, false, ""}, "Solved points of one tangential push."),
       choice("friction_limit", &S::friction_limit, {"estimated", "solved"},
-             "With friction, the sideways over the normal force at which a contact slides: foretold from the slopes of "
-             "the straight push, or solved by drawing the tool aside until all of the contact slips."),
+             "With friction, the tangential over the normal force at gross slip: predicted from the slopes of the normal "
+             "curve, or solved by drawing the tool aside until all of the contact slips."),
       affecting(Affects::file, number("max_refused", &S::max_refused, {0, 0.5, false, ""},
                                       "Share of refused pairs beyond which the fit fails.")),
       {"within_box", Affects::solves, "Only the surface inside this box is sampled; left out: all of it.",
@@ -184,45 +185,23 @@ const Keys<SamplingScene>& sampling_keys() {
 
 const Keys<ResponseScene>& response_keys() {
   using R = ResponseScene;
-  // Not there for a scene of another model, whose texts (and hashes) know nothing of it.
-  const auto only_coupled = [](Key<R> key, const char* example) {
-    key.affects = Affects::file;
-    key.example = example;
-    key.show = [show = key.show](const R& r) { return r.model == R::Model::coupled ? show(r) : std::string(); };
-    return key;
-  };
+  // path_share affects solves of scenes with friction alone: canonical_text writes it there.
   static const Keys<R> keys{
-      affecting(
-          Affects::file,
-          choice("model", &R::model, {"separable", "coupled", "linear"},
-                 "separable: the axes' answers add; coupled: sideways and normal answers act on "
-                 "each other, and follow a contact that deepens or lifts under side load. It is "
-                 "sampled in at least 8 directions at 4 depths, and needs friction. linear: a spring in 16 "
-                 "bytes (24 with its head), without the sideways force of a straight push; it needs friction too.")),
-      only_coupled(integer("order", &R::order, {0, 4, false, ""},
-                           "coupled: of the energy in the sideways deflection, 2 to 4; 0: the least whose error on "
-                           "samples held out meets the tolerance."),
-                   "0"),
-      only_coupled(number("path_share", &R::path_share, {0, 1, false, ""},
-                          "coupled: share of the pairs that are also pushed along paths (diagonal, side then deeper, "
-                          "lift under side load) which only test."),
-                   "0.1"),
-      affecting(
-          Affects::file,
-          choice("slip", &R::slip, {"auto", "partial", "whole"},
-                 "With friction. partial: a contact slips from its rim inwards before all of it slides, as solved "
-                 "ones do; whole: it sticks as a whole until it slides, for less time a tick. auto: partial in "
-                 "the coupled model, else whole.")),
+      affecting(Affects::file,
+                number("path_share", &R::path_share, {0, 1, false, ""},
+                       "With friction, share of the pairs that are also solved along paths (diagonal, aside then "
+                       "deeper, lift under tangential load), which test the fit and are not fitted.")),
       affecting(Affects::file,
                 choice("search", &R::search, {"auto", "none", "bvh"},
                        "Contact search stored in the file; auto: where the body has more than 32 triangles.")),
       affecting(Affects::file, number("tolerance", &R::tolerance, {0, 0.99, true, ""},
-                                      "Asked relative force error: palpate verify tells whether the 95th percentile of "
-                                      "straight pushes meets it; only its option --max-p95 makes it fail.")),
+                                      "Requested relative force error. The fit takes the fewest coefficients whose 95th "
+                                      "percentile at samples left out meets it. palpate verify reports whether normal "
+                                      "forces meet it; only its option --max-p95 makes it fail.")),
       affecting(Affects::file,
                 number("max_residual", &R::max_residual, {0.01, 1000, false, ""},
-                       "Relative error of a solved force beyond which its pair's fit is not believed: the "
-                       "pair is refused, and covered from its neighbours."))};
+                       "Relative error of a solved force beyond which its pair's fit is refused: the response is filled "
+                       "from neighbours."))};
   return keys;
 }
 

@@ -118,13 +118,27 @@ std::string canonical_text(const Scene& scene, CanonicalScope scope) {
   }
   append_canonical(text, "contact", contact_keys(), scene, only_solves);
   append_canonical(text, "sampling", sampling_keys(), scene.sampling, only_solves);
-  // What the other model needs is not solved for the first.
-  if (only_solves && scene.response.model == ResponseScene::Model::coupled) {
-    text += "sampling.coupled = " + show(scene.response.path_share) + "\n";
-  }
+  // The name of the line is that of earlier programs, so that their work folders stay valid.
+  if (only_solves && scene.friction > 0) text += "sampling.coupled = " + show(scene.response.path_share) + "\n";
   append_canonical(text, "response", response_keys(), scene.response, only_solves);
   append_canonical(text, "solver", solver_keys(), scene.solver, only_solves);
   return text;
+}
+
+std::vector<std::string> earlier_canonical_texts(const Scene& scene) {
+  constexpr int kDepths = SamplingScene{}.tangential_depths, kEarlierDepths = 2;
+  std::vector<std::string> texts;
+  for (const bool fewer : {false, true}) {
+    if (fewer && scene.sampling.tangential_depths != kDepths) continue;
+    Scene earlier = scene;
+    if (fewer) earlier.sampling.tangential_depths = kEarlierDepths;
+    const std::string text = canonical_text(earlier, CanonicalScope::solves);
+    const auto line = text.find("sampling.coupled = ");
+    if (fewer) texts.push_back(text);
+    if (line == std::string::npos) continue;
+    texts.push_back(text.substr(0, line) + text.substr(text.find('\n', line) + 1));
+  }
+  return texts;
 }
 
 std::string canonical_text(const SceneSources& sources) {

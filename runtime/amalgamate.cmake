@@ -3,10 +3,10 @@
 # Every header of ours is put where it is first included; what the standard library includes stays. FILE.d says which.
 cmake_minimum_required(VERSION 3.20)
 set(folders ${CMAKE_CURRENT_LIST_DIR}/include/palpate ${CMAKE_CURRENT_LIST_DIR}/../formats/include/palpate)
-file(READ ${CMAKE_CURRENT_LIST_DIR}/include/palpate/runtime.hpp text)
+file(READ ${CMAKE_CURRENT_LIST_DIR}/include/palpate/palpate.hpp text)
 set(included)
-set(depends ${CMAKE_CURRENT_LIST_DIR}/include/palpate/runtime.hpp)
-while(text MATCHES "#include \"palpate/([a-z0-9_]+[.]hpp)\"\n")
+set(depends ${CMAKE_CURRENT_LIST_DIR}/include/palpate/palpate.hpp)
+while(text MATCHES "#include \"palpate/([a-z0-9_/]+[.]hpp)\"\n")
   set(line "${CMAKE_MATCH_0}")
   set(name ${CMAKE_MATCH_1})
   set(part)

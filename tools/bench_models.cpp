@@ -9,8 +9,11 @@
 
 #include "formats/error.hpp"
 #include "precompute/bake/pipeline.hpp"
-#include "precompute/fit/coupled_degrees.hpp"
-#include "precompute/fit/radial_basis.hpp"
+#include "precompute/fit/pair_samples.hpp"
+#include "precompute/fit/path_errors.hpp"
+#include "precompute/fit/potential_degrees.hpp"
+#include "precompute/verify/baselines/radial_basis.hpp"
+#include "precompute/verify/baselines/separable_fit.hpp"
 #include "tools/output.hpp"
 #include "tools/response_input.hpp"
 #include "tools/tick_bench.hpp"
@@ -38,25 +41,25 @@ std::vector<const std::vector<Sample>*> accepted_pairs(const JournalContent& jou
   return pairs;
 }
 
-Row measure(const pipeline::Pipeline& p, const JournalContent& journal, const FitSettings& settings,
-            const std::string& name, int contacts, fit::ModelScales& scales) {
-  const pipeline::FittedFile file = pipeline::fit_file(p, journal, settings);
+Row measure_potential(const pipeline::Pipeline& p, const JournalContent& journal, int contacts,
+                      fit::ResponseScales& scales) {
+  const pipeline::FittedFile file = pipeline::fit_file(p, journal, pipeline::fit_settings(p.scene));
   scales = file.fitted.scales;
   const runtime::OpenResult opened = runtime::View::open(file.bytes.data(), file.bytes.size());
-  if (!opened) throw Error(ExitCode::numerical, name + ": " + opened.error);
+  if (!opened) throw Error(ExitCode::numerical, std::string("quadratic potential: ") + opened.error);
   TickBenchOptions timing;
   timing.contacts = contacts;
   const TickBench bench = bench_ticks(opened.view, timing);
-  return {name,
+  return {"quadratic potential",
           bytes_per_response(opened.view),
-          fit::held_out_figures(accepted_pairs(journal), file.fitted.scales),
+          fit::held_out_figures(accepted_pairs(journal), scales),
           file.fitted.report.paths,
           bench.press.quantile(0.5),
           bench.slide.quantile(0.5)};
 }
 
-// A network is in no file: its time is that of the three evaluations that a contact inside a patch would take.
-double network_time(const fit::RadialBasis& network) {
+// A baseline is in no file. Its time is that of the three evaluations of a contact inside a patch.
+double evaluation_time(const fit::ForceLaw& law, const fit::ResponseScales& scales) {
   using Clock = std::chrono::steady_clock;
   constexpr int kRounds = 20, kCalls = 2000;
   double best = HUGE_VAL, sum = 0;
@@ -64,25 +67,37 @@ double network_time(const fit::RadialBasis& network) {
     const auto start = Clock::now();
     for (int k = 0; k < 3 * kCalls; ++k) {
       const double share = (k % 97 + 1) / 98.0;
-      sum += network.force({0.1 * share * network.sideways, 0, share * network.depth}).z();
+      sum += law({0.1 * share * scales.tangential, 0, share * scales.depth}).z();
     }
     best = std::min(best, std::chrono::duration<double, std::nano>(Clock::now() - start).count() / kCalls);
   }
   return std::isfinite(sum) ? best : HUGE_VAL;
 }
 
-Row measure_network(const JournalContent& journal, const fit::ModelScales& scales, int centres) {
-  const auto fitter = [&](const std::vector<Sample>& samples) -> fit::ForceLaw {
-    return [network = fit::fit_radial_basis(samples, scales, centres, "held out")](const Eigen::Vector3d& deflection) {
-      return network.force(deflection);
-    };
-  };
+/// Relative errors along paths. A baseline has no state: its force depends on the deflection alone.
+ErrorFigures path_figures(const std::vector<const std::vector<Sample>*>& pairs, const fit::LawFitter& fitter) {
+  std::vector<std::pair<double, std::uint32_t>> errors;
+  for (const auto* samples : pairs) {
+    const fit::ForceLaw law = fitter(*samples);
+    const fit::PairSamples data = fit::sort_samples(*samples, "paths");
+    for (const double e : fit::path_errors(
+             *samples, data, [&](const Eigen::Vector2d& at, double depth) { return law({at.x(), at.y(), depth}); },
+             [](double, double, const Eigen::Vector2d& at) { return at; })) {
+      errors.emplace_back(e, 0);
+    }
+  }
+  return error_figures(errors);
+}
+
+Row measure_baseline(const std::string& name, double bytes, const JournalContent& journal,
+                     const fit::ResponseScales& scales, const fit::LawFitter& fitter) {
   const std::vector<const std::vector<Sample>*> pairs = accepted_pairs(journal);
   Row row;
-  row.model = "radial basis, " + std::to_string(centres);
-  row.bytes = fit::RadialBasis::bytes(centres);
+  row.model = name;
+  row.bytes = bytes;
   row.error = fit::held_out_figures(pairs, fitter);
-  row.stick = network_time(fit::fit_radial_basis(*pairs.at(0), scales, centres, "timed"));
+  row.paths = path_figures(pairs, fitter);
+  row.stick = evaluation_time(fitter(*pairs.at(0)), scales);
   return row;
 }
 
@@ -127,10 +142,10 @@ Json as_json(const Row& row) {
 
 void run_model_bench(const ModelBenchCommand& command, const Globals& globals) {
   pipeline::Pipeline p = pipeline::prepare(command.scene, {command.work, {}});
-  if (p.scene.response.model != ResponseScene::Model::coupled) {
+  if (!(p.scene.friction > 0)) {
     throw Error(ExitCode::bad_input, command.scene +
-                                         ": response.model must be \"coupled\": what its bake samples is "
-                                         "what the models are compared by");
+                                         ": got [contact] friction = 0; allowed above 0: the models are compared by "
+                                         "tangential samples");
   }
   pipeline::find_pairs(p);
   check_baked(p);
@@ -140,22 +155,34 @@ void run_model_bench(const ModelBenchCommand& command, const Globals& globals) {
     throw Error(ExitCode::bad_input,
                 command.scene + ": no pair of it was solved: the models are compared by solved samples");
   }
-  const double tolerance = p.scene.response.tolerance;
-  const std::pair<const char*, std::optional<fit::DegreeWish>> models[] = {
-      {"linear", fit::DegreeWish{2, tolerance, true}},
-      {"separable", std::nullopt},
-      {"coupled 2", fit::DegreeWish{2, tolerance}},
-      {"coupled 3", fit::DegreeWish{3, tolerance}},
-      {"coupled 4", fit::DegreeWish{4, tolerance}}};
   std::vector<Row> rows;
-  fit::ModelScales scales;
-  for (const auto& [name, wish] : models) {
-    note(globals, std::string("fitting and timing ") + name);
-    FitSettings settings = pipeline::fit_settings(p.scene);
-    settings.coupled = wish;
-    rows.push_back(measure(p, journal, settings, name, command.contacts, scales));
+  fit::ResponseScales scales;
+  note(globals, "fitting and timing the quadratic potential");
+  rows.push_back(measure_potential(p, journal, command.contacts, scales));
+  note(globals, "fitting and timing the baselines");
+  fit::ResponseScales spring = scales;
+  spring.degrees = response::kSpring;
+  spring.bits = 16;
+  rows.push_back(measure_baseline(
+      "linear spring", layout::coefficients_size(spring.degrees, 16), journal, scales,
+      [&](const std::vector<Sample>& samples) -> fit::ForceLaw {
+        return [law = fit::Potential(fit::fit_potential(samples, spring, "linear spring"), spring)](
+                   const Eigen::Vector3d& at) { return law.force(at); };
+      }));
+  rows.push_back(measure_baseline(
+      "separable", fit::SeparableField::bytes(true), journal, scales,
+      [&](const std::vector<Sample>& samples) -> fit::ForceLaw {
+        return [field = fit::fit_separable(samples, scales.depth, scales.tangential, "separable")](
+                   const Eigen::Vector3d& at) { return field.force(at); };
+      }));
+  for (const int centres : {6, 24}) {
+    rows.push_back(measure_baseline(
+        "radial basis, " + std::to_string(centres), fit::RadialBasis::bytes(centres), journal, scales,
+        [&](const std::vector<Sample>& samples) -> fit::ForceLaw {
+          return [network = fit::fit_radial_basis(samples, scales.depth, scales.tangential, centres, "radial basis")](
+                     const Eigen::Vector3d& at) { return network.force(at); };
+        }));
   }
-  for (const int centres : {6, 24}) rows.push_back(measure_network(journal, scales, centres));
   char line[200];
   std::snprintf(line, sizeof line, "%s; %zu forces left out, %zu along paths\n", machine_name().c_str(),
                 rows[0].error.samples, rows[0].paths->samples);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// `palpate bench --models`: every response model on the samples of one bake.
+// `palpate bench --models`: the quadratic potential and its baselines on the samples of one bake.
 #pragma once
 
 #include <string>
@@ -13,8 +13,8 @@ struct ModelBenchCommand {
   int contacts = 40;  ///< that are timed
 };
 
-/// Prints a table: model, bytes a response, error at samples left out and along paths, nanoseconds a tick. The scene is
-/// baked for the coupled model, which samples what all of them need. Throws as the pipeline does.
+/// Prints a table: model, bytes a response, error at samples left out and along paths, nanoseconds a tick (of a baseline:
+/// of three evaluations). Throws Error(bad_input) for a frictionless scene, and as the pipeline does.
 void run_model_bench(const ModelBenchCommand& command, const Globals& globals);
 
 }  // namespace palpate::cli

@@ -5,13 +5,11 @@
 #include <cmath>
 #include <random>
 
-#include "formats/error.hpp"
-#include "tools/closed_motion.hpp"
-
 namespace palpate::cli {
 namespace {
 
-using coupled::Vec2;
+using runtime::Pose;
+using runtime::Vec3;
 using Legs = std::vector<MotionLeg>;
 
 class Draws {
@@ -26,7 +24,7 @@ private:
   std::mt19937_64 random_;
 };
 
-// Large and tiny ones, deepening and lifting under side load, reversals.
+// Large and tiny ones, deepening and lifting under tangential load, reversals.
 Legs random_legs(Draws& draw) {
   const double size = std::pow(10.0, draw(-3, 0));
   Legs legs{{0, 0, draw(0.05, 0.8)}};
@@ -38,26 +36,66 @@ Legs random_legs(Draws& draw) {
   return legs;
 }
 
-ClosedMotion played(const coupled::Law& law, const layout::Meta& m, const Legs& legs) {
-  ClosedMotion motion(law, m.depth_scale, m.sideways_scale, 0.0025);
-  for (const MotionLeg& leg : legs) {
-    motion.sideways({leg.x, leg.y});
-    motion.depth(leg.t);
+/// A tool over a place of the body, with its axis along the normal.
+struct MotionPlace {
+  std::uint32_t tool = 0;
+  Pose touching;  ///< where the skin just touches
+  Vec3 normal, x, y;
+};
+
+MotionPlace random_place(const runtime::View& view, Draws& draw) {
+  MotionPlace place;
+  place.tool = draw.below(view.meta->tool_count);
+  const double a = draw(0, 1), b = draw(0, 1 - a);
+  const runtime::BodyPoint at{draw.below(view.meta->triangle_count), {a, b, 1 - a - b}};
+  place.normal = smooth_normal(view, at);
+  place.x = runtime::any_orthogonal(place.normal);
+  place.y = cross(place.normal, place.x);
+  const Vec3 c = position(view, at);
+  place.touching = Pose::from_axis(c, place.normal);
+  // The clearance changes by no more than the way: a few steps bring the skin to the body.
+  for (int k = 0; k < 20; ++k) {
+    const double clearance = runtime::search(view, place.tool, place.touching).touch.clearance;
+    place.touching.translation = place.touching.translation - clearance * place.normal;
   }
-  motion.depth(0);
-  return motion;
+  return place;
 }
 
-// What is no number must not pass for nothing given back.
-double share(const ClosedMotion& motion) {
-  if (!std::isfinite(motion.gross())) return -HUGE_VAL;
-  return motion.gross() > 0 ? motion.work() / motion.gross() : 0;
+/// Least work of the hand over its gross work, along the legs and back out.
+double share(const runtime::View& view, const MotionPlace& place, const Legs& legs) {
+  runtime::Contact contact(view, place.tool);
+  const double z = view.meta->depth_scale, step = 0.005 * z;
+  Vec3 at{0, 0, 0.05 * z}, force;  // m, the last is the height
+  double work = 0, gross = 0;
+  const auto tick = [&](const Vec3& to) {
+    Pose pose = place.touching;
+    pose.translation = pose.translation + to.x * place.x + to.y * place.y + to.z * place.normal;
+    const Vec3 now = contact.tick(pose).force, way = to - at, mean = 0.5 * (force + now);
+    const double w = -(way.x * dot(mean, place.x) + way.y * dot(mean, place.y) + way.z * dot(mean, place.normal));
+    work += w;
+    gross += std::abs(w);
+    at = to;
+    force = now;
+  };
+  const auto go = [&](const Vec3& to) {
+    const Vec3 from = at;
+    const int steps = std::max(1, static_cast<int>(length(to - from) / step));
+    for (int k = 1; k <= steps; ++k) tick(from + (static_cast<double>(k) / steps) * (to - from));
+  };
+  for (const MotionLeg& leg : legs) {
+    const double depth = leg.t < 1 ? leg.t * leg.t * z : (2 * leg.t - 1) * z;
+    go({leg.x * z, leg.y * z, at.z});
+    go({leg.x * z, leg.y * z, -depth});
+  }
+  go({at.x, at.y, 2 * z});
+  if (!std::isfinite(gross)) return -HUGE_VAL;  // a NaN must not pass for nothing given back
+  return gross > 0 ? work / gross : 0;
 }
 
-// Legs a little changed, while that takes work from the body.
-double descend(const coupled::Law& law, const layout::Meta& m, Legs legs, Draws& draw) {
+// Legs a little changed, while that lessens the work.
+double descend(const runtime::View& view, const MotionPlace& place, Legs legs, Draws& draw) {
   constexpr int kTries = 60;
-  double least = share(played(law, m, legs)), step = 0.3;
+  double least = share(view, place, legs), step = 0.3;
   for (int k = 0; k < kTries; ++k) {
     Legs other = legs;
     for (MotionLeg& leg : other) {
@@ -65,7 +103,7 @@ double descend(const coupled::Law& law, const layout::Meta& m, Legs legs, Draws&
       leg.y += step * draw(-1, 1) * (std::abs(leg.y) + 0.01);
       leg.t = std::clamp(leg.t + step * draw(-0.2, 0.2), 0.02, 1.2);
     }
-    const double there = share(played(law, m, other));
+    const double there = share(view, place, other);
     if (there < least) {
       least = there;
       legs = std::move(other);
@@ -76,40 +114,21 @@ double descend(const coupled::Law& law, const layout::Meta& m, Legs legs, Draws&
   return least;
 }
 
-runtime::Field random_field(const runtime::View& view, Draws& draw) {
-  const std::uint32_t tool = draw.below(view.meta->tool_count);
-  const layout::ToolRecord& record = view.tools[tool];
-  runtime::BodyPoint body{draw.below(view.meta->triangle_count), {}};
-  runtime::ToolPoint point{record.patch_count > 0 ? record.first_patch + draw.below(record.patch_count) : 0, {}};
-  for (auto* weights : {&body.bary, &point.weights}) {
-    const double a = draw(0, 1), b = draw(0, 1 - a);
-    (*weights)[0] = a, (*weights)[1] = b, (*weights)[2] = 1 - a - b;
-  }
-  if (record.patch_count == 0) point.weights[0] = 1, point.weights[1] = point.weights[2] = 0;
-  return {view, tool, body, point};
-}
-
 }  // namespace
 
 ClosedMotionsReport play_closed_motions(const runtime::View& view, const ClosedMotionsOptions& options) {
-  if (!layout::is_coupled(*view.meta)) {
-    throw Error(ExitCode::bad_input,
-                "the separable model gives no more back than it takes at one depth only: closed motions are played on "
-                "files of the coupled model or a spring");
-  }
-  constexpr std::uint64_t kOnOneField = 20;
+  constexpr std::uint64_t kAtOnePlace = 20;
   Draws draw(options.seed);
   ClosedMotionsReport report;
   while (report.motions < options.motions) {
-    const runtime::Field field = random_field(view, draw);
-    for (std::uint64_t k = 0; k < kOnOneField && report.motions < options.motions; ++k, ++report.motions) {
-      const ClosedMotion motion = played(field.law(), *view.meta, random_legs(draw));
-      report.worst = std::min(report.worst, share(motion));
+    const MotionPlace place = random_place(view, draw);
+    for (std::uint64_t k = 0; k < kAtOnePlace && report.motions < options.motions; ++k, ++report.motions) {
+      report.worst = std::min(report.worst, share(view, place, random_legs(draw)));
     }
   }
   for (int k = 0; k < options.searches; ++k) {
-    const runtime::Field field = random_field(view, draw);
-    report.searched = std::min(report.searched, descend(field.law(), *view.meta, random_legs(draw), draw));
+    const MotionPlace place = random_place(view, draw);
+    report.searched = std::min(report.searched, descend(view, place, random_legs(draw), draw));
   }
   return report;
 }

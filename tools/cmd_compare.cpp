@@ -7,6 +7,8 @@
 #include "tools/response_input.hpp"
 #include "tools/straight_press.hpp"
 
+#include "palpate/math/vec3.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -32,12 +34,12 @@ struct Site {
   double limit = 0.0;  // m, how deep it was sampled
 };
 
-// Sites with a response of their own to the tool's first vertex: not covered from neighbours.
+// Sites whose response to the tool's first vertex was not filled from neighbours.
 std::vector<Site> own_sites(const runtime::View& view, std::uint32_t tool) {
   std::vector<Site> sites;
   for (std::uint32_t k = 0; k < view.meta->site_count; ++k) {
     const auto& head = view.response_head(layout::response_index(*view.meta, k, view.tools[tool].first_vertex));
-    if ((head.flags & layout::response_covered) != 0) continue;
+    if ((head.flags & layout::response_filled) != 0) continue;
     sites.push_back({k, runtime::to_vec(view.sites[k].position), head.depth_limit});
   }
   return sites;

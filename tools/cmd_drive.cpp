@@ -33,7 +33,7 @@ struct DriveArguments {
   CouplingArguments coupling;
   int core = -1, priority = 80;
   std::optional<double> stop_button;
-  bool list = false, no_record = false, several = false;
+  bool list = false, no_record = false, single = false;
 };
 
 runtime::Vec3 point(const std::string& text) {
@@ -200,14 +200,14 @@ void run_drive(DriveArguments options, const Globals& globals) {
   const DriveTitle title{options.file, input.view().tools[tool].name, kind.name, loop_settings.governor.limit,
                          kind.glove};
   options.coupling.rate = options.rate;
-  if (options.several) options.coupling.places = runtime::kFeltPlaces;
+  if (!options.single && !kind.glove) options.coupling.places = 3;
   // Before the last run's recording is replaced.
   const Station station = set_up(input.view(), tool, kind,
                                  {{options.device, options.rate, options.priority, options.firmware, {}},
                                   frame_options(options, kind),
                                   options.coupling,
                                   loop_settings.governor.limit,
-                                  options.several},
+                                  options.single},
                                  globals);
 
   const std::string stem = std::filesystem::path(options.file).stem().string();
@@ -269,7 +269,7 @@ void add_drive(CLI::App& app, Globals& globals) {
       .check(number_in(0.01, 60))
       .shows_default();
   command.option("--tool", options->tool, "Name of the tool; default: the file's first");
-  command.flag("--several", options->several, "Let the tool be felt at up to three places, as between two lobes");
+  command.flag("--single", options->single, "Follow the nearest wall alone; without it up to three walls are felt");
   command.option("--scale", options->scale, "Metres of the scene for one of the hand")
       .check(number_in(1e-4, 1e4))
       .shows_default();

@@ -152,14 +152,10 @@ void run_export(const ExportArguments& options, const Globals& globals) {
     const CurveTable table = response_curves(view, depth, options.points);
     write_file(options.curves, table.csv);
     result["responses"] = table.responses;
-    result["responses_left_out"] = table.left_out;
     result["rows"] = table.rows;
     result["written"].push_back(options.curves);
     text += options.curves + ": " + std::to_string(table.rows) + " rows of " + std::to_string(table.responses) +
             " responses\n";
-    if (table.left_out > 0) {
-      note(globals, std::to_string(table.left_out) + " responses are left out: no contact has them alone");
-    }
   }
   globals.json ? print_json(result) : print(text);
 }
@@ -181,12 +177,12 @@ void add_export(CLI::App& app, Globals& globals) {
       .shows_default();
   command
       .option("--field", options->field,
-              "What the colours show: stiffness (N/m), force (N), friction (N, the largest sideways force), covered "
-              "(share taken from neighbours), error (where a file holds it)")
-      .check(one_of({"stiffness", "force", "friction", "covered", "error"}))
+              "What the colours show: stiffness (N/m), force (N), friction (N, mu times the normal force), filled "
+              "(share filled from neighbours), error (where a file holds it)")
+      .check(one_of({"stiffness", "force", "friction", "filled", "error"}))
       .named("FIELD")
       .shows_default();
-  command.option("--depth", options->depth, "m, of fields and sideways curves; default: half the depth scale")
+  command.option("--depth", options->depth, "m, of fields and tangential curves; default: half the depth scale")
       .check(number_in(1e-9, 1e3));
   command.option("--tool", options->tool, "Tool of the fields; default: the file's first");
   command.option("--tool-vertex", options->tool_vertex, "Its vertex that presses, by number").shows_default();

@@ -23,30 +23,24 @@ struct FeatureName {
   const char* without;  ///< what a file without it cannot do
 };
 constexpr FeatureName kFeatures[] = {
-    {layout::feature_lateral, "lateral", "a straight push has no sideways force"},
-    {layout::feature_friction, "friction", "frictionless: no sticking, nothing opposes a sideways motion"},
-    {layout::feature_rim, "partial_slip", "contacts stick as a whole until they slide"},
-    {layout::feature_relief, "relief", "a contact that slips pushes as one that sticks"},
+    {layout::feature_tangential_bias, "tangential_bias", "a normal indentation has no tangential force"},
+    {layout::feature_friction, "friction", "frictionless: contacts slip without tangential force"},
+    {layout::feature_slip_softening, "slip_softening", "a contact that slips keeps its normal force"},
     {layout::feature_tool_patches, "tool_patches", "each tool touches by one vertex only"},
-    {layout::feature_grasp, "grasp", "no tool holds on to the body: a pull lets go"},
-    {layout::feature_turn, "turn", "turns of a tool that holds on have no torque"},
-    {layout::feature_spin, "spin", "how a tool is turned about the normal of its contact does not count"},
+    {layout::feature_bonded, "bonded", "no tool bonds to the body: a pull ends the contact"},
+    {layout::feature_bonded_torque, "bonded_torque", "rotations of a bonded tool have no torque"},
+    {layout::feature_spin, "spin", "the rotation of a tool about the contact normal has no influence"},
     {layout::feature_search, "search", "no search tree: the contact surface is searched triangle by triangle"}};
 
 /// The shape as a scene names it.
 const char* shape_name(const layout::ToolRecord& tool) {
   if (tool.kind == static_cast<std::uint32_t>(layout::ToolKind::mesh)) return "mesh";
-  // Of the round shapes only a punch has no axis at a distance from its skin, and only a capsule's has a length.
+  // Of the round shapes a punch alone has no radius about its axis, and a capsule alone has an axis with a length.
   if (!(tool.probe_radius > 0)) return "punch";
   return tool.axis_length > 0 ? "capsule" : "sphere";
 }
 
-const char* model_name(const runtime::View& v) {
-  if (!layout::is_coupled(*v.meta)) return "separable";
-  return v.meta->stiffness_degree == 0 ? "linear" : "coupled";
-}
-
-constexpr std::uint32_t kSources[] = {layout::response_solved, layout::response_covered, layout::response_measured,
+constexpr std::uint32_t kSources[] = {layout::response_solved, layout::response_filled, layout::response_measured,
                                       layout::response_analytic};
 
 struct Shares {
@@ -103,7 +97,7 @@ Json tools_json(const runtime::View& v) {
 Json describe(const runtime::View& v, const std::string& file) {
   const layout::Meta& m = *v.meta;
   const Shares s = count_shares(v);
-  Json json{{"file", file}, {"bytes", v.size}, {"version", v.header().version}, {"model", model_name(v)}};
+  Json json{{"file", file}, {"bytes", v.size}, {"version", v.header().version}};
   json["features"] = Json::array();
   json["left_out"] = Json::array();
   for (const FeatureName& f : kFeatures) json[(v.features & f.bit) != 0 ? "features" : "left_out"].push_back(f.name);
@@ -113,7 +107,7 @@ Json describe(const runtime::View& v, const std::string& file) {
     json["sections"].push_back({{"name", layout::section_name(e.id)}, {"bytes", e.size}, {"count", e.count}});
   }
   json["depth_scale"] = m.depth_scale;
-  json["sideways_scale"] = m.sideways_scale;
+  json["tangential_scale"] = m.tangential_scale;
   json["sites"] = m.site_count;
   json["sites_held"] = s.held;
   json["sites_outside"] = s.outside;
@@ -127,21 +121,12 @@ Json describe(const runtime::View& v, const std::string& file) {
     json[std::string("responses_") + layout::source_name(source)] = s.of(source);
   }
   json["bytes_per_response"] = bytes_per_response(v);
-  json["coefficients"] = {{"normal", m.normal_coefs},
-                          {"lateral", m.lateral_coefs},
-                          {"growth", m.growth_coefs},
-                          {"sideways", m.sideways_coefs},
-                          {"friction", m.friction_coefs}};
-  if (layout::is_coupled(m)) {
-    json["coupled"] = {{"order", m.order},
-                       {"degrees",
-                        {{"push", m.push_degree},
-                         {"straight", m.straight_degree},
-                         {"stiffness", m.stiffness_degree},
-                         {"cubic", m.cubic_degree},
-                         {"quartic", m.quartic_degree},
-                         {"limit", m.limit_degree}}}};
-  }
+  json["coefficients"] = response::count(response::degrees(m));
+  json["coefficient_bits"] = m.coef_bits;
+  json["degrees"] = {{"normal", m.normal_degree},
+                     {"bias", m.bias_degree},
+                     {"stiffness", m.stiffness_degree},
+                     {"friction", m.friction_degree}};
   const std::string text(v.provenance, v.provenance_size);
   const Json provenance = Json::parse(text, nullptr, false);
   json["provenance"] = provenance.is_discarded() ? Json(text) : provenance;
@@ -158,7 +143,7 @@ void append(std::string& text, const char* format, Values... values) {
 std::string as_text(const runtime::View& v, const Json& json) {
   const layout::Meta& m = *v.meta;
   std::string text;
-  append(text, "version %u, %s model, %zu bytes\n\n", v.header().version, model_name(v), v.size);
+  append(text, "version %u, %zu bytes\n\n", v.header().version, v.size);
   for (std::uint32_t i = 0; i < v.header().section_count; ++i) {
     const layout::SectionEntry& e = v.sections()[i];
     append(text, "  %-18s %12llu bytes %5.1f %%  %10llu x %u\n", layout::section_name(e.id),
@@ -168,26 +153,22 @@ std::string as_text(const runtime::View& v, const Json& json) {
   text += "\n";
   for (const FeatureName& f : kFeatures) {
     const bool there = (v.features & f.bit) != 0;
-    append(text, "%-13s %s%s%s\n", f.name, there ? "present" : "left out: ", there ? "" : f.without, "");
+    append(text, "%-16s %s%s%s\n", f.name, there ? "present" : "left out: ", there ? "" : f.without, "");
   }
   const Shares s = count_shares(v);
   append(text, "\n%u sites (%zu held, %zu outside the sampled region), %u patches, %u contact triangles (%u a side)\n",
          m.site_count, s.held, s.outside, m.triangle_count / (m.subdivision * m.subdivision), m.triangle_count,
          m.subdivision);
   append(text,
-         "%u responses of %.0f bytes: %zu solved, %zu measured, %zu analytic, %zu covered from neighbours (%.2f %%)\n",
+         "%u responses of %.0f bytes: %zu solved, %zu measured, %zu analytic, %zu filled from neighbours (%.2f %%)\n",
          m.response_count, bytes_per_response(v), s.of(layout::response_solved), s.of(layout::response_measured),
-         s.of(layout::response_analytic), s.of(layout::response_covered),
-         100.0 * static_cast<double>(s.of(layout::response_covered)) / m.response_count);
-  if (layout::is_coupled(m)) {
-    append(text,
-           "coupled, order %u; degrees: push %u, its sideways force %u, stiffness %u, cubic %u, quartic %u, limit %u\n",
-           m.order, m.push_degree, m.straight_degree, m.stiffness_degree, m.cubic_degree, m.quartic_degree,
-           m.limit_degree);
-  }
-  append(text, "coefficients: normal %u, lateral %u, growth %u, sideways %u, friction %u\n", m.normal_coefs,
-         m.lateral_coefs, m.growth_coefs, m.sideways_coefs, m.friction_coefs);
-  append(text, "depth scale %.4g mm, sideways scale %.4g mm\n", 1e3 * m.depth_scale, 1e3 * m.sideways_scale);
+         s.of(layout::response_analytic), s.of(layout::response_filled),
+         100.0 * static_cast<double>(s.of(layout::response_filled)) / m.response_count);
+  append(text, "%d coefficients of %u bits; degrees: normal %u, bias %u, stiffness %u, friction %u\n",
+         response::count(response::degrees(m)), m.coef_bits, m.normal_degree, m.bias_degree, m.stiffness_degree,
+         m.friction_degree);
+  append(text, "depth scale %.4g mm, tangential scale %.4g mm\n", 1e3 * m.depth_scale,
+         1e3 * m.tangential_scale);
   for (std::uint32_t i = 0; i < m.tool_count; ++i) {
     const layout::ToolRecord& t = v.tools[i];
     const ToolPoints counted = count_points(v, t);

@@ -32,14 +32,14 @@ void run_plan(const PlanArguments& options, const Globals& globals) {
   std::size_t solved = 0;
   for (std::uint32_t k = 0; k < plan.pairs.size(); ++k) solved += p.sources.solved(k) ? 1 : 0;
   const GivenCounts given = count_given(p.sources);
-  const std::size_t covered = plan.pairs.size() - solved - given.measured - given.analytic;
+  const std::size_t filled = plan.pairs.size() - solved - given.measured - given.analytic;
 
   if (globals.json) {
     print_json({{"sites", plan.sites.size()},
                 {"pairs_planned", solved},
                 {"pairs_measured", given.measured},
                 {"pairs_analytic", given.analytic},
-                {"pairs_covered", covered},
+                {"pairs_filled", filled},
                 {"pairs_on_support", support},
                 {"support_area_share", plan.support_share},
                 {"pairs_unreachable", unreachable},
@@ -54,8 +54,8 @@ void run_plan(const PlanArguments& options, const Globals& globals) {
   }
   char text[640], others[128] = "";
   if (solved < plan.pairs.size()) {
-    std::snprintf(others, sizeof others, "; %zu recorded, %zu by closed forms, %zu covered from neighbours",
-                  given.measured, given.analytic, covered);
+    std::snprintf(others, sizeof others, "; %zu recorded, %zu by closed forms, %zu filled from neighbours",
+                  given.measured, given.analytic, filled);
   }
   std::snprintf(
       text, sizeof text,

@@ -23,7 +23,7 @@ namespace {
 
 struct PlayArguments {
   std::string file, motion, out, plot, tool;
-  bool several = false;
+  bool single = false;
 };
 
 const char* plural(std::size_t count) { return count == 1 ? "" : "s"; }
@@ -64,7 +64,7 @@ void report(const PlayArguments& options, const Globals& globals, const std::str
   }
   if (s.rows_elsewhere > 0) {
     warn("in " + rows_of(s.rows_elsewhere) +
-         "the tool touches at another place, too, which is not felt without --several");
+         "the tool overlaps another wall, which --single leaves out");
   }
   if (s.rows_near > 0) {
     warn("in " + rows_of(s.rows_near) + "the places lie so near each other that their sum is more than 7 % too large");
@@ -91,9 +91,9 @@ std::string response_of(const device::RunLog& log, const std::string& run) {
 
 /// The same forces as in the run, bit for bit, or an error; of another response file, how different they are.
 void replay(PlayArguments options, const Globals& globals) {
-  if (options.several)
+  if (options.single)
     throw Error(ExitCode::usage,
-                "--several: " + options.motion + " is played as it was felt; palpate drive has --several, too");
+                "--single: " + options.motion + " is played as it was recorded; palpate drive has --single as well");
   const device::RunLog log = read_run(options.motion);
   if (log.records.empty()) throw Error(ExitCode::bad_input, options.motion + ": the recording has no ticks");
   const bool named_by_run = options.file.empty();
@@ -172,7 +172,7 @@ void run_play(PlayArguments options, const Globals& globals) {
   const auto [low, high] = body_box(input.view());
   if (const std::string hint = motion_hint(motion, low, high); !hint.empty()) warn(options.motion + ": " + hint);
   PlaySummary s;
-  const std::vector<PlayedRow> rows = play(input.view(), tool, motion, s, options.several);
+  const std::vector<PlayedRow> rows = play(input.view(), tool, motion, s, options.single);
   const std::string tool_name = input.view().tools[tool].name;
   report(options, globals, tool_name, rows, s);
   if (globals.json) print_json(json_of(options, tool_name, rows.size(), s));
@@ -189,7 +189,7 @@ void add_play(CLI::App& app, Globals& globals) {
   command.option("--out", options->out, "Write forces and torques here (CSV)");
   command.option("--plot", options->plot, "Write a plot of force and depth here (SVG)");
   command.option("--tool", options->tool, "Name of the tool; default: the file's first");
-  command.flag("--several", options->several, "Let the tool be felt at up to three places, as between two lobes");
+  command.flag("--single", options->single, "Follow the nearest wall alone; without it up to three walls are felt");
   command.runs([options, &globals] { run_play(*options, globals); });
 }
 

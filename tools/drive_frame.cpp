@@ -26,7 +26,7 @@ bool has_own_response(const runtime::View& view, std::uint32_t tool, std::uint32
   const layout::ToolRecord& record = view.tools[tool];
   for (std::uint32_t k = 0; k < record.vertex_count; ++k) {
     const std::uint64_t index = layout::response_index(*view.meta, site, record.first_vertex + k);
-    if (view.response_head(index).flags != layout::response_covered) return true;
+    if (view.response_head(index).flags != layout::response_filled) return true;
   }
   return false;
 }
@@ -55,18 +55,18 @@ runtime::DeviceFrame place_device(const runtime::View& view, std::uint32_t tool,
   runtime::DeviceFrame frame;
   frame.scale = options.scale;
   frame.force_scale = options.force_scale;
-  frame.turn = turn_to(options.device_up, options.up);
+  frame.pose = turn_to(options.device_up, options.up);
   if (options.at) {
-    frame.turn.translation = *options.at;
+    frame.pose.translation = *options.at;
     return frame;
   }
   const double gap = options.scale * options.gap;
-  frame.turn.translation = top_of(view, tool, options.up);
+  frame.pose.translation = top_of(view, tool, options.up);
   // The clearance grows by no more than the way: what remains is overcome step by step.
   for (int k = 0; k < 200; ++k) {
     const double missing = gap - clearance(view, tool, frame, options.tips);
     if (missing <= 1e-6 * view.meta->depth_scale) return frame;
-    frame.turn.translation = frame.turn.translation + missing * options.up;
+    frame.pose.translation = frame.pose.translation + missing * options.up;
   }
   throw Error(ExitCode::bad_input, "the tool finds no place over the body's top; say where the device is with --at");
 }
@@ -75,7 +75,7 @@ double clearance(const runtime::View& view, std::uint32_t tool, const runtime::D
                  const std::vector<Pose>& tips) {
   double least = HUGE_VAL;
   for (const Pose& tip : tips) {
-    least = std::fmin(least, runtime::find_touch(view, tool, frame.to_scene(tip)).clearance);
+    least = std::fmin(least, runtime::search(view, tool, frame.to_scene(tip)).touch.clearance);
   }
   return least;
 }

@@ -47,7 +47,6 @@ Station with_glove(const runtime::View& view, std::uint32_t tool, const StationO
   if (!options.coupling.stiffness.empty()) {
     throw Error(ExitCode::usage, "--coupling: a glove has none; its pulls are smoothed and limited in their rate");
   }
-  if (options.several) throw Error(ExitCode::usage, "--several: a glove's fingertips are felt at one place each");
   device::SimGloveOptions glove;
   const auto tips = device::SimGlove(glove).tips_at_rest();
   FrameOptions placing = options.placing;
@@ -89,9 +88,9 @@ Station set_up(const runtime::View& view, std::uint32_t tool, const device::Devi
   if (kind.glove) return with_glove(view, tool, options, globals);
   Station station;
   station.frame = place_device(view, tool, options.placing);
-  station.several = options.several;
+  station.several = !options.single;
   station.coupling = choose_coupling(options.coupling, view, station.frame, kind, globals);
-  station.source = station.several ? source<runtime::FeltPlaces>(view, tool, station)
+  station.source = station.several ? source<runtime::ContactSet<3>>(view, tool, station)
                                    : source<runtime::Contact>(view, tool, station);
   DriveDeviceOptions device = options.device;
   device.probing = probing(view, options.placing);

@@ -18,7 +18,7 @@ struct StationOptions {
   FrameOptions placing;
   CouplingArguments coupling;
   double limit = 3;      ///< N, of a force or of a glove's pull
-  bool several = false;  ///< the tool is felt at several places; a glove's fingertips are not
+  bool single = false;  ///< the nearest wall alone is felt, as by a glove's fingertips
 };
 
 struct Station {

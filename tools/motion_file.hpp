@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/math3.hpp"
+#include "palpate/math/pose.hpp"
 
 namespace palpate::cli {
 

@@ -8,7 +8,7 @@
 #include <ctime>
 
 #include "formats/error.hpp"
-#include "palpate/mapped_file.hpp"
+#include "palpate/format/mapped_file.hpp"
 
 namespace palpate::cli {
 namespace {
@@ -59,7 +59,7 @@ private:
 bool of_the_body(const layout::SectionEntry& e) {
   const auto id = static_cast<Section>(e.id);
   return (id >= Section::sites && id <= Section::surface_triangles) ||
-         (id >= Section::responses && id <= Section::turn);
+         (id >= Section::responses && id <= Section::bonded_torque);
 }
 
 /// The indices of one copy's elements, moved on to that copy's.

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "palpate/runtime.hpp"
+#include "palpate/palpate.hpp"
 
 namespace palpate::cli {
 

@@ -122,7 +122,7 @@ nlohmann::ordered_json fit_json(const pipeline::Pipeline& p, const FitReport& re
   nlohmann::ordered_json json{{"pairs_planned", report.planned},
                               {"pairs_accepted", report.accepted},
                               {"pairs_refused", report.refused},
-                              {"responses_covered", report.covered},
+                              {"responses_filled", report.filled},
                               {"fit_error_normal", figures_json(report.normal)},
                               {"fit_error_tangential", figures_json(report.tangential)},
                               {"fit_error_paths", figures_json(report.paths)},
@@ -133,10 +133,10 @@ nlohmann::ordered_json fit_json(const pipeline::Pipeline& p, const FitReport& re
                               {"measured", nlohmann::ordered_json::array()},
                               {"fit_error_turned", figures_json(report.turned)},
                               {"held_out_p95", report.held_out.p95},
-                              {"lateral", report.lateral},
+                              {"tangential_bias", report.bias},
                               {"friction", report.friction},
-                              {"grasp", report.grasp},
-                              {"turn", report.turn},
+                              {"bonded", report.grasp},
+                              {"bonded_torque", report.turn},
                               {"file", p.paths.response.string()},
                               {"bytes", std::filesystem::file_size(p.paths.response)},
                               {"pairs", nlohmann::ordered_json::array()}};
@@ -161,22 +161,22 @@ nlohmann::ordered_json fit_json(const pipeline::Pipeline& p, const FitReport& re
 }
 
 std::string fit_text(const pipeline::Pipeline& p, const FitReport& report) {
-  std::string text = std::to_string(report.accepted) + " pairs fitted, " + std::to_string(report.covered) +
-                     " responses covered from neighbours (" + std::to_string(report.refused) + " refused, " +
+  std::string text = std::to_string(report.accepted) + " pairs fitted, " + std::to_string(report.filled) +
+                     " responses filled from neighbours (" + std::to_string(report.refused) + " refused, " +
                      std::to_string(report.support) + " at supports, " + std::to_string(report.unreachable) +
                      " in narrow folds, " + std::to_string(report.outside) + " outside the region)\n";
-  text += figures_text("straight pushes", report.normal, p.plan);
-  text += figures_text("sideways pushes", report.tangential, p.plan);
-  text += figures_text("paths that it did not read", report.paths, p.plan);
-  text += figures_text("grasped contacts", report.grasped, p.plan);
+  text += figures_text("normal pushes", report.normal, p.plan);
+  text += figures_text("tangential pushes", report.tangential, p.plan);
+  text += figures_text("paths that were not fitted", report.paths, p.plan);
+  text += figures_text("bonded contacts", report.grasped, p.plan);
   if (report.analytic > 0) text += std::to_string(report.analytic) + " responses by closed forms\n";
   text += figures_text("closed forms", report.laws, p.plan);
   for (const RecordedFigures& f : report.recorded) text += recorded_text(f, p.plan);
-  text += figures_text("torques of turned tools", report.turned, p.plan);
-  if (!report.reliefs.empty()) {
+  text += figures_text("torques of rotated tools", report.turned, p.plan);
+  if (!report.softenings.empty()) {
     char line[160];
-    std::snprintf(line, sizeof line, "depth that slipping contacts give up (relief): median %.2f %%, at most %.2f %%\n",
-                  100 * report.reliefs[report.reliefs.size() / 2], 100 * report.reliefs.back());
+    std::snprintf(line, sizeof line, "share of the normal force that slip removes: median %.2f %%, at most %.2f %%\n",
+                  100 * report.softenings[report.softenings.size() / 2], 100 * report.softenings.back());
     text += line;
   }
   if (report.held_out.samples > 0) {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "tools/elsewhere.hpp"
+#include "tools/other_walls.hpp"
 #include "tools/plot.hpp"
 
 namespace palpate::cli {
@@ -89,8 +89,8 @@ template <class Contact>
 std::vector<PlayedRow> play_with(Contact&& contact, const runtime::View& view, std::uint32_t tool,
                                  const std::vector<MotionRow>& motion, PlaySummary& summary) {
   summary = {};
-  Elsewhere elsewhere(view, tool);
-  const double reach = runtime::skeleton_radius(view, tool) + view.tools[tool].probe_radius;
+  const OtherWalls walls(view, tool);
+  const double reach = runtime::ToolShape<>(view, tool).extent();
   const double longest = 0.01 * view.meta->depth_scale;
   std::vector<PlayedRow> rows;
   rows.reserve(motion.size());
@@ -103,13 +103,13 @@ std::vector<PlayedRow> play_with(Contact&& contact, const runtime::View& view, s
     for (int k = 1; k <= steps; ++k) {
       tick = contact.tick(pose_between(from, motion[i], k / static_cast<double>(steps)));
       account(summary, tick, duration);
-      beyond = beyond || tick.beyond;
-      covered = covered || tick.covered > 0.5;
+      beyond = beyond || tick.extrapolated;
+      covered = covered || tick.filled_share > 0.5;
     }
     summary.rows_beyond += beyond ? 1 : 0;
     summary.rows_covered += covered ? 1 : 0;
-    summary.rows_elsewhere += elsewhere.missed(contact, pose_between(from, motion[i], 1), tick) ? 1 : 0;
-    summary.rows_near += elsewhere.near(contact) ? 1 : 0;
+    summary.rows_elsewhere += OtherWalls::missed(contact, pose_between(from, motion[i], 1), tick) ? 1 : 0;
+    summary.rows_near += walls.near(contact) ? 1 : 0;
     summary.starts_inside = summary.starts_inside || (i == 0 && summary.touching);
     rows.push_back({motion[i].time, tick});
   }
@@ -119,9 +119,9 @@ std::vector<PlayedRow> play_with(Contact&& contact, const runtime::View& view, s
 }  // namespace
 
 std::vector<PlayedRow> play(const runtime::View& view, std::uint32_t tool, const std::vector<MotionRow>& motion,
-                            PlaySummary& summary, bool several) {
-  return several ? play_with(runtime::FeltPlaces(view, tool), view, tool, motion, summary)
-                 : play_with(runtime::Contact(view, tool), view, tool, motion, summary);
+                            PlaySummary& summary, bool single) {
+  return single ? play_with(runtime::Contact(view, tool), view, tool, motion, summary)
+                : play_with(runtime::ContactSet<3>(view, tool), view, tool, motion, summary);
 }
 
 std::string forces_csv(const std::vector<PlayedRow>& rows) {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/runtime.hpp"
+#include "palpate/palpate.hpp"
 #include "tools/motion_file.hpp"
 
 namespace palpate::cli {
@@ -39,10 +39,10 @@ void account(PlaySummary& summary, const runtime::Tick& tick, double seconds);
 void add(PlaySummary& summary, const PlaySummary& other);
 
 /// Ticks through the motion, with as many ticks between two rows as keep each below 1 % of the depth scale
-/// (at most 10 000): a recorded motion is not an occasion for late detection. `several`: the tool is felt at up to
-/// three places, and a row has their sums and the deepest depth; else where it touched first, as in a run.
+/// (at most 10 000): a recorded motion is not an occasion for late detection. A row has the sums of up to three walls and
+/// the deepest depth; with `single` the nearest wall alone.
 std::vector<PlayedRow> play(const runtime::View& view, std::uint32_t tool, const std::vector<MotionRow>& motion,
-                            PlaySummary& summary, bool several = false);
+                            PlaySummary& summary, bool single = false);
 
 /// t,fx,fy,fz,tx,ty,tz,state,depth,cx,cy,cz (s, N, N m about the tool frame's origin, m; body frame); of a glove
 /// t,finger,fx and so on.

@@ -11,8 +11,8 @@
 #include "device/glove_source.hpp"
 #include "formats/error.hpp"
 #include "formats/response.hpp"
-#include "palpate/checksum.hpp"
-#include "tools/elsewhere.hpp"
+#include "palpate/format/checksum.hpp"
+#include "tools/other_walls.hpp"
 #include "tools/plot.hpp"
 
 namespace palpate::cli {
@@ -29,17 +29,17 @@ std::array<Tick, 1> ticks_of(const device::ContactSource<Tie, Contact>& source) 
 }
 std::array<Tick, kFingers> ticks_of(const device::GloveSource& source) { return source.ticks(); }
 
-/// Adds what the last tick felt of several places.
+/// Counts other walls and contacts that are too near.
 template <class Tie, class Contact>
-void look_elsewhere(PlaySummary& summary, Elsewhere& elsewhere, const device::ContactSource<Tie, Contact>& source) {
-  summary.rows_elsewhere += elsewhere.missed(source.contact(), source.tool(), source.tick()) ? 1 : 0;
-  summary.rows_near += elsewhere.near(source.contact()) ? 1 : 0;
+void count_walls(PlaySummary& summary, const OtherWalls& walls, const device::ContactSource<Tie, Contact>& source) {
+  summary.rows_elsewhere += OtherWalls::missed(source.contact(), source.tool(), source.tick()) ? 1 : 0;
+  summary.rows_near += walls.near(source.contact()) ? 1 : 0;
 }
-void look_elsewhere(PlaySummary&, Elsewhere&, const device::GloveSource&) {}
+void count_walls(PlaySummary&, const OtherWalls&, const device::GloveSource&) {}
 
 /// Source: as new, of the file.
 template <class Source>
-void replay_into(PlayedRun& played, const device::RunLog& log, Elsewhere elsewhere, Source&& source) {
+void replay_into(PlayedRun& played, const device::RunLog& log, const OtherWalls& walls, Source&& source) {
   using Ticks = decltype(ticks_of(source));
   std::array<PlaySummary, std::tuple_size_v<Ticks>> each{};
   played.rows.reserve(each.size() * log.records.size());
@@ -48,27 +48,27 @@ void replay_into(PlayedRun& played, const device::RunLog& log, Elsewhere elsewhe
     const bool first = played.rows.empty();
     for (std::size_t k = 0; k < each.size(); ++k) {
       account(each[k], ticks[k], record.seconds);
-      each[k].rows_beyond += ticks[k].beyond ? 1 : 0;
-      each[k].rows_covered += ticks[k].covered > 0.5 ? 1 : 0;
+      each[k].rows_beyond += ticks[k].extrapolated ? 1 : 0;
+      each[k].rows_covered += ticks[k].filled_share > 0.5 ? 1 : 0;
       each[k].starts_inside = each[k].starts_inside || (first && each[k].touching);
       const int finger = each.size() > 1 ? static_cast<int>(k) + 1 : 0;
       played.rows.push_back({record.time - log.records.front().time, ticks[k], finger});
     }
-    if (out.answer.usable) look_elsewhere(played.summary, elsewhere, source);
+    if (out.answer.usable) count_walls(played.summary, walls, source);
   });
   for (const PlaySummary& one : each) add(played.summary, one);
 }
 
 template <class Contact>
-void replay_held(PlayedRun& played, const device::RunLog& log, const Elsewhere& elsewhere, const runtime::View& view,
+void replay_held(PlayedRun& played, const device::RunLog& log, const OtherWalls& walls, const runtime::View& view,
                  std::uint32_t tool) {
   const runtime::DeviceFrame frame = device::device_frame(log.header);
   if (const auto coupling = device::coupling_options(log.header)) {
-    replay_into(played, log, elsewhere,
+    replay_into(played, log, walls,
                 device::ContactSource<runtime::VirtualCoupling, Contact>(view, tool, frame,
                                                                          device::coupling_in(frame, *coupling)));
   } else {
-    replay_into(played, log, elsewhere, device::ContactSource<runtime::Rigid, Contact>(view, tool, frame));
+    replay_into(played, log, walls, device::ContactSource<runtime::Rigid, Contact>(view, tool, frame));
   }
 }
 
@@ -126,7 +126,7 @@ PlayedRun play_run(const device::RunLog& log, const ResponseInput& input, std::u
   PlayedRun played;
   played.same_response =
       input.view().size == log.header.response_size && response_hash(input) == log.header.response_hash;
-  const Elsewhere elsewhere(input.view(), tool);
+  const OtherWalls walls(input.view(), tool);
   if (log.hand) {
     device::GloveSource glove(input.view(), tool, device::calibration_of(*log.hand), device::device_frame(log.header),
                               device::glove_options(*log.hand));
@@ -134,11 +134,11 @@ PlayedRun play_run(const device::RunLog& log, const ResponseInput& input, std::u
       throw Error(ExitCode::bad_input, std::string("tool '") + input.view().tools[tool].name + "': " + problem +
                                            ", and the run was a glove's");
     }
-    replay_into(played, log, elsewhere, glove);
+    replay_into(played, log, walls, glove);
   } else if (log.header.several == 1) {
-    replay_held<runtime::FeltPlaces>(played, log, elsewhere, input.view(), tool);
+    replay_held<runtime::ContactSet<3>>(played, log, walls, input.view(), tool);
   } else {
-    replay_held<runtime::Contact>(played, log, elsewhere, input.view(), tool);
+    replay_held<runtime::Contact>(played, log, walls, input.view(), tool);
   }
   return played;
 }

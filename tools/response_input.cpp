@@ -27,9 +27,9 @@ std::uint32_t ResponseInput::tool(const std::string& name) const {
 
 double bytes_per_response(const runtime::View& view) {
   const layout::Meta& m = *view.meta;
-  const double grasps = view.grasps != nullptr ? layout::grasp_size(m.grasp_coefs) : 0;
-  const double turns = view.turns != nullptr ? layout::turn_size(m.grasp_coefs) : 0;
-  return grasps + turns + layout::response_size(m);
+  const double bonded = view.bonded != nullptr ? layout::bonded_size(m.bonded_coefs) : 0;
+  const double torque = view.bonded_torque != nullptr ? layout::torque_size(m.bonded_coefs) : 0;
+  return bonded + torque + layout::response_size(m);
 }
 
 }  // namespace palpate::cli

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/runtime.hpp"
+#include "palpate/format/open.hpp"
 #include "tools/large_pages.hpp"
 
 namespace palpate::cli {
@@ -29,7 +29,7 @@ private:
   runtime::View view_;
 };
 
-/// Bytes of one response, its grasp and its turn.
+/// Bytes of one response, with those of its bonded contact.
 double bytes_per_response(const runtime::View& view);
 
 }  // namespace palpate::cli

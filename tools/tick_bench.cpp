@@ -21,8 +21,7 @@ namespace {
 
 using runtime::BodyPoint;
 using runtime::Contact;
-using runtime::Field;
-using runtime::FieldForce;
+using Blend = runtime::BlendedResponse<>;
 using runtime::Pose;
 using runtime::Tick;
 using runtime::ToolPoint;
@@ -48,10 +47,9 @@ template <class Row, class Once>
   return once(i, k);
 }
 
-FieldForce build_and_push(const View& view, std::uint32_t tool, const BodyPoint& at, const ToolPoint& on,
-                          Field& field) {
-  field.build(view, tool, at, on);
-  return field.force((-0.5 * view.meta->depth_scale) * field.normal());
+Vec3 build_and_push(const View& view, std::uint32_t tool, const BodyPoint& at, const ToolPoint& on, Blend& blend) {
+  blend.blend(view, tool, at, on, {1, 0, 0}, {});
+  return blend.force((-0.5 * view.meta->depth_scale) * blend.normal());
 }
 
 // Keeps the times of repetitions instead of printing them: processor time, for other programs must not count.
@@ -159,27 +157,27 @@ class Plain {
 public:
   Plain(const View& view, std::uint32_t tool, const BodyPoint& at, const ToolPoint& on) {
     double body[3];
-    runtime::patch_weights(view, at, body);
+    runtime::site_weights(view, at, body);
     const auto& sites = view.triangles[at.triangle].site;
     for (int k = 0; k < 3; ++k) {
-      const BodyPoint site = locate(view, runtime::to_vec(view.sites[sites[k]].position)).at;
+      const BodyPoint site = closest_point(view, runtime::to_vec(view.sites[sites[k]].position)).at;
       for (int l = 0; l < 3; ++l) {
         if (!(on.weights[l] > 0)) continue;
         ToolPoint vertex = on;
         for (int m = 0; m < 3; ++m) vertex.weights[m] = m == l ? 1 : 0;
-        responses_.emplace_back(view, tool, site, vertex);
+        responses_.emplace_back().blend(view, tool, site, vertex, {1, 0, 0}, {});
         weights_.push_back(body[k] * on.weights[l]);
       }
     }
   }
   [[nodiscard]] Vec3 force(const Vec3& deflection) const {
     Vec3 sum;
-    for (std::size_t i = 0; i < weights_.size(); ++i) sum = sum + weights_[i] * responses_[i].force(deflection).force;
+    for (std::size_t i = 0; i < weights_.size(); ++i) sum = sum + weights_[i] * responses_[i].force(deflection);
     return sum;
   }
 
 private:
-  std::vector<Field> responses_;
+  std::vector<Blend> responses_;
   std::vector<double> weights_;
 };
 
@@ -262,10 +260,11 @@ double Times::quantile(double share) const {
 TickBench bench_ticks(const View& view, const TickBenchOptions& options) {
   std::vector<TickCases> cases = random_contacts(view, options.tool, options.contacts, options.seed);
   std::vector<std::array<Vec3, kFew>> pushed;
-  std::vector<Field> fields;
+  std::vector<Blend> fields;
   for (TickCases& c : cases) {
     const Tick touched = next_tick(c.press, 0);
-    fields.emplace_back(view, options.tool, touched.at, amid_patch(view, options.tool, touched.on_tool));
+    fields.emplace_back().blend(view, options.tool, touched.at, amid_patch(view, options.tool, touched.on_tool.at),
+                               {1, 0, 0}, {});
     pushed.push_back(deflections(view, fields.back().normal()));
   }
   const RandomPoints points(view);
@@ -273,7 +272,7 @@ TickBench bench_ticks(const View& view, const TickBenchOptions& options) {
   std::vector<Vec3> near;
   for (int i = 0; i < 256; ++i) {
     const BodyPoint at = points.draw(random);
-    near.push_back(position(view, at) + view.meta->depth_scale * normal(view, at));
+    near.push_back(position(view, at) + view.meta->depth_scale * smooth_normal(view, at));
   }
   const auto each = [&](auto row, const auto& once) { return timed(row, cases.size(), options.seconds, once); };
   TickBench result;
@@ -284,7 +283,7 @@ TickBench bench_ticks(const View& view, const TickBenchOptions& options) {
   result.slide = each(row::slide(), [&](std::size_t i, std::size_t k) { return next_tick(cases[i].slide, k); });
   result.free = each(row::free(), [&](std::size_t i, std::size_t k) { return next_tick(cases[i].free, k); });
   result.locate = timed(row::locate(), 16, options.seconds,
-                        [&](std::size_t i, std::size_t k) { return locate(view, around(near, i + k)); });
+                        [&](std::size_t i, std::size_t k) { return closest_point(view, around(near, i + k)); });
   return result;
 }
 
@@ -297,9 +296,9 @@ LatencyBench bench_latency(const View& view, const View& large, const TickBenchO
   for (TickCases& c : cases) {
     const Tick touched = next_tick(c.press, 0);
     sliding.push_back(within_triangle(touched.at.triangle));
-    on_tool.push_back(amid_patch(view, options.tool, touched.on_tool));
+    on_tool.push_back(amid_patch(view, options.tool, touched.on_tool.at));
     plain.emplace_back(view, options.tool, touched.at, on_tool.back());
-    pushed.push_back(deflections(view, c.press.contact->field().normal()));
+    pushed.push_back(deflections(view, c.press.contact->response().normal()));
   }
   constexpr std::size_t kPlaces = 1U << 19;  // far more than a cache holds of a large file
   std::mt19937 random(options.seed);
@@ -319,7 +318,7 @@ LatencyBench bench_latency(const View& view, const View& large, const TickBenchO
       hands[i][finger] = &cases[(i + finger) % cases.size()].press;
     }
   }
-  Field field;
+  Blend field;
   const auto each = [&](auto row, const auto& once, std::size_t round = kRound) {
     return timed(row, cases.size(), options.seconds, once, round);
   };

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/runtime.hpp"
+#include "palpate/palpate.hpp"
 
 namespace palpate::cli {
 

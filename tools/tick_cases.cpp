@@ -38,7 +38,7 @@ Feeler draw_feeler(const runtime::View& view, std::uint32_t tool, std::mt19937& 
 // Presses in at a random place; nothing where something else touches first.
 TickCases make(const runtime::View& view, std::uint32_t tool, const RandomPoints& points, std::mt19937& random) {
   const BodyPoint at = points.draw(random);
-  const Vec3 c = position(view, at), n = normal(view, at);
+  const Vec3 c = position(view, at), n = smooth_normal(view, at);
   const Feeler feeler = draw_feeler(view, tool, random);
   Pose pose = turned(feeler.outward, -n);
   const double probe = view.tools[tool].probe_radius, scale = view.meta->depth_scale;

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "palpate/runtime.hpp"
+#include "palpate/palpate.hpp"
 
 namespace palpate::cli {
 

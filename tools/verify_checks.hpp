@@ -2,7 +2,7 @@
 // What verify makes sure of before it solves for minutes, and the report it writes after that.
 #pragma once
 
-#include "palpate/runtime.hpp"
+#include "palpate/palpate.hpp"
 #include "precompute/bake/pipeline.hpp"
 
 #include <nlohmann/json_fwd.hpp>

@@ -71,7 +71,7 @@ std::vector<StrokeStation> compare(const runtime::View& view, const ContactCase&
     const runtime::Tick& tick = rows[k].tick;
     StrokeStation at;
     at.baked = frame.to_local({tick.force.x, tick.force.y, tick.force.z});
-    at.compared = s.resolved && tick.covered < kOthers && !tick.beyond;
+    at.compared = s.resolved && tick.filled_share < kOthers && !tick.extrapolated;
     at.phase = s.gross ? sliding : s.slipping > kStuck ? partial : sticking;
     at.error = (at.baked - s.force).norm() / std::max(s.force.norm(), kFloor * peak);
     all.push_back(at);

@@ -29,10 +29,8 @@ std::string file_name(const Scene& scene) {
   return name;
 }
 
-/// Of the pairs, that are pushed along paths which only test.
-double path_share(const Scene& scene) {
-  return scene.response.model == ResponseScene::Model::coupled ? scene.response.path_share : 0.0;
-}
+/// Share of the pairs that are also solved along paths which only test.
+double path_share(const Scene& scene) { return scene.friction > 0 ? scene.response.path_share : 0.0; }
 
 /// What a work folder keeps is not to be written over what a scene is made of, nor a result over either.
 void check_outputs(const Pipeline& p, const std::filesystem::path& scene_file) {
@@ -87,6 +85,15 @@ void write_manifest(Pipeline& p) {
   if (std::filesystem::exists(p.paths.manifest)) {
     const std::string old = read_file(p.paths.manifest, "manifest", kLargestManifest);
     if (old == text) return;
+    // A folder that an earlier program baked has the same pairs, and a scene's text with other defaults.
+    for (const std::string& scene : earlier_canonical_texts(p.scene)) {
+      Plan earlier = p.plan;
+      earlier.inputs.scene = hash128(scene);
+      if (manifest_text(earlier) != old) continue;
+      p.plan = std::move(earlier);
+      p.manifest = manifest_hash(old);
+      return;
+    }
     if (std::filesystem::exists(p.paths.journal)) {
       throw Error(ExitCode::bad_input, p.paths.work.string() +
                                            ": holds samples of another plan (scene, surfaces or tools have changed "
@@ -157,10 +164,7 @@ FitSettings fit_settings(const Scene& scene) {
   settings.friction = scene.friction > 0;
   settings.max_refused = scene.sampling.max_refused;
   settings.max_residual = scene.response.max_residual;
-  if (scene.response.model == ResponseScene::Model::coupled) {
-    settings.coupled = {scene.response.order, scene.response.tolerance};
-  }
-  if (scene.response.model == ResponseScene::Model::linear) settings.coupled = {2, scene.response.tolerance, true};
+  settings.tolerance = scene.response.tolerance;
   settings.path = [scene](double depth) { return bake_path(scene, depth); };
   for (const ToolScene& tool : scene.tools) {
     settings.grasps.push_back(tool.grasp_depth > 0);

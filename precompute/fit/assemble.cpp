@@ -7,7 +7,6 @@
 
 #include "formats/scene.hpp"
 #include "precompute/fit/grasp_fit.hpp"
-#include "precompute/fit/partial_slip.hpp"
 #include "precompute/mesh/haptic_mesh.hpp"
 #include "precompute/tool/tool.hpp"
 
@@ -69,11 +68,6 @@ Json figures(const ErrorFigures& f) {
       {"samples", f.samples}, {"median", f.median}, {"p95", f.p95}, {"worst", f.worst}, {"worst_pair", f.worst_pair}};
 }
 
-bool slips_in_part(const ResponseScene& response) {
-  if (response.slip != ResponseScene::Slip::automatic) return response.slip == ResponseScene::Slip::partial;
-  return response.model == ResponseScene::Model::coupled;
-}
-
 /// Of a scene in which not everything is solved.
 void add_sources(Json& json, const Plan& plan, const FitReport& report, const PairSources& sources) {
   if (sources.given.empty()) return;
@@ -104,7 +98,6 @@ std::string provenance(const Scene& scene, const Plan& plan, const Hash128& mani
   Json json;
   json["scene"] = scene.name;
   json["units"] = "m, N, Pa";
-  json["model"] = fitted.scales.coupled ? "coupled 1" : "separable 1";
   json["inputs"] = {{"solver", plan.inputs.solver},     {"scene", to_hex(hash128(canonical_text(scene)))},
                     {"body", to_hex(plan.inputs.body)}, {"haptic_mesh", to_hex(plan.inputs.haptic_mesh)},
                     {"tools", Json::array()},           {"manifest", to_hex(manifest)}};
@@ -133,32 +126,30 @@ std::string provenance(const Scene& scene, const Plan& plan, const Hash128& mani
   if (scene.friction > 0) {
     const bool solved = scene.sampling.friction_limit == SamplingScene::FrictionLimit::solved;
     json["sampling"]["friction_limit"] = solved ? "solved" : "estimated";
-    json["slip"] = slips_in_part(scene.response) ? "partial" : "whole";
   }
   json["solver"] = {{"mesh_size", scene.solver.mesh_size}, {"growth", scene.solver.growth}};
   json["pairs"] = {
       {"planned", report.planned},         {"accepted", report.accepted},   {"refused", report.refused},
-      {"covered", report.covered},         {"support", report.support},     {"outside", report.outside},
+      {"filled", report.filled},         {"support", report.support},     {"outside", report.outside},
       {"unreachable", report.unreachable}, {"shortened", report.shortened}, {"support_area_share", plan.support_share}};
   json["fit"] = {{"error", "|fit - solved| / max(|solved|, 2 % of the pair's peak)"},
                  {"normal", figures(report.normal)}};
   if (report.friction) json["fit"]["tangential"] = figures(report.tangential);
-  if (!report.reliefs.empty()) {
-    json["fit"]["relief"] = {{"median", report.reliefs[report.reliefs.size() / 2]}, {"largest", report.reliefs.back()}};
+  if (!report.softenings.empty()) {
+    json["fit"]["slip_softening"] = {{"median", report.softenings[report.softenings.size() / 2]},
+                                     {"largest", report.softenings.back()}};
   }
   if (report.grasp) json["fit"]["grasped"] = figures(report.grasped);
   if (report.turn) json["fit"]["turned"] = figures(report.turned);
-  if (fitted.scales.coupled) {
-    const coupled::Degrees& d = *fitted.scales.coupled;
-    const fit::HeldOutFigures& held = report.held_out;
-    json["fit"]["paths"] = figures(report.paths);
-    json["fit"]["held_out"] = {
-        {"samples", held.samples}, {"median", held.median}, {"p95", held.p95}, {"worst", held.worst}};
-    json["coupled"] = {{"order", d.order}, {"push", d.push},       {"straight", d.straight}, {"stiffness", d.stiffness},
-                       {"cubic", d.cubic}, {"quartic", d.quartic}, {"limit", d.limit}};
-  }
+  if (report.friction) json["fit"]["paths"] = figures(report.paths);
+  const fit::HeldOutFigures& held = report.held_out;
+  json["fit"]["held_out"] = {
+      {"samples", held.samples}, {"median", held.median}, {"p95", held.p95}, {"worst", held.worst}};
+  const response::Degrees& d = fitted.scales.degrees;
+  json["degrees"] = {
+      {"normal", d.normal}, {"bias", d.bias}, {"stiffness", d.stiffness}, {"friction", d.friction}};
   add_sources(json, plan, report, sources);
-  // Names may hold bytes that are not UTF-8: they are replaced, not refused.
+  // Names may hold bytes that are not UTF-8. These are replaced.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -169,23 +160,12 @@ ResponseFileContent assemble_response(const Scene& scene, const std::vector<Tool
                                       const PairSources& sources) {
   ResponseFileContent content;
   content.depth_scale = fitted.scales.depth;
-  content.sideways_scale = fitted.scales.sideways;
-  const auto count = [](bool there, int coefs) { return there ? static_cast<std::uint32_t>(coefs) : 0U; };
-  const bool curves = !fitted.scales.coupled, friction = curves && fitted.scales.friction();
-  content.coupled = fitted.scales.coupled;
-  content.coupled_bits = static_cast<std::uint32_t>(fitted.scales.bits);
-  content.normal_coefs = count(curves, fitted.scales.normal_coefs);
-  content.lateral_coefs = count(curves && fitted.report.lateral, fitted.scales.lateral_coefs);
-  content.growth_coefs = count(friction, fitted.scales.growth_coefs);
-  content.sideways_coefs = count(friction, fitted.scales.sideways_coefs);
-  content.friction_coefs = count(friction, fitted.scales.friction_coefs);
-  if (fitted.scales.friction() && slips_in_part(scene.response)) {
-    content.rim_share = fit::kCattaneoMindlin.share;
-    content.rim_limit = fit::kCattaneoMindlin.limit;
-  }
-  content.grasp_coefs = count(fitted.report.grasp, fit::kGraspCoefs);
-  content.turns = fitted.report.turn;
-  content.reliefs = !fitted.report.reliefs.empty();
+  content.tangential_scale = fitted.scales.tangential;
+  content.degrees = fitted.scales.degrees;
+  content.coef_bits = static_cast<std::uint32_t>(fitted.scales.bits);
+  content.slip_softening = !fitted.report.softenings.empty();
+  content.bonded_coefs = fitted.report.grasp ? fit::kGraspCoefs : 0;
+  content.has_bonded_torque = fitted.report.turn;
   add_body(content, mesh, plan);
   for (const Tool& tool : tools) content.tools.push_back(response_tool(tool));
   content.responses = fitted.responses;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Fits every accepted pair, covers the others, gathers the errors.
+// Fits every accepted pair, fills the others from neighbours, collects the errors.
 #include "precompute/fit/fit.hpp"
 
 #include <algorithm>
@@ -11,17 +11,17 @@
 
 #include "formats/error.hpp"
 #include "precompute/bake/bake.hpp"
-#include "precompute/fit/coupled_degrees.hpp"
-#include "precompute/fit/cover.hpp"
+#include "precompute/fit/fill.hpp"
 #include "precompute/fit/given_pairs.hpp"
+#include "precompute/fit/potential_degrees.hpp"
 
 namespace palpate {
 namespace {
 
-using fit::ModelScales;
-using fit::PairCurves;
-using fit::SiteCurves;
-using SiteRow = std::vector<std::optional<SiteCurves>>;  // per site, of one tool vertex
+using fit::PairResponse;
+using fit::ResponseScales;
+using fit::SiteResponse;
+using SiteRow = std::vector<std::optional<SiteResponse>>;  // per site, of one tool vertex
 
 const JournalPair* solved_pair(const JournalContent& journal, std::uint32_t pair) {
   const auto at = journal.pairs.find(pair);
@@ -65,17 +65,19 @@ void check_refused(const Plan& plan, std::size_t planned, const std::vector<Refu
   throw Error(ExitCode::numerical, text);
 }
 
-ModelScales make_scales(const std::vector<const std::vector<Sample>*>& pairs, const FitSettings& settings) {
-  ModelScales scales;
+ResponseScales make_scales(const std::vector<const std::vector<Sample>*>& pairs, const FitSettings& settings) {
+  ResponseScales scales;
   scales.depth = settings.depth_scale;
   if (!settings.friction) return scales;
   for (const std::vector<Sample>* samples : pairs) {
     for (const Sample& s : *samples) {
-      if (s.kind == SampleKind::tangential) scales.sideways = std::max(scales.sideways, s.deflection.head<2>().norm());
+      if (s.kind == SampleKind::tangential) {
+        scales.tangential = std::max(scales.tangential, s.deflection.head<2>().norm());
+      }
     }
   }
-  if (!(scales.sideways > 0)) {
-    throw Error(ExitCode::numerical, "the scene has friction, but no accepted pair has a sideways push");
+  if (!(scales.tangential > 0)) {
+    throw Error(ExitCode::numerical, "the scene has friction, but no accepted pair has a tangential push");
   }
   return scales;
 }
@@ -86,51 +88,39 @@ std::vector<float> to_floats(const Eigen::VectorXd& coefs) {
   return result;
 }
 
-Response to_response(const SiteCurves& site, std::uint32_t flags, const FitReport& report, const ModelScales& scales) {
+Response to_response(const SiteResponse& site, std::uint32_t flags, const FitReport& report,
+                     const ResponseScales& scales) {
   Response r;
   r.depth_limit = site.depth;
   r.flags = flags;
-  r.relief = static_cast<float>(site.curves.relief);
+  r.softening = static_cast<float>(site.response.softening);
+  fit::Quantised quantised = fit::quantise(site.response.coefs, scales.degrees, scales.bits, "response");
+  r.unit = quantised.unit;
+  r.coefficients = std::move(quantised.coefs);
   if (site.grasp) {
-    r.grasp_depth = site.grasp->depth;
-    r.grasp_pulled = site.grasp->pulled;
-    r.grasp = to_floats(site.grasp->curves);
-  } else if (report.grasp) {  // another tool of the scene holds on
-    r.grasp.assign(layout::kGraspCurves * fit::kGraspCoefs, 0.0F);
+    r.bonded_depth = site.grasp->depth;
+    r.bonded_pulled = site.grasp->pulled;
+    r.bonded = to_floats(site.grasp->curves);
+  } else if (report.grasp) {  // another tool of the scene bonds
+    r.bonded.assign(layout::kBondedCurves * fit::kGraspCoefs, 0.0F);
   }
   if (site.turn) {
-    r.turned = site.turn->turned;
-    r.turn = to_floats(site.turn->curves);
+    r.rotated = site.turn->turned;
+    r.bonded_torque = to_floats(site.turn->curves);
   } else if (report.turn) {
-    r.turn.assign(layout::kTurnCurves * fit::kGraspCoefs, 0.0F);
+    r.bonded_torque.assign(layout::kTorqueCurves * fit::kGraspCoefs, 0.0F);
   }
-  if (scales.coupled) {
-    fit::Quantised quantised = fit::quantise(site.curves.coupled, *scales.coupled, scales.bits, "response");
-    r.unit = quantised.unit;
-    r.coupled = std::move(quantised.coefs);
-    return r;
-  }
-  r.normal = to_floats(site.curves.normal);
-  if (report.lateral) {
-    r.lateral_x = to_floats(site.curves.lateral_x);
-    r.lateral_y = to_floats(site.curves.lateral_y);
-  }
-  r.growth_x = to_floats(site.curves.growth_x);
-  r.growth_y = to_floats(site.curves.growth_y);
-  r.sideways_x = to_floats(site.curves.sideways_x);
-  r.sideways_y = to_floats(site.curves.sideways_y);
-  r.friction = to_floats(site.curves.friction);
   return r;
 }
 
-bool has_lateral_force(const std::vector<Sample>& samples, double threshold) {
-  double peak = 0, lateral = 0;
+bool has_bias(const std::vector<Sample>& samples, double threshold) {
+  double peak = 0, bias = 0;
   for (const Sample& s : samples) {
     if (s.kind != SampleKind::normal) continue;
     peak = std::max(peak, s.force.z());
-    lateral = std::max({lateral, std::abs(s.force.x()), std::abs(s.force.y())});
+    bias = std::max({bias, std::abs(s.force.x()), std::abs(s.force.y())});
   }
-  return lateral >= threshold * peak;
+  return bias >= threshold * peak;
 }
 
 PairFigures pair_figures(std::uint32_t pair, const fit::FitErrors& errors) {
@@ -179,8 +169,8 @@ FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std
     const bool noisy = given != sources.given.end() && given->second.measured;
     all.push_back(samples);
     if (!noisy) exact.push_back(samples);
-    report.lateral = report.lateral || (noisy ? has_steady_lateral_force(*samples, settings.lateral_threshold)
-                                              : has_lateral_force(*samples, settings.lateral_threshold));
+    report.bias = report.bias || (noisy ? has_steady_bias(*samples, settings.bias_threshold)
+                                        : has_bias(*samples, settings.bias_threshold));
   }
   result.scales = make_scales(all, settings);
   report.friction = settings.friction;
@@ -189,16 +179,14 @@ FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std
 
   std::vector<SiteRow> rows(first.back(), SiteRow(plan.sites.size()));
   std::vector<std::vector<std::uint32_t>> flags(
-      rows.size(), std::vector<std::uint32_t>(plan.sites.size(), layout::response_covered));
+      rows.size(), std::vector<std::uint32_t>(plan.sites.size(), layout::response_filled));
   std::vector<std::pair<double, std::uint32_t>> normal, tangential, paths, grasped, turned, laws;
   std::vector<RefusedPair> refused;
-  if (settings.coupled) {
-    const fit::DegreeChoice choice = choose_degrees(plan, sources, exact, result.scales, report.lateral, settings);
-    result.scales.coupled = choice.degrees;
-    result.scales.bits = choice.bits;
-    report.lateral = choice.degrees.straight > 0;  // a spring has none
-    report.held_out = choice.held_out;
-  }
+  const fit::DegreeChoice choice = choose_degrees(plan, sources, exact, result.scales, report.bias, settings);
+  result.scales.degrees = choice.degrees;
+  result.scales.bits = choice.bits;
+  report.bias = choice.degrees.bias > 0;
+  report.held_out = choice.held_out;
   for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
     const PairPlan& planned = plan.pairs[pair];
     const std::uint32_t row = first[planned.tool] + planned.tool_vertex;
@@ -213,22 +201,22 @@ FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std
       refused.push_back({pair, solved.outcome->cause});
       continue;
     }
-    PairCurves curves;
+    PairResponse response;
     std::optional<fit::GraspCurves> grasp;
     std::optional<fit::TurnCurves> turn;
     try {
-      curves = fit::fit_pair(solved.samples, result.scales, "fit");
+      response = fit::fit_pair(solved.samples, result.scales, "fit");
       if (planned.tool < settings.grasps.size() && settings.grasps[planned.tool]) {
         grasp = fit::fit_grasp(solved.samples, result.scales.depth, "fit");
         if (planned.tool < settings.turns.size() && settings.turns[planned.tool]) {
           turn = fit::fit_turns(solved.samples, *grasp, result.scales.depth, "fit");
         }
       }
-    } catch (const Error& error) {  // one odd pair is covered from its neighbours like a refused one
+    } catch (const Error& error) {  // filled from neighbours like a refused pair
       refused.push_back({pair, error.what()});
       continue;
     }
-    const fit::FitErrors errors = fit::fit_errors(curves, result.scales, solved.samples);
+    const fit::FitErrors errors = fit::fit_errors(response, result.scales, solved.samples);
     const PairFigures figures = pair_figures(pair, errors);
     if (!(figures.worst <= settings.max_residual)) {
       refused.push_back({pair, residual_cause(figures.worst, settings.max_residual)});
@@ -251,14 +239,14 @@ FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std
       report.turn = true;
     }
     report.pairs.push_back(figures);
-    report.reliefs.push_back(curves.relief);
-    rows[row][planned.site] = SiteCurves{std::move(curves), planned.depth, std::move(grasp), std::move(turn)};
+    report.softenings.push_back(response.softening);
+    rows[row][planned.site] = SiteResponse{std::move(response), planned.depth, std::move(grasp), std::move(turn)};
     flags[row][planned.site] = layout::response_solved;
   }
   check_refused(plan, report.planned, refused, settings.max_refused);
   report.refused = refused.size();
-  std::sort(report.reliefs.begin(), report.reliefs.end());
-  if (report.reliefs.empty() || !(report.reliefs.back() > 0)) report.reliefs.clear();
+  std::sort(report.softenings.begin(), report.softenings.end());
+  if (report.softenings.empty() || !(report.softenings.back() > 0)) report.softenings.clear();
   report.normal = error_figures(normal);
   report.tangential = error_figures(tangential);
   report.paths = error_figures(paths);
@@ -281,11 +269,11 @@ FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std
   result.responses.resize(plan.sites.size() * rows.size());
   for (std::size_t vertex = 0; vertex < rows.size(); ++vertex) {
     SiteRow& row = rows[vertex];
-    fit::cover_sites(graph, frames, depths, result.scales, row, "tool vertex " + std::to_string(vertex));
+    fit::fill_from_neighbours(graph, frames, depths, result.scales, row, "tool vertex " + std::to_string(vertex));
     for (std::size_t site = 0; site < row.size(); ++site) {
       result.responses[site * rows.size() + vertex] =
           to_response(*row[site], flags[vertex][site], report, result.scales);
-      report.covered += flags[vertex][site] == layout::response_covered ? 1 : 0;
+      report.filled += flags[vertex][site] == layout::response_filled ? 1 : 0;
     }
   }
   return result;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// From a plan and its journal to the responses of a file: fit every accepted pair, cover the rest.
+// From a plan and its journal to the responses of a file: fits every accepted pair, fills the rest from neighbours.
 #pragma once
 
 #include <array>
@@ -12,9 +12,9 @@
 #include "formats/journal.hpp"
 #include "formats/response.hpp"
 #include "precompute/bake/plan.hpp"
-#include "precompute/fit/coupled_degrees.hpp"
 #include "precompute/fit/given_pairs.hpp"
 #include "precompute/fit/pair_fit.hpp"
+#include "precompute/fit/potential_degrees.hpp"
 #include "precompute/solve/pair.hpp"
 
 namespace palpate {
@@ -24,11 +24,11 @@ struct FitSettings {
   bool friction = false;                   ///< the scene has friction
   double max_refused = 0.03;               ///< share of the planned pairs, [0, 0.5]
   double max_residual = 1;                 ///< relative error of a force beyond which its pair is refused
-  double lateral_threshold = 0.01;         ///< straight pushes below this share of their pair's peak are left out
-  std::optional<fit::DegreeWish> coupled;  ///< the coupled model; none: separable
-  std::vector<bool> grasps;                ///< per tool, whether it holds on; empty: none does
-  std::vector<bool> turns;                 ///< per tool that holds on, whether it is turned; empty: none is
-  /// Along which a bake pushes so deep (m); wanted where recordings meet the coupled model.
+  double bias_threshold = 0.01;            ///< of the peak force: smaller tangential biases are left out
+  double tolerance = 0.05;                 ///< requested relative force error, by which the degrees are chosen
+  std::vector<bool> grasps;                ///< per tool, whether it bonds; empty: none does
+  std::vector<bool> turns;                 ///< per tool that bonds, whether it is rotated; empty: none is
+  /// The path of a bake to a depth (m); required for recordings.
   std::function<PairPath(double depth)> path;
 };
 
@@ -49,7 +49,7 @@ struct RecordedFigures {
   std::uint32_t pair = 0;
   std::size_t rows = 0;               ///< that it is made of, outliers among them
   std::vector<std::string> outliers;  ///< "file:line" of the rows that were left out
-  double rms = 0.0, worst = 0.0;      ///< N, of the others off the curves
+  double rms = 0.0, worst = 0.0;      ///< N, of the others off the fit
   double depth = 0.0;                 ///< m, how deep they reach
   Passed passed;                      ///< rows that are not among `rows`
 };
@@ -58,23 +58,23 @@ struct FitReport {
   std::size_t planned = 0, accepted = 0;                  ///< of the pairs to be solved
   std::size_t refused = 0;                                ///< by the solver or by the fit
   std::size_t shortened = 0;                              ///< of the accepted: a sideways push ended early
-  std::size_t covered = 0;                                ///< responses taken from neighbours: refused and skipped ones
+  std::size_t filled = 0;                                 ///< responses from neighbours: refused and skipped ones
   std::size_t analytic = 0;                               ///< responses by a closed form; the measured ones: recorded
-  std::size_t support = 0, outside = 0, unreachable = 0;  ///< of those covered, why they were skipped
-  bool lateral = false, friction = false, grasp = false, turn = false;  ///< sections that the file has
+  std::size_t support = 0, outside = 0, unreachable = 0;  ///< of the filled ones, the reason why they were skipped
+  bool bias = false, friction = false, grasp = false, turn = false;  ///< parts that the file has
   ErrorFigures normal, tangential;
-  ErrorFigures paths;                     ///< along the paths that the fit did not read, by the model's own anchor rule
-  ErrorFigures grasped;                   ///< of tools that hold on
-  ErrorFigures turned;                    ///< of their torques when they are turned
-  ErrorFigures laws;                      ///< of the closed forms' curves
+  ErrorFigures paths;                     ///< along paths that the fit did not read
+  ErrorFigures grasped;                   ///< of tools that bond
+  ErrorFigures turned;                    ///< of the torques of rotated tools
+  ErrorFigures laws;                      ///< of the fits to closed forms
   std::vector<RecordedFigures> recorded;  ///< by pair
-  fit::HeldOutFigures held_out;           ///< coupled: of samples left out, by which the degrees were chosen
-  std::vector<double> reliefs;            ///< of accepted pairs (slip_relief), ascending; empty where all are 0
+  fit::HeldOutFigures held_out;           ///< of samples left out, by which the degrees were chosen
+  std::vector<double> softenings;         ///< of accepted pairs (slip_softening), ascending; empty where all are 0
   std::vector<PairFigures> pairs;         ///< by pair
 };
 
 struct FittedResponses {
-  fit::ModelScales scales;
+  fit::ResponseScales scales;
   std::vector<Response> responses;  ///< site * tool vertices + tool vertex over all tools
   FitReport report;
 };
@@ -82,8 +82,8 @@ struct FittedResponses {
 /// Median, 95th percentile (nearest rank) and worst of `errors`; all zero when there are none.
 ErrorFigures error_figures(const std::vector<std::pair<double, std::uint32_t>>& errors);
 
-/// Fits and covers. `triangles`: patches of the haptic mesh; `tool_vertices`: their number per tool; `sources`: what
-/// stands in place of the journal. Throws Error(bad_input) when a pair to be solved has no outcome (the bake is not
+/// Fits every pair and fills the rest. `triangles`: patches of the haptic mesh; `tool_vertices`: their number per tool; `sources`: recordings
+/// and closed forms in place of the journal. Throws Error(bad_input) when a pair to be solved has no outcome (the bake is not
 /// finished) and as fit_recorded, Error(numerical) when too many were refused by the solver or could not be fitted
 /// (with the causes).
 FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std::int32_t, 3>>& triangles,

@@ -6,13 +6,12 @@
 #include <map>
 #include <set>
 
-#include "palpate/relief.hpp"
 #include "precompute/solve/solved_limit.hpp"
 
 namespace palpate::fit {
 namespace {
 
-// Pushes of one path reach alike, less what the elastic slip gives.
+// Pushes of one path reach equally far, less the elastic slip.
 constexpr double kFurthest = 0.9;
 
 struct Sum {
@@ -21,8 +20,8 @@ struct Sum {
   [[nodiscard]] double mean() const { return total / count; }
 };
 
-// Straight pushes by their depth.
-std::map<double, const Sample*> straight_pushes(const std::vector<Sample>& samples) {
+// Normal samples by their depth.
+std::map<double, const Sample*> normal_pushes(const std::vector<Sample>& samples) {
   std::map<double, const Sample*> all;
   for (const Sample& s : samples) {
     if (s.kind == SampleKind::normal) all[s.deflection.z()] = &s;
@@ -45,9 +44,9 @@ double interpolate(const Points& points, double at) {
   return std::lerp(below->second, above->second, (at - below->first) / (above->first - below->first));
 }
 
-// Solved over foretold by depth, of pushes that slip as a whole or (`in_part`) of depths where none does. A slipping
-// push has the depth of the straight one that it began from, bit by bit. Tissue still piles up before a tool that has
-// just begun to slide: of a depth's pushes only what was drawn furthest counts.
+// Solved over predicted by depth, for pushes that slip as a whole or (`in_part`) for depths where none does. A slipping
+// push has the depth of its normal push, bit by bit. Only the farthest pushes of a depth count, because tissue still
+// piles up before a tool that has just begun to slide.
 Points ratios(const std::vector<Sample>& samples, double scale, bool in_part) {
   std::map<double, double> furthest;
   std::set<double> whole;  // depths at which some push did
@@ -62,20 +61,20 @@ Points ratios(const std::vector<Sample>& samples, double scale, bool in_part) {
     double& reach = furthest[s.deflection.z()];
     reach = std::max(reach, s.deflection.head<2>().norm());
   }
-  const std::map<double, const Sample*> straight = straight_pushes(samples);
+  const std::map<double, const Sample*> normal = normal_pushes(samples);
   std::map<double, Sum> solved;
   for (const Sample& s : samples) {
     if (!counts(s) || s.deflection.head<2>().norm() < kFurthest * furthest[s.deflection.z()]) continue;
-    const auto from = straight.find(s.deflection.z());
-    if (from == straight.end()) continue;
+    const auto from = normal.find(s.deflection.z());
+    if (from == normal.end()) continue;
     Sum& sum = solved[s.deflection.z()];
     sum.total += solved_limit(s, *from->second, scale);
     ++sum.count;
   }
   Points all;
   for (const auto& [depth, sum] : solved) {
-    const double foretold = straight.at(depth)->friction_limit;
-    if (foretold > 0) all.emplace_back(depth, sum.mean() / foretold);
+    const double predicted = normal.at(depth)->friction_limit;
+    if (predicted > 0) all.emplace_back(depth, sum.mean() / predicted);
   }
   return all;
 }
@@ -93,16 +92,13 @@ Points corrections(const std::vector<Sample>& samples, double scale) {
 
 }  // namespace
 
-std::vector<std::pair<double, double>> friction_limits(const std::vector<Sample>& samples, double scale,
-                                                       double relief) {
-  const Points ratio = corrections(samples, scale);
+std::vector<std::pair<double, double>> friction_limits(const std::vector<Sample>& samples, double depth_scale) {
+  const Points ratio = corrections(samples, depth_scale);
   std::vector<std::pair<double, double>> limits;
   for (const Sample& s : samples) {
     if (s.kind != SampleKind::normal) continue;
-    const double depth = s.deflection.z(), give = relief / scale;
-    // The normal force is the slope times that which the limit is a multiple of.
-    limits.emplace_back(runtime::counted_depth(give, scale, depth),
-                        s.friction_limit * interpolate(ratio, depth) * runtime::counted_slope(give, scale, depth));
+    const double depth = s.deflection.z();
+    limits.emplace_back(depth, s.friction_limit * interpolate(ratio, depth));
   }
   return limits;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The friction limit of a pair over its depth: as solved where slipping pushes were, else as foretold.
+// The friction coefficient of a pair over its depth: as solved where slipping pushes were, else as predicted.
 #pragma once
 
 #include <utility>
@@ -9,13 +9,13 @@
 
 namespace palpate::fit {
 
-/// Depth (m) and mu(depth) of every straight push, in the order of the samples, both as the runtime counts them where
-/// all of the contact slips and its responses' relief is `relief` (palpate/relief.hpp). What the slopes of a push
-/// foretell is multiplied by the ratio of solved to foretold: 1 at depth 0, where both are Coulomb's coefficient, the
-/// mean over directions at depths from which the contact was drawn furthest while it slipped, linear between them,
-/// constant beyond the deepest. A contact that was drawn as far and still held in part holds as much at least. Without
-/// such samples it is what was foretold. `scale`: Z (m).
-std::vector<std::pair<double, double>> friction_limits(const std::vector<Sample>& samples, double scale,
-                                                       double relief = 0);
+/// Depth (m) and mu(depth) of every normal sample, in the order of the samples. mu is the tangential force that friction
+/// holds at gross slip over the normal force of the slipping contact, which is F (1 - k) with the slip softening k. The
+/// value that the slopes of the normal curve predict is multiplied by the ratio of solved to predicted: 1 at depth 0,
+/// where both are Coulomb's coefficient, the mean over directions at depths with pushes that slip as a whole (only the
+/// farthest of them), linear between these depths, constant beyond the deepest. Where a contact was drawn as far and
+/// still stuck in part, mu is at least its force ratio. Without slipping samples mu is the predicted one.
+/// `depth_scale`: Z (m).
+std::vector<std::pair<double, double>> friction_limits(const std::vector<Sample>& samples, double depth_scale);
 
 }  // namespace palpate::fit

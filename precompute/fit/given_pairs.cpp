@@ -15,8 +15,8 @@
 namespace palpate {
 namespace {
 
-using fit::ModelScales;
-using fit::SiteCurves;
+using fit::ResponseScales;
+using fit::SiteResponse;
 using SampleList = std::vector<Sample>;
 
 constexpr std::size_t kDrawn = 12;  // by which degrees are chosen: recorded pairs, and others beside them
@@ -37,15 +37,17 @@ auto telling_passed(const GivenPair& given, const Action& action) {
   }
 }
 
-fit::RecordedFit fit_rows(const Plan& plan, std::uint32_t pair, const GivenPair& given, const ModelScales& scales) {
+fit::RecordedFit fit_rows(const Plan& plan, std::uint32_t pair, const GivenPair& given, const ResponseScales& scales) {
   return telling_passed(given, [&] {
     return fit::fit_recorded(given.samples, plan.pairs[pair].depth, scales, name_of(plan, pair, given));
   });
 }
 
-/// What a bake would sample of the separable curves that follow a recording, as deep and as far aside as it went.
-SampleList smoothed(const Plan& plan, std::uint32_t pair, const GivenPair& given, const ModelScales& scales,
+/// Samples of a bake's path from a fit of many coefficients, as deep and as far aside as the recording went.
+SampleList smoothed(const Plan& plan, std::uint32_t pair, const GivenPair& given, ResponseScales scales, bool bias,
                     const FitSettings& settings) {
+  scales.degrees = {5, bias ? 4 : 0, 3, 3, true};
+  if (!scales.friction()) scales.degrees = {response::kMaxDegree, bias ? 4 : 0, 0, 0, false};
   const fit::RecordedFit fitted = fit_rows(plan, pair, given, scales);
   double aside = 0;
   for (const Sample& s : given.samples) {
@@ -53,8 +55,8 @@ SampleList smoothed(const Plan& plan, std::uint32_t pair, const GivenPair& given
   }
   PairPath path = settings.path(fitted.depth);
   path.tangential_reach = std::min(path.tangential_reach, aside / fitted.depth);
-  return fit::sample_along(
-      path, [&](const Eigen::Vector3d& deflection) { return fit::evaluate(fitted.curves, scales, deflection); });
+  const fit::Potential potential(fitted.response.coefs, scales);
+  return fit::sample_along(path, [&](const Eigen::Vector3d& deflection) { return potential.force(deflection); });
 }
 
 /// At most kDrawn of a list, evenly.
@@ -89,7 +91,7 @@ const SampleList* samples_of(std::uint32_t pair, const JournalContent& journal, 
   return solved.outcome->accepted ? &solved.samples : nullptr;
 }
 
-bool has_steady_lateral_force(const std::vector<Sample>& samples, double threshold) {
+bool has_steady_bias(const std::vector<Sample>& samples, double threshold) {
   std::vector<double> depths;
   for (const Sample& s : samples) {
     if (s.kind == SampleKind::normal) depths.push_back(s.deflection.z());
@@ -120,28 +122,28 @@ void check_given(const Plan& plan, const PairSources& sources, bool friction) {
 }
 
 fit::DegreeChoice choose_degrees(const Plan& plan, const PairSources& sources,
-                                 const std::vector<const SampleList*>& exact, const ModelScales& scales, bool lateral,
+                                 const std::vector<const SampleList*>& exact, const ResponseScales& scales, bool bias,
                                  const FitSettings& settings) {
   std::vector<std::uint32_t> recorded;
   for (const auto& [pair, given] : sources.given) {
     if (given.measured) recorded.push_back(pair);
   }
-  if (recorded.empty()) return fit::choose_degrees(exact, scales, lateral, *settings.coupled);
+  if (recorded.empty()) return fit::choose_degrees(exact, scales, bias, settings.tolerance);
   std::vector<SampleList> smooth;
   for (const std::uint32_t pair : drawn(recorded)) {
-    smooth.push_back(smoothed(plan, pair, sources.given.at(pair), scales, settings));
+    smooth.push_back(smoothed(plan, pair, sources.given.at(pair), scales, bias, settings));
   }
   std::vector<const SampleList*> pairs = drawn(exact);
   for (const SampleList& samples : smooth) pairs.push_back(&samples);
-  return fit::choose_degrees(pairs, scales, lateral, *settings.coupled);
+  return fit::choose_degrees(pairs, scales, bias, settings.tolerance);
 }
 
-SiteCurves fit_given(const Plan& plan, std::uint32_t pair, const GivenPair& given, const ModelScales& scales,
+SiteResponse fit_given(const Plan& plan, std::uint32_t pair, const GivenPair& given, const ResponseScales& scales,
                      FitReport& report, std::vector<std::pair<double, std::uint32_t>>& laws) {
   const PairPlan& planned = plan.pairs[pair];
   if (!given.measured) {
-    SiteCurves site{fit::fit_pair(given.samples, scales, name_of(plan, pair, given)), planned.depth, {}, {}};
-    const fit::FitErrors errors = fit::fit_errors(site.curves, scales, given.samples);
+    SiteResponse site{fit::fit_pair(given.samples, scales, name_of(plan, pair, given)), planned.depth, {}, {}};
+    const fit::FitErrors errors = fit::fit_errors(site.response, scales, given.samples);
     for (const auto* list : {&errors.normal, &errors.tangential}) {
       for (const double e : *list) laws.emplace_back(e, pair);
     }
@@ -152,7 +154,7 @@ SiteCurves fit_given(const Plan& plan, std::uint32_t pair, const GivenPair& give
   RecordedFigures& figures = report.recorded.emplace_back();
   figures = {pair, given.rows.size(), {}, fitted.rms, fitted.worst, fitted.depth, given.passed};
   for (const std::size_t k : fitted.outliers) figures.outliers.push_back(given.rows[k]);
-  return {std::move(fitted.curves), fitted.depth, {}, {}};
+  return {std::move(fitted.response), fitted.depth, {}, {}};
 }
 
 }  // namespace palpate

@@ -10,8 +10,8 @@
 
 #include "formats/hash.hpp"
 #include "formats/samples.hpp"
-#include "precompute/fit/coupled_degrees.hpp"
-#include "precompute/fit/cover.hpp"
+#include "precompute/fit/fill.hpp"
+#include "precompute/fit/potential_degrees.hpp"
 
 namespace palpate {
 
@@ -57,26 +57,27 @@ struct GivenCounts {
 };
 GivenCounts count_given(const PairSources& sources);
 
-/// The samples that a pair's response is fitted to; null where it is covered. Every pair to be solved has an outcome.
+/// The samples that a pair's response is fitted to; null where it is filled from neighbours. Every pair to be solved has an outcome.
 const std::vector<Sample>* samples_of(std::uint32_t pair, const JournalContent& journal, const PairSources& sources);
 
-/// Of a recording: whether its straight pushes push sideways by `threshold` of their force, by medians over the deeper
-/// half of them.
-bool has_steady_lateral_force(const std::vector<Sample>& samples, double threshold);
+/// True when the normal samples of a recording have a tangential force of `threshold` of their force, by medians over
+/// the deeper half of them.
+bool has_steady_bias(const std::vector<Sample>& samples, double threshold);
 
 /// Throws as fit::check_recorded for the first recorded pair that is not enough for a response.
 void check_given(const Plan& plan, const PairSources& sources, bool friction);
 
-/// fit::choose_degrees over pairs without noise (`exact`: solved, by closed forms) and over recorded ones, which are
-/// sampled from separable curves first: rows left out would tell of their noise. A dozen of each at most, so that few
-/// recordings are not outvoted. `scales` are those of the separable model. Throws as fit_given.
+/// fit::choose_degrees over pairs without noise (`exact`: solved, by closed forms) and over recorded ones. The latter are
+/// fitted with many coefficients and sampled from that fit, because rows left out would measure their noise. At most a
+/// dozen of each are used, so that many solved pairs do not outvote few recordings. Throws as fit_given.
 fit::DegreeChoice choose_degrees(const Plan& plan, const PairSources& sources,
-                                 const std::vector<const std::vector<Sample>*>& exact, const fit::ModelScales& scales,
-                                 bool lateral, const FitSettings& settings);
+                                 const std::vector<const std::vector<Sample>*>& exact,
+                                 const fit::ResponseScales& scales, bool bias, const FitSettings& settings);
 
 /// Fits a given pair and adds its figures to `report`, the errors of a closed form to `laws`. Throws as
-/// fit::fit_recorded, then with what was passed over, and as fit::fit_pair.
-fit::SiteCurves fit_given(const Plan& plan, std::uint32_t pair, const GivenPair& given, const fit::ModelScales& scales,
-                          FitReport& report, std::vector<std::pair<double, std::uint32_t>>& laws);
+/// fit::fit_recorded, with the rows that were passed over, and as fit::fit_pair.
+fit::SiteResponse fit_given(const Plan& plan, std::uint32_t pair, const GivenPair& given,
+                            const fit::ResponseScales& scales, FitReport& report,
+                            std::vector<std::pair<double, std::uint32_t>>& laws);
 
 }  // namespace palpate

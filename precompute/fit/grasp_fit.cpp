@@ -7,7 +7,7 @@
 #include <iterator>
 
 #include "formats/error.hpp"
-#include "palpate/grasp_law.hpp"
+#include "palpate/response/bonded_law.hpp"
 #include "precompute/algebra/spectrum.hpp"
 #include "precompute/fit/least_squares.hpp"
 #include "precompute/fit/spline_rows.hpp"
@@ -24,8 +24,8 @@ constexpr double kAside = 0.01;  // of Z: straight pulls are sideways by less
 constexpr double kLeast = 1e-3;  // smaller over larger stiffness
 constexpr double kLowest = -10;  // peaks: least coefficient of Fn
 
-grasp::Law make_law(const GraspCurves& grasp, double scale) {
-  grasp::Law law;
+runtime::BondedLaw make_law(const GraspCurves& grasp, double scale) {
+  runtime::BondedLaw law;
   law.clear(kGraspCoefs, scale);
   law.add(grasp.curves.data(), 1);
   return law;
@@ -100,7 +100,7 @@ void fit_normal(const std::vector<const Sample*>& samples, double scale, double 
   MatrixXd coefs = MatrixXd::Zero(kGraspCoefs, kGraspCoefs);
   for (int i = 0; i < kGraspCoefs; ++i) coefs.row(i).head(i + 1).setOnes();
   grasp.curves.segment(2 * kGraspCoefs, kGraspCoefs).setZero();
-  const grasp::Law sideways = make_law(grasp, scale);
+  const runtime::BondedLaw sideways = make_law(grasp, scale);
   const MatrixXd bends = kPrior * smooth_rows(kGraspCoefs);
   const auto count = static_cast<Eigen::Index>(samples.size());
   MatrixXd rows(count + bends.rows(), kGraspCoefs);
@@ -108,7 +108,7 @@ void fit_normal(const std::vector<const Sample*>& samples, double scale, double 
   for (Eigen::Index i = 0; i < count; ++i) {
     const Sample& s = *samples[static_cast<std::size_t>(i)];
     const double weight = peak / std::max(s.force.norm(), kFloor * peak);
-    const double coupling = sideways.force({s.deflection.x(), s.deflection.y(), s.deflection.z()}).n;
+    const double coupling = sideways.force({s.deflection.x(), s.deflection.y(), s.deflection.z()}).z;
     rows.row(i) = weight * value_row(kGraspCoefs, grasp_abscissa(s.deflection.z(), scale));
     target[i] = weight * ((s.force.z() - coupling) / peak - kLowest);
   }
@@ -138,7 +138,7 @@ GraspCurves fit_grasp(const std::vector<Sample>& samples, double depth_scale, co
   if (!(peak > 0)) throw Error(ExitCode::numerical, what + ": a grasp without any force");
   grasp.depth = taken.front()->deflection.z();
   grasp.pulled = std::min(grasp.pulled, depth_scale);
-  grasp.curves = VectorXd::Zero(static_cast<Eigen::Index>(layout::kGraspCurves) * kGraspCoefs);
+  grasp.curves = VectorXd::Zero(static_cast<Eigen::Index>(layout::kBondedCurves) * kGraspCoefs);
   fit_sideways(taken, depth_scale, peak, what, grasp.curves);
   fit_normal(taken, depth_scale, peak, what, grasp);
   return grasp;
@@ -146,20 +146,20 @@ GraspCurves fit_grasp(const std::vector<Sample>& samples, double depth_scale, co
 
 GraspCurves blend_grasps(const std::vector<GraspShare>& shares, double depth_scale) {
   GraspCurves blend;
-  grasp::Law law;
+  runtime::BondedLaw law;
   law.clear(kGraspCoefs, depth_scale);
   for (const GraspShare& s : shares) {
     blend.depth += s.share * s.grasp->depth;
     blend.pulled += s.share * s.grasp->pulled;
-    law.add(s.grasp->curves.data(), s.share, s.turned.x(), s.turned.y());
+    law.add(s.grasp->curves.data(), s.share, {s.turned.x(), s.turned.y()});
   }
-  blend.curves = Eigen::Map<const VectorXd>(law.coefs(), static_cast<Eigen::Index>(layout::kGraspCurves) * kGraspCoefs);
+  blend.curves = Eigen::Map<const VectorXd>(law.coefs(), static_cast<Eigen::Index>(layout::kBondedCurves) * kGraspCoefs);
   return blend;
 }
 
 Eigen::Vector3d evaluate(const GraspCurves& grasp, double depth_scale, const Eigen::Vector3d& deflection) {
-  const grasp::Triple f = make_law(grasp, depth_scale).force({deflection.x(), deflection.y(), deflection.z()});
-  return {f.x, f.y, f.n};
+  const runtime::Vec3 f = make_law(grasp, depth_scale).force({deflection.x(), deflection.y(), deflection.z()});
+  return {f.x, f.y, f.z};
 }
 
 std::vector<double> grasp_errors(const GraspCurves& grasp, double depth_scale, const std::vector<Sample>& samples) {

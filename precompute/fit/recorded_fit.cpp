@@ -36,7 +36,7 @@ std::string percent(double share) {
 
 class Trimmed {
 public:
-  Trimmed(const std::vector<Sample>& samples, const ModelScales& scales, const std::string& what)
+  Trimmed(const std::vector<Sample>& samples, const ResponseScales& scales, const std::string& what)
       : samples_(samples), scales_(scales), what_(what), kept_(samples.size(), true), spread_(samples.size(), 0.0) {
     for (const SampleKind kind : {SampleKind::normal, SampleKind::tangential}) {
       std::vector<std::size_t> list;
@@ -57,7 +57,7 @@ public:
     fit();
     for (int round = 0; round < kRounds && drop_outliers(); ++round) fit();
     RecordedFit result;
-    result.curves = curves_;
+    result.response = response_;
     double squares = 0, count = 0;
     for (std::size_t k = 0; k < samples_.size(); ++k) {
       if (!kept_[k]) {
@@ -94,16 +94,17 @@ private:
       const double size = std::max(sample.force.norm(), kRecordedFloor * peak_);
       if (weigh_) sample.weight *= size / std::hypot(size, spread_[k] / kSolvedError);
     }
-    curves_ = fit_pair(kept, scales_, what_);
+    response_ = fit_pair(kept, scales_, what_);
+    const Potential potential(response_.coefs, scales_);
     distance_.resize(samples_.size());
     for (std::size_t k = 0; k < samples_.size(); ++k) {
-      distance_[k] = (evaluate(curves_, scales_, samples_[k].deflection) - samples_[k].force).norm();
+      distance_[k] = (potential.force(samples_[k].deflection) - samples_[k].force).norm();
     }
-    for (const auto& list : by_depth_) spread_along(list);
+    for (const auto& list : by_depth_) spread_along(list, potential);
   }
 
   /// The median distance of the quarter of the samples nearest in depth: most of them are none of the outliers.
-  void spread_along(const std::vector<std::size_t>& list) {
+  void spread_along(const std::vector<std::size_t>& list, const Potential& potential) {
     const std::size_t n = list.size(), window = std::min(n, std::max(kNeighbours, n / 4));
     std::vector<double> near(window);
     double median = 0;
@@ -118,7 +119,7 @@ private:
         median = near[window / 2];
         last = begin;
       }
-      const double force = evaluate(curves_, scales_, samples_[list[i]].deflection).norm();
+      const double force = potential.force(samples_[list[i]].deflection).norm();
       spread_[list[i]] = std::max(median, kNear * std::max(force, kRecordedFloor * peak_));
     }
   }
@@ -149,14 +150,14 @@ private:
   }
 
   const std::vector<Sample>& samples_;
-  const ModelScales& scales_;
+  const ResponseScales& scales_;
   const std::string& what_;
   std::vector<std::vector<std::size_t>> by_depth_;  // straight pushes, sideways ones
   Marks kept_;
   std::vector<double> spread_, distance_;  // N
   bool weigh_ = false;
   double peak_ = 0.0;  // N, of what was fitted last
-  PairCurves curves_;
+  PairResponse response_;
 };
 
 /// Throws unless the straight pushes are enough for a curve.
@@ -227,7 +228,7 @@ void check_recorded(const std::vector<Sample>& samples, double depth, bool frict
   check_rows(samples, Marks(samples.size(), true), depth, friction, what);
 }
 
-RecordedFit fit_recorded(const std::vector<Sample>& recorded, double depth, const ModelScales& scales,
+RecordedFit fit_recorded(const std::vector<Sample>& recorded, double depth, const ResponseScales& scales,
                          const std::string& what) {
   check_recorded(recorded, depth, scales.friction(), what);
   const std::vector<Sample> samples = with_mean_weight_of_one(recorded);
@@ -240,7 +241,7 @@ RecordedFit fit_recorded(const std::vector<Sample>& recorded, double depth, cons
   }
   const double outliers = static_cast<double>(result.outliers.size()) / static_cast<double>(samples.size());
   if (outliers > kMostOutliers) {
-    throw Error(ExitCode::bad_input, what + ": " + percent(outliers) + " of its rows lie off the curves of the others");
+    throw Error(ExitCode::bad_input, what + ": " + percent(outliers) + " of its rows lie off the fit of the others");
   }
   Marks kept(samples.size(), true);
   for (const std::size_t k : result.outliers) kept[k] = false;
@@ -248,7 +249,7 @@ RecordedFit fit_recorded(const std::vector<Sample>& recorded, double depth, cons
   const double peak = trimmed.peak();
   if (!(result.rms <= kMostResidual * peak)) {
     throw Error(ExitCode::bad_input, what + ": its rows lie " + percent(result.rms / peak) +
-                                         " of the largest force off any curve, allowed " + percent(kMostResidual) +
+                                         " of the largest force off any fit, allowed " + percent(kMostResidual) +
                                          " (forces on the tool, in the body's frame?)");
   }
   return result;

@@ -10,14 +10,14 @@
 namespace palpate::fit {
 
 struct RecordedFit {
-  PairCurves curves;
+  PairResponse response;
   std::vector<std::size_t> outliers;  ///< samples that were left out, ascending
-  double rms = 0.0, worst = 0.0;      ///< N, distance of the others from the curves
-  double depth = 0.0;                 ///< m, deepest straight push among the others
+  double rms = 0.0, worst = 0.0;      ///< N, distance of the others from the fit
+  double depth = 0.0;                 ///< m, deepest normal sample among the others
 };
 
-/// Throws Error(bad_input) "what: cause" unless the samples are enough for a response, not too many, and reach half of
-/// `depth` (m); in a scene with friction, pushed aside to four sides.
+/// Throws Error(bad_input) "what: cause" unless the samples suffice for a response, are not too many, reach half of
+/// `depth` (m), and in a scene with friction go aside to four sides.
 void check_recorded(const std::vector<Sample>& samples, double depth, bool friction, const std::string& what);
 
 /// Least trimmed squares with concentration steps (Rousseeuw and Van Driessen 2006), then a last fit without the
@@ -25,7 +25,7 @@ void check_recorded(const std::vector<Sample>& samples, double depth, bool frict
 /// hundredth of a sample's force, that sample counts the less for it. Weights (> 0) count beside each other only.
 /// Throws as check_recorded, of all samples and of those that are no outliers, and Error(bad_input) "what: cause" where
 /// the samples are not good for a response or no curve can be fitted to them.
-RecordedFit fit_recorded(const std::vector<Sample>& recorded, double depth, const ModelScales& scales,
+RecordedFit fit_recorded(const std::vector<Sample>& recorded, double depth, const ResponseScales& scales,
                          const std::string& what);
 
 }  // namespace palpate::fit

@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 #include <algorithm>
 
-#include "palpate/response_layout.hpp"
-#include "palpate/spline.hpp"
+#include "palpate/format/response_layout.hpp"
+#include "palpate/format/spline.hpp"
 
 namespace palpate::fit {
 
@@ -72,7 +72,7 @@ inline Eigen::MatrixXd level_ends(int count) {
 
 /// Of a bonded contact's depth (m, of either sign) in its curves.
 inline double grasp_abscissa(double depth, double scale) {
-  return std::clamp(0.5 * (depth / (layout::kGraspRange * scale) + 1), 0.0, 1.0);
+  return std::clamp(0.5 * (depth / (layout::kBondedRange * scale) + 1), 0.0, 1.0);
 }
 
 }  // namespace palpate::fit

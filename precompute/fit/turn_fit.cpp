@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "formats/error.hpp"
-#include "palpate/turn_law.hpp"
+#include "palpate/response/bonded_law.hpp"
 #include "precompute/algebra/spectrum.hpp"
 #include "precompute/fit/least_squares.hpp"
 #include "precompute/fit/spline_rows.hpp"
@@ -23,7 +23,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 using Coupling = Eigen::Matrix<double, 2, 3>;
 
-constexpr int kCurves = static_cast<int>(layout::kTurnCurves);
+constexpr int kCurves = static_cast<int>(layout::kTorqueCurves);
 constexpr int kFree = 3;             // curves of T, which bend freely; the others are level at their ends
 constexpr double kTurnFloor = 0.02;  // of the peak torque or force, below which errors count absolutely
 constexpr double kTurnPrior = 1e-2;  // weight of smoothness against relative errors
@@ -33,7 +33,7 @@ constexpr double kMostCoupling =
 /// Curve of K's entries.
 constexpr std::array<std::array<int, 3>, 3> kStiffness{{{3, 4, 6}, {4, 5, 7}, {6, 7, 8}}};
 
-grasp::Triple triple(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+runtime::Vec3 triple(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 std::vector<const Sample*> grasped(const std::vector<Sample>& samples) {
   std::vector<const Sample*> result;
@@ -91,7 +91,7 @@ public:
   void force(const Sample& s, double weight, const Vector3d& value) {
     const double u = grasp_abscissa(s.deflection.z(), scale_);
     const RowVectorXd at = weight * value_row(kGraspCoefs, u);
-    const RowVectorXd slope = weight * 0.5 / layout::kGraspRange * slope_row(kGraspCoefs, u);
+    const RowVectorXd slope = weight * 0.5 / layout::kBondedRange * slope_row(kGraspCoefs, u);
     const Vector3d turn = s.rotation / angle_;
     for (int j = 0; j < 2; ++j) {
       for (int i = 0; i < 3; ++i) put(9 + 3 * j + i, -s.rotation[i] * at);
@@ -202,7 +202,7 @@ TurnCurves fit_turns(const std::vector<Sample>& samples, const GraspCurves& gras
   if (!about_three_axes(taken, peak.angle)) {
     throw Error(ExitCode::numerical, what + ": a grasp that is not turned about three axes has no torque to fit");
   }
-  if (peak.angle > layout::kLargestTurn) {
+  if (peak.angle > layout::kMaxRotation) {
     throw Error(ExitCode::numerical, what + ": turned by " + std::to_string(peak.angle) + " rad; at most 1 is stored");
   }
   const auto most = static_cast<Eigen::Index>(6 * taken.size()) + 2 * kCurves * kGraspCoefs;
@@ -226,11 +226,11 @@ TurnCurves fit_turns(const std::vector<Sample>& samples, const GraspCurves& gras
 
 TurnCurves blend_turns(const std::vector<TurnShare>& shares, double depth_scale) {
   TurnCurves blend;
-  grasp::TurnLaw law;
+  runtime::BondedTorqueLaw law;
   law.clear(kGraspCoefs, depth_scale);
   for (const TurnShare& s : shares) {
     blend.turned += s.share * s.turn->turned;
-    law.add(s.turn->curves.data(), s.share, s.turned.x(), s.turned.y());
+    law.add(s.turn->curves.data(), s.share, {s.turned.x(), s.turned.y()});
   }
   blend.curves = Eigen::Map<const VectorXd>(law.coefs(), kCurves * kGraspCoefs);
   return blend;
@@ -238,14 +238,14 @@ TurnCurves blend_turns(const std::vector<TurnShare>& shares, double depth_scale)
 
 Vector3d evaluate_torque(const GraspCurves& grasp, const TurnCurves& turn, double depth_scale,
                          const Vector3d& deflection, const Vector3d& rotation) {
-  grasp::Law moved;
-  grasp::TurnLaw turned;
+  runtime::BondedLaw moved;
+  runtime::BondedTorqueLaw turned;
   moved.clear(kGraspCoefs, depth_scale);
   turned.clear(kGraspCoefs, depth_scale);
   moved.add(grasp.curves.data(), 1);
   turned.add(turn.curves.data(), 1);
-  const grasp::Triple t = turned.answer(moved, triple(deflection), triple(rotation)).torque;
-  return {t.x, t.y, t.n};
+  const runtime::Vec3 t = turned.wrench(moved, triple(deflection), triple(rotation)).torque;
+  return {t.x, t.y, t.z};
 }
 
 std::vector<double> turn_errors(const GraspCurves& grasp, const TurnCurves& turn, double depth_scale,

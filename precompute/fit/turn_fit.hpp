@@ -6,14 +6,14 @@
 
 namespace palpate::fit {
 
-/// What turns of a bonded contact add to its GraspCurves; see palpate/turn_law.hpp.
+/// What turns of a bonded contact add to its GraspCurves; see palpate/response/bonded_law.hpp.
 struct TurnCurves {
-  Eigen::VectorXd curves;  ///< T, K (N m), C (N): layout::kTurnCurves of kGraspCoefs each, contact frame
+  Eigen::VectorXd curves;  ///< T, K (N m), C (N): layout::kTorqueCurves of kGraspCoefs each, contact frame
   double turned = 0.0;     ///< rad, largest angle of the samples
 };
 
 /// Fits the grasped samples, torques of moved tools and forces of turned ones together, around what fit_grasp found in
-/// them. With the stiffness of moves the curves meet grasp::broken_turn. Throws Error(numerical) naming `what` where
+/// them. With the stiffness of moves the curves meet bonded::broken_torque. Throws Error(numerical) naming `what` where
 /// samples are not finite, have no torque, or have no turns about three axes.
 TurnCurves fit_turns(const std::vector<Sample>& samples, const GraspCurves& grasp, double depth_scale,
                      const std::string& what);

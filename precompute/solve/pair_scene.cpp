@@ -8,23 +8,15 @@
 #include <cmath>
 
 namespace palpate {
-namespace {
-
-constexpr int kCoupledDepths = 4, kCoupledDirections = 8;
-
-}  // namespace
-
 PairPath bake_path(const Scene& scene, double depth) {
   PairPath path;
   const int n = scene.sampling.normal_points;
   for (int k = 1; k <= n; ++k) path.normal_depths.push_back(depth * k * k / (static_cast<double>(n) * n));
   path.friction = scene.friction;
   if (scene.friction > 0) {
-    // The coupled model has products of depth and direction to tell apart.
-    const bool coupled = scene.response.model == ResponseScene::Model::coupled;
-    const int m = std::max(scene.sampling.tangential_depths, coupled ? kCoupledDepths : 0);
+    const int m = scene.sampling.tangential_depths;
     for (int k = 1; k <= m; ++k) path.tangential_depths.push_back(path.normal_depths[(n * k + m - 1) / m - 1]);
-    path.tangential_directions = std::max(scene.sampling.tangential_directions, coupled ? kCoupledDirections : 0);
+    path.tangential_directions = scene.sampling.tangential_directions;
     path.tangential_points = scene.sampling.tangential_points;
     // Gross slip of a Hertz contact begins at mu (2 - nu) / (3 (1 - nu)) of the depth (Mindlin 1949); beyond
     // the whole depth a sticking contact without cohesion peels.

@@ -3,6 +3,8 @@
 #include "precompute/verify/held_out.hpp"
 
 #include "formats/error.hpp"
+#include "palpate/contact/bonded_contact.hpp"
+#include "palpate/response/interpolation.hpp"
 #include "precompute/solve/pair.hpp"
 #include "precompute/solve/solved_limit.hpp"
 #include "precompute/verify/parallel.hpp"
@@ -76,9 +78,9 @@ std::vector<double> running_tool_sizes(const Tool& tool) {
 ContactFrame frame_at(const runtime::View& view, const runtime::BodyPoint& at, const Vector3d& origin) {
   ContactFrame frame;
   frame.origin = origin;
-  frame.n = to_eigen(runtime::normal(view, at));
+  frame.n = to_eigen(runtime::smooth_normal(view, at));
   double weights[3];
-  runtime::patch_weights(view, at, weights);
+  runtime::site_weights(view, at, weights);
   const auto& sites = view.triangles[at.triangle].site;
   Vector3d tangent = Vector3d::Zero();
   for (int k = 0; k < 3; ++k) {
@@ -110,16 +112,12 @@ PairPath held_out_path(const Scene& scene, const ToolScene& tool, double depth, 
   for (int k = 1; k < n; ++k) path.normal_depths[k - 1] = depth * std::pow((k - 0.4) / (n - 0.4), 2);
   path.normal_depths[n - 1] = depth;
   if (path.friction > 0) {
-    path.tangential_depths = {path.normal_depths[2 * n / 3]};
-    path.tangential_directions = 2;
+    path.tangential_depths = {path.normal_depths[n / 3], path.normal_depths[2 * n / 3], depth};
+    path.tangential_directions = 3;
     path.tangential_start = start;
     path.tangential_points = 2;
     path.slip_directions = 2;
-    if (scene.response.model == ResponseScene::Model::coupled) {
-      path.tangential_depths = {path.normal_depths[n / 3], path.normal_depths[2 * n / 3], depth};
-      path.tangential_directions = 3;
-      path.side_paths = test_paths(path, start);
-    }
+    path.side_paths = test_paths(path, start);
   }
   add_grasp(path, scene, tool, depth);
   if (path.grasp_depth > 0) {
@@ -176,13 +174,14 @@ void solve(const Scene& scene, const Body& body, const Tool& tool, HeldOut& cont
   }
 }
 
-// A path by the runtime's state rule: the effective deflection follows the tool from force to force.
+// A path of a contact that sticks: the tangential deflection follows the tool from force to force, and a deepening keeps
+// the tangential force, because new area is unstressed.
 class Replay {
 public:
-  explicit Replay(const runtime::Field& field) : field_(field) {}
+  explicit Replay(const runtime::BlendedResponse<>& response) : response_(response) {}
   runtime::Vec3 go(const ForcePair& to) {
     constexpr int kSteps = 32;
-    const runtime::Vec3& n = field_.normal();
+    const runtime::Vec3& n = response_.normal();
     if (to.from) {
       tool_ = to_runtime(*to.from);
       held_ = {};
@@ -191,21 +190,25 @@ public:
     for (int k = 0; k < kSteps; ++k) {
       const double before = -dot(tool_, n);
       tool_ = tool_ + step;
-      held_ = held_ + tangential(step, n);
-      if (-dot(tool_, n) > before) held_ = field_.deepened(before, -dot(tool_, n), held_);
+      held_ = held_ + response_.in_plane(step);
+      const double depth = -dot(tool_, n);
+      if (!(depth > before)) continue;
+      const runtime::ResponseLaw& law = response_.law();
+      held_ = before > 0 ? solve(law.at(depth).stiffness, law.at(before).stiffness * held_) : runtime::Vec2{};
     }
-    return field_.force(held_ + dot(tool_, n) * n).force;
+    return response_.force(response_.in_space(held_) + dot(tool_, n) * n);
   }
 
 private:
-  const runtime::Field& field_;
-  runtime::Vec3 tool_, held_;
+  const runtime::BlendedResponse<>& response_;
+  runtime::Vec3 tool_;
+  runtime::Vec2 held_;
 };
 
 // Puts a contact on the surface nearest to a point; false where nothing can touch there.
 bool place(const runtime::View& view, const Scene& scene, const Body& body, const Tool& tool,
            const HeldOutOptions& options, const runtime::Vec3& point, HeldOut& contact) {
-  const runtime::Location at = runtime::locate(view, point);
+  const runtime::Location at = runtime::closest_point(view, point);
   contact.frame = frame_at(view, at.at, body.query->closest(to_eigen(at.point)).point);
   contact.thickness = body.query->thickness(contact.frame.origin, contact.frame.n);
   contact.depth = std::min(scene.sampling.depth, scene.sampling.depth_fraction * contact.thickness);
@@ -346,32 +349,34 @@ void compare_with_file(const runtime::View& view, std::vector<HeldOut>& contacts
       tool_point.patch = tool.first_patch + contact.tool_patch;
       for (int k = 0; k < 3; ++k) tool_point.weights[k] = contact.tool_weights[k];
     }
-    const runtime::Location at = runtime::locate(view, to_runtime(contact.frame.origin));
+    const runtime::Location at = runtime::closest_point(view, to_runtime(contact.frame.origin));
     const runtime::Pose pose = contact.orientation ? pose_of(*contact.orientation) : runtime::Pose{};
-    const runtime::Spin spin{contact.orientation ? &pose : nullptr, 0};
-    const runtime::Field field(view, contact.tool, at.at, tool_point, spin);
-    contact.covered = field.covered();
-    const runtime::TurnField grasp(view, contact.tool, at.at, tool_point, spin);
+    const runtime::Pose* const orientation = contact.orientation ? &pose : nullptr;
+    runtime::BlendedResponse<> response;
+    response.blend(view, contact.tool, at.at, tool_point, {1, 0, 0}, orientation);
+    contact.filled = response.filled_share();
+    const runtime::BondedResponse<true> bonded(view, contact.tool, at.at, tool_point, orientation);
     double peak = 0, peak_torque = 0;
     for (const ForcePair& f : contact.forces) {
       peak = std::max(peak, f.solved.norm());
       if (f.turn) peak_torque = std::max(peak_torque, f.turn->solved.norm());
     }
-    Replay replay(field);
+    Replay replay(response);
     for (ForcePair& f : contact.forces) {
       const runtime::Vec3 deflection = to_runtime(f.deflection);
-      if (f.kind == SampleKind::grasped && !(grasp.depth() > 0)) {
+      if (f.kind == SampleKind::grasped && !(bonded.depth() > 0)) {
         throw Error(ExitCode::bad_input, "a recorded contact is grasped; the file has no grasp for that tool");
       }
-      if (f.turn && !(grasp.turned() > 0)) {
+      if (f.turn && !(bonded.rotated() > 0)) {
         throw Error(ExitCode::bad_input, "a recorded contact is turned; the file has no turns for that tool");
       }
       const Vector3d rotation = f.turn ? f.turn->rotation : Vector3d::Zero();
-      const runtime::GraspAnswer held =
-          f.kind == SampleKind::grasped ? grasp.answer(deflection, to_runtime(rotation)) : runtime::GraspAnswer{};
+      const runtime::BondedForce held = f.kind == SampleKind::grasped
+                                             ? bonded.at(deflection, to_runtime(rotation))
+                                             : runtime::BondedForce{};
       f.baked = to_eigen(f.kind == SampleKind::path      ? replay.go(f)
-                         : f.kind == SampleKind::grasped ? held.force.force
-                                                         : field.force(deflection).force);
+                         : f.kind == SampleKind::grasped ? held.force
+                                                         : response.force(deflection));
       if (f.turn) {
         f.turn->baked = to_eigen(held.torque);
         f.turn->error = (f.turn->baked - f.turn->solved).norm() / std::max(f.turn->solved.norm(), 0.02 * peak_torque);
@@ -379,9 +384,7 @@ void compare_with_file(const runtime::View& view, std::vector<HeldOut>& contacts
       f.error = (f.baked - f.solved).norm() / std::max(f.solved.norm(), 0.02 * peak);
     }
     for (LimitPair& l : contact.limits) {
-      const double scale = view.meta->depth_scale, give = field.relief() / scale;
-      const runtime::DepthTerms terms = field.at_depth(runtime::counted_depth(give, scale, l.depth));
-      l.baked = terms.limit / (runtime::counted_slope(give, scale, l.depth) * terms.normal_force);
+      l.baked = response.law().at(l.depth).friction_coefficient;
       l.error = std::abs(l.baked - l.solved) / l.solved;
     }
   }

@@ -5,7 +5,7 @@
 
 #include "formats/samples.hpp"
 #include "formats/scene.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/format/response_view.hpp"
 #include "precompute/body.hpp"
 #include "precompute/tool/tool.hpp"
 
@@ -57,7 +57,7 @@ struct HeldOut {
   bool at_pair = false;    ///< c and p are a pair that was sampled: between samples in the spin alone
   double depth = 0.0;      ///< m, deepest push
   double thickness = 0.0;  ///< m, of the body below c
-  double covered = 0.0;    ///< share of the blend that was taken from neighbours
+  double filled = 0.0;     ///< share of the blend that was filled from neighbours
   bool accepted = false;
   std::string cause;  ///< of a refused solve
   std::vector<ForcePair> forces;
@@ -82,8 +82,8 @@ struct HeldOutSet {
 
 /// Draws the contacts (uniform over the body's area; uniform over the length or area of the tool's patches; uniform
 /// over the spins of tools that have any, with as many contacts more at sampled pairs, between their spins alone) and
-/// solves them at depths off the bake's grid, and sideways off its rays where there is friction; for the coupled model
-/// at three depths, and along test_paths; pulled and drawn aside where the tool holds on, and turned about other axes
+/// solves them at depths off the bake's grid, and with friction sideways off its rays at three depths and along
+/// test_paths; pulled and drawn aside where the tool holds on, and turned about other axes
 /// by less where it turns; until the contact slips as a whole where the scene wants its friction limit solved. An
 /// exception, also of a callback, ends every thread after the solve it is in and is rethrown.
 HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const Body& body,

@@ -116,7 +116,7 @@ nlohmann::ordered_json to_json(const std::vector<HeldOut>& contacts) {
                    {"x", list(c.frame.x)},
                    {"depth_m", c.depth},
                    {"thickness_m", c.thickness},
-                   {"covered", c.covered},
+                   {"filled", c.filled},
                    {"accepted", c.accepted},
                    {"cause", c.cause},
                    {"forces", forces}});

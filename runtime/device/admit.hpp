@@ -3,7 +3,7 @@
 #pragma once
 
 #include "device/device.hpp"
-#include "palpate/output.hpp"
+#include "palpate/output/output_chain.hpp"
 
 #include <cmath>
 

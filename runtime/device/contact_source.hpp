@@ -3,21 +3,21 @@
 #pragma once
 
 #include "device/scene_answer.hpp"
-#include "palpate/as_one.hpp"
-#include "palpate/contact.hpp"
-#include "palpate/output.hpp"
-#include "palpate/virtual_coupling.hpp"
+#include "palpate/contact/contact_set.hpp"
+#include "palpate/output/device_frame.hpp"
+#include "palpate/output/output_chain.hpp"
+#include "palpate/output/virtual_coupling.hpp"
 
 namespace palpate::device {
 
 /// Scene force through the frame and the output's steps. The view must outlive it.
 /// Tie: what the device holds the tool by, runtime::Rigid or runtime::VirtualCoupling. Contact: runtime::Contact, or
-/// runtime::ContactsAsOne for a tool that is felt at several places.
+/// runtime::ContactSet for a tool that is felt at several places.
 template <class Tie = runtime::Rigid, class Contact = runtime::Contact, class... Steps>
 class ContactSource : public ForceSource {
 public:
   ContactSource(const runtime::View& view, std::uint32_t tool, const runtime::DeviceFrame& frame, const Tie& tie = {},
-                const runtime::Output<Steps...>& output = {})
+                const runtime::OutputChain<Steps...>& output = {})
       : contact_(view, tool), frame_(frame), tie_(tie), output_(output) {}
 
   Answer answer(const Sample& sample, double seconds) noexcept override {
@@ -50,7 +50,7 @@ private:
   Contact contact_;
   runtime::DeviceFrame frame_;
   Tie tie_;
-  runtime::Output<Steps...> output_;
+  runtime::OutputChain<Steps...> output_;
   Pose device_;
   runtime::Tick tick_;
 };

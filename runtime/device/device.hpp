@@ -4,7 +4,7 @@
 
 #include "device/device_table.hpp"
 #include "device/hand_model.hpp"
-#include "palpate/math3.hpp"
+#include "palpate/math/pose.hpp"
 
 #include <algorithm>
 #include <cstdint>

@@ -2,7 +2,7 @@
 // The haptic devices that Palpate knows, with their limits as data.
 #pragma once
 
-#include "palpate/math3.hpp"
+#include "palpate/math/pose.hpp"
 
 #include <cstddef>
 #include <cstdint>

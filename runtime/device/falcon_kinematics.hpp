@@ -4,7 +4,7 @@
 // sine too many).
 #pragma once
 
-#include "palpate/math3.hpp"
+#include "palpate/math/pose.hpp"
 
 #include <array>
 #include <cstdint>

@@ -2,7 +2,7 @@
 #include "device/file_stiffness.hpp"
 
 #include "device/device.hpp"
-#include "palpate/field.hpp"
+#include "palpate/response/interpolation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@ namespace palpate::device {
 namespace {
 
 using runtime::BodyPoint;
-using runtime::Field;
+using runtime::BlendedResponse;
 using runtime::ToolPoint;
 using runtime::View;
 
@@ -25,7 +25,7 @@ std::vector<std::pair<std::uint32_t, BodyPoint>> site_points(const View& view) {
       BodyPoint at{t, {0, 0, 0}};
       at.bary[k] = 1;
       double weights[3];
-      patch_weights(view, at, weights);
+      site_weights(view, at, weights);
       for (int j = 0; j < 3; ++j) {
         const std::uint32_t site = view.triangles[t].site[j];
         if (weights[j] < 1 - 1e-9 || seen[site]) continue;
@@ -55,23 +55,23 @@ std::vector<std::pair<std::uint32_t, ToolPoint>> tool_points(const View& view, s
   return points;
 }
 
-/// Largest slope of one field, where it is larger than the best so far.
-void search(const Field& field, const View& view, FileStiffness& best, std::uint32_t tool, std::uint32_t site,
+/// Replaces the best so far by the largest slope of one response.
+void search(const BlendedResponse<>& response, const View& view, FileStiffness& best, std::uint32_t tool, std::uint32_t site,
             std::uint32_t vertex) {
   constexpr int kDepths = 24, kWays = 8;
-  const Vec3 n = field.normal(), x = runtime::any_orthogonal(n), y = cross(n, x);
+  const Vec3 &n = response.normal(), &x = response.basis_x(), &y = response.basis_y();
   const double step = 1e-5 * view.meta->depth_scale;
   for (int i = 1; i <= kDepths; ++i) {
-    const double depth = field.depth_limit() * i / kDepths;
-    const Vec3 straight = field.force(-depth * n).tangential;
+    const double depth = response.depth_limit() * i / kDepths;
+    const runtime::ResponseAtDepth at = response.law().at(depth);
+    const double limit = at.friction_coefficient * at.normal_force;  // N, of the friction springs
     for (int way = 0; way <= kWays; ++way) {
       const double angle = 2 * kPi * way / kWays;
-      const double far = way == 0 ? 0 : 0.5 * view.meta->sideways_scale;
+      const double far = way == 0 ? 0 : 0.5 * view.meta->tangential_scale;
       if (way > 0 && !(far > 0)) break;
-      const Vec3 deflection = far * (std::cos(angle) * x + std::sin(angle) * y) - depth * n;
-      const runtime::FieldForce force = field.force(deflection);
-      if (way > 0 && length(force.tangential - straight) > force.limit) continue;
-      const Slope here = slope(field, deflection, step);
+      const runtime::Vec2 aside{far * std::cos(angle), far * std::sin(angle)};
+      if (way > 0 && length(at.stiffness * aside) > limit) continue;
+      const Slope here = slope(response, aside.x * x + aside.y * y - depth * n, step);
       if (here.norm > best.slope.norm) best = {here, tool, site, vertex, depth, far};
     }
   }
@@ -115,7 +115,9 @@ FileStiffness file_stiffness(const View& view) {
     for (const auto& [site, at] : sites) {
       for (const auto& [vertex, on_tool] : vertices) {
         for (std::uint32_t spin = 0; spin < (view.spins != nullptr ? view.spins[vertex] : 1); ++spin) {
-          search(Field(view, tool, at, on_tool, {nullptr, spin}), view, best, tool, site, vertex + spin);
+          BlendedResponse<> response;
+          response.blend(view, tool, at, on_tool, {1, 0, 0}, runtime::Orientation(spin));
+          search(response, view, best, tool, site, vertex + spin);
         }
       }
     }

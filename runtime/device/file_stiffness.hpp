@@ -2,8 +2,8 @@
 // How stiff the responses of a file are: the largest slope of force over deflection that a stuck contact has.
 #pragma once
 
-#include "palpate/math3.hpp"
-#include "palpate/view.hpp"
+#include "palpate/math/pose.hpp"
+#include "palpate/format/response_view.hpp"
 
 namespace palpate::device {
 
@@ -16,8 +16,8 @@ struct Slope {
 };
 
 /// Of the force at a whole deflection (m), by central differences of `step` (m).
-template <class Field>
-Slope slope(const Field& field, const Vec3& deflection, double step);
+template <class Response>
+Slope slope(const Response& response, const Vec3& deflection, double step);
 
 /// Slope of a 3x3 matrix given by columns.
 Slope slope_of(const Vec3 (&columns)[3]);
@@ -34,12 +34,12 @@ struct FileStiffness {
 /// within its friction limit. What a blend of responses or a turn of the normal adds between them is not counted.
 FileStiffness file_stiffness(const runtime::View& view);
 
-template <class Field>
-Slope slope(const Field& field, const Vec3& deflection, double step) {
+template <class Response>
+Slope slope(const Response& response, const Vec3& deflection, double step) {
   const Vec3 axes[3] = {{step, 0, 0}, {0, step, 0}, {0, 0, step}};
   Vec3 columns[3];
   for (int k = 0; k < 3; ++k) {
-    columns[k] = (0.5 / step) * (field.force(deflection + axes[k]).force - field.force(deflection - axes[k]).force);
+    columns[k] = (0.5 / step) * (response.force(deflection + axes[k]) - response.force(deflection - axes[k]));
   }
   return slope_of(columns);
 }

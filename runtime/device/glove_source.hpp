@@ -5,8 +5,9 @@
 #include "device/force_source.hpp"
 #include "device/glove_options.hpp"
 #include "device/hand_calibration.hpp"
-#include "palpate/output.hpp"
-#include "palpate/several.hpp"
+#include "palpate/contact/tool_set.hpp"
+#include "palpate/output/device_frame.hpp"
+#include "palpate/output/output_chain.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -73,11 +74,11 @@ public:
 
   /// Of the last answer, in the scene.
   [[nodiscard]] const std::array<runtime::Tick, kFingers>& ticks() const { return ticks_; }
-  /// How far the sum of the fingertips' dents can be trusted.
-  [[nodiscard]] const runtime::Overlap& overlap() const { return tools_.overlap(); }
+  /// Error of adding the fingertips' forces where they are near each other.
+  [[nodiscard]] const runtime::SuperpositionError& superposition() const { return tools_.superposition(); }
 
 private:
-  using Cable = runtime::Output<runtime::output::OneAxis, runtime::output::Limit, runtime::output::LowPass,
+  using Cable = runtime::OutputChain<runtime::output::OneAxis, runtime::output::Limit, runtime::output::LowPass,
                                 runtime::output::RateLimit>;
   static constexpr double kBeyond = 3.2;  // rad: no joint bends so far, the sensor is broken
 
@@ -88,7 +89,7 @@ private:
 
   HandCalibration calibration_;
   runtime::DeviceFrame frame_;
-  runtime::SeveralTools<static_cast<int>(kFingers)> tools_;
+  runtime::ToolSet<static_cast<int>(kFingers)> tools_;
   std::array<Cable, kFingers> cables_;
   std::array<runtime::Tick, kFingers> ticks_;
   const char* problem_ = nullptr;

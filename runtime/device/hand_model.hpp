@@ -2,7 +2,7 @@
 // A hand as five chains of bones: from the angles of its joints to where its fingertips are.
 #pragma once
 
-#include "palpate/math3.hpp"
+#include "palpate/math/pose.hpp"
 
 #include <algorithm>
 #include <array>

@@ -9,7 +9,7 @@
 #include "device/realtime.hpp"
 #include "device/run_writer.hpp"
 #include "device/stop_flags.hpp"
-#include "palpate/latest.hpp"
+#include "palpate/threading/triple_buffer.hpp"
 
 #include <atomic>
 #include <thread>
@@ -85,7 +85,7 @@ private:
   double period_;        // s
   LoopReport counted_;   // of the loop's thread
   LoopReport reported_;  // of the one that asks
-  runtime::Latest<LoopReport> latest_;
+  runtime::TripleBuffer<LoopReport> latest_;
   std::atomic<bool> running_{false};
   std::thread thread_;
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "device/open_link_protocol.hpp"
 
-#include "palpate/output.hpp"
+#include "palpate/output/output_chain.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -20,7 +20,7 @@ bool terminated(const char* text, std::size_t size) { return std::memchr(text, 0
 const char* wrong_in(const RunHeader& h) {
   const runtime::DeviceFrame frame = device_frame(h);
   if (const char* wrong = governor_options(h).validate()) return wrong;
-  if (!frame.turn.valid()) return "the frame is no pose";
+  if (!frame.pose.valid()) return "the frame is no pose";
   if (!(frame.scale > 0 && std::isfinite(frame.scale))) return "the scale is not above 0";
   if (!(frame.force_scale >= 0 && std::isfinite(frame.force_scale))) return "the scale of the force is below 0";
   if (const auto coupling = coupling_options(h)) {

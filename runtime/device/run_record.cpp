@@ -2,7 +2,7 @@
 #include "device/run_record.hpp"
 
 #include "device/run_hand.hpp"
-#include "palpate/checksum.hpp"
+#include "palpate/format/checksum.hpp"
 
 #include <cstring>
 
@@ -40,8 +40,8 @@ void set_options(RunHeader& header, const GovernorOptions& options, const runtim
   header.silent = options.silent;
   header.missed_share = options.missed_share;
   header.stop_buttons = options.stop_buttons;
-  std::memcpy(header.rotation, frame.turn.rotation, sizeof header.rotation);
-  store(header.origin, frame.turn.translation);
+  std::memcpy(header.rotation, frame.pose.rotation, sizeof header.rotation);
+  store(header.origin, frame.pose.translation);
   header.scale = frame.scale;
   header.force_scale = frame.force_scale;
   if (!coupling) return;
@@ -67,8 +67,8 @@ GovernorOptions governor_options(const RunHeader& header) {
 
 runtime::DeviceFrame device_frame(const RunHeader& header) {
   runtime::DeviceFrame frame;
-  std::memcpy(frame.turn.rotation, header.rotation, sizeof header.rotation);
-  frame.turn.translation = load(header.origin);
+  std::memcpy(frame.pose.rotation, header.rotation, sizeof header.rotation);
+  frame.pose.translation = load(header.origin);
   frame.scale = header.scale;
   frame.force_scale = header.force_scale;
   return frame;

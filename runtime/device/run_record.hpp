@@ -3,8 +3,8 @@
 #pragma once
 
 #include "device/governor.hpp"
-#include "palpate/output.hpp"
-#include "palpate/virtual_coupling.hpp"
+#include "palpate/output/device_frame.hpp"
+#include "palpate/output/virtual_coupling.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -28,7 +28,7 @@ struct RunHeader {
          missed_share = 0;                                              ///< GovernorOptions
   double rotation[9] = {}, origin[3] = {}, scale = 0, force_scale = 0;  ///< DeviceFrame
   std::uint32_t stop_buttons = 0;
-  std::uint32_t several = 0;  ///< 1: the tool was felt at several places (runtime::FeltPlaces)
+  std::uint32_t several = 0;  ///< 1: the tool was felt at several places (runtime::ContactSet<3>)
   char device[96] = {}, tool_name[64] = {}, response[256] = {};  ///< names, zero-terminated; the path as it was given
   double coupling_stiffness = 0, coupling_damping = 0;  ///< CouplingOptions, in the hand; 0: the tool is the device
   std::uint32_t coupling_trials = 0;

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "device/force_source.hpp"
-#include "palpate/output.hpp"
-#include "palpate/tick.hpp"
+#include "palpate/output/device_frame.hpp"
+#include "palpate/contact/tick.hpp"
 
 namespace palpate::device {
 

@@ -2,7 +2,7 @@
 // A haptic device in a hand, as differential equations: what a force loop closes over when no device is plugged in.
 #pragma once
 
-#include "palpate/math3.hpp"
+#include "palpate/math/pose.hpp"
 
 #include <array>
 #include <functional>

@@ -4,9 +4,10 @@
 #pragma once
 
 #include "device/scene_answer.hpp"
-#include "palpate/contact.hpp"
-#include "palpate/latest.hpp"
-#include "palpate/output.hpp"
+#include "palpate/contact/contact.hpp"
+#include "palpate/threading/triple_buffer.hpp"
+#include "palpate/output/device_frame.hpp"
+#include "palpate/output/output_chain.hpp"
 
 #include <atomic>
 #include <chrono>
@@ -18,7 +19,7 @@ namespace palpate::device {
 struct TrackerOptions {
   double rate = 200;   ///< Hz, above 0, of searches
   double stale = 0.1;  ///< s, above 0: a search of an older pose gives no force
-  /// What searches; palpate/tool.hpp's search() unless told (another collision library, a test). May throw: the tracker
+  /// What searches; runtime::search() unless told (another collision library, a test). May throw: the tracker
   /// is dead then.
   std::function<runtime::Search(const Pose& scene)> search;
 };
@@ -81,8 +82,8 @@ private:
   double stale_, time_ = 0;
   bool fresh_ = false;  // a search has come
   Found latest_;
-  runtime::Latest<Asked> asked_;
-  runtime::Latest<Found> found_;
+  runtime::TripleBuffer<Asked> asked_;
+  runtime::TripleBuffer<Found> found_;
   std::atomic<bool> ending_{false};
   std::thread thread_;
 };

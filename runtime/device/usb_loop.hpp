@@ -3,7 +3,7 @@
 #pragma once
 
 #include "device/usb_link.hpp"
-#include "palpate/latest.hpp"
+#include "palpate/threading/triple_buffer.hpp"
 
 #include <poll.h>
 
@@ -30,8 +30,8 @@ public:
   void stop();
   [[nodiscard]] UsbCounts counts() const noexcept;
 
-  runtime::Latest<Command> commands;  ///< written by the force loop
-  runtime::Latest<Sample> samples;    ///< read by the force loop
+  runtime::TripleBuffer<Command> commands;  ///< written by the force loop
+  runtime::TripleBuffer<Sample> samples;    ///< read by the force loop
 
 private:
   static void LIBUSB_CALL input_ended(libusb_transfer* transfer);

@@ -3,7 +3,7 @@
 // capstan.
 #pragma once
 
-#include "palpate/math3.hpp"
+#include "palpate/math/pose.hpp"
 
 #include <array>
 

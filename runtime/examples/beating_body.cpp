@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <vector>
 
-#include "palpate/mapped_file.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/format/mapped_file.hpp"
+#include "palpate/palpate.hpp"
 
 int main(int argc, char** argv) {
   using namespace palpate::runtime;

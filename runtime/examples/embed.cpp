@@ -2,8 +2,8 @@
 // Pushes the first tool straight down on a site with a response of its own, to its depth limit: embed FILE.palp
 #include <cstdio>
 
-#include "palpate/mapped_file.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/format/mapped_file.hpp"
+#include "palpate/palpate.hpp"
 
 int main(int argc, char** argv) {
   using namespace palpate::runtime;
@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
   const View& view = opened.view;
   std::uint32_t site = 0;  // the first with a response of its own: the others took theirs from neighbours
   const auto head = [&] { return view.response_head(response_index(*view.meta, site, 0)); };
-  while (head().flags == palpate::layout::response_covered && site + 1 < view.meta->site_count) ++site;
+  while (head().flags == palpate::layout::response_filled && site + 1 < view.meta->site_count) ++site;
   const Vec3 up = to_vec(view.sites[site].normal), c = to_vec(view.sites[site].position);
   Pose pose = Pose::from_quaternion(1.000001 + up.z, -up.y, up.x, 0, c);  // the tool's z axis along the normal
   pose.translation = c - find_touch(view, 0, pose).clearance * up;        // the tool just touches

@@ -2,7 +2,7 @@
 // A response file in a microcontroller's flash; neither heap nor files. Compile with -D RESPONSE_FILE='"FILE.palp"'
 #include <cstdio>
 
-#include "palpate/runtime.hpp"
+#include "palpate/palpate.hpp"
 
 __asm__(
     ".pushsection .rodata\n .balign 64\n .global file_begin, file_end\n"

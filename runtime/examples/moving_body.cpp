@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "palpate/mapped_file.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/format/mapped_file.hpp"
+#include "palpate/palpate.hpp"
 
 int main(int argc, char** argv) {
   using namespace palpate::runtime;

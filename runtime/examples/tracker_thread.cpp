@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <thread>
 
-#include "palpate/mapped_file.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/format/mapped_file.hpp"
+#include "palpate/palpate.hpp"
 
 int main(int argc, char** argv) {
   using namespace palpate::runtime;
@@ -19,8 +19,8 @@ int main(int argc, char** argv) {
   const View& view = opened.view;
   const Vec3 up = to_vec(view.sites[0].normal), c = to_vec(view.sites[0].position);
   Pose pose = Pose::from_quaternion(1.000001 + up.z, -up.y, up.x, 0, c);  // the tool's z axis along the normal
-  Latest<Pose> poses;                                                     // to the tracker
-  Latest<Search> searches;                                                // and back
+  TripleBuffer<Pose> poses;                                                     // to the tracker
+  TripleBuffer<Search> searches;                                                // and back
   std::atomic<bool> stop{false};
   std::thread tracker([&] {
     for (Pose seen; !stop; std::this_thread::sleep_for(std::chrono::milliseconds(5))) {

@@ -20,7 +20,6 @@ protected:
 };
 
 const std::string kCovered = "[sources]\nrest = \"covered\"\n[contact]\nfriction = 0.3\n";
-const std::string kCoupled = "[response]\nmodel = \"coupled\"\n";
 
 /// Straight pushes, then pushes aside to `directions` evenly spaced sides, held as Mindlin's contact is.
 std::vector<Row> pushed_aside(int directions) {
@@ -63,7 +62,7 @@ TEST_F(Recordings, BadRecordingsNameLineAndCause) {
            {head + ",weight\n0,0,0.02,0,0,-0.001,0,0,0.1,0\n", "0 too far aside, 1 of weight 0"},
            {csv({0, 0, 0.02}, pushes(1, 60, 0.4 * kDepth)), "less than half of the 2 mm"},
            {csv({0, 0, 0.02}, pushes(1, 6)), "at least 8 rows"},
-           {csv({0, 0, 0.02}, pushes(-1)), "off any curve"},
+           {csv({0, 0, 0.02}, pushes(-1)), "off any fit"},
            {csv({0, 0, 0.02}, pushes(0)), "with a force"},
            {head + "\n0,0,0.02,0,0,0.001,0,0,0\n",
             "at least 8 rows of pushes straight down; there are 0; 1 rows passed over: 1 not in contact"},
@@ -79,26 +78,24 @@ TEST_F(Recordings, WithFrictionEverySideIsAskedFor) {
   EXPECT_NE(one.find("recorded pair "), std::string::npos) << one;
   EXPECT_NE(one.find("at least 4 rows pushed aside to each of four sides; there are "), std::string::npos) << one;
   EXPECT_NE(refused(p, csv({0, 0, 0.02}, pushes(1))).find("there are 0, 0, 0 and 0 to"), std::string::npos);
-  p.scene.response.model = ResponseScene::Model::coupled;
-  EXPECT_NE(refused(p, csv({0, 0, 0.02}, pushed_aside(2))).find("to each of four sides"), std::string::npos);
 }
 
-TEST_F(Recordings, AloneServeTheCoupledModel) {
-  const Pipeline p = open(kCovered + kCoupled, csv({0, 0, 0.02}, pushed_aside(8)));
+TEST_F(Recordings, AloneChooseTheDegrees) {
+  const Pipeline p = open(kCovered, csv({0, 0, 0.02}, pushed_aside(8)));
   const pipeline::FittedFile file = pipeline::fit_file(p, {}, pipeline::fit_settings(p.scene));
-  ASSERT_TRUE(file.fitted.scales.coupled);
-  EXPECT_GT(file.fitted.report.held_out.samples, 10U);
+  EXPECT_TRUE(file.fitted.scales.degrees.friction_families);
+  EXPECT_GT(file.fitted.report.held_out.samples, 5U);
   EXPECT_LT(file.fitted.report.held_out.p95, 0.05);
   EXPECT_TRUE(file.fitted.report.recorded[0].outliers.empty());
 }
 
-// Springs alone would choose the model of a spring, which no tissue follows.
+// Springs alone would choose the degrees of a spring, which no tissue follows.
 TEST_F(Recordings, HaveASayInTheDegreesBesideALaw) {
   const std::string springs = "[[analytic]]\nlaw = \"spring\"\nstiffness = 100\n[contact]\nfriction = 0.3\n";
-  const Pipeline p = open(springs + kCoupled + "order = 2\n", csv({0, 0, 0.02}, pushed_aside(8)));
+  const Pipeline p = open(springs, csv({0, 0, 0.02}, pushed_aside(8)));
   const pipeline::FittedFile file = pipeline::fit_file(p, {}, pipeline::fit_settings(p.scene));
   EXPECT_GT(file.fitted.report.analytic, 1U);
-  EXPECT_GT(coupled::count(*file.fitted.scales.coupled), coupled::count(coupled::kSpring));
+  EXPECT_GT(response::count(file.fitted.scales.degrees), response::count(response::kSpring));
   EXPECT_LT(file.fitted.report.recorded[0].rms, 0.05 * hertz(kDepth));
 }
 

@@ -11,7 +11,8 @@
 #include <vector>
 
 #include "formats/error.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/format/open.hpp"
+#include "palpate/response/interpolation.hpp"
 #include "precompute/bake/pipeline.hpp"
 #include "precompute/bake/sources.hpp"
 #include "tests/support/slab.hpp"
@@ -44,8 +45,12 @@ struct Opened {
   }
   /// Force (body frame) of the first tool at a site.
   [[nodiscard]] Vec3 force(const PlanSite& site, const Vec3& deflection) const {
-    const runtime::Location at = runtime::locate(view, vec(site.frame.origin));
-    return runtime::Field(view, 0, at.at, {}).force(deflection).force;
+    return force(site, 0, deflection);
+  }
+  [[nodiscard]] Vec3 force(const PlanSite& site, std::uint32_t tool, const Vec3& deflection) const {
+    runtime::BlendedResponse<> response;
+    response.blend(view, tool, closest_point(view, vec(site.frame.origin)).at, {}, {1, 0, 0}, nullptr);
+    return response.force(deflection);
   }
   [[nodiscard]] nlohmann::json provenance() const {
     return nlohmann::json::parse(std::string(view.provenance, view.provenance_size));

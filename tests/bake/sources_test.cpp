@@ -34,7 +34,7 @@ TEST_F(Sources, AMeasuredSceneNeedsNoJournal) {
   EXPECT_FALSE(std::filesystem::exists(p.paths.journal));
   const Opened file(read_bytes(p.paths.response));
   EXPECT_EQ(file.count(layout::response_measured), 1U);
-  EXPECT_EQ(file.count(layout::response_covered), file.view.meta->response_count - 1U);
+  EXPECT_EQ(file.count(layout::response_filled), file.view.meta->response_count - 1U);
   for (const PairPlan& pair : p.plan.pairs) {
     const PlanSite& site = p.plan.sites[pair.site];
     EXPECT_NEAR(length(file.force(site, vec(-0.001 * site.frame.n))) / (1.5 * hertz(0.001)), 1, 0.01);
@@ -93,16 +93,10 @@ TEST_F(Sources, ARecordingOfASolvedResponseGivesItBack) {
     const Vec3 down = vec(-0.0015 * there.frame.n);
     EXPECT_LT(length(after.force(there, down) - before.force(there, down)), 1e-4 * peak) << "solved sites stay";
   }
-  // Pressed where recorded, measured and solved responses are blended.
-  runtime::Contact contact(after.view, 0);
-  double force = 0;
-  for (int k = 0; k <= 200; ++k) {
-    const double height = 0.02 + kRadius + 1e-4 - 1.5e-3 * k / 200;
-    const runtime::Tick tick = contact.tick({{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0.004, 0.001, height}});
-    EXPECT_TRUE(std::isfinite(length(tick.force)));
-    force = length(tick.force);
-  }
-  EXPECT_NEAR(force / hertz(1.4e-3), 1.1, 0.25);
+  // Between recorded and solved sites their responses are blended.
+  runtime::BlendedResponse<> response;
+  response.blend(after.view, 0, closest_point(after.view, {0.004, 0.001, 0.02}).at, {}, {1, 0, 0}, nullptr);
+  EXPECT_NEAR(length(response.force(-1.4e-3 * response.normal())) / hertz(1.4e-3), 1.1, 0.25);
 }
 
 TEST_F(Sources, AllThreeOverOneBody) {
@@ -181,10 +175,9 @@ TEST_F(Sources, LawsFollowPlaceAndTool) {
   const Opened file = fitted(p);
   EXPECT_EQ(file.count(layout::response_analytic), p.plan.pairs.size());
   const PlanSite& site = p.plan.sites[p.plan.pairs[0].site];
-  const runtime::Location at = runtime::locate(file.view, vec(site.frame.origin));
   const Eigen::Vector3d down = -0.001 * site.frame.n, aside = down + 0.0002 * site.frame.x;
   const auto force = [&](std::uint32_t tool, const Eigen::Vector3d& d) {
-    const Vec3 f = runtime::Field(file.view, tool, at.at, {}).force(vec(d)).force;
+    const Vec3 f = file.force(site, tool, vec(d));
     return Eigen::Vector3d(f.x, f.y, f.z);
   };
   EXPECT_NEAR(force(0, down).norm() / (2 * hertz(0.001)), 1, 0.002);

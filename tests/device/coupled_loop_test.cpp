@@ -2,8 +2,8 @@
 // A virtual coupling in closed loops: what oscillates without it rests with the stiffest one that is called safe, and
 // the bound that says so against Colgate's condition.
 #include "device/safety.hpp"
-#include "palpate/mapped_file.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/format/mapped_file.hpp"
+#include "palpate/palpate.hpp"
 #include "tests/device/stability_cases.hpp"
 
 #include <gtest/gtest.h>
@@ -88,7 +88,7 @@ TEST(CoupledLoop, RestsBehindTheLargestCoupling) {
 
 // The same for a file, and with what is said of it: safety() counts all of its responses, so its coupling is softer.
 TEST(CoupledLoop, RestsOnAFileBehindWhatSafetySays) {
-  const runtime::MappedFile file(PALPATE_GOLDENS "/separable.palp");
+  const runtime::MappedFile file(PALPATE_GOLDENS "/quadratic.palp");
   const runtime::OpenResult opened = runtime::View::open(file.data(), file.size());
   ASSERT_TRUE(opened) << opened.error;
   const ContactLaw law = file_law("separable", opened.view);
@@ -121,7 +121,7 @@ TEST(CoupledLoop, GetsNothingFromAToolThatSlidesRoundABody) {
 }
 
 TEST(CoupledLoop, SafetyAsksForASofterSpringBesideADamper) {
-  const runtime::MappedFile file(PALPATE_GOLDENS "/separable.palp");
+  const runtime::MappedFile file(PALPATE_GOLDENS "/quadratic.palp");
   const runtime::OpenResult opened = runtime::View::open(file.data(), file.size());
   ASSERT_TRUE(opened) << opened.error;
   const device::PlantOptions& plant = device::find_sim_kind("sim")->plant;

@@ -9,7 +9,7 @@
 #include "device/device.hpp"
 #include "device/replay.hpp"
 #include "device/sim_glove.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/palpate.hpp"
 #include "tests/device/golden.hpp"
 #include "tests/device/scripted_device.hpp"
 #include "tests/device/seeded.hpp"

@@ -6,8 +6,8 @@
 
 #include <string>
 
-#include "palpate/mapped_file.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/format/mapped_file.hpp"
+#include "palpate/palpate.hpp"
 
 namespace palpate::test {
 

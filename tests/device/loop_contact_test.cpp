@@ -93,7 +93,7 @@ TEST(LoopContact, TheHandDoesTheScenesWorkByMovesAndTurns) {
 // Whatever the frame's scales, the hand feels the coupling's newtons a metre: on a body that hardly gives way.
 TEST(LoopContact, ACouplingIsOfTheHand) {
   ResponseSampleOptions options;
-  options.friction = options.lateral = false;
+  options.friction = options.bias = false;
   const Opened ball(ball_content(options));
   for (const auto& [scale, force_scale] : {std::pair{0.5, 40.0}, {1.0, 20.0}, {4.0, 4.0}}) {
     DeviceFrame frame;

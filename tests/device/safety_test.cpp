@@ -15,7 +15,7 @@ using test::Golden;
 
 // No force of the runtime's fields changes by more than the file's slope allows, anywhere between its sites.
 TEST(FileStiffness, BoundsEveryForceBetweenTheSites) {
-  for (const char* name : {"separable", "coupled_2", "frictionless", "linear"}) {
+  for (const char* name : {"quadratic", "bits_8", "frictionless", "spring"}) {
     const Golden golden(name);
     const FileStiffness stiffest = file_stiffness(golden.view);
     EXPECT_GT(stiffest.depth, 0) << name;

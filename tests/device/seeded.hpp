@@ -2,7 +2,7 @@
 // Random numbers that are the same on every machine and with every library.
 #pragma once
 
-#include "palpate/math3.hpp"
+#include "palpate/math/pose.hpp"
 
 #include <cstdint>
 #include <random>

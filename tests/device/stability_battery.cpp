@@ -5,8 +5,8 @@
 // more than its bound, or a contact behind a safe virtual coupling oscillates.
 #include "tests/device/stability_cases.hpp"
 
-#include "palpate/mapped_file.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/format/mapped_file.hpp"
+#include "palpate/palpate.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,9 +2,9 @@
 #include "tests/device/stability_cases.hpp"
 
 #include "device/file_stiffness.hpp"
-#include "palpate/output.hpp"
-#include "palpate/passivity.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/output/output_chain.hpp"
+#include "palpate/output/passivity_controller.hpp"
+#include "palpate/palpate.hpp"
 
 #include <algorithm>
 #include <cmath>

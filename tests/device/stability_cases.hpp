@@ -4,8 +4,8 @@
 
 #include "device/closed_loop.hpp"
 #include "device/sim_device.hpp"
-#include "palpate/view.hpp"
-#include "palpate/virtual_coupling.hpp"
+#include "palpate/format/response_view.hpp"
+#include "palpate/output/virtual_coupling.hpp"
 
 #include <memory>
 #include <string>

@@ -52,19 +52,17 @@ struct Ball {
 
 TEST(Assemble, FrictionlessFileHasNoFrictionAndNoSearch) {
   const ResponseFileContent content = Ball(0.0).content();
-  EXPECT_EQ(content.growth_coefs + content.sideways_coefs + content.friction_coefs, 0U);
-  EXPECT_EQ(content.lateral_coefs, 0U);
+  EXPECT_FALSE(content.degrees.friction_families);
+  EXPECT_EQ(content.degrees.bias, 0);
   EXPECT_TRUE(content.search.empty());
-  EXPECT_EQ(content.sideways_scale, 0.0);
+  EXPECT_EQ(content.tangential_scale, 0.0);
   EXPECT_FALSE(encode(content).empty()) << "the writer checks everything";
 }
 
 TEST(Assemble, FileWithFrictionPassesTheWritersChecks) {
   const ResponseFileContent content = Ball(0.4).content();
-  EXPECT_EQ(content.growth_coefs, 5U);
-  EXPECT_EQ(content.sideways_coefs, 7U);
-  EXPECT_EQ(content.friction_coefs, 5U);
-  EXPECT_NEAR(content.sideways_scale, 0.4 * 0.005, 1e-12);
+  EXPECT_TRUE(content.degrees.friction_families);
+  EXPECT_NEAR(content.tangential_scale, 0.4 * 0.005, 1e-12);
   EXPECT_EQ(encode(content), encode(Ball(0.4).content())) << "the same inputs, the same bytes";
 }
 
@@ -73,7 +71,7 @@ TEST(Assemble, SupportIsMarked) {
   const std::size_t last = content.sites.size() - 1;
   EXPECT_EQ(content.sites[last].flags, layout::site_held);
   EXPECT_EQ(content.sites[0].flags, 0U);
-  EXPECT_EQ(content.responses[last].flags, layout::response_covered);
+  EXPECT_EQ(content.responses[last].flags, layout::response_filled);
   EXPECT_EQ(content.responses[0].flags, layout::response_solved);
 }
 
@@ -96,8 +94,8 @@ TEST(Assemble, ProvenanceNamesInputsAndErrors) {
   EXPECT_EQ(json.at("inputs").at("manifest"), to_hex(hash128("manifest")));
   EXPECT_EQ(json.at("pairs").at("planned"), 17);
   EXPECT_EQ(json.at("pairs").at("support"), 1);
-  EXPECT_LT(json.at("fit").at("normal").at("p95").get<double>(), 0.005);
-  EXPECT_LT(json.at("fit").at("tangential").at("p95").get<double>(), 0.01);
+  EXPECT_LT(json.at("fit").at("normal").at("p95").get<double>(), 0.05);
+  EXPECT_LT(json.at("fit").at("tangential").at("p95").get<double>(), 0.05);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Fits of whole plans: covering, its frames, refusals, figures, sections left out.
+// Fits of whole plans: filling from neighbours, its frames, refusals, figures, parts left out.
 #include "precompute/fit/fit.hpp"
 
 #include <gtest/gtest.h>
@@ -28,6 +28,7 @@ FitSettings settings(bool friction) {
   FitSettings s;
   s.depth_scale = Z;
   s.friction = friction;
+  s.tolerance = 0.01;
   return s;
 }
 
@@ -35,48 +36,56 @@ FittedResponses fit_grid(const GridPlan& grid, const FitSettings& s) {
   return fit_responses(grid.plan, grid.triangles, {1}, grid.journal, s);
 }
 
-double normal_force(const FittedResponses& fitted, std::size_t site, double s) {
-  return spline::value(fitted.responses[site].normal.data(), fitted.scales.normal_coefs, s);
+fit::Potential potential(const FittedResponses& fitted, std::size_t site) {
+  const Response& r = fitted.responses[site];
+  const response::Offsets o = response::offsets(fitted.scales.degrees);
+  Eigen::VectorXd coefs(o.end);
+  for (int k = 0; k < o.end; ++k) {
+    coefs[k] = r.coefficients[static_cast<std::size_t>(k)] *
+               (k < o.friction ? static_cast<double>(r.unit) : layout::kFrictionUnit);
+  }
+  return {coefs, fitted.scales};
 }
 
-TEST(Fit, RefusedPairsAreCoveredAndMarked) {
+double normal_force(const FittedResponses& fitted, std::size_t site, double s) {
+  return potential(fitted, site).force({0, 0, s * s * Z}).z();
+}
+
+TEST(Fit, RefusedPairsAreFilledAndMarked) {
   // Stiffness grows linearly over the grid: inverse-distance weights of a regular neighbourhood find it again.
   GridPlan grid =
       grid_plan(7, Z, 0.4, [](int k) { return hertz_with_friction(400.0 + 10.0 * (k % 7) + 5.0 * (k / 7)); });
   const FittedResponses whole = fit_grid(grid, settings(true));
-  EXPECT_EQ(whole.report.covered, 0U);
+  EXPECT_EQ(whole.report.filled, 0U);
   refuse(grid, 24, "penetration 0.4");
   const FittedResponses fitted = fit_grid(grid, settings(true));
   EXPECT_EQ(fitted.report.refused, 1U);
-  EXPECT_EQ(fitted.report.covered, 1U);
-  EXPECT_EQ(fitted.responses[24].flags, layout::response_covered);
+  EXPECT_EQ(fitted.report.filled, 1U);
+  EXPECT_EQ(fitted.responses[24].flags, layout::response_filled);
   EXPECT_EQ(fitted.responses[23].flags, layout::response_solved);
   EXPECT_DOUBLE_EQ(fitted.responses[24].depth_limit, Z);
   for (const double s : {0.2, 0.5, 1.0}) EXPECT_NEAR(normal_force(fitted, 24, s) / normal_force(whole, 24, s), 1, 0.01);
-  // Frames of neighbours are turned by 0.4 rad and more: the lateral force and the sideways answer must turn along.
-  const Response &a = whole.responses[24], &b = fitted.responses[24];
-  const double size = std::hypot(a.lateral_x.back(), a.lateral_y.back());
-  EXPECT_NEAR(a.lateral_x.back(), b.lateral_x.back(), 0.02 * size);
-  EXPECT_NEAR(a.lateral_y.back(), b.lateral_y.back(), 0.02 * size);
-  for (std::size_t k = 0; k < a.sideways_x.size(); ++k) {
-    EXPECT_NEAR(a.sideways_x[k], b.sideways_x[k], 0.02 * std::abs(a.sideways_x[0]));
-    EXPECT_NEAR(a.sideways_y[k], b.sideways_y[k], 0.02 * std::abs(a.sideways_y[0]));
+  // Frames of neighbours are rotated by 0.4 rad and more: bias and stiffness must rotate with them.
+  const fit::Potential a = potential(whole, 24), b = potential(fitted, 24);
+  for (const Eigen::Vector3d& at : {Eigen::Vector3d(0, 0, Z), Eigen::Vector3d(0.3 * Z, 0, Z),
+                                    Eigen::Vector3d(0, 0.3 * Z, 0.5 * Z)}) {
+    EXPECT_LT((a.force(at) - b.force(at)).norm(), 0.02 * a.force(at).norm()) << at.transpose();
   }
-  for (const float mu : b.friction) EXPECT_NEAR(mu, 0.5, 1e-3);
+  EXPECT_NEAR(b.friction(Z), 0.5, 1e-3);
 }
 
-TEST(Fit, APairThatCannotBeFittedIsCoveredLikeARefusedOne) {
+TEST(Fit, APairThatCannotBeFittedIsFilledLikeARefusedOne) {
   GridPlan grid = grid_plan(7, Z, 0.0, [](int) { return power_law(500, 1.5); });
   auto& samples = grid.journal.pairs[24].samples;
   samples.resize(1);  // one depth is no curve
   const FittedResponses fitted = fit_grid(grid, settings(false));
   EXPECT_EQ(fitted.report.accepted, 48U);
   EXPECT_EQ(fitted.report.refused, 1U);
-  EXPECT_EQ(fitted.responses[24].flags, layout::response_covered);
+  EXPECT_EQ(fitted.responses[24].flags, layout::response_filled);
   EXPECT_NEAR(normal_force(fitted, 24, 1.0) / normal_force(fitted, 23, 1.0), 1.0, 1e-4);
 }
 
-TEST(Fit, APairWhoseForcesNoCurveMeetsIsCoveredAsWell) {
+TEST(Fit, APairBeyondTheResidualIsFilledAsWell) {
   GridPlan grid = grid_plan(7, Z, 0.0, [](int) { return power_law(500, 1.5); });
   Sample& jumped = grid.journal.pairs[24].samples[8];
   jumped.force *= 0.1;
@@ -84,7 +93,7 @@ TEST(Fit, APairWhoseForcesNoCurveMeetsIsCoveredAsWell) {
   s.max_residual = 0.3;
   const FittedResponses fitted = fit_grid(grid, s);
   EXPECT_EQ(fitted.report.refused, 1U);
-  EXPECT_EQ(fitted.responses[24].flags, layout::response_covered);
+  EXPECT_EQ(fitted.responses[24].flags, layout::response_filled);
   EXPECT_NEAR(normal_force(fitted, 24, 1.0) / normal_force(fitted, 23, 1.0), 1.0, 1e-4);
   s.max_residual = 100;
   EXPECT_EQ(fit_grid(grid, s).report.accepted, 49U);
@@ -104,13 +113,13 @@ TEST(Fit, PairsWhoseSidewaysPushEndedEarlyAreCounted) {
   EXPECT_EQ(fit_grid(grid, settings(false)).report.shortened, 1U);
 }
 
-TEST(Fit, CoveringSpreadsOverWholeHoles) {
+TEST(Fit, FillingSpreadsOverWholeHoles) {
   GridPlan grid = grid_plan(7, Z, 0.0, [](int) { return power_law(500, 1.5); });
   for (const std::uint32_t site : {16, 17, 18, 23, 24, 25, 30, 31, 32}) refuse(grid, site, "jacobian 0.01");
   FitSettings s = settings(false);
   s.max_refused = 0.5;
   const FittedResponses fitted = fit_grid(grid, s);
-  EXPECT_EQ(fitted.report.covered, 9U);
+  EXPECT_EQ(fitted.report.filled, 9U);
   EXPECT_NEAR(normal_force(fitted, 24, 1.0) / normal_force(fitted, 0, 1.0), 1.0, 1e-4);
 }
 
@@ -124,7 +133,7 @@ TEST(Fit, UnconnectedSitesTakeTheNearest) {
   EXPECT_NEAR(normal_force(fitted, 15, 1.0), normal_force(fitted, 11, 1.0), 1e-4 * normal_force(fitted, 11, 1.0));
 }
 
-TEST(Fit, SkippedPairsAreCoveredAndCounted) {
+TEST(Fit, SkippedPairsAreFilledAndCounted) {
   GridPlan grid = grid_plan(5, Z, 0.0, [](int) { return power_law(500, 1.5); });
   skip(grid, 3, SkipReason::support);
   skip(grid, 20, SkipReason::outside);
@@ -132,9 +141,9 @@ TEST(Fit, SkippedPairsAreCoveredAndCounted) {
   EXPECT_EQ(fitted.report.planned, 23U);
   EXPECT_EQ(fitted.report.support, 1U);
   EXPECT_EQ(fitted.report.outside, 1U);
-  EXPECT_EQ(fitted.report.covered, 2U);
-  EXPECT_EQ(fitted.responses[3].flags, layout::response_covered);
-  EXPECT_EQ(fitted.responses[20].flags, layout::response_covered);
+  EXPECT_EQ(fitted.report.filled, 2U);
+  EXPECT_EQ(fitted.responses[3].flags, layout::response_filled);
+  EXPECT_EQ(fitted.responses[20].flags, layout::response_filled);
 }
 
 TEST(Fit, TooManyRefusedIsAnErrorWithTheCauses) {
@@ -178,16 +187,15 @@ TEST(Fit, AnUnfinishedBakeIsSaid) {
 TEST(Fit, SectionsThatAreNotNeededAreLeftOut) {
   GridPlan straight = grid_plan(3, Z, 0.0, [](int) { return power_law(500, 1.5); });
   FittedResponses fitted = fit_grid(straight, settings(false));
-  EXPECT_FALSE(fitted.report.lateral);
-  EXPECT_TRUE(fitted.responses[0].lateral_x.empty());
-  EXPECT_TRUE(fitted.responses[0].sideways_x.empty());
-  EXPECT_TRUE(fitted.responses[0].friction.empty());
-  EXPECT_EQ(fitted.scales.sideways, 0.0);
-  // One skewed pair is enough to keep the lateral curves.
+  EXPECT_FALSE(fitted.report.bias);
+  EXPECT_EQ(fitted.scales.degrees.bias, 0);
+  EXPECT_FALSE(fitted.scales.degrees.friction_families);
+  EXPECT_EQ(fitted.scales.tangential, 0.0);
+  // One skewed pair suffices for a bias.
   GridPlan skewed = grid_plan(3, Z, 0.0, [](int k) { return k == 4 ? hertz_with_friction(500) : power_law(500, 1.5); });
   fitted = fit_grid(skewed, settings(false));
-  EXPECT_TRUE(fitted.report.lateral);
-  EXPECT_EQ(fitted.responses[0].lateral_x.size(), 5U);
+  EXPECT_TRUE(fitted.report.bias);
+  EXPECT_GT(fitted.scales.degrees.bias, 0);
 }
 
 TEST(Fit, FiguresAreThoseOfTheSamples) {
@@ -205,8 +213,8 @@ TEST(Fit, FiguresAreThoseOfTheSamples) {
   EXPECT_EQ(report.normal.samples, 9U * 12U);
   EXPECT_EQ(report.tangential.samples, 9U * 24U);
   EXPECT_EQ(report.pairs.size(), 9U);
-  EXPECT_LT(report.normal.worst, 0.005);
-  EXPECT_LT(report.tangential.worst, 0.01);
+  EXPECT_LT(report.normal.worst, 0.02);
+  EXPECT_LT(report.tangential.worst, 0.04);
 }
 
 }  // namespace

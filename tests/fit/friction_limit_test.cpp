@@ -41,7 +41,7 @@ void add_slipping(std::vector<Sample>& samples, double depth, std::initializer_l
     return s.kind == SampleKind::normal && s.deflection.z() == depth;
   });
   const Eigen::Vector3d straight = from->force;
-  const double flanks = layout::kFlanks * std::sqrt(depth / kDepth), normal = 1.1 * straight.z();
+  const double flanks = response::slipping_bias_share(std::sqrt(depth / kDepth)), normal = 1.1 * straight.z();
   int turn = 0;
   for (const double limit : limits) {
     const Eigen::Vector2d way = ++turn % 2 != 0 ? Eigen::Vector2d(1, 0) : Eigen::Vector2d(-0.6, 0.8);
@@ -99,28 +99,16 @@ TEST(FrictionLimit, IsAtLeastWhatAContactHeldThatSlippedInPart) {
   EXPECT_NEAR(friction_limits(samples, kDepth).back().second, 1.35 * foretold(deep), 1e-12);
 }
 
-// The runtime asks for the limit at the depth that counts, and multiplies the normal force there by the slope.
-TEST(FrictionLimit, IsOfTheDepthThatCounts) {
-  const std::vector<Sample> samples = straight();
-  const auto plain = friction_limits(samples, kDepth), relieved = friction_limits(samples, kDepth, 0.05);
-  for (std::size_t k = 0; k < plain.size(); ++k) {
-    const double share = plain[k].first / kDepth;
-    EXPECT_NEAR(relieved[k].first, plain[k].first * (1 - 0.05 * share), 1e-12);
-    EXPECT_NEAR(relieved[k].second, plain[k].second * (1 - 0.1 * share), 1e-12);
-  }
-}
-
 TEST(FrictionLimit, IsWhatTheCurveOfThePairGives) {
   std::vector<Sample> samples = straight();
-  ModelScales scales;
-  scales.depth = kDepth;
-  scales.sideways = 0.4 * kDepth;
-  const PairCurves before = fit_pair(samples, scales, "pair");
-  EXPECT_NEAR(evaluate_friction(before, scales, kDepth), foretold(kDepth), 2e-3);
+  const ResponseScales scales{kDepth, 0.4 * kDepth, {5, 4, 3, 3, true}, 16};
+  const auto mu = [&](double depth) {
+    return Potential(fit_pair(samples, scales, "pair").coefs, scales).friction(depth);
+  };
+  EXPECT_NEAR(mu(kDepth), foretold(kDepth), 2e-3);
   add_slipping(samples, samples[11].deflection.z(), {1.3 * foretold(kDepth)});
-  const PairCurves after = fit_pair(samples, scales, "pair");
-  EXPECT_NEAR(evaluate_friction(after, scales, kDepth), 1.3 * foretold(kDepth), 5e-3);
-  EXPECT_NEAR(evaluate_friction(after, scales, 0.02 * kDepth), kMu, 5e-3);
+  EXPECT_NEAR(mu(kDepth), 1.3 * foretold(kDepth), 5e-3);
+  EXPECT_NEAR(mu(0.02 * kDepth), kMu, 5e-3);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "precompute/fit/radial_basis.hpp"
+#include "precompute/verify/baselines/radial_basis.hpp"
 
 #include <gtest/gtest.h>
 
@@ -31,17 +31,14 @@ double worst(const RadialBasis& network, const std::vector<Sample>& all) {
 }
 
 TEST(RadialBasis, GoesThroughItsSamplesWithACentreAtEach) {
-  ModelScales scales;
-  scales.depth = kDepth;
-  scales.sideways = kReach;
   const std::vector<Sample> all = samples();
-  const auto fitted = [&](int centres) { return fit_radial_basis(all, scales, centres, "test"); };
+  const auto fitted = [&](int centres) { return fit_radial_basis(all, kDepth, kReach, centres, "test"); };
   EXPECT_LT(worst(fitted(1000), all), 0.01);
   EXPECT_EQ(fitted(1000).centres.rows(), static_cast<Eigen::Index>(all.size()));
   EXPECT_LT(worst(fitted(24), all), 0.5 * worst(fitted(6), all));
   EXPECT_EQ(fitted(24).force({0, 0, 0}), Eigen::Vector3d::Zero());
   EXPECT_EQ(RadialBasis::bytes(24), 576);
-  EXPECT_THROW(fit_radial_basis({all[0]}, scales, 6, "test"), Error) << "one straight push";
+  EXPECT_THROW(fit_radial_basis({all[0]}, kDepth, kReach, 6, "test"), Error) << "one straight push";
 }
 
 }  // namespace

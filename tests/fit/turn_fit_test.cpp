@@ -11,7 +11,7 @@
 #include <random>
 
 #include "formats/error.hpp"
-#include "palpate/turn_check.hpp"
+#include "palpate/format/bonded_rules.hpp"
 
 namespace palpate::fit::turn_fit_test {
 namespace {
@@ -93,7 +93,7 @@ TEST(TurnFit, FindsTorqueStiffnessAndCoupling) {
 
 void expect_stored(const GraspCurves& grasp, const TurnCurves& turn) {
   const Eigen::VectorXf move = grasp.curves.cast<float>(), curves = turn.curves.cast<float>();
-  EXPECT_STREQ(grasp::broken_turn(move.data(), curves.data(), kGraspCoefs), nullptr);
+  EXPECT_STREQ(bonded::broken_torque(move.data(), curves.data(), kGraspCoefs), nullptr);
 }
 
 // What is stored is accepted: with noise that no energy has, and with a coupling that is too large for one with a

@@ -6,7 +6,10 @@
 #include <cstring>
 #include <vector>
 
-#include "palpate/runtime.hpp"
+#include "palpate/contact/contact.hpp"
+#include "palpate/format/checksum.hpp"
+#include "palpate/format/open.hpp"
+#include "palpate/response/interpolation.hpp"
 #include "tests/fuzz/promise.hpp"
 
 namespace palpate::test {
@@ -16,7 +19,7 @@ namespace palpate::test {
 inline void try_fields(const runtime::View& view) {
   constexpr std::uint32_t kMost = 12;  // of each: a fuzzer wants many files a second
   const layout::Meta& m = *view.meta;
-  const double z = m.depth_scale, x = m.sideways_scale > 0 ? m.sideways_scale : z;
+  const double z = m.depth_scale, x = m.tangential_scale > 0 ? m.tangential_scale : z;
   const double depths[] = {-z, 0, 1e-9 * z, 0.3 * z, z, 2.5 * z, 1e6}, asides[] = {0, 1e-6 * x, 0.5 * x, x, 3 * x, 1e6};
   for (std::uint32_t t = 0; t < m.triangle_count && t < kMost; ++t) {
     for (std::uint32_t tool = 0; tool < m.tool_count && tool < kMost; ++tool) {
@@ -26,17 +29,20 @@ inline void try_fields(const runtime::View& view) {
         const double inside = 1.0 / 3;
         const runtime::BodyPoint at{t, {p % 2 == 0 ? inside : 0, p % 2 == 0 ? inside : 1, p % 2 == 0 ? inside : 0}};
         const runtime::ToolPoint on_tool{record.first_patch + p, {0.5, 0.25, 0.25}};
-        const runtime::Field field(view, tool, at, on_tool);
-        const runtime::Vec3 n = field.normal(), side = runtime::any_orthogonal(n), other = cross(n, side);
-        expect(finite(n) && finite(position(view, at)), "a contact has a place and a normal");
-        expect(field.covered() >= 0 && field.covered() <= 1 + 1e-9 && field.depth_limit() > 0, "shares and depths");
+        runtime::BlendedResponse<> response;
+        response.blend(view, tool, at, on_tool, {1, 0, 0}, nullptr);
+        const runtime::Vec3 n = response.normal(), side = runtime::any_orthogonal(n), other = cross(n, side);
+        expect(finite(n) && finite(position(view, at)), "a contact has a position and a normal");
+        expect(response.filled_share() >= 0 && response.filled_share() <= 1 + 1e-9 && response.depth_limit() > 0,
+               "shares and depths");
         for (const double depth : depths) {
+          if (depth > 0) {
+            const runtime::ResponseAtDepth terms = response.law().at(depth);
+            expect(terms.friction_coefficient * terms.normal_force >= 0, "a friction limit is not negative");
+          }
           for (const double aside : asides) {
             const runtime::Vec3 beside = aside * side + 0.4 * aside * other;
-            const runtime::FieldForce f = field.force(beside - depth * n);
-            expect(finite(f.force) && finite(f.tangential) && std::isfinite(f.normal), "forces are numbers");
-            expect(f.limit >= 0, "a friction limit is not negative");
-            if (depth > 0) expect(finite(field.deepened(depth, 1.3 * depth, beside)), "an anchor has a place");
+            expect(finite(response.force(beside - depth * n)), "forces are finite");
           }
         }
       }
@@ -58,7 +64,7 @@ inline void try_ticks(const runtime::View& view) {
     }
     const runtime::Tick far = contact.tick({{1, 0, 0, 0, 1, 0, 0, 0, 1}, {9e5, -9e5, 9e5}});
     expect(finite(far.force), "a tool far away is answered");
-    expect(!std::isnan(locate(view, c).signed_distance), "a point has a distance");
+    expect(!std::isnan(closest_point(view, c).signed_distance), "a point has a distance");
   }
 }
 

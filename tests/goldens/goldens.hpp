@@ -5,25 +5,25 @@
 #include <string>
 #include <vector>
 
-#include "palpate/runtime.hpp"
+#include "palpate/format/open.hpp"
+#include "palpate/contact/bonded_contact.hpp"
+#include "palpate/response/interpolation.hpp"
 
 namespace palpate::test {
 
-/// A line of a .forces file: a word, what is asked, "=", what is answered. The words:
+/// A line of a .forces file: a word, the question, "=", the answer. The words:
 ///
 ///     force    triangle b0 b1 b2 tool patch w0 w1 w2 dx dy dz = fx fy fz limit
-///     deepen   triangle b0 b1 b2 tool patch w0 w1 w2 z0 z1 ex ey ez = ex ey ez
 ///     spun     triangle b0 b1 b2 tool patch w0 w1 w2 dx dy dz r00 r01 r02 r10 .. r22 = fx fy fz limit
 ///     distance px py pz = d
-///     grasp    triangle b0 b1 b2 tool patch w0 w1 w2 dx dy dz = fx fy fz
-///     turn     triangle b0 b1 b2 tool patch w0 w1 w2 dx dy dz rx ry rz = fx fy fz tx ty tz
+///     bonded   triangle b0 b1 b2 tool patch w0 w1 w2 dx dy dz = fx fy fz
+///     torque   triangle b0 b1 b2 tool patch w0 w1 w2 dx dy dz rx ry rz = fx fy fz tx ty tz
 ///
 /// force: the contact (triangle and barycentric weights on the body; tool, tool patch and weights on the tool), the
-/// deflection p - c (m), the force on the tool (N) while it sticks and the largest tangential force (N, inf in a
-/// frictionless file); of a tool with spins as at its first. spun: the same of a tool turned by a rotation (tool frame
-/// to body frame). deepen: the effective sideways deflection (m) before and after the tool goes from depth z0 to z1
-/// (m). distance: a point (m) and its distance from the contact surface (m), negative inside. grasp: the force on the
-/// tool that holds on. turn: the same of one turned by a rotation vector (rad), and its torque about p (N m).
+/// deflection p - c (m), the force on the tool (N) while it sticks, and mu F (N, inf in a frictionless file). A tool with
+/// spins has its first. spun: the same with the rotation of the tool (tool frame to body frame). distance: a point (m)
+/// and its distance from the contact surface (m), negative inside. bonded: the force on a tool that is bonded. torque:
+/// the same for a tool that was rotated by a rotation vector (rad), and its torque about p (N m).
 struct GoldenLine {
   std::string word;
   std::vector<double> asked, answered;
@@ -34,28 +34,27 @@ inline std::vector<double> answer(const runtime::View& view, const std::string& 
                                   const std::vector<double>& asked) {
   using runtime::Vec3;
   const auto vec = [&](std::size_t at) { return Vec3{asked.at(at), asked.at(at + 1), asked.at(at + 2)}; };
-  if (word == "distance") return {locate(view, vec(0)).signed_distance};
+  if (word == "distance") return {closest_point(view, vec(0)).signed_distance};
   const runtime::BodyPoint at{static_cast<std::uint32_t>(asked.at(0)), {asked.at(1), asked.at(2), asked.at(3)}};
   const runtime::ToolPoint on_tool{static_cast<std::uint32_t>(asked.at(5)), {asked.at(6), asked.at(7), asked.at(8)}};
   const auto tool = static_cast<std::uint32_t>(asked.at(4));
-  if (word == "grasp") {
-    const Vec3 f = runtime::GraspField(view, tool, at, on_tool).force(vec(9)).force;
-    return {f.x, f.y, f.z};
-  }
-  if (word == "turn") {
-    const runtime::GraspAnswer a = runtime::TurnField(view, tool, at, on_tool).answer(vec(9), vec(12));
-    return {a.force.force.x, a.force.force.y, a.force.force.z, a.torque.x, a.torque.y, a.torque.z};
-  }
-  runtime::Pose pose;
-  for (std::size_t k = 0; word == "spun" && k < 9; ++k) pose.rotation[k] = asked.at(12 + k);
-  const runtime::Field field(view, tool, at, on_tool, {word == "spun" ? &pose : nullptr, 0});
-  if (word == "deepen") {
-    const Vec3 e = field.deepened(asked.at(9), asked.at(10), vec(11));
-    return {e.x, e.y, e.z};
+  if (word == "bonded" || word == "torque") {
+    const runtime::BondedResponse<true> response(view, tool, at, on_tool);
+    const runtime::BondedForce w = response.at(vec(9), word == "torque" ? vec(12) : Vec3{});
+    if (word == "bonded") return {w.force.x, w.force.y, w.force.z};
+    return {w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z};
   }
   if (word != "force" && word != "spun") throw std::runtime_error("unknown golden line: " + word);
-  const runtime::FieldForce f = field.force(vec(9));
-  return {f.force.x, f.force.y, f.force.z, f.limit};
+  runtime::Pose pose;
+  for (std::size_t k = 0; word == "spun" && k < 9; ++k) pose.rotation[k] = asked.at(12 + k);
+  runtime::BlendedResponse<> response;
+  response.blend(view, tool, at, on_tool, {1, 0, 0}, word == "spun" ? &pose : nullptr);
+  const double depth = -dot(vec(9), response.normal());
+  if (!(depth > 0)) return {0, 0, 0, 0};
+  const Vec3 f = response.force(vec(9));
+  const runtime::ResponseAtDepth terms = response.law().at(depth);
+  const double limit = terms.friction_coefficient * terms.normal_force;
+  return {f.x, f.y, f.z, view.has(layout::feature_friction) ? limit : HUGE_VAL};
 }
 
 }  // namespace palpate::test

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Makes the goldens of today's version of the response file: write_goldens FOLDER. README.md says when.
+// Writes the goldens of this version of the response file: write_goldens FOLDER. README.md says when.
 #include <cstdio>
 #include <exception>
 #include <random>
@@ -45,33 +45,12 @@ std::string as_line(const View& view, const std::string& word, const std::vector
   return line + "\n";
 }
 
-/// The sideways deflection along the sideways force of a straight push at which nothing of it is left along that line:
-/// round it a coupled response's anchor rule has to add to what it dissipates. `otherwise` where there is no such
-/// force.
-Vec3 unloaded(const View& view, const std::vector<double>& contact, const Vec3& otherwise, const Vec3& n, double z) {
-  const auto sideways = [&](const Vec3& aside) {
-    std::vector<double> asked = contact;
-    const Vec3 d = aside - z * n;
-    asked.insert(asked.end(), {d.x, d.y, d.z});
-    const std::vector<double> force = answer(view, "force", asked);
-    return tangential({force[0], force[1], force[2]}, n);
-  };
-  const Vec3 along = unit(sideways({}), {});
-  if (!(length(along) > 0)) return otherwise;
-  double low = 0, high = 3 * view.meta->sideways_scale;
-  for (int i = 0; i < 50; ++i) {
-    const double middle = 0.5 * (low + high);
-    (dot(sideways(middle * along), along) > 0 ? low : high) = middle;
-  }
-  return low * along;
-}
-
 /// Contacts all over the body and the tools, depths from none to beyond the scale, deflections beyond the scale.
 std::string forces(const View& view) {
   Draw draw;
   std::string text;
   const double depth = view.meta->depth_scale;
-  const double sideways = view.meta->sideways_scale > 0 ? view.meta->sideways_scale : depth;
+  const double tangential = view.meta->tangential_scale > 0 ? view.meta->tangential_scale : depth;
   for (int i = 0; i < 24; ++i) {
     const std::uint32_t triangle = draw.below(view.meta->triangle_count), tool = draw.below(view.meta->tool_count);
     const layout::ToolRecord& record = view.tools[tool];
@@ -82,11 +61,10 @@ std::string forces(const View& view) {
     contact.push_back(patched ? record.first_patch + draw.below(record.patch_count) : 0);
     draw.weights(contact, i % 8 == 4 || !patched);
     const runtime::BodyPoint at{triangle, {contact[1], contact[2], contact[3]}};
-    const Vec3 n = normal(view, at), x = runtime::any_orthogonal(n), y = cross(n, x);
+    const Vec3 n = smooth_normal(view, at), x = runtime::any_orthogonal(n), y = cross(n, x);
     const double z = i == 0 ? 0 : draw.between(0.01, 1.4) * depth;
-    const double angle = draw.between(0, 6.28), way = i % 5 == 1 ? 0 : draw.between(0, 1.5) * sideways;
-    Vec3 aside = way * std::cos(angle) * x + way * std::sin(angle) * y;
-    if (layout::is_coupled(*view.meta) && i % 8 == 2) aside = 0.9 * unloaded(view, contact, aside, n, z);
+    const double angle = draw.between(0, 6.28), way = i % 5 == 1 ? 0 : draw.between(0, 1.5) * tangential;
+    const Vec3 aside = way * std::cos(angle) * x + way * std::sin(angle) * y;
     const Vec3 deflection = aside - z * n;
     const auto with = [&](std::initializer_list<double> more) {
       std::vector<double> asked = contact;
@@ -95,7 +73,7 @@ std::string forces(const View& view) {
     };
     text += as_line(view, "force", with({deflection.x, deflection.y, deflection.z}));
     if (view.spins != nullptr) {
-      // Turned anyhow, the handle into the body, too.
+      // Any rotation, with the handle in the body as well.
       const Vec3 axis = runtime::unit({draw.between(-1, 1), draw.between(-1, 1), draw.between(-1, 1)}, {0, 0, 1});
       const double half = draw.between(0, 3.1);
       const auto pose = runtime::Pose::from_quaternion(std::cos(half), std::sin(half) * axis.x, std::sin(half) * axis.y,
@@ -104,19 +82,16 @@ std::string forces(const View& view) {
       asked.insert(asked.end(), pose.rotation, pose.rotation + 9);
       text += as_line(view, "spun", asked);
     }
-    if (layout::is_coupled(*view.meta) && i % 4 == 2) {
-      const double deeper = z + draw.between(0.05, 0.5) * depth;
-      text += as_line(view, "deepen", with({z, deeper, aside.x, aside.y, aside.z}));
-    }
     const runtime::ToolPoint on_tool{static_cast<std::uint32_t>(contact[5]), {contact[6], contact[7], contact[8]}};
-    if (!(runtime::GraspField(view, tool, at, on_tool).depth() > 0)) continue;
-    // In and out, beyond what was sampled as well; turned up to three quarters of a half turn.
+    const runtime::BondedResponse<true> bonded(view, tool, at, on_tool);
+    if (!(bonded.depth() > 0)) continue;
+    // Depths of both signs and beyond the sampled ones, rotations up to three quarters of a half turn.
     const Vec3 held = aside + draw.between(-1.5, 1.5) * depth * n;
-    text += as_line(view, "grasp", with({held.x, held.y, held.z}));
-    if (view.turns == nullptr) continue;
+    text += as_line(view, "bonded", with({held.x, held.y, held.z}));
+    if (view.bonded_torque == nullptr) continue;
     const double most = i % 2 == 0 ? 0.5 : 1.3;
     const Vec3 turn{draw.between(-most, most), draw.between(-most, most), draw.between(-most, most)};
-    text += as_line(view, "turn", with({held.x, held.y, held.z, turn.x, turn.y, turn.z}));
+    text += as_line(view, "torque", with({held.x, held.y, held.z, turn.x, turn.y, turn.z}));
   }
   for (int i = 0; i < 8; ++i) {
     text +=
@@ -136,18 +111,19 @@ void write(const std::filesystem::path& folder, const std::string& name, const R
 void write_all(const std::filesystem::path& folder) {
   Options options;
   options.cells = 1;
-  write(folder, "separable", box_content(options));
+  write(folder, "quadratic", box_content(options));
 
   Options smooth = options;
-  smooth.friction = smooth.lateral = false;
+  smooth.friction = false;
+  write(folder, "frictionless_bias", box_content(smooth));
+  smooth.bias = false;
   write(folder, "frictionless", box_content(smooth));
 
   Options profile = options;
   profile.tools = Options::Tools::capsule;
   write(folder, "profile_tool", box_content(profile));
 
-  Options all = options;
-  all.friction = all.lateral = false;
+  Options all = smooth;
   all.tools = Options::Tools::all;
   write(folder, "three_tools", box_content(all));
 
@@ -156,48 +132,35 @@ void write_all(const std::filesystem::path& folder) {
   search.subdivision = 3;
   write(folder, "search", box_content(search));
 
-  Options sticking = options;
-  sticking.lateral = false;
-  sticking.coupled = 2;
-  write(folder, "coupled_2", box_content(sticking));
-  sticking.lateral = true;
-  sticking.coupled = 4;
-  write(folder, "coupled_4", box_content(sticking));
-  sticking.bits = 12;
-  write(folder, "coupled_12_bits", box_content(sticking));
-  sticking.coupled = 2;
-  sticking.bits = 8;
-  write(folder, "coupled_8_bits", box_content(sticking));
+  Options packed = options;
+  packed.bits = 12;
+  write(folder, "bits_12", box_content(packed));
+  packed.bits = 8;
+  packed.bias = false;
+  write(folder, "bits_8", box_content(packed));
 
-  Options lean = options;
-  lean.spring = true;
-  write(folder, "linear", box_content(lean));
+  Options spring = options;
+  spring.spring = true;
+  write(folder, "spring", box_content(spring));
 
-  Options rim = options;
-  rim.rim = true;
-  write(folder, "rim", box_content(rim));
-  rim.relief = true;
-  rim.coupled = 2;
-  write(folder, "relief", box_content(rim));
+  Options softening = options;
+  softening.softening = true;
+  write(folder, "softening", box_content(softening));
 
   Options spins = options;
   spins.tools = Options::Tools::all;
   spins.spins = 5;
   write(folder, "spin", box_content(spins));
-  spins.lateral = false;
-  spins.coupled = 2;
-  spins.spins = 2;
-  write(folder, "spin_coupled", box_content(spins));
 
-  // One of the tools holds on; its turns have a torque in the other file.
-  Options holding = options;
-  holding.lateral = false;
-  holding.tools = Options::Tools::all;
-  holding.grasp = true;
-  write(folder, "grasp", box_content(holding));
-  holding.tools = Options::Tools::sphere;
-  holding.turn = true;
-  write(folder, "turn", box_content(holding));
+  // One of three tools bonds to the body. The tool of the other file was rotated as well.
+  Options bonded = options;
+  bonded.bias = false;
+  bonded.tools = Options::Tools::all;
+  bonded.bonded = true;
+  write(folder, "bonded", box_content(bonded));
+  bonded.tools = Options::Tools::sphere;
+  bonded.bonded_torque = true;
+  write(folder, "bonded_torque", box_content(bonded));
 }
 
 }  // namespace

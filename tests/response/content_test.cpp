@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is written is what is read, sections that a scene does not use are absent, wrong content is refused.
+// The content that is read is the content that was written, unused sections are absent, wrong content is refused.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -9,7 +9,7 @@
 #include <functional>
 
 #include "formats/error.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/format/open.hpp"
 #include "tests/support/response_samples.hpp"
 
 namespace palpate {
@@ -28,17 +28,17 @@ TEST(ResponseFile, ReadsBackWhatWasWritten) {
   options.tools = Options::Tools::all;
   options.subdivision = 3;
   options.search = true;
-  options.rim = options.relief = options.grasp = options.turn = true;
+  options.softening = options.bonded = options.bonded_torque = true;
   const ResponseFileContent content = test::ball_content(options);
   const std::vector<std::byte> bytes = encode(content);
   const runtime::OpenResult opened = View::open(bytes.data(), bytes.size());
   ASSERT_TRUE(opened) << opened.error;
   const View& v = opened.view;
 
-  EXPECT_EQ(v.features, layout::feature_all & ~(layout::feature_coupled | layout::feature_spin));
+  EXPECT_EQ(v.features, layout::feature_all & ~layout::feature_spin);
   EXPECT_EQ(v.meta->depth_scale, content.depth_scale);
-  EXPECT_EQ(v.meta->rim_share, static_cast<float>(content.rim_share));
-  EXPECT_EQ(v.meta->rim_limit, static_cast<float>(content.rim_limit));
+  EXPECT_EQ(v.meta->tangential_scale, content.tangential_scale);
+  EXPECT_EQ(response::degrees(*v.meta), content.degrees);
   ASSERT_EQ(v.meta->site_count, content.sites.size());
   for (std::size_t i = 0; i < content.sites.size(); ++i) {
     expect_close(v.sites[i].position, content.sites[i].position);
@@ -60,34 +60,57 @@ TEST(ResponseFile, ReadsBackWhatWasWritten) {
   for (std::size_t i = 0; i < content.responses.size(); ++i) {
     const Response& r = content.responses[i];
     EXPECT_EQ(v.response_head(i).flags, r.flags);
-    EXPECT_EQ(v.relief(i), static_cast<double>(r.relief));
-    EXPECT_EQ(0, std::memcmp(v.normal_coefs(i), r.normal.data(), 4 * r.normal.size()));
-    EXPECT_EQ(0, std::memcmp(v.lateral_coefs(i) + 6, r.lateral_y.data(), 4 * r.lateral_y.size()));
-    EXPECT_EQ(0, std::memcmp(v.friction_coefs(i) + 2 * 5 + 7, r.sideways_y.data(), 4 * r.sideways_y.size()));
-    EXPECT_EQ(0, std::memcmp(v.friction_coefs(i) + 2 * 5 + 2 * 7, r.friction.data(), 4 * r.friction.size()));
-    EXPECT_EQ(v.grasp_head(i).pulled, static_cast<float>(r.grasp_pulled));
-    EXPECT_EQ(0, std::memcmp(v.grasp_curves(i), r.grasp.data(), 4 * r.grasp.size()));
-    EXPECT_EQ(v.turn_head(i).turned, static_cast<float>(r.turned));
-    EXPECT_EQ(0, std::memcmp(v.turn_curves(i), r.turn.data(), 4 * r.turn.size()));
+    EXPECT_EQ(v.softening(i), static_cast<double>(r.softening));
+    EXPECT_EQ(v.coefficient_unit(i), r.unit);
+    std::vector<std::int16_t> coefs(r.coefficients.size());
+    v.coefficients(i, coefs.data());
+    EXPECT_EQ(coefs, r.coefficients);
+    EXPECT_EQ(v.bonded_head(i).pulled, static_cast<float>(r.bonded_pulled));
+    EXPECT_EQ(0, std::memcmp(v.bonded_curves(i), r.bonded.data(), 4 * r.bonded.size()));
+    EXPECT_EQ(v.torque_head(i).rotated, static_cast<float>(r.rotated));
+    EXPECT_EQ(0, std::memcmp(v.torque_curves(i), r.bonded_torque.data(), 4 * r.bonded_torque.size()));
   }
   EXPECT_EQ(std::string(v.provenance, v.provenance_size), content.provenance);
+}
+
+TEST(ResponseFile, CoefficientsOfEveryWidthAreReadBack) {
+  for (const std::uint32_t bits : {8U, 12U, 16U}) {
+    for (const bool bias : {false, true}) {
+      for (const bool friction : {false, true}) {
+        Options options;
+        options.cells = 1;
+        options.bits = bits;
+        options.bias = bias;
+        options.friction = friction;
+        const ResponseFileContent content = test::box_content(options);
+        const std::vector<std::byte> bytes = encode(content);
+        const runtime::OpenResult opened = View::open(bytes.data(), bytes.size());
+        ASSERT_TRUE(opened) << opened.error;
+        for (std::size_t i = 0; i < content.responses.size(); ++i) {
+          std::vector<std::int16_t> coefs(content.responses[i].coefficients.size());
+          opened.view.coefficients(i, coefs.data());
+          EXPECT_EQ(coefs, content.responses[i].coefficients) << bits;
+        }
+      }
+    }
+  }
 }
 
 TEST(ResponseFile, SameContentSameBytes) { EXPECT_EQ(encode(test::box_content()), encode(test::box_content())); }
 
 TEST(ResponseFile, FrictionlessOneTipFlatFileHasNoSectionItDoesNotUse) {
   Options options;
-  options.friction = options.lateral = false;
+  options.friction = options.bias = false;
   const std::vector<std::byte> bytes = encode(test::box_content(options));
   const runtime::OpenResult opened = View::open(bytes.data(), bytes.size());
   ASSERT_TRUE(opened) << opened.error;
   EXPECT_EQ(opened.view.features, 0U);
   for (const Section absent : {Section::tool_vertices, Section::tool_patches, Section::spins, Section::search,
-                               Section::grasp, Section::turn}) {
+                               Section::bonded, Section::bonded_torque}) {
     EXPECT_EQ(opened.view.section_bytes(absent), 0U);
   }
   EXPECT_EQ(opened.view.header().section_count, 7U);
-  EXPECT_EQ(opened.view.response_size, 8 + 4 * opened.view.meta->normal_coefs);
+  EXPECT_EQ(opened.view.response_size, 8U + 4U + 2U * 4U) << "head, unit, four coefficients of F";
 }
 
 TEST(ResponseFile, SectionsAreAlignedAndTheFileEndsAligned) {
@@ -123,16 +146,16 @@ TEST(ResponseFile, WrongContentIsRefusedByName) {
   expect_refused(
       good, ExitCode::bad_input,
       {
-          {"depth scale", [](auto& c) { c.depth_scale = 0; }},
-          {"depth scale", [](auto& c) { c.depth_scale = 2e3; }},
-          {"sideways scale", [](auto& c) { c.sideways_scale = 0; }},
-          {"sideways scale", [](auto& c) { c.sideways_scale = 1e-10; }},
-          {"3 normal coefficients, allowed 4 to 32",
-           [](auto& c) {
-             c.normal_coefs = 3;
-             for (Response& r : c.responses) r.normal.resize(3);
-           }},
-          {"all 0 or none", [](auto& c) { c.friction_coefs = 0; }},
+          {"depth_scale", [](auto& c) { c.depth_scale = 0; }},
+          {"depth_scale", [](auto& c) { c.depth_scale = 2e3; }},
+          {"tangential scale: must be above 0 with friction", [](auto& c) { c.tangential_scale = 0; }},
+          {"tangential_scale", [](auto& c) { c.tangential_scale = 1e-10; }},
+          {"normal_degree must be 2 to 6", [](auto& c) { c.degrees.normal = 7; }},
+          {"stiffness_degree must be 0 or 2 to 6", [](auto& c) { c.degrees.stiffness = 1; }},
+          {"must be 0 in a frictionless file", [](auto& c) { c.degrees.friction_families = false; }},
+          {"coefficients: have 10 bits", [](auto& c) { c.coef_bits = 10; }},
+          {"torques of bonded contacts: need curves", [](auto& c) { c.has_bonded_torque = true; }},
+          {"response 1: has a slip softening", [](auto& c) { c.responses[1].softening = 0.1F; }},
           {"contact surface triangle 0: no patch 0", [](auto& c) { c.patches.clear(); }},
           {"site 2: position", [](auto& c) { c.sites[2].position[1] = NAN; }},
           {"site 2: position", [](auto& c) { c.sites[2].position[1] = 2e5; }},
@@ -159,29 +182,39 @@ TEST(ResponseFile, WrongContentIsRefusedByName) {
           {"tool 0: only a profile has an axis", [](auto& c) { c.tools[0].axis_length = 0.03; }},
           {"tool 0: the probe radius of a mesh", [](auto& c) { c.tools[0].kind = layout::ToolKind::mesh; }},
           {"sites times tool vertices", [](auto& c) { c.responses.pop_back(); }},
-          {"response 2, lateral x: has 5", [](auto& c) { c.responses[2].lateral_x.pop_back(); }},
+          {"response 2, coefficients: has 30 coefficients, the file 31",
+           [](auto& c) { c.responses[2].coefficients.pop_back(); }},
+          {"response 2: coefficient 0 is -32768", [](auto& c) { c.responses[2].coefficients[0] = -32768; }},
           {"PROVENANCE", [](auto& c) { c.provenance = "no"; }},
       });
 }
 
-TEST(ResponseFile, WrongCurvesAreANumericalFailure) {
-  expect_refused(test::box_content(), ExitCode::numerical,
-                 {
-                     {"response 1: must be one of", [](auto& c) { c.responses[1].flags = 3; }},
-                     {"response 1: depth limit", [](auto& c) { c.responses[1].depth_limit = 1; }},
-                     {"response 1: normal force must start at zero and not decrease",
-                      [](auto& c) { c.responses[1].normal[9] = 0; }},
-                     {"response 2: normal force must start at zero", [](auto& c) { c.responses[2].normal[1] = 0.1F; }},
-                     {"response 2: normal force", [](auto& c) { c.responses[2].normal[9] = 2e12F; }},
-                     {"RESPONSES: response 2: sideways force", [](auto& c) { c.responses[2].lateral_x[5] = -2e12F; }},
-                     {"response 3: sideways force must oppose", [](auto& c) { c.responses[3].sideways_x[6] = 9; }},
-                     {"response 3: sideways force",
-                      [](auto& c) { c.responses[3].sideways_y[0] += 0.1F, c.responses[3].sideways_y[3] += 0.1F; }},
-                     {"response 4: growth", [](auto& c) { c.responses[4].growth_x[3] = -1; }},
-                     {"response 4: growth", [](auto& c) { c.responses[4].growth_x[3] = 2e3F; }},
-                     {"response 4: friction limit", [](auto& c) { c.responses[4].friction[0] = -1; }},
-                     {"response 4: friction limit", [](auto& c) { c.responses[4].friction[0] = INFINITY; }},
-                 });
+TEST(ResponseFile, WrongResponsesAreANumericalFailure) {
+  const ResponseFileContent good = test::box_content();
+  const response::Offsets o = response::offsets(good.degrees);
+  const auto at = [](int index) { return static_cast<std::size_t>(index); };
+  expect_refused(
+      good, ExitCode::numerical,
+      {
+          {"response 1: flags 3, allowed one of", [](auto& c) { c.responses[1].flags = 3; }},
+          {"response 1: depth limit", [](auto& c) { c.responses[1].depth_limit = 1; }},
+          {"response 1: its unit", [](auto& c) { c.responses[1].unit = INFINITY; }},
+          {"response 1: the normal force must start at zero and not decrease",
+           [&](auto& c) { c.responses[1].coefficients[at(o.bias - 1)] = 0; }},
+          {"response 2: the normal force must start at zero", [](auto& c) { c.responses[2].coefficients[0] = -1; }},
+          {"response 3: stiffness and coupling break the passivity inequalities",
+           [&](auto& c) { c.responses[3].coefficients[at(o.stiffness)] = 0; }},
+          {"response 4: the friction coefficient is out of 0 to 10",
+           [&](auto& c) { c.responses[4].coefficients[at(o.friction)] = -1; }},
+      });
+}
+
+TEST(ResponseFile, ASpringOfAFrictionlessBodyIsTheNormalForceAlone) {
+  Options options;
+  options.friction = options.bias = false;
+  options.bits = 8;
+  const std::vector<std::byte> bytes = encode(test::box_content(options));
+  EXPECT_EQ(View::open(bytes.data(), bytes.size()).view.response_size, 8U + 4U + 4U);
 }
 
 TEST(ResponseFile, AWrongSearchTreeIsRefused) {
@@ -192,7 +225,7 @@ TEST(ResponseFile, AWrongSearchTreeIsRefused) {
                   {"SEARCH", [](auto& c) { std::swap(c.surface_triangles.front(), c.surface_triangles.back()); }}});
 }
 
-// Where on such a tool the contact is, nothing could tell.
+// A pose does not determine the contact point of another tool of several vertices.
 TEST(ResponseFile, OnlyAProfileWithAnAxisOrAMeshHasSeveralVertices) {
   Options options;
   options.tools = Options::Tools::capsule;

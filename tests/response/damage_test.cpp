@@ -9,7 +9,11 @@
 #include <random>
 #include <string>
 
-#include "palpate/runtime.hpp"
+#include "formats/error.hpp"
+#include "palpate/format/checksum.hpp"
+#include "palpate/format/open.hpp"
+#include "palpate/contact/bonded_contact.hpp"
+#include "palpate/response/interpolation.hpp"
 #include "tests/support/response_samples.hpp"
 
 namespace palpate {
@@ -20,14 +24,14 @@ using runtime::View;
 using Options = test::ResponseSampleOptions;
 
 // A small file that has every section.
-std::vector<std::byte> small_file(int coupled = 0) {
+std::vector<std::byte> small_file(bool friction = true) {
   Options options;
-  options.coupled = coupled;
+  options.friction = options.softening = friction;
   options.cells = 1;
   options.tools = Options::Tools::capsule;
   options.spins = 2;
   options.search = true;
-  options.grasp = options.turn = true;
+  options.bonded = options.bonded_torque = true;
   return encode(test::box_content(options));
 }
 
@@ -57,8 +61,8 @@ TEST(Checksum, IsTheSameHoweverTheBytesArrive) {
 }
 
 TEST(Damage, EveryTruncationIsRefused) {
-  for (const int coupled : {0, 4}) {
-    const std::vector<std::byte> good = small_file(coupled);
+  for (const bool friction : {false, true}) {
+    const std::vector<std::byte> good = small_file(friction);
     ASSERT_TRUE(View::open(good.data(), good.size()));
     for (std::size_t size = 0; size < good.size(); ++size) {
       const OpenResult result = View::open(good.data(), size);
@@ -106,11 +110,17 @@ TEST(Damage, ATrustedOpeningReadsNoRecord) {
 
 TEST(Damage, AnotherVersionIsRefusedByItsNumber) {
   std::vector<std::byte> bytes = small_file();
-  const std::uint32_t before = 1;
-  std::memcpy(bytes.data() + offsetof(layout::FileHeader, version), &before, sizeof before);
-  mend(bytes);
-  EXPECT_STREQ(View::open(bytes.data(), bytes.size()).error,
-               "version 1, this reader knows 2: fit its scene again (palpate fit)");
+  const auto message = [&](std::uint32_t version) -> std::string {
+    std::memcpy(bytes.data() + offsetof(layout::FileHeader, version), &version, sizeof version);
+    mend(bytes);
+    return View::open(bytes.data(), bytes.size()).error;
+  };
+  EXPECT_EQ(message(2),
+            "version 2; this reader reads version 3: fit it again from its journal with `palpate fit SCENE`");
+  EXPECT_EQ(message(1),
+            "version 1; this reader reads version 3: fit it again from its journal with `palpate fit SCENE`");
+  EXPECT_EQ(message(4), "version 4; this reader reads version 3: a newer Palpate wrote it");
+  EXPECT_EQ(message(3), "");
 }
 
 TEST(Damage, TheOtherByteOrderIsRefusedByItsName) {
@@ -119,7 +129,7 @@ TEST(Damage, TheOtherByteOrderIsRefusedByItsName) {
   std::reverse(version, version + sizeof(layout::FileHeader::version));
   mend(bytes);
   EXPECT_STREQ(View::open(bytes.data(), bytes.size()).error,
-               "of the other byte order: response files and those who read them are little-endian");
+               "wrong byte order: response files are little-endian, this file is big-endian");
 }
 
 TEST(Damage, TrailingBytesAreRefused) {
@@ -149,19 +159,28 @@ TEST(Damage, GarbageAndNothingAreRefused) {
   for (const char* text : {"", "{}", "PALPATE", "solid stl"}) EXPECT_FALSE(View::open(text, std::strlen(text)));
 }
 
-// Ticks a damaged but accepted file over and into the body: forces stay numbers.
+// Evaluates a damaged but accepted file at contacts all over the body: forces stay finite.
 void expect_harmless(const View& view, std::mt19937& random) {
   std::uniform_real_distribution<double> unit(-1, 1);
+  const double depth = view.meta->depth_scale;
   for (std::uint32_t tool = 0; tool < view.meta->tool_count; ++tool) {
-    runtime::Contact contact(view, tool);
-    const runtime::Vec3 from{0.04 * unit(random), 0.04 * unit(random), 0.05};
-    const runtime::Vec3 to{0.04 * unit(random), 0.04 * unit(random), -0.01};
-    for (int i = 0; i <= 40; ++i) {
-      const auto pose =
-          runtime::Pose::from_quaternion(1, 0.2 * unit(random), 0.2 * unit(random), 0, from + (i / 40.0) * (to - from));
-      const runtime::Tick tick = contact.tick(pose);
-      ASSERT_TRUE(std::isfinite(length(tick.force)) && std::isfinite(length(tick.torque)));
+    const layout::ToolRecord& record = view.tools[tool];
+    for (int i = 0; i < 10; ++i) {
+      const runtime::BodyPoint at{static_cast<std::uint32_t>(random()) % view.meta->triangle_count, {0.2, 0.3, 0.5}};
+      runtime::ToolPoint on{0, {0.5, 0.25, 0.25}};
+      if (record.patch_count > 0) on.patch = record.first_patch + static_cast<std::uint32_t>(random()) % record.patch_count;
+      const auto pose = runtime::Pose::from_quaternion(1, 0.2 * unit(random), 0.2 * unit(random), 0, {});
+      runtime::BlendedResponse<> response;
+      response.blend(view, tool, at, on, {1, 0, 0}, &pose);
+      const runtime::Vec3 d = depth * (runtime::Vec3{unit(random), unit(random), unit(random)} - response.normal());
+      ASSERT_TRUE(finite(response.force(d)));
+      const runtime::BondedResponse<true> bonded(view, tool, at, on, &pose);
+      if (!(bonded.depth() > 0)) continue;
+      const runtime::BondedForce wrench = bonded.at(d, {0.3 * unit(random), 0.3 * unit(random), 0});
+      ASSERT_TRUE(finite(wrench.force) && finite(wrench.torque));
     }
+    const runtime::Vec3 near{0.04 * unit(random), 0.04 * unit(random), 0.05 * unit(random)};
+    ASSERT_TRUE(std::isfinite(closest_point(view, near).signed_distance));
   }
 }
 
@@ -205,7 +224,7 @@ void expect_refused_or_harmless(const std::vector<std::byte>& good) {
 
 TEST(Damage, MutationsWithAMendedChecksumAreRefusedOrHarmless) { expect_refused_or_harmless(small_file()); }
 
-TEST(Damage, MutationsOfACoupledFileAreRefusedOrHarmless) { expect_refused_or_harmless(small_file(4)); }
+TEST(Damage, MutationsOfAFrictionlessFileAreRefusedOrHarmless) { expect_refused_or_harmless(small_file(false)); }
 
 // Every rule of SPINS, broken one at a time.
 TEST(Damage, SpinsThatAreNoneAreRefused) {
@@ -223,25 +242,25 @@ TEST(Damage, SpinsThatAreNoneAreRefused) {
   const auto spins = [&](std::uint32_t vertex, std::uint32_t value) { return message(view.spins + vertex, value); };
   const std::uint32_t last = view.meta->tool_vertex_count - 1;
   EXPECT_EQ(spins(0, 1), "");
-  EXPECT_EQ(spins(0, 0), "SPINS: vertex 0: 0 spins, allowed 1 to 64 of its tool");
-  EXPECT_EQ(spins(1, 65), "SPINS: vertex 1: 65 spins, allowed 1 to 64 of its tool");
-  EXPECT_EQ(spins(1, 3), "SPINS: vertex 2: is not vertex 1 turned about its normal");
-  EXPECT_EQ(spins(2, 1), "SPINS: vertex 2: belongs to the one before");
-  EXPECT_EQ(spins(last - 1, 3), "SPINS: vertex " + std::to_string(last - 1) + ": 3 spins, allowed 1 to 64 of its tool");
+  EXPECT_EQ(spins(0, 0), "SPINS: vertex 0: 0 spins, allowed 1 to 64 and no more than its tool has vertices");
+  EXPECT_EQ(spins(1, 65), "SPINS: vertex 1: 65 spins, allowed 1 to 64 and no more than its tool has vertices");
+  EXPECT_EQ(spins(1, 3), "SPINS: vertex 2: is not vertex 1 rotated about its normal");
+  EXPECT_EQ(spins(2, 1), "SPINS: vertex 2: is a later spin of the vertex before, its count must be 0");
+  EXPECT_EQ(spins(last - 1, 3), "SPINS: vertex " + std::to_string(last - 1) + ": 3 spins, allowed 1 to 64 and no more than its tool has vertices");
   const layout::ToolVertexRecord* vertices = view.tool_vertices;
   EXPECT_EQ(message(&vertices[2].meridian, vertices[2].meridian + 1e-6f),
-            "SPINS: vertex 2: is not vertex 1 turned about its normal");
-  EXPECT_EQ(message(&vertices[2].point[1], 1e-6f), "SPINS: vertex 2: is not vertex 1 turned about its normal");
-  EXPECT_EQ(message(&view.tool_patches[1].vertex[0], 2U), "TOOL_PATCHES: patch 1 names a later spin");
-  // Without the section the bits do not fit; without tool vertices there is nothing to turn.
+            "SPINS: vertex 2: is not vertex 1 rotated about its normal");
+  EXPECT_EQ(message(&vertices[2].point[1], 1e-6f), "SPINS: vertex 2: is not vertex 1 rotated about its normal");
+  EXPECT_EQ(message(&view.tool_patches[1].vertex[0], 2U), "TOOL_PATCHES: patch 1 names a later spin of a vertex");
+  // The section does not agree with the feature bits.
   EXPECT_EQ(message(good.data() + offsetof(layout::FileHeader, features), view.features & ~layout::feature_spin),
             "section SPINS must be absent in this file");
 }
 
-TEST(Damage, ReliefsOutOfRangeAreRefused) {
+TEST(Damage, SofteningOutOfRangeIsRefused) {
   Options options;
   options.cells = 1;
-  options.relief = true;
+  options.softening = true;
   const std::vector<std::byte> good = encode(test::box_content(options));
   const View view = View::open(good.data(), good.size()).view;
   const auto message = [&](const void* at, const auto& value) -> std::string {
@@ -250,67 +269,100 @@ TEST(Damage, ReliefsOutOfRangeAreRefused) {
     mend(bytes);
     return View::open(bytes.data(), bytes.size()).error;
   };
-  const void* const relief = &view.response_head(2) + 1;
-  EXPECT_EQ(message(relief, 0.0f), "");
-  EXPECT_EQ(message(relief, 0.2f), "");
+  const void* const softening = &view.response_head(2) + 1;
+  EXPECT_EQ(message(softening, 0.0f), "");
+  EXPECT_EQ(message(softening, 0.2f), "");
   for (const float wrong : {-1e-6f, 0.2001f, std::numeric_limits<float>::quiet_NaN()}) {
-    EXPECT_EQ(message(relief, wrong), "RESPONSES: response 2: relief out of 0 to 0.2");
+    EXPECT_EQ(message(softening, wrong), "RESPONSES: response 2: slip softening out of 0 to 0.2");
   }
-  EXPECT_EQ(message(&view.meta->relief_count, 2U),
-            "META: 2 reliefs a response, allowed 1 in a file with friction, else 0");
-  EXPECT_NE(message(&view.meta->relief_count, 0U), "") << "elements of another size";
-  EXPECT_EQ(message(&view.meta->reserved, 1U), "META: reserved bytes are not zero");
+  EXPECT_EQ(message(&view.meta->softening_count, 2U),
+            "META: softening_count 2, allowed 0 or 1 with friction, 0 without");
+  EXPECT_NE(message(&view.meta->softening_count, 0U), "") << "elements of another size";
+  for (const std::uint32_t& r : view.meta->reserved) EXPECT_EQ(message(&r, 1U), "META: reserved bytes are not zero");
   options.friction = false;
   EXPECT_THROW(encode(test::box_content(options)), Error);
 }
 
-// Every rule of a coupled response, broken one at a time in one response.
-TEST(Damage, CoefficientsThatAreNotPassiveAreRefused) {
-  const std::vector<std::byte> good = small_file(4);
+// Breaks every rule of META, one at a time.
+TEST(Damage, MetaOutOfRangeIsRefused) {
+  const std::vector<std::byte> good = small_file();
   const View view = View::open(good.data(), good.size()).view;
-  const coupled::Degrees d = layout::coupled_degrees(*view.meta);
-  const coupled::Places p = coupled::places(d);
+  const layout::Meta& m = *view.meta;
+  const auto message = [&](const void* at, const auto& value) -> std::string {
+    std::vector<std::byte> bytes = good;
+    std::memcpy(bytes.data() + (static_cast<const std::byte*>(at) - good.data()), &value, sizeof value);
+    mend(bytes);
+    return View::open(bytes.data(), bytes.size()).error;
+  };
+  const std::string tangential =
+      "META: tangential_scale must be at least 1e-9 and below 1000 m with friction, 0 without";
+  for (const double wrong : {0.0, 1e-10, 1e3, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_EQ(message(&m.depth_scale, wrong), "META: depth_scale must be at least 1e-9 and below 1000 m");
+    if (wrong != 0) {
+      EXPECT_EQ(message(&m.tangential_scale, wrong), tangential);
+    }
+  }
+  EXPECT_EQ(message(&m.tangential_scale, -1e-3), tangential);
+  const auto degrees = [](const char* four, const char* rule) {
+    return std::string("META: degrees ") + four + " (normal, bias, stiffness, friction): " + rule;
+  };
+  EXPECT_EQ(message(&m.tangential_scale, 0.0),
+            degrees("5, 4, 3, 2", "stiffness_degree and friction_degree must be 0 in a frictionless file"));
+  EXPECT_EQ(message(&m.normal_degree, 1U), degrees("1, 4, 3, 2", "normal_degree must be 2 to 6"));
+  EXPECT_EQ(message(&m.bias_degree, 1U), degrees("5, 1, 3, 2", "bias_degree must be 0 or 2 to 6"));
+  EXPECT_EQ(message(&m.stiffness_degree, 7U), degrees("5, 4, 7, 2", "stiffness_degree must be 0 or 2 to 6"));
+  EXPECT_EQ(message(&m.friction_degree, 0xffffffffU),
+            degrees("5, 4, 3, 4294967295", "friction_degree must be 0 to 6"));
+  EXPECT_EQ(message(&m.bonded_coefs, 3U), "META: 3 coefficients of a curve of BONDED, allowed 4 to 32 or 0");
+  EXPECT_EQ(message(&m.subdivision, 0U), "META: subdivision 0, allowed 1 to 1024");
+  EXPECT_NE(message(&m.response_count, 1U).find("META: response count 1 is not "), std::string::npos);
+}
+
+// Breaks every rule of a response's coefficients, one at a time in one response.
+TEST(Damage, CoefficientsThatAreNotPassiveAreRefused) {
+  const std::vector<std::byte> good = small_file();
+  const View view = View::open(good.data(), good.size()).view;
+  const response::Degrees d = response::degrees(*view.meta);
+  const response::Offsets o = response::offsets(d);
   const auto message = [&](int index, std::int16_t value) -> std::string {
     std::vector<std::byte> bytes = good;
-    const auto at = reinterpret_cast<const std::byte*>(view.coupled_law(2)) + sizeof(float) + 2 * index - good.data();
+    const auto at =
+        reinterpret_cast<const std::byte*>(view.packed_coefficients(2)) + sizeof(float) + 2 * index - good.data();
     std::memcpy(bytes.data() + at, &value, sizeof value);
     mend(bytes);
     return View::open(bytes.data(), bytes.size()).error;
   };
-  EXPECT_EQ(message(p.stiffness, 8000), "");
+  EXPECT_EQ(message(o.stiffness, 8000), "");
   const std::string passive =
-      "RESPONSES: response 2: stiffness and coupling break the inequalities that make it passive";
+      "RESPONSES: response 2: stiffness and coupling break the passivity inequalities -K' <= A <= K'";
   EXPECT_EQ(message(0, -1), "RESPONSES: response 2: the normal force must start at zero and not decrease");
   EXPECT_EQ(message(1, 0), "RESPONSES: response 2: the normal force must start at zero and not decrease");
   for (int k = 0; k <= d.stiffness; ++k) {
-    EXPECT_EQ(message(p.stiffness + 3 * k, 0), passive) << k;
-    EXPECT_EQ(message(p.stiffness + 3 * k + 1, 9000), passive) << k;
-    EXPECT_EQ(message(p.stiffness + 3 * k + 2, -9000), passive) << k;
+    EXPECT_EQ(message(o.stiffness + 3 * k, 0), passive) << k;
+    EXPECT_EQ(message(o.stiffness + 3 * k + 1, 9000), passive) << k;
+    EXPECT_EQ(message(o.stiffness + 3 * k + 2, -9000), passive) << k;
   }
-  for (int k = p.coupling; k < p.cubic; ++k) {
+  for (int k = o.coupling; k < o.friction; ++k) {
     EXPECT_EQ(message(k, 9000), passive) << k;
     EXPECT_EQ(message(k, -9000), passive) << k;
   }
-  for (int k = p.cubic; k < p.limit; ++k) EXPECT_EQ(message(k, 2000), passive) << k;
-  for (int k = p.limit; k < p.end; ++k) {
-    EXPECT_EQ(message(k, -1), "RESPONSES: response 2: the friction limit is out of 0 to 10") << k;
-    EXPECT_EQ(message(k, 32001), "RESPONSES: response 2: the friction limit is out of 0 to 10") << k;
+  for (int k = o.friction; k < o.end; ++k) {
+    EXPECT_EQ(message(k, -1), "RESPONSES: response 2: the friction coefficient is out of 0 to 10") << k;
+    EXPECT_EQ(message(k, 32001), "RESPONSES: response 2: the friction coefficient is out of 0 to 10") << k;
   }
-  if (p.end % 2 != 0) {
-    EXPECT_EQ(message(p.end, 1), "RESPONSES: response 2: padding is not zero");
-  }
+  ASSERT_NE(o.end % 2, 0);
+  EXPECT_EQ(message(o.end, 1), "RESPONSES: response 2: padding is not zero");
 }
 
 TEST(Damage, BitsOutOfRangeAndPackedPaddingAreRefused) {
   Options options;
   options.cells = 1;
-  options.lateral = false;
-  options.coupled = 2;
-  options.bits = 12;  // 22 of them: a byte is left over
+  options.bias = false;
+  options.bits = 12;  // 22 coefficients: one byte is left over
   const std::vector<std::byte> good = encode(test::box_content(options));
   const View view = View::open(good.data(), good.size()).view;
-  const coupled::Degrees d = layout::coupled_degrees(*view.meta);
-  const std::uint32_t packed = static_cast<std::uint32_t>(coupled::places(d).limit) * 12;
+  const response::Offsets o = response::offsets(response::degrees(*view.meta));
+  const std::uint32_t packed = static_cast<std::uint32_t>(o.friction) * 12;
   const auto message = [&](const unsigned char* at, unsigned char value) -> std::string {
     std::vector<std::byte> bytes = good;
     bytes[static_cast<std::size_t>(reinterpret_cast<const std::byte*>(at) - good.data())] = std::byte{value};
@@ -320,12 +372,12 @@ TEST(Damage, BitsOutOfRangeAndPackedPaddingAreRefused) {
   const auto* const bits = reinterpret_cast<const unsigned char*>(&view.meta->coef_bits);
   for (const int wrong : {0, 1, 10, 32}) {
     EXPECT_EQ(message(bits, static_cast<unsigned char>(wrong)),
-              "META: " + std::to_string(wrong) + " bits a coefficient, allowed 8, 12 or 16 in a coupled file, else 0");
+              "META: " + std::to_string(wrong) + " bits a coefficient, allowed 8, 12 or 16");
   }
   EXPECT_NE(message(bits, 8), "") << "elements of another size";
-  const unsigned char* const law = view.coupled_law(2);
+  const unsigned char* const law = view.packed_coefficients(2);
   ASSERT_NE(packed % 16, 0U);
-  EXPECT_EQ(message(law + layout::coupled_limit_offset(coupled::places(d), 12) - 1, 0x80),
+  EXPECT_EQ(message(law + layout::friction_offset(o, 12) - 1, 0x80),
             "RESPONSES: response 2: padding is not zero");
   EXPECT_EQ(message(law + 5, 8), "RESPONSES: response 2: the normal force must start at zero and not decrease");
 }

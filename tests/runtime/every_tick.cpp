@@ -2,7 +2,7 @@
 // Compiled without exceptions and RTTI, and looked into: what it leaves to the linker is what a tick needs.
 #include "tests/runtime/every_tick.hpp"
 
-#include "palpate/runtime.hpp"
+#include "palpate/palpate.hpp"
 #include "tests/runtime/wandering.hpp"
 
 namespace palpate::test {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Opens a file and ticks with the features FEATURES alone, without a virtual coupling: compiled with all and with none,
 // and looked into.
-#include "palpate/runtime.hpp"
+#include "palpate/palpate.hpp"
 
 using namespace palpate::runtime;
 

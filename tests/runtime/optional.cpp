@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a program may name beside a contact: a function for each, of which a linker keeps one. Compiled without
 // inlining, so that whatever it calls has a symbol.
-#include "palpate/runtime.hpp"
+#include "palpate/palpate.hpp"
 
 using namespace palpate::runtime;
 

@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <cstdio>
 
-#include "palpate/mapped_file.hpp"
+#include "palpate/format/mapped_file.hpp"
 #include "tests/runtime/every_tick.hpp"
 
 namespace {

@@ -4,10 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 #include <vector>
 
-#include "palpate/runtime.hpp"
+#include "palpate/palpate.hpp"
 #include "tests/support/response_samples.hpp"
 
 namespace palpate::test {
@@ -60,6 +61,34 @@ inline Pose turned(double angle, const Vec3& axis, const Vec3& translation) {
 inline Pose probing(double t) {
   const double depth = 0.003 * std::sin(2 * t), aside = 0.004 * std::sin(5 * t);
   return upright({aside, 0.3 * aside, kTop + kTipRadius - depth});
+}
+
+/// Tip centre (m) at a depth in the top of the box.
+inline Vec3 centre(double depth, double x = 0, double y = 0) { return {x, y, kTop + kTipRadius - depth}; }
+
+/// A box with one response everywhere, whose normal indentations have no tangential force.
+inline Options flat(bool friction = true) {
+  Options options = uniform();
+  options.bias = false;
+  options.friction = friction;
+  return options;
+}
+
+/// Moves a contact in a straight line in steps of at most `step` (m) and calls see(pose, tick) for every tick.
+template <class Contact, class See>
+void move(Contact& contact, const Vec3& from, const Vec3& to, double step, const See& see) {
+  const int steps = static_cast<int>(std::ceil(length(to - from) / step));
+  for (int i = 1; i <= steps; ++i) {
+    const Pose pose = upright(from + (i / static_cast<double>(steps)) * (to - from));
+    see(pose, contact.tick(pose));
+  }
+}
+/// Returns the last tick.
+template <class Contact>
+Tick move(Contact& contact, const Vec3& from, const Vec3& to, double step = 2e-5) {
+  Tick last;
+  move(contact, from, to, step, [&](const Pose&, const Tick& tick) { last = tick; });
+  return last;
 }
 
 inline Vec3 random_direction(std::mt19937& random) {

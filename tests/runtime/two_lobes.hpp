@@ -39,7 +39,7 @@ inline ResponseFileContent two_lobes(Options options) {
 inline Options smooth(bool friction, Options::Tools tools = Options::Tools::sphere) {
   Options options = uniform();
   options.friction = friction;
-  options.lateral = false;
+  options.bias = false;
   options.subdivision = 3;
   options.search = true;
   options.tools = tools;

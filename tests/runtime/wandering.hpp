@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "palpate/math3.hpp"
+#include "palpate/math/pose.hpp"
 
 namespace palpate::test {
 

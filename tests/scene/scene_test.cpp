@@ -196,7 +196,6 @@ friction_limit = "solved"
 max_refused = 0.1
 within_box = {min = [0, 0, 0], max = [1, 1, 1]}
 [response]
-model = "separable"
 search = "bvh"
 tolerance = 0.03
 [solver]
@@ -369,15 +368,29 @@ TEST_F(SceneTest, CanonicalTextFollowsResultsNotPathsNorNames) {
   const std::string stem = "[tool]\nshape = \"capsule\"\n";
   EXPECT_EQ(solves(stem), solves(stem + "spins = 1\n"));
   EXPECT_NE(solves(stem), solves(stem + "spins = 8\n"));
-  // The coupled model is fitted to other solves; its order and tolerance only to what is made of them.
-  const std::string coupled = "[response]\nmodel = \"coupled\"\n";
-  EXPECT_NE(solves(""), solves(coupled));
-  EXPECT_NE(solves(coupled), solves(coupled + "path_share = 0.5\n"));
-  EXPECT_EQ(solves(coupled), solves(coupled + "order = 3\ntolerance = 0.01\n"));
-  EXPECT_EQ(solves(""), solves("[response]\nmodel = \"linear\"\n"));
-  EXPECT_NE(canonical_text(read(base + coupled)), canonical_text(read(base + coupled + "order = 3\n")));
+  EXPECT_NE(solves(""), solves("[response]\npath_share = 0.5\n"));
+  const std::string frictionless = "[body]\nsurface = \"a.ply\"\n";
+  EXPECT_EQ(canonical_text(read(frictionless), CanonicalScope::solves),
+            canonical_text(read(frictionless + "[response]\npath_share = 0.5\n"), CanonicalScope::solves));
   // Nothing of the machine is in it.
   EXPECT_EQ(text.find(folder_.path().string()), std::string::npos);
+}
+
+TEST_F(SceneTest, EarlierTextsHaveTheEarlierDefaults) {
+  const std::string base = "[body]\nsurface = \"a.ply\"\n[contact]\nfriction = 0.1\n";
+  const auto contains = [](const std::vector<std::string>& texts, const std::string& text) {
+    return std::find(texts.begin(), texts.end(), text) != texts.end();
+  };
+  const Scene scene = read(base);
+  const std::vector<std::string> earlier = earlier_canonical_texts(scene);
+  EXPECT_EQ(earlier.size(), 3U);
+  EXPECT_TRUE(contains(earlier, canonical_text(read(base + "[sampling]\ntangential_depths = 2\n"),
+                                               CanonicalScope::solves)));
+  std::size_t without_paths = 0;
+  for (const std::string& text : earlier) without_paths += text.find("sampling.coupled") == std::string::npos ? 1 : 0;
+  EXPECT_EQ(without_paths, 2U);
+  EXPECT_FALSE(contains(earlier, canonical_text(scene, CanonicalScope::solves)));
+  EXPECT_EQ(earlier_canonical_texts(read(base + "[sampling]\ntangential_depths = 4\n")).size(), 1U);
 }
 
 }  // namespace

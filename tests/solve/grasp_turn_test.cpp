@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Torques of a turned tool on a bonded contact, against closed forms of rigid discs on a half-space.
 #include "formats/response.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/format/open.hpp"
+#include "palpate/contact/bonded_contact.hpp"
 #include "precompute/fit/turn_fit.hpp"
 #include "tests/support/press.hpp"
 #include "tests/support/response_samples.hpp"
@@ -19,21 +20,21 @@ constexpr double kYoung = 5e3, kPoisson = 0.49, kShear = kYoung / (2 * (1 + kPoi
 // A file whose every response is fitted to these grasped samples.
 std::vector<std::byte> file_of(const std::vector<Sample>& samples, double depth) {
   test::ResponseSampleOptions options;
-  options.uniform = options.grasp = options.turn = true;
-  options.friction = options.lateral = false;
+  options.uniform = options.bonded = options.bonded_torque = true;
+  options.friction = options.bias = false;
   ResponseFileContent content = test::box_content(options);
   content.depth_scale = depth;
   for (ResponseSite& s : content.sites) s.depth_limit = depth;
-  content.grasp_coefs = fit::kGraspCoefs;
+  content.bonded_coefs = fit::kGraspCoefs;
   const fit::GraspCurves grasp = fit::fit_grasp(samples, depth, "punch");
   const fit::TurnCurves turn = fit::fit_turns(samples, grasp, depth, "punch");
   for (Response& r : content.responses) {
     r.depth_limit = depth;
-    r.grasp_depth = grasp.depth;
-    r.grasp_pulled = grasp.pulled;
-    r.grasp.assign(grasp.curves.begin(), grasp.curves.end());
-    r.turned = turn.turned;
-    r.turn.assign(turn.curves.begin(), turn.curves.end());
+    r.bonded_depth = grasp.depth;
+    r.bonded_pulled = grasp.pulled;
+    r.bonded.assign(grasp.curves.begin(), grasp.curves.end());
+    r.rotated = turn.turned;
+    r.bonded_torque.assign(turn.curves.begin(), turn.curves.end());
   }
   return encode(content);
 }
@@ -78,14 +79,14 @@ TEST(TurnedPunch, AnswersTwistAndRollingAsARigidDisc) {
   const std::vector<std::byte> bytes = file_of(r.samples, depth);
   const runtime::OpenResult opened = runtime::View::open(bytes.data(), bytes.size());
   ASSERT_TRUE(opened) << opened.error;
-  const runtime::Location top = runtime::locate(opened.view, {0, 0, test::kBoxSize / 4});
-  const runtime::TurnField field(opened.view, 0, top.at, {});
+  const runtime::Location top = closest_point(opened.view, {0, 0, test::kBoxSize / 4});
+  const runtime::BondedResponse<true> response(opened.view, 0, top.at, {});
   for (const double angle : {-0.0003, 0.0004}) {
     for (const double z : {0.1 * depth, 0.4 * depth}) {
-      EXPECT_NEAR(field.answer({0, 0, -z}, {0, 0, angle}).torque.z / (-angle * twist), 1.0, 0.04);
-      EXPECT_NEAR(field.answer({0, 0, -z}, {0, angle, 0}).torque.y / (-angle * roll), 1.0, 0.04);
+      EXPECT_NEAR(response.at({0, 0, -z}, {0, 0, angle}).torque.z / (-angle * twist), 1.0, 0.04);
+      EXPECT_NEAR(response.at({0, 0, -z}, {0, angle, 0}).torque.y / (-angle * roll), 1.0, 0.04);
       const double oblique = angle / std::sqrt(2.0);
-      EXPECT_NEAR(field.answer({0, 0, -z}, {oblique, 0, oblique}).torque.z / (-oblique * twist), 1.0, 0.04);
+      EXPECT_NEAR(response.at({0, 0, -z}, {oblique, 0, oblique}).torque.z / (-oblique * twist), 1.0, 0.04);
     }
   }
 }

@@ -162,8 +162,10 @@ inline ResponseFileContent concave_content(const ConcaveShape& shape, const Resp
 
 /// The same friction coefficient at every place.
 inline void set_friction(ResponseFileContent& content, double mu) {
+  const response::Offsets o = response::offsets(content.degrees);
   for (Response& r : content.responses) {
-    std::fill(r.friction.begin(), r.friction.end(), static_cast<float>(mu));
+    std::fill(r.coefficients.begin() + o.friction, r.coefficients.end(),
+              static_cast<std::int16_t>(std::lround(mu / layout::kFrictionUnit)));
   }
 }
 

@@ -12,64 +12,37 @@
 #include <vector>
 
 #include "formats/response.hpp"
-#include "palpate/spline.hpp"
+#include "palpate/format/spline.hpp"
 
 namespace palpate::test {
 
 /// What a sample file holds.
 struct ResponseSampleOptions {
   bool friction = true;
-  bool lateral = true;
-  bool uniform = false;  ///< every site answers alike
+  bool bias = true;            ///< normal indentations have a tangential force; none where `uniform`
+  bool uniform = false;        ///< all sites have the same response
   bool search = false;
-  int coupled = 0;          ///< order of the coupled model; 0: separable
-  bool spring = false;      ///< the coupled model's leanest
-  std::uint32_t bits = 16;  ///< of the coupled model's coefficients: 8, 12 or 16
-  bool rim = false;         ///< contacts slip in part
-  bool relief = false;      ///< and push less where they slip
-  bool grasp = false;       ///< the first tool holds on
-  bool turn = false;        ///< and turns of it have a torque
-  int spins = 1;            ///< of every point of capsule and mesh but the capsule's pole
+  bool spring = false;         ///< the linear spring, response::kSpring
+  std::uint32_t bits = 16;     ///< of a coefficient: 8, 12 or 16
+  bool softening = false;      ///< contacts that slip have less normal force
+  bool bonded = false;         ///< the first tool bonds to the body
+  bool bonded_torque = false;  ///< and it was rotated
+  int spins = 1;               ///< of every point of capsule and mesh but the capsule's pole
   std::uint32_t subdivision = 1;
   int cells = 4;  ///< box: cells along an edge
   enum class Tools { sphere, capsule, mesh, all } tools = Tools::sphere;
 };
 
-inline constexpr double kDepthScale = 0.005, kSidewaysScale = 0.002, kTipRadius = 0.005, kStemLength = 0.03;
+inline constexpr double kDepthScale = 0.005, kTangentialScale = 0.002, kTipRadius = 0.005, kStemLength = 0.03;
 inline constexpr double kBoxSize = 0.06, kBallRadius = 0.03;
 inline constexpr double kHertzForce = 2.0;  ///< N at the depth scale
-/// N/m, of a grasp along the normal and sideways, there where it is neither deep nor pulled.
-inline constexpr double kGraspStiffness = 500.0, kGraspSideways = 300.0;
-/// N m, of a twist and of a roll; N, of the force of a roll; rad, how far it was turned.
-inline constexpr double kTwistStiffness = 6e-3, kRollStiffness = 4e-3, kRollForce = 0.4, kTurned = 0.2;
-
-inline constexpr double kRelief = 0.04;  ///< as over a thin layer
-/// Nearest to Cattaneo and Mindlin: within 0.029 of their law.
-inline constexpr double kRimShare = 0.3738, kRimLimit = 0.4140;
+/// N/m, of a bonded contact along the normal and across it, at depth 0.
+inline constexpr double kBondedStiffness = 500.0, kBondedTangential = 300.0;
+/// N m, of a twist and of a roll; N, force of a roll; rad, angle of rotation.
+inline constexpr double kTwistStiffness = 6e-3, kRollStiffness = 4e-3, kRollForce = 0.4, kRotated = 0.2;
+inline constexpr double kSoftening = 0.04;  ///< share of F, as over a thin layer
 
 namespace sample_detail {
-
-inline double knot(int count, int i) { return std::clamp(i - 3, 0, count - 3) / (count - 3.0); }
-
-/// Coefficients whose spline is s, s^2 or s^3 exactly (blossoms of the monomials).
-inline std::vector<float> monomial(int count, int power, double scale) {
-  std::vector<float> c;
-  for (int i = 0; i < count; ++i) {
-    const double a = knot(count, i + 1), b = knot(count, i + 2), d = knot(count, i + 3);
-    const double value = power == 1 ? (a + b + d) / 3 : power == 2 ? (a * b + b * d + d * a) / 3 : a * b * d;
-    c.push_back(static_cast<float>(scale * value));
-  }
-  return c;
-}
-
-/// Falling, skewed, 0 at the middle: 7 coefficients.
-inline std::vector<float> falling(double stiffness, double skew) {
-  std::vector<float> c(7);
-  const double u[] = {1.0, 0.8, 0.35, 0, -0.35, -0.8, -1.0};
-  for (int i = 0; i < 7; ++i) c[i] = static_cast<float>(stiffness * u[i] * (u[i] > 0 ? 1 + skew : 1));
-  c[3] = -(c[2] + c[4]) / 4;  // the value at the middle knot is (c2 + 4 c3 + c4) / 6
-  return c;
-}
 
 inline Triple scaled(const Triple& v, double s) { return {v[0] * s, v[1] * s, v[2] * s}; }
 inline Triple normalised(const Triple& v) { return scaled(v, 1 / std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])); }
@@ -145,70 +118,74 @@ inline void add_spins(ResponseFileContent& content, int spins) {
   }
 }
 
-/// The same push as the curves', a sideways stiffness that grows like s, its coupling, a little of every other family.
-inline void add_coupled(ResponseFileContent& content, const ResponseSampleOptions& options) {
-  const coupled::Degrees d =
-      options.spring
-          ? coupled::kSpring
-          : coupled::Degrees{options.coupled, 5, options.lateral ? 4 : 0, 3, options.coupled > 2 ? 1 : 0, 0, 2};
-  const coupled::Places p = coupled::places(d);
+/// F is 0.9 s^3 + 0.1 s^2 times kHertzForce, K grows like s, mu is 0.3. Each response differs a little from the others
+/// unless the file is uniform.
+inline void add_responses(ResponseFileContent& content, const ResponseSampleOptions& options) {
+  const int bias = options.bias ? 4 : 0;
+  const response::Degrees d = options.spring     ? response::kSpring
+                              : options.friction ? response::Degrees{5, bias, 3, 2, true}
+                                                 : response::Degrees{5, bias, 0, 0, false};
+  const response::Offsets o = response::offsets(d);
   content.depth_scale = kDepthScale;
-  content.sideways_scale = kSidewaysScale;
-  content.normal_coefs = 0;
-  content.coupled = d;
-  content.coupled_bits = options.bits;
+  content.tangential_scale = d.friction_families ? kTangentialScale : 0;
+  content.degrees = d;
+  content.coef_bits = options.bits;
+  content.slip_softening = options.softening;
   const double units = options.bits == 16 ? 1e4 : options.bits == 12 ? 1500 : 100;  // kHertzForce
   const std::size_t count = content.sites.size() * content.tool_vertex_count();
   for (std::size_t i = 0; i < count; ++i) {
     const double vary = options.uniform ? 0 : 0.2 * std::sin(1.7 * static_cast<double>(i));
     Response r;
     r.depth_limit = kDepthScale * (options.uniform ? 1 : 0.9 + 0.1 * std::cos(static_cast<double>(i)));
-    r.flags = i % 7 == 3 && !options.uniform ? layout::response_covered : layout::response_solved;
+    r.flags = i % 7 == 3 && !options.uniform ? layout::response_filled : layout::response_solved;
     r.unit = static_cast<float>(kHertzForce / units);
-    std::vector<double> c(static_cast<std::size_t>(p.end));
-    for (int k = 2; k <= d.push; ++k) {
-      c[k - 2] = (0.9 * coupled::binomial(k, 3) / coupled::binomial(5, 3) +
-                  0.1 * coupled::binomial(k, 2) / coupled::binomial(std::min(d.push, 5), 2)) *
+    std::vector<double> c(static_cast<std::size_t>(o.end));
+    for (int k = 2; k <= d.normal; ++k) {
+      c[k - 2] = (0.9 * response::binomial(k, 3) / response::binomial(5, 3) +
+                  0.1 * response::binomial(k, 2) / response::binomial(std::min(d.normal, 5), 2)) *
                  (1 + vary);
     }
-    for (int k = p.straight; k < p.stiffness; ++k) c[k] = options.uniform ? 0 : 0.1 * vary * (k % 2 == 0 ? 1 : -0.5);
-    for (int k = 0; k <= d.stiffness; ++k) {
-      c[p.stiffness + 3 * k] = 0.75 * (1 - vary);
-      c[p.stiffness + 3 * k + 1] = 0.05;
-      c[p.stiffness + 3 * k + 2] = -0.04;
+    for (int k = o.bias; k < o.stiffness; ++k) c[k] = options.uniform ? 0 : 0.1 * vary * (k % 2 == 0 ? 1 : -0.5);
+    for (int k = 0; d.friction_families && k <= d.stiffness; ++k) {
+      c[o.stiffness + 3 * k] = 0.75 * (1 - vary);
+      c[o.stiffness + 3 * k + 1] = 0.05;
+      c[o.stiffness + 3 * k + 2] = -0.04;
     }
-    for (int k = 2; k <= d.stiffness; ++k) c[p.coupling + 3 * (k - 2)] = -0.2;
-    for (int k = p.cubic; k < p.limit; ++k) c[k] = options.uniform ? 0 : 0.004 * (k % 3 - 1);
-    for (std::size_t k = 0; k < c.size(); ++k) {
-      r.coupled.push_back(
-          static_cast<std::int16_t>(std::lround(static_cast<int>(k) < p.limit ? units * c[k] : 0.3 * 3200)));
+    for (int k = 2; d.friction_families && k <= d.stiffness; ++k) c[o.coupling + 3 * (k - 2)] = -0.2;
+    for (int k = 0; k < o.end; ++k) {
+      const double whole = k < o.friction ? units * c[static_cast<std::size_t>(k)] : 0.3 / layout::kFrictionUnit;
+      r.coefficients.push_back(static_cast<std::int16_t>(std::lround(whole)));
+    }
+    if (options.softening) {
+      const double change = options.uniform ? 0 : 0.5 * std::sin(2.3 * static_cast<double>(i));
+      r.softening = static_cast<float>(kSoftening * (1 + change));
     }
     content.responses.push_back(r);
   }
   content.provenance = R"({"generator": "test"})";
 }
 
-/// A straight line along the normal, and a sideways stiffness that grows with the depth; of uniform files as large in
-/// all directions.
-inline void add_grasps(ResponseFileContent& content, const ResponseSampleOptions& options) {
+/// The normal force is linear in the depth, and the tangential stiffness grows with the depth. It is isotropic in
+/// uniform files.
+inline void add_bonded(ResponseFileContent& content, const ResponseSampleOptions& options) {
   constexpr int n = 6;
-  content.grasp_coefs = n;
-  const double range = layout::kGraspRange * kDepthScale;
+  content.bonded_coefs = n;
+  const double range = layout::kBondedRange * kDepthScale;
   const std::size_t vertices = content.tool_vertex_count();
   for (std::size_t i = 0; i < content.responses.size(); ++i) {
     Response& r = content.responses[i];
-    r.grasp.assign(6 * n, 0.0f);
+    r.bonded.assign(6 * n, 0.0f);
     if (i % vertices >= content.tools.front().vertices.size()) continue;
     const double vary = options.uniform ? 0 : 0.2 * std::sin(1.3 * static_cast<double>(i));
-    r.grasp_depth = r.depth_limit / 2;
-    r.grasp_pulled = r.depth_limit;
-    const auto set = [&](int curve, int k, double value) { r.grasp[curve * n + k] = static_cast<float>(value); };
+    r.bonded_depth = r.depth_limit / 2;
+    r.bonded_pulled = r.depth_limit;
+    const auto set = [&](int curve, int k, double value) { r.bonded[curve * n + k] = static_cast<float>(value); };
     for (int k = 0; k < n; ++k) {
       const double z = range * (2 * spline::greville(n, k) - 1);
-      const double grows = kGraspSideways * (1 + 0.1 * std::clamp(k, 1, n - 2));
+      const double grows = kBondedTangential * (1 + 0.1 * std::clamp(k, 1, n - 2));
       set(0, k, 20 * vary * z);
       set(1, k, -10 * vary * z);
-      set(2, k, kGraspStiffness * (1 + vary) * z);
+      set(2, k, kBondedStiffness * (1 + vary) * z);
       set(3, k, grows * (1 + vary));
       set(4, k, 0.3 * grows * vary);
       set(5, k, grows * (1 - vary));
@@ -216,87 +193,37 @@ inline void add_grasps(ResponseFileContent& content, const ResponseSampleOptions
   }
 }
 
-/// A round tip's: a roll about y pushes along x. Of files that are not uniform every entry is there.
-inline void add_turns(ResponseFileContent& content, const ResponseSampleOptions& options) {
-  const auto n = static_cast<int>(content.grasp_coefs);
-  content.turns = true;
+/// As of a round tip: a roll about y has a force along x. Files that are not uniform have every entry.
+inline void add_bonded_torque(ResponseFileContent& content, const ResponseSampleOptions& options) {
+  const auto n = static_cast<int>(content.bonded_coefs);
+  content.has_bonded_torque = true;
   for (std::size_t i = 0; i < content.responses.size(); ++i) {
     Response& r = content.responses[i];
-    r.turn.assign(layout::kTurnCurves * content.grasp_coefs, 0.0f);
-    if (!(r.grasp_depth > 0)) continue;
+    r.bonded_torque.assign(layout::kTorqueCurves * content.bonded_coefs, 0.0f);
+    if (!(r.bonded_depth > 0)) continue;
     const double vary = options.uniform ? 0 : 0.2 * std::sin(1.1 * static_cast<double>(i));
-    r.turned = kTurned;
-    const double turn[12] = {kRollStiffness * (1 + vary), 0.3 * vary * kRollStiffness,  kRollStiffness * (1 - vary),
-                             0.2 * vary * kRollStiffness, -0.1 * vary * kRollStiffness, kTwistStiffness,
-                             0.2 * vary * kRollForce,     kRollForce * (1 + vary),      0.1 * vary * kRollForce,
-                             -kRollForce * (1 - vary),    0.1 * vary * kRollForce,      -0.2 * vary * kRollForce};
+    r.rotated = kRotated;
+    const double rotation[12] = {
+        kRollStiffness * (1 + vary),  0.3 * vary * kRollStiffness, kRollStiffness * (1 - vary),
+        0.2 * vary * kRollStiffness,  -0.1 * vary * kRollStiffness, kTwistStiffness,
+        0.2 * vary * kRollForce,      kRollForce * (1 + vary),      0.1 * vary * kRollForce,
+        -kRollForce * (1 - vary),     0.1 * vary * kRollForce,      -0.2 * vary * kRollForce};
     for (int k = 0; k < n; ++k) {
       const double z = 2 * spline::greville(n, k) - 1, grows = 1 + 0.1 * std::clamp(k, 1, n - 2);
-      const auto set = [&](int curve, double value) { r.turn[curve * n + k] = static_cast<float>(value); };
+      const auto set = [&](int curve, double value) { r.bonded_torque[curve * n + k] = static_cast<float>(value); };
       for (int j = 0; j < 3; ++j) set(j, 1e-4 * vary * (1 - 2 * j) * (1 + z));
-      for (int j = 0; j < 12; ++j) set(3 + j, grows * turn[j]);
+      for (int j = 0; j < 12; ++j) set(3 + j, grows * rotation[j]);
     }
   }
 }
 
-/// Fn = hertz (0.9 s^3 + 0.1 s^2), g = s, skewed phi, mu about 0.3; each response a little different.
-inline void add_separable(ResponseFileContent& content, const ResponseSampleOptions& options) {
-  content.depth_scale = kDepthScale;
-  content.sideways_scale = options.friction ? kSidewaysScale : 0;
-  content.normal_coefs = 10;
-  content.lateral_coefs = options.lateral ? 6 : 0;
-  content.growth_coefs = options.friction ? 5 : 0;
-  content.sideways_coefs = options.friction ? 7 : 0;
-  content.friction_coefs = options.friction ? 4 : 0;
-  const std::size_t count = content.sites.size() * content.tool_vertex_count();
-  for (std::size_t i = 0; i < count; ++i) {
-    const double vary = options.uniform ? 0 : 0.2 * std::sin(1.7 * static_cast<double>(i));
-    Response r;
-    r.depth_limit = kDepthScale * (options.uniform ? 1 : 0.9 + 0.1 * std::cos(static_cast<double>(i)));
-    r.flags = i % 7 == 3 && !options.uniform ? layout::response_covered : layout::response_solved;
-    const std::vector<float> cubic = monomial(10, 3, 0.9 * kHertzForce * (1 + vary));
-    const std::vector<float> square = monomial(10, 2, 0.1 * kHertzForce * (1 + vary));
-    for (int k = 0; k < 10; ++k) r.normal.push_back(cubic[k] + square[k]);
-    if (options.lateral) {
-      r.lateral_x = monomial(6, 3, options.uniform ? 0 : 0.1 * vary * kHertzForce);
-      r.lateral_y = monomial(6, 2, options.uniform ? 0 : -0.05 * vary * kHertzForce);
-    }
-    if (options.friction) {
-      r.growth_x = monomial(5, 1, 1.0);
-      r.growth_y = monomial(5, 1, 0.9);
-      r.sideways_x = falling(1.5 * (1 + vary), 0.2);
-      r.sideways_y = falling(1.2 * (1 - vary), 0.0);
-      for (const double mu : {0.30, 0.31, 0.33, 0.36}) r.friction.push_back(static_cast<float>(mu * (1 + vary)));
-    }
-    content.responses.push_back(r);
-  }
-  content.provenance = R"({"generator": "test"})";
-}
-
-inline void add_responses(ResponseFileContent& content, const ResponseSampleOptions& options) {
-  if (options.rim) {
-    content.rim_share = kRimShare;
-    content.rim_limit = kRimLimit;
-  }
-  if (options.coupled > 0 || options.spring) {
-    add_coupled(content, options);
-  } else {
-    add_separable(content, options);
-  }
-  content.reliefs = options.relief;
-  for (std::size_t i = 0; options.relief && i < content.responses.size(); ++i) {
-    const double vary = options.uniform ? 0 : 0.5 * std::sin(2.3 * static_cast<double>(i));
-    content.responses[i].relief = static_cast<float>(kRelief * (1 + vary));
-  }
-}
-
-/// To sites, patches and contact surface the tools, responses and the search.
+/// Adds tools, responses and the search tree to sites, patches and contact surface.
 inline void add_rest(ResponseFileContent& content, const ResponseSampleOptions& options) {
   add_tools(content, options.tools);
   add_spins(content, options.spins);
   add_responses(content, options);
-  if (options.grasp) add_grasps(content, options);
-  if (options.turn) add_turns(content, options);
+  if (options.bonded) add_bonded(content, options);
+  if (options.bonded_torque) add_bonded_torque(content, options);
   if (options.search) add_search(content);
 }
 

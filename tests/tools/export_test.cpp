@@ -11,7 +11,8 @@
 
 #include "formats/surface_fields.hpp"
 #include "formats/surface_io.hpp"
-#include "palpate/runtime.hpp"
+#include "palpate/format/open.hpp"
+#include "palpate/response/interpolation.hpp"
 #include "tests/cli/palpate_program.hpp"
 #include "tests/support/response_samples.hpp"
 
@@ -68,7 +69,17 @@ protected:
 
 double number(const std::map<std::string, std::string>& row, const char* name) { return std::stod(row.at(name)); }
 
-// Not by the runtime's blend: each row from the coefficients that were written.
+/// Bernstein's polynomial of a response, its stored coefficients from `first` on, every `stride`-th.
+double polynomial(const Response& r, int begin, int stride, int first, int degree, double s, double unit) {
+  double sum = 0;
+  for (int k = first; k <= degree; ++k) {
+    sum += unit * r.coefficients[static_cast<std::size_t>(begin + stride * (k - first))] * response::binomial(degree, k) *
+           std::pow(s, k) * std::pow(1 - s, degree - k);
+  }
+  return sum;
+}
+
+// Each row follows from the coefficients that were written.
 TEST_F(Export, CurvesAreTheFilesCoefficients) {
   Options options;
   options.cells = 1;
@@ -79,70 +90,43 @@ TEST_F(Export, CurvesAreTheFilesCoefficients) {
   ASSERT_EQ(table.size(), responses * 21);
   EXPECT_EQ(json_["rows"], table.size());
   EXPECT_EQ(json_["responses"], responses);
-  EXPECT_EQ(json_["responses_left_out"], 0);
   const std::map<std::string, std::size_t> first{{"\"ball\"", 0}, {"\"rod\"", 1}, {"\"gem\"", 5}};
+  const response::Degrees& d = content_.degrees;
+  const response::Offsets o = response::offsets(d);
   std::map<std::string, int> kinds;
   for (const auto& row : table) {
     const std::size_t vertex = first.at(row.at("tool")) + std::stoul(row.at("tool_vertex"));
     const Response& r = content_.responses[std::stoul(row.at("site")) * 11 + vertex];
     const double z = number(row, "depth_m"), x = number(row, "x_m"), y = number(row, "y_m");
-    const double s = std::sqrt(z / kDepthScale);
-    const auto at = [](const std::vector<float>& c, double u) {
-      return spline::value(c.data(), static_cast<int>(c.size()), u);
-    };
-    const auto beside = [&](const std::vector<float>& g, const std::vector<float>& phi, double e) {
-      return at(g, s) * at(phi, 0.5 * (e / kSidewaysScale + 1));
-    };
-    const double fx = at(r.lateral_x, s) + beside(r.growth_x, r.sideways_x, x);
-    const double fy = at(r.lateral_y, s) + beside(r.growth_y, r.sideways_y, y);
-    EXPECT_NEAR(number(row, "force_normal_N"), at(r.normal, s), 1e-6);
-    EXPECT_NEAR(number(row, "force_x_N"), z > 0 ? fx : 0, 1e-6);
-    EXPECT_NEAR(number(row, "force_y_N"), z > 0 ? fy : 0, 1e-6);
-    EXPECT_NEAR(number(row, "friction_limit_N"), at(r.friction, s) * at(r.normal, s), 1e-6);
-    EXPECT_EQ(row.at("status"), r.flags == layout::response_solved ? "solved" : "covered");
-    if (row.at("kind") != "push") {
+    const double s = std::sqrt(z / kDepthScale), unit = static_cast<double>(r.unit);
+    const double force = polynomial(r, 0, 1, 2, d.normal, s, unit);
+    if (row.at("kind") == "normal") {
+      EXPECT_NEAR(number(row, "force_normal_N"), force, 1e-6);
+      for (int axis = 0; axis < 2; ++axis) {
+        EXPECT_NEAR(number(row, axis == 0 ? "force_x_N" : "force_y_N"),
+                    -polynomial(r, o.bias + axis, 2, 2, d.bias, s, unit), 1e-6);
+      }
+    }
+    EXPECT_NEAR(number(row, "friction_limit_N"),
+                force * polynomial(r, o.friction, 1, 0, d.friction, s, layout::kFrictionUnit), 1e-6);
+    EXPECT_EQ(row.at("status"), r.flags == layout::response_solved ? "solved" : "filled");
+    if (row.at("kind") != "normal") {
       EXPECT_NEAR(z, std::min(0.004, r.depth_limit), 1e-8);
     }
-    EXPECT_TRUE(x == 0 || row.at("kind") == "sideways_x");
-    EXPECT_TRUE(y == 0 || row.at("kind") == "sideways_y");
+    EXPECT_TRUE(x == 0 || row.at("kind") == "tangential_x");
+    EXPECT_TRUE(y == 0 || row.at("kind") == "tangential_y");
     ++kinds[row.at("kind")];
-    kinds["deepest"] += z > 0.999 * r.depth_limit && row.at("kind") == "push" ? 1 : 0;
-    kinds["widest"] += std::hypot(x, y) > 0.999 * kSidewaysScale ? 1 : 0;
+    kinds["deepest"] += z > 0.999 * r.depth_limit && row.at("kind") == "normal" ? 1 : 0;
+    kinds["widest"] += std::hypot(x, y) > 0.999 * kTangentialScale ? 1 : 0;
   }
   const int count = static_cast<int>(responses);
-  EXPECT_EQ(kinds["push"], 7 * count);
-  EXPECT_EQ(kinds["sideways_y"], 7 * count);
+  EXPECT_EQ(kinds["normal"], 7 * count);
+  EXPECT_EQ(kinds["tangential_y"], 7 * count);
   EXPECT_EQ(kinds["deepest"], count);
   EXPECT_EQ(kinds["widest"], 4 * count);
 }
 
-TEST_F(Export, CurvesOfACoupledFileAreItsLaw) {
-  Options options;
-  options.cells = 1;
-  options.coupled = 4;
-  use(box_content(options));
-  const Table table = curves();
-  ASSERT_EQ(table.size(), content_.responses.size() * 63);
-  for (const auto& row : table) {
-    const Response& r = content_.responses[std::stoul(row.at("site"))];
-    coupled::Blend blend;
-    blend.clear(*content_.coupled);
-    blend.add(r.coupled.data(), static_cast<double>(r.unit), layout::kLimitUnit, 1);
-    coupled::Law law;
-    law.set(blend, kDepthScale, kSidewaysScale);
-    const double z = number(row, "depth_m");
-    if (!(z > 0)) continue;
-    const coupled::AtDepth d = law.at(law.abscissa(z), false);
-    const coupled::Vec2 u{number(row, "x_m") / kSidewaysScale, number(row, "y_m") / kSidewaysScale};
-    const coupled::Vec2 push = law.push(d, u);
-    EXPECT_NEAR(number(row, "force_x_N"), -push.x, 1e-6);
-    EXPECT_NEAR(number(row, "force_y_N"), -push.y, 1e-6);
-    EXPECT_NEAR(number(row, "force_normal_N"), d.push + law.coupling(d, u), 1e-6);
-    EXPECT_NEAR(number(row, "friction_limit_N"), d.limit * d.push, 1e-6);
-  }
-}
-
-TEST_F(Export, AFrictionlessFileHasPushesWithoutLimit) {
+TEST_F(Export, AFrictionlessFileHasNormalCurvesWithoutLimit) {
   Options options;
   options.cells = 1;
   options.friction = false;
@@ -150,21 +134,9 @@ TEST_F(Export, AFrictionlessFileHasPushesWithoutLimit) {
   const Table table = curves();
   EXPECT_EQ(table.size(), content_.responses.size() * 21);
   for (const auto& row : table) {
-    EXPECT_EQ(row.at("kind"), "push");
+    EXPECT_EQ(row.at("kind"), "normal");
     EXPECT_EQ(row.at("friction_limit_N"), "");
   }
-}
-
-// No triangle of the surface has the last site: no contact has its response.
-TEST_F(Export, WhatNoContactReachesIsLeftOutAndCounted) {
-  Options options;
-  options.cells = 1;
-  ResponseFileContent content = box_content(options);
-  content.sites.push_back(content.sites.front());
-  content.responses.push_back(content.responses.front());
-  use(content);
-  EXPECT_EQ(curves().size(), (content_.responses.size() - 1) * 63);
-  EXPECT_EQ(json_["responses_left_out"], 1);
 }
 
 // A name in a file may hold what a table is made of.
@@ -203,7 +175,7 @@ std::vector<double> vtu_array(const std::string& text, const std::string& name) 
   return list;
 }
 
-TEST_F(Export, BodyIsTheContactSurfaceWithWhatTheRuntimeFeels) {
+TEST_F(Export, BodyIsTheContactSurfaceWithTheRuntimesForces) {
   Options options;
   options.tools = Options::Tools::all;
   options.subdivision = 3;
@@ -237,7 +209,7 @@ TEST_F(Export, BodyIsTheContactSurfaceWithWhatTheRuntimeFeels) {
   const auto corners = values<std::array<std::uint32_t, 1>>(model, body.indices, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT,
                                                             TINYGLTF_TYPE_SCALAR);
   const std::vector<float> stiffness = floats("_STIFFNESS"), force = floats("_FORCE"), limit = floats("_FRICTION"),
-                           covered = floats("_COVERED");
+                           filled = floats("_FILLED");
   ASSERT_EQ(points.size(), content_.surface_vertices.size());
   ASSERT_EQ(corners.size(), 3 * content_.surface_triangles.size());
   ASSERT_EQ(stiffness.size(), points.size());
@@ -252,17 +224,19 @@ TEST_F(Export, BodyIsTheContactSurfaceWithWhatTheRuntimeFeels) {
   runtime::ToolPoint second;  // the rod's second vertex begins its second segment
   second.patch = 2;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const runtime::Location found = locate(view_, {static_cast<double>(points[i][0]), static_cast<double>(points[i][1]),
+    const runtime::Location found = closest_point(view_, {static_cast<double>(points[i][0]), static_cast<double>(points[i][1]),
                                                    static_cast<double>(points[i][2])});
     ASSERT_LT(std::abs(found.signed_distance), 1e-9);
-    const runtime::Field field(view_, 1, found.at, second);
-    const auto at = [&](double z) { return field.at_depth(z).normal_force; };
+    runtime::BlendedResponse<> response;
+    response.blend(view_, 1, found.at, second, {1, 0, 0}, nullptr);
+    const auto at = [&](double z) { return response.law().at(z).normal_force; };
+    const double most_friction = response.law().at(0.003).friction_coefficient * at(0.003);
     EXPECT_NEAR(force[i], at(0.003), 1e-6 * at(0.003));
-    EXPECT_NEAR(limit[i], field.at_depth(0.003).limit, 1e-6 * field.at_depth(0.003).limit);
-    EXPECT_NEAR(covered[i], field.covered(), 1e-6);
+    EXPECT_NEAR(limit[i], most_friction, 1e-6 * most_friction);
+    EXPECT_NEAR(filled[i], response.filled_share(), 1e-6);
     const double slope = (at(0.003 + 1e-7) - at(0.003 - 1e-7)) / 2e-7;
     EXPECT_NEAR(stiffness[i], slope, 1e-5 * slope);
-    EXPECT_NEAR(runtime::dot(field.normal(), runtime::Vec3{normals[i][0], normals[i][1], normals[i][2]}), 1, 1e-6);
+    EXPECT_NEAR(dot(response.normal(), runtime::Vec3{normals[i][0], normals[i][1], normals[i][2]}), 1, 1e-6);
     const double share = (static_cast<double>(limit[i]) - *least) / (static_cast<double>(*most) - *least);
     EXPECT_EQ(colours[i], field_colour(share));
   }

@@ -36,7 +36,7 @@ protected:
   void SetUp() override {
     test::ResponseSampleOptions options;
     options.uniform = true;
-    options.lateral = false;
+    options.bias = false;
     bytes_ = encode(test::box_content(options));
     const runtime::OpenResult opened = runtime::View::open(bytes_.data(), bytes_.size());
     ASSERT_TRUE(opened) << opened.error;

@@ -55,10 +55,8 @@ TEST_F(Playback, CompareTellsWhereAnOrganIsStiffer) {
   options.uniform = true;
   ResponseFileContent content = ball_content(options);
   write_response_file(folder() / "even.palp", encode(content));
-  for (Response& r : content.responses) {
-    for (float& f : r.normal) f *= 1.25F;
-  }
-  for (float& f : content.responses[4].normal) f *= 1.2F;  // the site on top
+  for (Response& r : content.responses) r.unit *= 1.25F;
+  content.responses[4].unit *= 1.2F;  // the site on top
   write_response_file(folder() / "stiff.palp", encode(content));
   const Json json = Json::parse(run({"compare", "stiff.palp", "even.palp", "--json"}).out);
   EXPECT_EQ(json["sites"], content.sites.size());
@@ -77,11 +75,11 @@ TEST_F(Playback, CompareTellsWhereAnOrganIsStiffer) {
 
 TEST_F(Playback, InspectTellsNoMoreThanTheFileDoes) {
   ResponseSampleOptions options;
-  options.friction = false;  // lateral stays: a straight push has a sideways force
+  options.friction = false;  // the tangential bias stays
   write_response_file(folder() / "smooth.palp", encode(box_content(options)));
   const RunResult smooth = run({"inspect", "smooth.palp"});
-  EXPECT_NE(smooth.out.find("lateral       present"), std::string::npos) << smooth.out;
-  EXPECT_EQ(smooth.out.find("no sideways force"), std::string::npos) << smooth.out;
+  EXPECT_NE(smooth.out.find("tangential_bias  present"), std::string::npos) << smooth.out;
+  EXPECT_EQ(smooth.out.find("no tangential force"), std::string::npos) << smooth.out;
   EXPECT_EQ(smooth.out.find("is small"), std::string::npos) << "why there is no search is not in the file";
   const RunResult all = run({"inspect", "box.palp"});
   for (const char* tool : {"tool 'ball': sphere", "tool 'rod': capsule", "tool 'gem': mesh"}) {
@@ -131,10 +129,10 @@ TEST_F(Playback, InspectListsSectionsFeaturesAndProvenance) {
   const RunResult result = run({"inspect", "box.palp", "--json"});
   ASSERT_EQ(result.exit_code, 0) << result.error;
   const Json json = Json::parse(result.out);
-  EXPECT_EQ(json["features"], Json({"lateral", "friction", "tool_patches"}));
-  EXPECT_EQ(json["left_out"], (Json{"partial_slip", "relief", "grasp", "turn", "spin", "search"}));
+  EXPECT_EQ(json["features"], Json({"tangential_bias", "friction", "tool_patches"}));
+  EXPECT_EQ(json["left_out"], (Json{"slip_softening", "bonded", "bonded_torque", "spin", "search"}));
   EXPECT_EQ(json["provenance"]["generator"], "test");
-  EXPECT_EQ(json["responses"].get<int>(), json["responses_solved"].get<int>() + json["responses_covered"].get<int>());
+  EXPECT_EQ(json["responses"].get<int>(), json["responses_solved"].get<int>() + json["responses_filled"].get<int>());
   EXPECT_EQ(json["tools"].size(), 3U);
   std::size_t bytes = 0;
   for (const Json& section : json["sections"]) bytes += section["bytes"].get<std::size_t>();
@@ -177,9 +175,9 @@ TEST_F(Playback, BenchOpensTheFileAndALargerOneOfTheSameBody) {
   options.search = true;  // whose tree is grown over all copies, and read by the validation that is timed
   options.tools = ResponseSampleOptions::Tools::all;
   write_response_file(folder() / "search.palp", encode(box_content(options)));
-  options.coupled = 4;
-  write_response_file(folder() / "coupled.palp", encode(box_content(options)));
-  for (const char* file : {"box.palp", "search.palp", "coupled.palp"}) {
+  options.bits = 8;
+  write_response_file(folder() / "packed.palp", encode(box_content(options)));
+  for (const char* file : {"box.palp", "search.palp", "packed.palp"}) {
     const Json once = Json::parse(run({"bench", file, "--open", "--json"}).out);
     EXPECT_EQ(once["bytes"], std::filesystem::file_size(folder() / file));
     const RunResult result = run({"bench", file, "--open", "--bytes", "3e6", "--json"});

@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "palpate/format/open.hpp"
+
 #include <atomic>
 #include <stdexcept>
 
@@ -40,8 +42,8 @@ protected:
   HeldOutSet solve(ToolScene::Shape shape, test::ResponseSampleOptions::Tools record) {
     test::ResponseSampleOptions sample;
     sample.tools = record;
-    sample.grasp = grasp_depth_ > 0;
-    sample.turn = grasp_turn_ > 0;
+    sample.bonded = grasp_depth_ > 0;
+    sample.bonded_torque = grasp_turn_ > 0;
     bytes_ = encode(test::box_content(sample));
     const runtime::OpenResult opened = runtime::View::open(bytes_.data(), bytes_.size());
     ToolScene tool;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "palpate/runtime.hpp"
+#include "palpate/palpate.hpp"
 #include "tests/runtime/wandering.hpp"
 
 namespace palpate::test {

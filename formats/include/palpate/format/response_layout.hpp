@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: MIT
+// The bytes of a .palp response file, version 3. formats/response-file.md is the specification in prose.
+#pragma once
+
+#include "palpate/format/response_coefficients.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <type_traits>
+
+/// C++17 and the standard library alone: shared by the writer (formats/response.cpp) and the runtime.
+/// Little-endian, IEEE 754; every section starts at a multiple of kAlignment bytes. Lengths in metres, forces in
+/// newtons.
+namespace palpate::layout {
+
+inline constexpr unsigned char kMagic[8] = {'P', 'A', 'L', 'P', 'A', 'T', 'E', 0};
+inline constexpr std::uint32_t kVersion = 3;
+inline constexpr std::uint64_t kAlignment = 64;
+inline constexpr std::uint32_t kMinCoefs = 4;   ///< of a curve of BONDED: a cubic needs four
+inline constexpr std::uint32_t kMaxCoefs = 32;  ///< of a curve of BONDED: a blend fits a fixed buffer
+inline constexpr std::uint32_t kMaxSections = 32;
+inline constexpr std::uint32_t kMaxSearchDepth = 48;
+inline constexpr std::uint32_t kMaxSubdivision = 1024;
+inline constexpr std::uint32_t kMaxCount = 0x7fffffff;  ///< of anything
+inline constexpr std::uint32_t kMaxSpins = 64;          ///< of one point of a tool
+
+enum class Section : std::uint32_t {
+  meta = 1,               ///< one Meta
+  sites = 2,              ///< Site
+  surface_vertices = 3,   ///< Point: contact surface
+  surface_triangles = 4,  ///< SurfaceTriangle
+  tools = 5,              ///< ToolRecord
+  tool_vertices = 6,      ///< ToolVertexRecord; absent when every tool has one vertex
+  tool_patches = 7,       ///< ToolPatch; absent with tool_vertices
+  spins = 8,              ///< uint32 a tool vertex; absent when every point of a tool has one spin
+  responses = 9,          ///< ResponseHead, float[softening_count], float unit, packed coefficients
+  bonded = 10,            ///< BondedHead, float[6 * coefs]; absent when no tool bonds to the body
+  bonded_torque = 11,     ///< BondedTorqueHead, float[15 * coefs]; absent when no bonded tool was rotated
+  search = 12,            ///< SearchNode; absent when the scene leaves the search tree out
+  provenance = 13         ///< UTF-8 JSON text
+};
+
+inline constexpr std::uint32_t kSectionIds = 14;  ///< ids are below this
+
+/// The section's name as the specification spells it. "?" stands for an unknown id.
+inline constexpr const char* section_name(std::uint32_t id) {
+  constexpr const char* kNames[kSectionIds] = {"?",
+                                               "META",
+                                               "SITES",
+                                               "SURFACE_VERTICES",
+                                               "SURFACE_TRIANGLES",
+                                               "TOOLS",
+                                               "TOOL_VERTICES",
+                                               "TOOL_PATCHES",
+                                               "SPINS",
+                                               "RESPONSES",
+                                               "BONDED",
+                                               "BONDED_TORQUE",
+                                               "SEARCH",
+                                               "PROVENANCE"};
+  return id < kSectionIds ? kNames[id] : kNames[0];
+}
+
+enum Feature : std::uint32_t {
+  feature_tangential_bias = 1u << 0,
+  feature_friction = 1u << 1,
+  feature_tool_patches = 1u << 2,
+  feature_search = 1u << 3,
+  feature_bonded = 1u << 4,
+  feature_bonded_torque = 1u << 5,
+  feature_spin = 1u << 6,
+  feature_slip_softening = 1u << 7,
+  feature_all = 255u
+};
+
+/// The feature in words, for messages.
+inline constexpr const char* feature_name(Feature feature) {
+  return feature == feature_tangential_bias ? "tangential forces of normal indentations"
+         : feature == feature_friction      ? "friction"
+         : feature == feature_tool_patches  ? "tools of several vertices"
+         : feature == feature_search        ? "a search tree"
+         : feature == feature_bonded        ? "bonded contacts"
+         : feature == feature_bonded_torque ? "torques of bonded contacts"
+         : feature == feature_spin          ? "spins of tools"
+                                            : "softening of contacts that slip";
+}
+
+enum SiteFlag : std::uint32_t {
+  site_held = 1u << 0,     ///< the vertex lies on a support
+  site_outside = 1u << 1,  ///< outside the region that was sampled
+  site_all = 3u
+};
+
+/// Source of a response. Exactly one is set.
+enum ResponseFlag : std::uint32_t {
+  response_solved = 1u << 0,    ///< fitted to the solves of its own pair
+  response_filled = 1u << 1,    ///< refused or never planned: filled from neighbours
+  response_measured = 1u << 2,  ///< fitted to recordings of a real tool
+  response_analytic = 1u << 3   ///< fitted to a closed form
+};
+
+/// "solved", "filled", "measured" or "analytic".
+inline constexpr const char* source_name(std::uint32_t flags) {
+  return flags == response_solved     ? "solved"
+         : flags == response_filled   ? "filled"
+         : flags == response_measured ? "measured"
+                                      : "analytic";
+}
+
+enum class ToolKind : std::uint32_t { point_sphere = 0, profile = 1, mesh = 2 };
+inline constexpr float kMaxSoftening = 0.2f;         ///< share of F that a slipping contact may lose
+inline constexpr double kFrictionUnit = 1.0 / 3200;  ///< value of one unit of a coefficient of mu
+inline constexpr double kMaxFriction = 10;           ///< of mu
+
+struct FileHeader {
+  unsigned char magic[8];
+  std::uint32_t version;
+  std::uint32_t section_count;
+  std::uint64_t file_size;  ///< bytes
+  std::uint64_t checksum;   ///< XXH64, seed 0, of the whole file with this field zero
+  std::uint32_t features;   ///< Feature bits
+  std::uint32_t reserved[7];
+};
+
+/// The table of contents follows the header; ids ascend, each at most once.
+struct SectionEntry {
+  std::uint32_t id;
+  std::uint32_t element_size;  ///< bytes
+  std::uint64_t offset;        ///< bytes from the start of the file
+  std::uint64_t size;          ///< bytes, count * element_size
+  std::uint64_t count;         ///< elements, at least 1
+};
+
+struct Meta {
+  double depth_scale;       ///< Z (m)
+  double tangential_scale;  ///< X (m); 0 in a frictionless file
+  std::uint32_t site_count, vertex_count, triangle_count;
+  std::uint32_t tool_count, tool_vertex_count, tool_patch_count;
+  std::uint32_t response_count;  ///< site_count * tool_vertex_count
+  std::uint32_t subdivision;     ///< k: each patch is k * k triangles of the contact surface
+  std::uint32_t bonded_coefs;    ///< of each curve of BONDED and BONDED_TORQUE; 0 when no tool bonds
+  std::uint32_t search_nodes;
+  std::uint32_t normal_degree, bias_degree, stiffness_degree, friction_degree;  ///< response::Degrees
+  std::uint32_t coef_bits;        ///< of a coefficient, those of mu excepted: 8, 12 or 16
+  std::uint32_t softening_count;  ///< floats of slip softening a response: 1, or 0 when no response softens
+  std::uint32_t reserved[12];
+};
+
+struct Site {
+  float position[3];
+  float normal[3];    ///< outward unit
+  float tangent[3];   ///< unit, orthogonal to normal: the x axis of the responses; y = normal cross tangent
+  float depth_limit;  ///< m, how deep this site was sampled
+  std::uint32_t flags;
+  std::uint32_t reserved;
+};
+
+struct Point {
+  float xyz[3];
+};
+
+struct SurfaceTriangle {
+  std::uint32_t vertex[3];     ///< counter-clockwise seen from outside
+  std::uint32_t neighbour[3];  ///< triangle across the edge opposite each corner
+  std::uint32_t site[3];       ///< of its patch: the triangle of sites whose responses are blended on it
+  std::uint16_t grid[3][2];    ///< per corner: k times its weights of the patch's first two sites
+};
+
+struct ToolRecord {
+  char name[32];  ///< zero-terminated UTF-8
+  std::uint32_t kind;
+  std::uint32_t first_vertex, vertex_count;
+  std::uint32_t first_patch, patch_count;  ///< both 0 when the file has no tool patches
+  float radius;                            ///< m, the scene's (for display)
+  float probe_radius;                      ///< m, from the axis to the surface; 0 for a punch and a mesh
+  float axis_length;                       ///< m, the axis runs from (0,0,0) to (0,0,axis_length) in the tool's frame
+};
+
+struct ToolVertexRecord {
+  float point[3];
+  float normal[3];  ///< outward unit
+  float tangent[3];
+  float meridian;  ///< m, arc length from the tip's pole (profile tools)
+  char name[24];
+};
+
+struct ToolPatch {
+  std::uint32_t vertex[3];
+};
+
+struct ResponseHead {
+  float depth_limit;  ///< m, how deep this pair was sampled
+  std::uint32_t flags;
+};
+
+/// Of one response. Both are 0 when its tool does not bond.
+struct BondedHead {
+  float depth;   ///< m, at which the contact was bonded
+  float pulled;  ///< m, how far out of the body it was sampled
+};
+
+/// Of one response. 0 when its tool was not rotated.
+struct BondedTorqueHead {
+  float rotated;  ///< rad, largest angle by which the bonded tool was rotated
+};
+
+/// Box over the triangles below a node. count 0: children are nodes `first` and `first + 1`.
+struct SearchNode {
+  float lower[3];
+  std::uint32_t first;
+  float upper[3];
+  std::uint32_t count;  ///< leaf: triangles first .. first + count - 1
+};
+
+static_assert(sizeof(float) == 4 && sizeof(double) == 8);
+static_assert(sizeof(FileHeader) == 64 && offsetof(FileHeader, checksum) == 24 && offsetof(FileHeader, features) == 32);
+static_assert(sizeof(SectionEntry) == 32 && offsetof(SectionEntry, offset) == 8);
+static_assert(sizeof(Meta) == 128 && offsetof(Meta, site_count) == 16 && offsetof(Meta, coef_bits) == 72);
+static_assert(sizeof(Site) == 48 && sizeof(ToolPatch) == 12 && sizeof(Point) == 12);
+static_assert(sizeof(SurfaceTriangle) == 48 && sizeof(ToolRecord) == 64 && sizeof(ToolVertexRecord) == 64);
+static_assert(sizeof(ResponseHead) == 8 && sizeof(BondedHead) == 8 && sizeof(BondedTorqueHead) == 4 && sizeof(SearchNode) == 32);
+static_assert(std::is_trivially_copyable_v<Meta> && std::is_trivially_copyable_v<ToolRecord>);
+
+/// Index of the response of (site, tool vertex); tool vertices are numbered over all tools.
+inline constexpr std::uint64_t response_index(const Meta& meta, std::uint32_t site, std::uint32_t tool_vertex) {
+  return std::uint64_t{site} * meta.tool_vertex_count + tool_vertex;
+}
+
+inline constexpr bool has_friction(const Meta& m) { return m.tangential_scale > 0; }
+
+}  // namespace palpate::layout
+
+namespace palpate::response {
+
+/// Degrees of a file's responses. Values beyond int's range become 100, which broken_degree refuses.
+inline constexpr Degrees degrees(const layout::Meta& m) {
+  const auto degree = [](std::uint32_t d) { return d < 100 ? static_cast<int>(d) : 100; };
+  return {degree(m.normal_degree), degree(m.bias_degree), degree(m.stiffness_degree), degree(m.friction_degree),
+          layout::has_friction(m)};
+}
+
+}  // namespace palpate::response
+
+namespace palpate::layout {
+
+/// Bytes of a response before its unit.
+inline constexpr std::uint32_t response_head_size(const Meta& m) {
+  return static_cast<std::uint32_t>(sizeof(ResponseHead)) + 4 * m.softening_count;
+}
+
+/// Bytes from the unit to the coefficients of mu, which always have 16 bits.
+inline constexpr std::uint32_t friction_offset(const response::Offsets& o, std::uint32_t bits) {
+  return 4 + 2 * ((static_cast<std::uint32_t>(o.friction) * bits + 15) / 16);
+}
+
+/// Bytes of a unit and its coefficients, a multiple of 4.
+inline constexpr std::uint32_t coefficients_size(const response::Degrees& d, std::uint32_t bits) {
+  const response::Offsets o = response::offsets(d);
+  return (friction_offset(o, bits) + 2 * static_cast<std::uint32_t>(o.end - o.friction) + 3) / 4 * 4;
+}
+inline constexpr std::uint32_t coefficients_size(const Meta& m) { return coefficients_size(response::degrees(m), m.coef_bits); }
+
+/// Bytes of one element of RESPONSES. All values of a response lie together, in as few cache lines as possible.
+inline constexpr std::uint32_t response_size(const Meta& m) { return response_head_size(m) + coefficients_size(m); }
+
+/// Reads all coefficients that follow the unit at `law`.
+template <class Integer>
+inline void unpack_coefficients(const unsigned char* law, const response::Offsets& o, std::uint32_t bits, Integer* to) {
+  response::unpack(law + 4, bits, o.friction, to);
+  response::unpack(law + friction_offset(o, bits), 16, o.end - o.friction, to + o.friction);
+}
+
+/// BONDED: curves Fx, Fy, Fn, kxx, kxy, kyy of as many coefficients each, over (z / (kBondedRange Z) + 1) / 2.
+inline constexpr std::uint32_t kBondedCurves = 6;
+inline constexpr double kBondedRange = 1.25;
+inline constexpr std::uint32_t bonded_size(std::uint32_t coefs) { return 8 + 4 * kBondedCurves * coefs; }
+
+/// BONDED_TORQUE: curves tx, ty, tn (N m), kxx, kxy, kyy, kxn, kyn, knn (N m), cxx, cxy, cxn, cyx, cyy, cyn (N), each
+/// of as many coefficients, over the abscissa of BONDED.
+inline constexpr std::uint32_t kTorqueCurves = 15;
+inline constexpr double kMaxRotation = 1.0;  ///< rad, largest angle by which a file may have rotated a tool
+inline constexpr std::uint32_t torque_size(std::uint32_t coefs) { return 4 + 4 * kTorqueCurves * coefs; }
+
+}  // namespace palpate::layout

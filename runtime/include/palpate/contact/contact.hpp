@@ -1,0 +1,445 @@
+// SPDX-License-Identifier: MIT
+// One tool against one body: the contact law. The README of include/palpate has its equations on one page.
+#pragma once
+
+#include "palpate/body/body.hpp"
+#include "palpate/contact/contact_state.hpp"
+#include "palpate/contact/first_contact.hpp"
+#include "palpate/response/interpolation.hpp"
+
+#include <cmath>
+
+namespace palpate::runtime {
+
+/// Constants of how a contact moves over body and tool.
+struct ContactConstants {
+  /// Times the tool's travel in a tick, that c and p may go.
+  static constexpr double kPointSpeed = 8;
+  /// Times the tool's travel over the indentation: angle (rad) by which the normal may turn in a tick.
+  static constexpr double kTurnSpeed = 3;
+  /// Of a contact's size: c rests while its target is nearer than this. It saves a blend where nothing would change.
+  static constexpr double kRest = 1e-3;
+  /// Weight of the smooth normal in the contact's normal, in radii. Without it the normal turns at once where the
+  /// tool's core comes near the surface.
+  static constexpr double kSmoothNormal = 0.3;
+  /// Of the depth scale: clearance at which a sweep has found the first touch.
+  static constexpr double kTouchGap = 1e-3;
+};
+
+/// Follows one tool. Every tick takes bounded time, allocates nothing and throws nothing. Not for several threads at
+/// once; any number of contacts may share a view, which must outlive them and stay where it is, for contacts keep its
+/// address. kFeatures (layout::Feature bits): a file that has a feature which is left out makes every tick a fault;
+/// View::open<kFeatures> refuses it beforehand.
+template <std::uint32_t kFeatures = layout::feature_all>
+class BasicContact {
+public:
+  /// `tool`: an index below view.meta->tool_count; any other makes every tick a fault.
+  BasicContact(const View& view, std::uint32_t tool) : view_(&view), tool_(tool), shape_(view, tool) {}
+  BasicContact(const View&&, std::uint32_t) = delete;  ///< a temporary view would be gone at the first tick
+
+  /// Forgets the contact. A tool that overlaps the body in the next tick begins without force.
+  void reset() {
+    state_.reset();
+    free_.reset();
+    foot_tracker_.reset();
+    point_tracker_.reset();
+  }
+
+  /// The force at a pose of the tool (body frame).
+  Tick tick(const Pose& tool) { return tick(tool, StillBody{view_}); }
+  /// The same with searches that are made elsewhere at a lower rate: `latest` is the last that arrived. Such a tick
+  /// never searches; a place that no search has seen is felt from the first search that sees it on.
+  Tick tick(const Pose& tool, const Search& latest) { return tick(tool, StillBody{view_}, &latest); }
+
+  /// The force at a pose of the tool (world) against a body that moves, deforms or changes its stiffness
+  /// (body/body.hpp). All vectors of the tick are in the world's frame.
+  template <class Body>
+  Tick tick(const Pose& tool, const Body& body, const Search* latest = nullptr) {
+    if (const Fault fault = check(tool, body, latest); fault != Fault::none) {
+      reset();
+      Tick tick;
+      tick.state = State::fault;
+      tick.fault = fault;
+      return tick;
+    }
+    const bool lasted = state_.touching;
+    if (!lasted) {
+      const Sweep found = free_.advance(shape_, tool, body, latest, size(view_->meta->depth_scale),
+                                        ContactConstants::kTouchGap * view_->meta->depth_scale);
+      if (!found.touches) return {};
+      start(found.touch, body.surface_frame() * found.pose, body);
+    }
+    if (state_.touching && jumped(tool, body) && !put_elsewhere(tool, body, latest)) {
+      free_.leave(tool, body, state_.place.foot.at);
+      return released();
+    }
+    const auto frame = body.frame(state_.place.body_point.at);
+    Tick tick = step(in_body(tool, frame), body, latest);
+    if (!state_.touching) {
+      free_.leave(tool, body, state_.place.foot.at);
+      return lasted ? tick : Tick{};
+    }
+    state_.tool = in_body(tool, frame);
+    rebase(frame, body.frame(state_.place.body_point.at));
+    return in_world(frame, tick);
+  }
+
+  /// Begins a contact without force at the place of a search. `tool`: the pose (world) there; the motion from it to the
+  /// next tick's pose counts.
+  template <class Body>
+  void begin(const ToolTouch& touch, const Pose& tool, const Body& body) {
+    start(touch, tool, body);
+  }
+
+  /// Everything that the contact remembers (body frame as baked).
+  [[nodiscard]] const ContactState& state() const { return state_; }
+  [[nodiscard]] const BlendedResponse<kFeatures>& response() const { return response_; }
+  [[nodiscard]] const ToolShape<kFeatures>& shape() const { return shape_; }
+  [[nodiscard]] const View& view() const { return *view_; }
+
+  /// m, radius of the contact area at a depth (m) and a quarter of the tool's radius: how far apart two walls have to be
+  /// to count as two. A tool that goes farther in a tick was put elsewhere and begins anew, without force.
+  [[nodiscard]] double size(double depth) const {
+    const double radius = rounding();
+    return std::sqrt(2 * radius * larger(depth, 0.02 * radius)) + 0.25 * radius;
+  }
+
+private:
+  /// A trial of the tick's end at one counted depth.
+  struct Trial {
+    SpringState springs;
+    SpringForce friction;
+    Vec2 recovery;             ///< m
+    ResponseAtDepth response;
+    Vec3 force;                ///< N, without the body's factor
+    double other = 0;          ///< J stored beside W, without the body's factor
+  };
+  /// What all trials of a tick share.
+  struct TickMotion {
+    double moved = 0;  ///< m, largest travel of the tool's skin
+    double crept = 0;  ///< m, way of c
+    Vec3 before;       ///< m, motion of the tool's point where the last force acted
+    Vec3 after;        ///< m, motion of the tool's point where this force acts
+    Vec3 point;        ///< m, where this force acts
+    Vec3 axis_y;       ///< unit, n x axis
+    Vec2 way;          ///< m, the part of `after` across n
+  };
+
+  /// m: the skin's radius; of a tool without skin the depth scale.
+  [[nodiscard]] double rounding() const {
+    return shape_.skin() > 0 ? shape_.skin() : view_->meta->depth_scale;
+  }
+
+  template <class Body>
+  [[nodiscard]] Fault check(const Pose& tool, const Body& body, const Search* latest) const {
+    constexpr std::uint32_t kContact = layout::feature_all & ~(layout::feature_bonded | layout::feature_bonded_torque);
+    if ((view_->features & kContact & ~kFeatures) != 0) return Fault::feature_left_out;
+    if (!(tool_ < view_->meta->tool_count)) return Fault::no_such_tool;
+    if (!tool.valid() || !body.valid()) return Fault::bad_pose;
+    if (latest != nullptr) {
+      const bool known = latest->touch.body.at.triangle < view_->meta->triangle_count &&
+                         (!shape_.is_mesh() || latest->touch.core.at.patch < view_->meta->tool_patch_count);
+      if (!known || !latest->pose.valid()) return Fault::bad_search;
+    }
+    return Fault::none;
+  }
+
+  static const Tick& in_world(StillFrame /*frame*/, const Tick& tick) { return tick; }
+  static Tick in_world(const Pose& frame, Tick tick) {
+    tick.force = frame.rotate(tick.force);
+    tick.torque = frame.rotate(tick.torque);
+    tick.normal = frame.rotate(tick.normal);
+    tick.body_point = frame.apply(tick.body_point);
+    tick.tool_point = frame.apply(tick.tool_point);
+    return tick;
+  }
+
+  /// c has gone on to a place of the body that has moved otherwise: what was against the old place is against the new.
+  void rebase(StillFrame /*from*/, StillFrame /*to*/) {}
+  void rebase(const Pose& from, const Pose& to) {
+    const Pose by = inverse(to) * from;
+    state_.tool = by * state_.tool;
+    state_.place.normal = by.rotate(state_.place.normal);
+    state_.place.axis = by.rotate(state_.place.axis);
+    state_.applied = {by.rotate(state_.applied.force), by.apply(state_.applied.point)};
+  }
+
+  /// A contact without force at the place of a search. `tool`: the pose (world) there.
+  template <class Body>
+  void start(const ToolTouch& touch, const Pose& tool, const Body& body) {
+    state_.reset();
+    state_.touching = true;
+    const BodyPoint& at = touch.body.at;
+    state_.tool = in_body(tool, body.frame(at));
+    ContactPlace& place = state_.place;
+    // Against the surface as baked: a search may have been made on a deformed one.
+    place.foot = local_closest_point(*view_, at, state_.tool.apply(touch.core.point));
+    place.foot.signed_distance = std::copysign(place.foot.signed_distance, touch.body.signed_distance);
+    place.body_point = place.foot;
+    place.target = place.foot.point;
+    place.normal = smooth_normal(*view_, at);
+    place.axis = any_orthogonal(place.normal);
+    place.tool_point = touch.core;
+    place.tool_point.at = shape_.sampled_point(touch.core, state_.tool, place.normal);
+    state_.indentation = larger(0, shape_.skin() - place.foot.signed_distance);
+    state_.factor = body.factor(at);
+    state_.applied.point = state_.tool.apply(place.tool_point.point);
+    foot_tracker_.reset();
+    point_tracker_.reset();
+    blend(state_.tool);
+  }
+
+  /// One tick of a contact that lasts; `tool` in the frame of the body near c.
+  template <class Body>
+  Tick step(const Pose& tool, const Body& body, const Search* latest) {
+    ContactPlace& place = state_.place;
+    TickMotion motion;
+    motion.moved = travel(state_.tool, tool, shape_.extent());
+    const double reach = ContactConstants::kPointSpeed * motion.moved;
+    const CorePoint from = place.tool_point;
+    place.tool_point = shape_.advance(from, tool, place.foot.point, place.normal, reach);
+    const Vec3 q = tool.apply(place.tool_point.point);
+    advance_foot(q, length(q - state_.tool.apply(from.point)), latest);
+    // A search that arrives late may find less than was felt: it is lost as the tool moves.
+    const double z = larger(shape_.skin() - place.foot.signed_distance, state_.indentation - motion.moved);
+    if (!(z > 0)) {
+      state_.touching = false;
+      return released();
+    }
+    turn_normal(q, z, motion.moved);
+    const bool turned_tool = orientation_matters() && !(state_.tool == tool);
+    const Vec3 c = place.body_point.point;
+    if (advance_body_point(reach, latest) || !same(from, place.tool_point) || turned_tool) blend(tool);
+    motion.crept = length(place.body_point.point - c);
+
+    motion.point = q - shape_.skin() * place.normal;
+    motion.before = way_of(state_.tool.unapply(state_.applied.point), tool);
+    motion.after = way_of(tool.unapply(motion.point), tool);
+    motion.axis_y = cross(place.normal, place.axis);
+    motion.way = {dot(motion.after, place.axis), dot(motion.after, motion.axis_y)};
+    return answer(tool, z, motion, body);
+  }
+
+  /// m, way of a point of the tool's frame in this tick; exactly 0 at rest, of a rotation that is not quite orthonormal too.
+  [[nodiscard]] Vec3 way_of(const Vec3& point, const Pose& tool) const {
+    return tool.apply(point) - state_.tool.apply(point);
+  }
+
+  /// Whether the tool went farther than a contact's size since the last tick.
+  template <class Body>
+  [[nodiscard]] bool jumped(const Pose& tool, const Body& body) const {
+    const Pose& now = in_body(tool, body.frame(state_.place.body_point.at));
+    const Vec3& core = state_.place.tool_point.point;
+    return length(now.apply(core) - state_.tool.apply(core)) > size(view_->meta->depth_scale);
+  }
+
+  /// Begins anew, without force, where the tool is now. False where it overlaps nothing there.
+  template <class Body>
+  bool put_elsewhere(const Pose& tool, const Body& body, const Search* latest) {
+    state_.touching = false;
+    const Pose& there = in_body(tool, body.surface_frame());
+    const ToolTouch touch = latest != nullptr
+                                ? local_touch(body.surface(), shape_, *latest, there, latest->touch.body.at)
+                                : shape_.touch(body.surface(), there, state_.place.foot.at);
+    if (!(touch.clearance < 0)) return false;
+    start(touch, tool, body);
+    return true;
+  }
+
+  static Tick released() {
+    Tick tick;
+    tick.state = State::released;
+    return tick;
+  }
+
+  /// f: the point of the surface closest to q. `moved` (m): the way of q since the last tick. The side of the surface
+  /// on which q lies changes only where q can have crossed it, so a surface that folds over itself turns nothing round.
+  void advance_foot(const Vec3& q, double moved, const Search* latest) {
+    Location& foot = state_.place.foot;
+    Location closest = latest != nullptr ? local_foot(q, *latest) : foot_tracker_.at(*view_, q, foot.at);
+    const double before = foot.signed_distance, distance = std::fabs(closest.signed_distance);
+    const bool crosses = std::fabs(before) + distance <= moved;
+    const bool inside = crosses ? is_inside(*view_, q, closest) : before < 0;
+    closest.signed_distance = inside ? -distance : distance;
+    foot = closest;
+  }
+
+  /// The nearer of two walks: from the last foot, and from where the latest search saw the body.
+  [[nodiscard]] Location local_foot(const Vec3& q, const Search& latest) const {
+    const Location walked = local_closest_point(*view_, state_.place.foot.at, q);
+    const Location seen = local_closest_point(*view_, latest.touch.body.at, q);
+    return std::fabs(seen.signed_distance) < std::fabs(walked.signed_distance) ? seen : walked;
+  }
+
+  /// n turns towards unit(sign (q - f) + 0.3 R n_s), with n_s the smooth normal at f: nearly the gradient of the
+  /// indentation. Where f goes from one wall of a crease to the other n turns at a bounded rate, so that the force of
+  /// indentation z changes by at most kTurnSpeed times that of a press by the tool's travel. The tangential axis is
+  /// carried along.
+  void turn_normal(const Vec3& q, double z, double moved) {
+    ContactPlace& place = state_.place;
+    const double sign = place.foot.signed_distance < 0 ? -1 : 1, smooth = ContactConstants::kSmoothNormal * rounding();
+    const Vec3 target =
+        unit(sign * (q - place.foot.point) + smooth * smooth_normal(*view_, place.foot.at), place.normal);
+    const Vec3 turn = target - place.normal;
+    const double most = ContactConstants::kTurnSpeed * moved / z, angle = length(turn);
+    const Vec3 n = angle <= most ? target : unit(place.normal + (most / angle) * turn, place.normal);
+    place.axis = unit(tangential(turned(place.axis, place.normal, n), n), any_orthogonal(n));
+    place.normal = n;
+  }
+
+  /// c: the foot less the deflection of the springs. False where c rests.
+  bool advance_body_point(double reach, const Search* latest) {
+    ContactPlace& place = state_.place;
+    const Vec2 mean = mean_deflection();
+    const Vec3 y = cross(place.normal, place.axis);
+    const Vec3 target = place.foot.point - mean.x * place.axis - mean.y * y, way = target - place.target;
+    const double distance = length(way), rest = ContactConstants::kRest * size(state_.indentation);
+    if (length(tangential(way, place.normal)) <= rest || !(reach > 0)) return false;
+    place.target = distance <= reach ? target : place.target + (reach / distance) * way;
+    place.body_point = latest != nullptr ? local_closest_point(*view_, place.body_point.at, place.target)
+                                         : point_tracker_.at(*view_, place.target, place.body_point.at);
+    return true;
+  }
+
+  /// m: K^-1 sum of K_k e_k, as of the last tick.
+  [[nodiscard]] Vec2 mean_deflection() const {
+    double sum = 0;
+    Vec2 mean;
+    for (int k = 0; k < SpringConstants::kLayers; ++k) {
+      sum += state_.springs.stiffness[k];
+      mean = mean + state_.springs.stiffness[k] * state_.springs.deflection[k];
+    }
+    return sum > 0 ? (1 / sum) * mean : Vec2{};
+  }
+
+  [[nodiscard]] static bool same(const CorePoint& a, const CorePoint& b) {
+    bool same = a.at.patch == b.at.patch;
+    for (int k = 0; k < 3; ++k) same = same && a.at.weights[k] == b.at.weights[k];
+    return same;
+  }
+  [[nodiscard]] bool orientation_matters() const {
+    return (kFeatures & layout::feature_spin) != 0 && view_->spins != nullptr;
+  }
+
+  void blend(const Pose& tool) {
+    ContactPlace& place = state_.place;
+    const Vec3 n = smooth_normal(*view_, place.body_point.at);
+    response_.blend(*view_, tool_, place.body_point.at, place.tool_point.at, turned(place.axis, place.normal, n), &tool);
+    layers_.set(response_.law(), response_.softening());
+  }
+
+  /// The force at the indentation z (m). The counted depth d is z where the hand has put in what the contact stored at the
+  /// last indentation z_0; else
+  ///
+  ///     d = z - z_0 + the depth at which W + energy beside W = E,
+  ///
+  /// for the tick's own work deepens d as it deepens z (by at most the tool's way). The correction by E is at most the way of the tool and of c in
+  /// this tick; the rest is made in the next ones.
+  template <class Body>
+  Tick answer(const Pose& tool, double z, const TickMotion& motion, const Body& body) {
+    const double wanted = body.factor(state_.place.body_point.at), step = body.factor_step();
+    const double factor = smaller(larger(wanted, state_.factor - step), state_.factor + step);
+    const double last = state_.indentation, paid_for = factor > 0 ? state_.energy.energy() / factor - state_.other : 0;
+    ResponseAtDepth before, full;
+    if (last > 0) response_.law().set_normal(last, before);
+    // An indentation that grows by more than the tool's way was found, not made.
+    const double deepened = smaller(z - last, motion.moved);
+    double depth = z, limit = 0;
+    const bool owed = state_.counted_depth < last || deepened < z - last || !(paid_for >= before.work * (1 - EnergyConstants::kRounding));
+    if (owed) {
+      response_.law().set_normal(z, full);
+      const double counted = EnergyTank::counted_depth(response_.law(), paid_for, last, before.work, state_.counted_depth);
+      const double correction = clamped(counted - state_.counted_depth, -motion.moved - motion.crept,
+                                        motion.moved + motion.crept);
+      depth = smaller(larger(state_.counted_depth + correction + deepened, 0.0), z);
+      limit = EnergyTank::recovery_limit(before.work > 0 ? paid_for / before.work : 0, full.normal_force);
+      before = ResponseAtDepth{};
+      if (state_.counted_depth > 0) response_.law().set_normal(state_.counted_depth, before);
+    }
+    Trial trial;
+    try_depth(depth, z, full.normal_slope, limit, motion, trial);
+    if (!owed) full = trial.response;
+    state_.energy.settle(energy_after(depth, before, factor, motion, trial), factor * (full.work + trial.other),
+                         motion.moved / (EnergyConstants::kHoldTravel * rounding()));
+    state_.springs = trial.springs;
+    state_.recovery = trial.recovery;
+    state_.other = trial.other;
+    state_.indentation = z;
+    state_.counted_depth = depth;
+    state_.factor = factor;
+    state_.applied = {factor * trial.force, motion.point};
+    return report(tool, trial);
+  }
+
+  /// Springs and force at a counted depth. `limit` (N) and `stiffness` (N/m, where depth < z): of the recovery layer.
+  void try_depth(double depth, double z, double stiffness, double limit, const TickMotion& motion, Trial& trial) const {
+    trial.response = depth > 0 ? response_.law().at(depth) : ResponseAtDepth{};
+    const ResponseAtDepth& r = trial.response;
+    trial.springs = state_.springs;
+    trial.friction = {};
+    Vec2 mean;
+    if ((kFeatures & layout::feature_friction) != 0 && response_.law().has_friction()) {
+      trial.friction = update_springs(layers_, r, {state_.counted_depth, depth, motion.way}, trial.springs);
+      mean = solve(r.stiffness, trial.friction.force);
+    }
+    // The recovery layer: its deflection shrinks no faster than the tool moves.
+    const double slope = depth < z ? stiffness : r.normal_slope, before = length(state_.recovery);
+    trial.recovery = state_.recovery + motion.way;
+    const double reach = length(trial.recovery), most = larger(slope > 0 ? limit / slope : 0, before - motion.moved);
+    if (reach > most) trial.recovery = (larger(most, 0) / reach) * trial.recovery;
+    const Vec2 drag = slope * trial.recovery;
+    // Slip removes the shear that the sticking contact's bias contains.
+    const Vec2 bias = (1 - trial.friction.lost_bias) * r.bias;
+    const double normal = r.normal_force + (1 - trial.friction.lost_bias) * dot(r.bias_slope, mean) + 0.5 * quadratic(r.normal_coupling, mean) -
+                          trial.friction.lost_force;
+    const Vec2 push = bias + trial.friction.force + drag;
+    trial.force = larger(0, normal) * state_.place.normal - push.x * state_.place.axis - push.y * motion.axis_y;
+    trial.other = dot(bias, mean) + trial.friction.energy - trial.friction.lost_work +
+                  0.5 * dot(drag, trial.recovery);
+  }
+
+  /// J in the contact after the tick: the hand's work against the last force and this one (trapezoid), with the normal
+  /// part of it exact where the response stays.
+  [[nodiscard]] double energy_after(double depth, const ResponseAtDepth& before, double factor,
+                                    const TickMotion& motion, const Trial& trial) const {
+    const double work = -0.5 * (dot(state_.applied.force, motion.before) + factor * dot(trial.force, motion.after));
+    const double deepened = depth - state_.counted_depth;
+    const double mean = 0.5 * (trial.response.normal_force + before.normal_force);
+    return state_.energy.energy() + work + factor * (trial.response.work - before.work - mean * deepened);
+  }
+
+  [[nodiscard]] Tick report(const Pose& tool, const Trial& trial) const {
+    const ContactPlace& place = state_.place;
+    const bool friction = response_.law().has_friction();
+    Tick tick;
+    tick.state = !friction || trial.friction.slides ? State::slide : State::stick;
+    tick.force = state_.applied.force;
+    tick.torque = cross(state_.applied.point - tool.translation, tick.force);
+    tick.depth = state_.indentation;
+    tick.counted_depth = state_.counted_depth;
+    tick.friction_limit =
+        friction ? state_.factor * trial.response.friction_coefficient * trial.response.normal_force : HUGE_VAL;
+    tick.filled_share = response_.filled_share();
+    tick.extrapolated = state_.indentation > response_.depth_limit() * (1 + 1e-5);
+    tick.normal = place.normal;
+    tick.body_point = place.body_point.point;
+    tick.tool_point = state_.applied.point;
+    tick.at = place.body_point.at;
+    tick.on_tool = place.tool_point;
+    return tick;
+  }
+
+  ContactState state_;
+  FreeTool free_;
+  const View* view_;
+  std::uint32_t tool_;
+  ToolShape<kFeatures> shape_;
+  BlendedResponse<kFeatures> response_;
+  FrictionLayers layers_;
+  ClosestPointTracker<kFeatures> foot_tracker_;
+  ClosestPointTracker<kFeatures, 4> point_tracker_;  // c rests most of the time
+};
+
+using Contact = BasicContact<>;
+
+}  // namespace palpate::runtime

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: MIT
+// One tool that touches at several places: a contact for each wall, begun when it was first touched.
+#pragma once
+
+#include "palpate/contact/contact.hpp"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace palpate::runtime {
+
+/// Where the contacts of a tool are, for a search for another wall.
+template <int Most>
+struct WallSearchRequest {
+  Pose pose;  ///< of the tool, body frame
+  int count = 0;
+  std::array<Vec3, Most> feet;  ///< m
+};
+
+/// What a thread of its own found for a tool that may touch several walls.
+template <int Most>
+struct SetSearch {
+  Search first;  ///< as for one contact
+  Search more;   ///< another wall; infinite clearance where there is none
+};
+
+namespace detail {
+
+/// The wall nearest to a tool among those that no foot lies on: a local minimum of the distance that is at least `gap`
+/// (m) away from all feet. Its clearance is infinite where none is nearer than `reach` (m) to the skin.
+template <std::uint32_t kFeatures, int Most>
+PALPATE_NOINLINE inline ToolTouch find_wall(const View& surface, const ToolShape<kFeatures>& shape,
+                                            const WallSearchRequest<Most>& request, double gap, double reach) {
+  const auto apart = [&](const Vec3& point) {
+    for (int k = 0; k < request.count; ++k) {
+      if (length(point - request.feet[static_cast<std::size_t>(k)]) < gap) return false;
+    }
+    return true;
+  };
+  ToolTouch best;
+  best.clearance = HUGE_VAL;
+  shape.for_each_sample([&](const CorePoint& core) {
+    const Vec3 q = request.pose.apply(core.point);
+    Location found;
+    const double within = smaller(shape.skin() + reach, shape.skin() + best.clearance);
+    if (!closest_point_where<kFeatures>(surface, q, apart, within, found)) return;
+    // Where the distance falls on towards a foot this is that foot's wall.
+    found = local_closest_point(surface, found.at, q);
+    if (!apart(found.point) || !(found.signed_distance - shape.skin() < best.clearance)) return;
+    best.core = core;
+    best.body = found;
+    best.clearance = found.signed_distance - shape.skin();
+  });
+  return best;
+}
+
+}  // namespace detail
+
+/// A body of which one contact feels a share: a factor more on the stiffness.
+template <class Body>
+struct SharedBody {
+  const Body* body;
+  double share;  ///< [0, 1]
+  double step;   ///< most that the share may change by in a tick
+
+  [[nodiscard]] bool valid() const { return body->valid(); }
+  [[nodiscard]] auto frame(const BodyPoint& at) const { return body->frame(at); }
+  [[nodiscard]] const View& surface() const { return body->surface(); }
+  [[nodiscard]] auto surface_frame() const { return body->surface_frame(); }
+  [[nodiscard]] double travel() const { return body->travel(); }
+  [[nodiscard]] double factor(const BodyPoint& at) const { return share * body->factor(at); }
+  [[nodiscard]] double factor_step() const { return smaller(step, body->factor_step()); }
+};
+
+/// One tool that may touch up to `Most` walls: between two lobes, in a fold, by tip and stem. Ticks as a contact does;
+/// force and torque are the sums. The first contact follows the nearest wall; every other wall that the skin overlaps
+/// gets a contact of its own, begun when it was first touched. Contacts whose feet come nearer than a contact's size
+/// fade into the earlier one, the later one's share falling to nothing at half of that distance.
+template <int Most = 3, std::uint32_t kFeatures = layout::feature_all>
+class ContactSet {
+  static_assert(Most >= 2, "one wall is what BasicContact follows");
+
+public:
+  ContactSet(const View& view, std::uint32_t tool) : ContactSet(view, tool, std::make_index_sequence<Most>()) {}
+  ContactSet(const View&&, std::uint32_t) = delete;
+
+  void reset() {
+    for (BasicContact<kFeatures>& contact : contacts_) contact.reset();
+    for (Tick& tick : ticks_) tick = Tick{};
+    clear_ = -1;
+  }
+
+  Tick tick(const Pose& tool) { return tick(tool, StillBody{&contacts_[0].view()}); }
+  Tick tick(const Pose& tool, const SetSearch<Most>& latest) {
+    return tick(tool, StillBody{&contacts_[0].view()}, &latest);
+  }
+
+  /// The sums of all contacts: force, torque and friction limit are added, depth and filled share are the largest, the
+  /// points are those of the first contact. `body`, `latest`: as for BasicContact::tick.
+  template <class Body>
+  Tick tick(const Pose& tool, const Body& body, const SetSearch<Most>* latest = nullptr) {
+    const double moved = travel(last_, tool, contacts_[0].shape().extent());
+    const Search* const first = latest != nullptr ? &latest->first : nullptr;
+    const double fade = 4 * moved / gap();
+    ticks_[0] = contacts_[0].tick(tool, SharedBody<Body>{&body, 1, fade}, first);
+    if (ticks_[0].state == State::fault) {
+      const Tick fault = ticks_[0];
+      reset();
+      return fault;
+    }
+    for (std::size_t k = 1; k < Most; ++k) {
+      if (!ticks_[k].touches()) continue;
+      const double share = larger(0, share_of(k));
+      if (share == 0 && contacts_[k].state().factor == 0) {
+        contacts_[k].reset();
+        ticks_[k] = Tick{};
+        continue;
+      }
+      const SharedBody<Body> shared{&body, share, fade};
+      ticks_[k] = contacts_[k].tick(tool, shared, latest != nullptr ? &latest->more : nullptr);
+    }
+    lead();
+    if (ticks_[0].touches()) look(tool, body, latest);
+    last_ = tool;
+    return sum();
+  }
+
+  /// Each contact's own tick; without contact where it does not touch.
+  [[nodiscard]] const std::array<Tick, Most>& each() const { return ticks_; }
+  [[nodiscard]] const BasicContact<kFeatures>& contact(int k) const { return contacts_[static_cast<std::size_t>(k)]; }
+  /// m, BasicContact::size().
+  [[nodiscard]] double size(double depth) const { return contacts_[0].size(depth); }
+  [[nodiscard]] const View& view() const { return contacts_[0].view(); }
+
+  /// Where the contacts are now, for a search in another thread.
+  [[nodiscard]] WallSearchRequest<Most> request(const Pose& tool_in_body) const {
+    WallSearchRequest<Most> request;
+    request.pose = tool_in_body;
+    for (std::size_t k = 0; k < Most; ++k) {
+      if (ticks_[k].touches()) {
+        request.feet[static_cast<std::size_t>(request.count++)] = contacts_[k].state().place.foot.point;
+      }
+    }
+    return request;
+  }
+
+private:
+  template <std::size_t... K>
+  ContactSet(const View& view, std::uint32_t tool, std::index_sequence<K...>)
+      : contacts_{((void)K, BasicContact<kFeatures>(view, tool))...} {}
+
+  /// m, from which on two feet lie on two walls.
+  [[nodiscard]] double gap() const { return contacts_[0].size(contacts_[0].state().indentation); }
+
+  [[nodiscard]] double share_of(std::size_t k) const {
+    double share = 1;
+    for (std::size_t j = 0; j < k; ++j) {
+      if (!ticks_[j].touches()) continue;
+      const double apart =
+          length(contacts_[k].state().place.foot.point - contacts_[j].state().place.foot.point) / gap();
+      share = smaller(share, 2 * apart - 1);
+    }
+    return share;
+  }
+
+  /// The first contact searches. Another takes its place where it ended, and where both lie on one wall and the other
+  /// holds more energy.
+  void lead() {
+    for (std::size_t k = 1; k < Most; ++k) {
+      if (!ticks_[k].touches()) continue;
+      const bool ended = !ticks_[0].touches();
+      const ContactState &first = contacts_[0].state(), &other = contacts_[k].state();
+      const bool merged = length(first.place.foot.point - other.place.foot.point) < 0.5 * gap();
+      if (!ended && !(merged && other.energy.energy() > first.energy.energy())) continue;
+      std::swap(contacts_[0], contacts_[k]);
+      std::swap(ticks_[0], ticks_[k]);
+      if (ended) return;
+    }
+  }
+
+  /// Begins a contact on another wall that the skin overlaps.
+  template <class Body>
+  void look(const Pose& tool, const Body& body, const SetSearch<Most>* latest) {
+    std::size_t spare = 1;
+    while (spare < Most && ticks_[spare].touches()) ++spare;
+    if (spare == Most) return;
+    const Pose in_frame = in_body(tool, body.frame(ticks_[0].at));
+    ToolTouch wall;
+    if (latest != nullptr) {
+      wall = latest->more.touch;
+      if (!(wall.clearance < HUGE_VAL)) return;
+    } else {
+      if (travel(looked_, tool, contacts_[0].shape().extent()) < clear_) return;
+      looked_ = tool;
+      const double reach = 0.25 * gap();
+      wall = detail::find_wall(contacts_[0].view(), contacts_[0].shape(), request(in_frame), gap(), reach);
+      clear_ = smaller(reach, larger(0, wall.clearance));
+      if (!(wall.clearance <= 0)) return;
+    }
+    contacts_[spare].begin(wall, last_, body);
+    const SharedBody<Body> whole{&body, 1, 0};
+    ticks_[spare] = contacts_[spare].tick(tool, whole, latest != nullptr ? &latest->more : nullptr);
+  }
+
+  [[nodiscard]] Tick sum() const {
+    Tick all = ticks_[0];
+    for (std::size_t k = 1; k < Most; ++k) {
+      const Tick& tick = ticks_[k];
+      if (!tick.touches()) continue;
+      all.force = all.force + tick.force;
+      all.torque = all.torque + tick.torque;
+      all.friction_limit += tick.friction_limit;
+      all.depth = larger(all.depth, tick.depth);
+      all.counted_depth = larger(all.counted_depth, tick.counted_depth);
+      all.filled_share = larger(all.filled_share, tick.filled_share);
+      all.extrapolated = all.extrapolated || tick.extrapolated;
+    }
+    return all;
+  }
+
+  std::array<BasicContact<kFeatures>, Most> contacts_;
+  std::array<Tick, Most> ticks_;
+  Pose last_, looked_;
+  double clear_ = -1;  ///< m, the tool may go from looked_ before another wall can overlap
+};
+
+/// For a thread that searches while another one makes forces.
+template <std::uint32_t kFeatures = layout::feature_all, int Most>
+inline SetSearch<Most> search(const View& view, std::uint32_t tool, const WallSearchRequest<Most>& request) {
+  const ToolShape<kFeatures> shape(view, tool);
+  const double radius = shape.skin() > 0 ? shape.skin() : view.meta->depth_scale;
+  SetSearch<Most> result;
+  result.first = search<kFeatures>(view, tool, request.pose);
+  result.more.pose = request.pose;
+  WallSearchRequest<Most> known = request;
+  if (known.count == 0) known.feet[static_cast<std::size_t>(known.count++)] = result.first.touch.body.point;
+  result.more.touch = detail::find_wall(view, shape, known, std::sqrt(2 * radius * view.meta->depth_scale),
+                                        0.5 * (radius + view.meta->depth_scale));
+  return result;
+}
+
+}  // namespace palpate::runtime

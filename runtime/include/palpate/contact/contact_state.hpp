@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// The state of a contact from one tick to the next.
+#pragma once
+
+#include "palpate/contact/energy_tank.hpp"
+#include "palpate/contact/friction_springs.hpp"
+#include "palpate/contact/tick.hpp"
+
+namespace palpate::runtime {
+
+/// Where a contact is.
+struct ContactPlace {
+  Location foot;        ///< f: point of the undeformed body nearest to the tool's core
+  Location body_point;  ///< c: point of the undeformed body whose responses are used
+  Vec3 target;          ///< m, what c is the closest point of: goes to the foot less the springs' deflection
+  CorePoint tool_point; ///< p
+  Vec3 normal;          ///< n, unit, outward
+  Vec3 axis;            ///< unit, across n: the x axis of the tangential vectors
+};
+
+/// Force (N) on the tool and the point (m) of its skin where it acts.
+struct AppliedForce {
+  Vec3 force, point;
+};
+
+/// Everything that a contact remembers, in the body's frame as baked.
+struct ContactState {
+  bool touching = false;
+  Pose tool;             ///< at the last tick
+  ContactPlace place;
+  SpringState springs;   ///< friction
+  Vec2 recovery;         ///< m, deflection of the recovery layer
+  EnergyTank energy;
+  double other = 0;          ///< J stored beside W, at a body's factor of 1
+  double indentation = 0;    ///< z, m
+  double counted_depth = 0;  ///< m, in [0, z]
+  double factor = 1;         ///< stiffness factor of the body at c
+  AppliedForce applied;
+
+  void reset() {
+    const ContactState none;
+    *this = none;
+  }
+};
+
+}  // namespace palpate::runtime

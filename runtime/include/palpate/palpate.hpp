@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+// The whole runtime. Include single headers where a program needs less.
+#pragma once
+
+#include "palpate/body/deforming_body.hpp"
+#include "palpate/body/rigid_motion.hpp"
+#include "palpate/body/stiffness_scale.hpp"
+#include "palpate/contact/bonded_contact.hpp"
+#include "palpate/contact/contact.hpp"
+#include "palpate/contact/contact_set.hpp"
+#include "palpate/contact/superposition.hpp"
+#include "palpate/contact/tool_set.hpp"
+#include "palpate/format/open.hpp"
+#include "palpate/format/response_view.hpp"
+#include "palpate/output/device_frame.hpp"
+#include "palpate/output/energy_meter.hpp"
+#include "palpate/output/output_chain.hpp"
+#include "palpate/output/passivity_controller.hpp"
+#include "palpate/output/virtual_coupling.hpp"
+#include "palpate/threading/triple_buffer.hpp"
