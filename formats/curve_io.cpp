@@ -46,7 +46,7 @@ Curves compacted(const Curves& all) {
   return used;
 }
 
-Curves read_obj(const std::string& text, const SurfaceSource& source) {
+Curves obj_curves(const std::string& text, const SurfaceSource& source) {
   Curves curves;
   TextScan scan(text, source.file);
   std::string name;
@@ -122,7 +122,7 @@ Curves read_curves(const SurfaceSource& source) {
                 source.file.string() + ": unknown curve format '" + extension + "' (allowed: .obj, .csv)");
   }
   const std::string text = read_file(source.file, "curve", kLargest);
-  Curves curves = extension == ".obj" ? read_obj(text, source) : read_table(text, source);
+  Curves curves = extension == ".obj" ? obj_curves(text, source) : read_table(text, source);
   if (curves.pieces.empty()) throw Error(ExitCode::bad_input, source.file.string() + ": there is no curve in it");
   for (auto& point : curves.points) point *= source.unit;
   return curves;

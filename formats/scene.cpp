@@ -14,6 +14,25 @@ namespace {
 
 using namespace scene_io;
 
+/// What is missing on a line that is no TOML; empty where it is none of the usual mistakes.
+std::string toml_hint(const std::string& text, std::size_t line) {
+  std::size_t at = 0;
+  for (std::size_t k = 1; k < line && at != std::string::npos; ++k) at = text.find('\n', at) + 1;
+  if (at >= text.size()) return {};
+  const std::string row = text.substr(at, text.find('\n', at) - at);
+  const auto equals = row.find('=');
+  if (equals == std::string::npos) return {};
+  const auto begin = row.find_first_not_of(" \t", equals + 1);
+  if (begin == std::string::npos) return "; the value is missing";
+  std::string value = row.substr(begin, row.find_first_of("#\r", begin) - begin);
+  while (!value.empty() && (value.back() == ' ' || value.back() == '\t')) value.pop_back();
+  const auto begins_text = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '/' || c == '~' || c == '.';
+  };
+  if (value.empty() || !begins_text(value.front()) || value == "true" || value == "false") return {};
+  return "; a text needs quotation marks: " + row.substr(0, equals) + "= " + show(value);
+}
+
 toml::table parse(const std::filesystem::path& file) {
   // Scenes are a few kilobytes; the bound keeps a wrong file (an organ, a device) from filling the memory.
   const std::string text = read_file(file, "scene", std::size_t{1} << 20);
@@ -21,7 +40,8 @@ toml::table parse(const std::filesystem::path& file) {
     return toml::parse(text, file.string());
   } catch (const toml::parse_error& error) {
     throw Error(ExitCode::bad_input, file.string() + ":" + std::to_string(error.source().begin.line) +
-                                         ": not TOML: " + std::string(error.description()));
+                                         ": not TOML: " + std::string(error.description()) +
+                                         toml_hint(text, error.source().begin.line));
   }
 }
 
@@ -81,6 +101,17 @@ void read_regions(Scene& scene, const toml::table& root, const Place& place) {
     }
   }
   name_all(scene.regions, tables, "region", place);
+}
+
+void read_cavities(Scene& scene, const toml::table& root, const Place& place) {
+  const auto tables = sections(root, "cavity", place);
+  for (const toml::table* table : tables) {
+    read_table(scene.cavities.emplace_back(), *table, cavity_keys(), place.below("cavity"));
+    if (table->contains("surface") == table->contains("labels")) {
+      fail(place.below("cavity"), table, "allowed exactly one of surface, labels");
+    }
+  }
+  name_all(scene.cavities, tables, "cavity", place);
 }
 
 void read_supports(Scene& scene, const toml::table& root, const Place& place) {
@@ -255,6 +286,7 @@ Scene read_scene(const std::filesystem::path& file) {
     check_material(scene.material, *table, place.below("material"));
   }
   read_regions(scene, root, place);
+  read_cavities(scene, root, place);
   read_supports(scene, root, place);
   read_section(scene.prestress, root, "prestress", prestress_keys(), place);
   if (const toml::table* table = section(root, "prestress", place)) {
@@ -268,9 +300,13 @@ Scene read_scene(const std::filesystem::path& file) {
   read_section(scene.solver, root, "solver", solver_keys(), place);
   static_cast<void>(to_sources(root, place));  // kept apart; what is wrong there is wrong in the scene
 
-  if (scene.body.surfaces.empty()) {
+  if (scene.body.surfaces.empty() && scene.body.labels.file.empty()) {
     fail(place.below("body.surface"), root.get("body"),
-         "missing; a scene needs a surface file, for example:  [body] surface = \"liver.ply\"");
+         "missing; a scene needs a surface file, for example:  [body] surface = \"liver.ply\"  or voxels:  [body] "
+         "labels = {image = \"liver.nii.gz\", value = 1}");
+  }
+  if (!scene.body.surfaces.empty() && !scene.body.labels.file.empty()) {
+    fail(place.below("body.labels"), root["body"]["labels"].node(), "allowed exactly one of surface, labels");
   }
   check_sampling(scene.sampling, root, place);
   for (const ToolScene& tool : scene.tools) {
@@ -287,8 +323,20 @@ std::vector<std::filesystem::path> files_of(const Scene& scene) {
     if (!source.file.empty()) files.push_back(source.file);
   };
   for (const SurfaceSource& source : scene.body.surfaces) add(source);
+  const auto add_image = [&](const LabelSource& labels) {
+    if (!labels.file.empty()) files.push_back(labels.file);
+  };
+  add_image(scene.body.labels);
   add(scene.material.centreline);
-  for (const RegionScene& region : scene.regions) add(region.surface), add(region.material.centreline);
+  for (const RegionScene& region : scene.regions) {
+    add(region.surface);
+    add_image(region.labels);
+    add(region.material.centreline);
+  }
+  for (const CavityScene& cavity : scene.cavities) {
+    add(cavity.surface);
+    add_image(cavity.labels);
+  }
   for (const SupportScene& support : scene.supports) add(support.other);
   for (const ToolScene& tool : scene.tools) add(tool.surface);
   return files;

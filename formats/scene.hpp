@@ -2,6 +2,8 @@
 // What a scene file says, with every default in one place. Read by read_scene (scene.cpp, toml++).
 #pragma once
 
+#include "formats/frame.hpp"
+
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
@@ -21,8 +23,21 @@ struct SurfaceSource {
   double unit = 1.0;                ///< metres per file unit (scene: units = "m" | "cm" | "mm" | "in")
 };
 
+/// Which separate pieces of a label are kept: those that matter (see label_mask), the largest, or all.
+enum class Islands { automatic, largest, all };
+
+/// Voxels of a label image that belong together: all that have one of the values, or are in one of the segments.
+struct LabelSource {
+  std::filesystem::path file;         ///< the image; empty: none
+  double unit = 0.0;                  ///< metres per file unit; 0: what the file states, else 1 mm
+  std::vector<int> values;            ///< of the voxels
+  std::vector<std::string> segments;  ///< names, where the file has them
+  Islands islands = Islands::automatic;
+};
+
 struct BodyScene {
   std::vector<SurfaceSource> surfaces;  ///< joined into one body
+  LabelSource labels;                   ///< in place of surfaces
   RepairMode repair = RepairMode::automatic;
   double wrap_alpha = 0.0;         ///< m; 0 chooses the smallest tool's radius, within 1/50 to 1/20 of the diagonal
   double wrap_offset = 0.0;        ///< m; 0 chooses wrap_alpha / 30
@@ -60,11 +75,18 @@ struct RegionScene {
   enum class Shape { surface, ellipsoid, box, labels };
   std::string name;
   Shape shape = Shape::surface;
-  SurfaceSource surface;                               ///< surface; labels: the image
-  int label = 0;                                       ///< labels: value of the voxels that belong to it
+  SurfaceSource surface;                               ///< surface
+  LabelSource labels;                                  ///< labels
   Eigen::Vector3d centre{0, 0, 0}, radii{0, 0, 0};     ///< m; ellipsoid (a sphere is one with equal radii)
   Eigen::Vector3d box_min{0, 0, 0}, box_max{0, 0, 0};  ///< m; box
   MaterialScene material;
+};
+
+/// A hollow inside the body: a closed surface, or a label of an image.
+struct CavityScene {
+  std::string name;
+  SurfaceSource surface;
+  LabelSource labels;  ///< in place of the surface
 };
 
 struct SupportScene {
@@ -149,9 +171,12 @@ struct SolverScene {
 struct Scene {
   std::filesystem::path file;
   std::string name;  ///< default: the file's stem
+  /// Of the scene's coordinates; files that state another frame are turned into it. Unstated: the body's.
+  Frame frame = Frame::unstated;
   BodyScene body;
   MaterialScene material;
   std::vector<RegionScene> regions;
+  std::vector<CavityScene> cavities;
   std::vector<SupportScene> supports;  ///< none given: the lowest tenth of the body along z is held
   PrestressScene prestress;            ///< none given: the body starts free of stress
   std::vector<ToolScene> tools;        ///< none given: one sphere tip of radius 5 mm

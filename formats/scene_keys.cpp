@@ -12,12 +12,13 @@ namespace palpate::scene_io {
 namespace {
 
 constexpr Range kLengthOrAuto{0, 10, false, "m"};
+const std::vector<std::string> kFrames{"LPS", "RAS"};
 constexpr std::size_t kLongestToolName = sizeof(layout::ToolRecord::name) - 1;
 
 }  // namespace
 
 const std::vector<std::string>& section_names() {
-  static const std::vector<std::string> names{"body",    "material", "region",   "support",  "prestress",
+  static const std::vector<std::string> names{"body",    "material", "region",   "cavity",   "support",  "prestress",
                                               "tool",    "contact",  "sampling", "response", "solver",
                                               "sources", "measured", "analytic"};
   return names;
@@ -33,7 +34,18 @@ const Keys<Scene>& scene_keys() {
            fail_value(place, value, "a name without '/' that does not begin with '.'");
          }
        },
-       [](const Scene& scene) { return scene.name.empty() ? "" : show(scene.name); }, "\"liver\""}};
+       [](const Scene& scene) { return scene.name.empty() ? "" : show(scene.name); }, "\"liver\""},
+      {"frame", Affects::solves,
+       "Frame of all coordinates here: LPS (x left, y back; DICOM, ITK) or RAS (x right, y front; NIfTI). Files that "
+       "state another are turned into it; left out: the one that the body's file states.",
+       show_choices(kFrames),
+       [](Scene& scene, const toml::node& value, const toml::table&, const Place& place) {
+         scene.frame = to_choice(place, value, kFrames) == 0 ? Frame::lps : Frame::ras;
+       },
+       [](const Scene& scene) {
+         return scene.frame == Frame::unstated ? "" : show(kFrames[scene.frame == Frame::lps ? 0 : 1]);
+       },
+       "\"LPS\""}};
   return keys;
 }
 
@@ -41,8 +53,8 @@ const Keys<BodyScene>& body_keys() {
   static const Keys<BodyScene> keys = join<BodyScene>(
       join<BodyScene>(
           {{"surface", Affects::nothing,
-            "Required. Surface file (.glb .gltf .obj .stl .ply .off), or an array of files or of tables "
-            "{file, meshes, units}, joined into one body.",
+            "Required, or labels. Surface file (.glb .gltf .obj .stl .ply .off .vtp .vtk), or an array of files or of "
+            "tables {file, meshes, units}, joined into one body.",
             "file names, relative to the scene file",
             [](BodyScene& body, const toml::node& value, const toml::table& parent, const Place& place) {
               body.surfaces = to_sources(place, value, parent);
@@ -51,7 +63,18 @@ const Keys<BodyScene>& body_keys() {
             "\"FILE\""}},
           source_keys<BodyScene>(
               [](const BodyScene& body) { return body.surfaces.size() == 1 ? &body.surfaces[0] : nullptr; })),
-      {choice("repair", &BodyScene::repair, {"auto", "none", "repair", "wrap"},
+      {{"labels", Affects::solves,
+        "In place of a surface: voxels of a label image (NIfTI, NRRD, MetaImage), by value or by the segment's name. "
+        "Regions and cavities of the same image belong to the body as well.",
+        kLabelsAllowed,
+        [](BodyScene& body, const toml::node& value, const toml::table&, const Place& place) {
+          body.labels = to_labels(place, value);
+        },
+        [](const BodyScene& body) {
+          return body.labels.values.empty() && body.labels.segments.empty() ? "" : show_labels(body.labels);
+        },
+        kLabelsExample},
+       choice("repair", &BodyScene::repair, {"auto", "none", "repair", "wrap"},
               "What is done to a surface that is not closed, manifold and free of self-intersections; "
               "auto: the least that works."),
        number(

@@ -39,6 +39,7 @@ const Keys<Scene>& scene_keys();  ///< keys outside any section
 const Keys<BodyScene>& body_keys();
 const Keys<MaterialScene>& material_keys();    ///< with check_material, in scene_material.cpp
 const Keys<RegionScene>& region_keys();        ///< in scene_region.cpp
+const Keys<CavityScene>& cavity_keys();        ///< in scene_region.cpp
 const Keys<SupportScene>& support_keys();      ///< in scene_support.cpp
 const Keys<PrestressScene>& prestress_keys();  ///< with check_prestress, in scene_prestress.cpp
 const Keys<ToolScene>& tool_keys();

@@ -40,13 +40,14 @@ std::string scene_reference() {
   scene.body.surfaces.emplace_back().file = "FILE";
   std::string text =
       "# Every key of a Palpate scene, with its default. Lengths in m, moduli in Pa.\n"
-      "# Lines that begin with '# ' are left out by default. Only [body] surface is required.\n\n";
+      "# Lines that begin with '# ' are left out by default. Only [body] surface (or labels) is required.\n\n";
   append_reference(text, "", "", scene_keys(), scene, true);
   append_reference(text, "[body]", "The organ.", body_keys(), scene.body, true);
   append_reference(text, "[material]", "The organ's material; a law has the keys that name it, and no others.",
                    material_keys(), scene.material, true);
   append_reference(text, "[[region]]", "An inclusion with its own material; any number of them.", region_keys(), {},
                    false);
+  append_reference(text, "[[cavity]]", "A hollow inside the organ; any number of them.", cavity_keys(), {}, false);
   append_reference(
       text, "[[support]]",
       "Where and how the organ is held, exactly one place each; any number of them. None: the lowest tenth along z.",
@@ -84,7 +85,10 @@ std::string canonical_text(const Scene& scene, CanonicalScope scope) {
     text += "body.surface.unit = " + show(source.unit) + "\n";
     text += "body.surface.meshes = " + show(source.meshes) + "\n";
   }
-  append_canonical(text, "body", body_keys(), scene.body, only_solves);
+  if (scene.frame != Frame::unstated) text += scene.frame == Frame::lps ? "frame = LPS\n" : "frame = RAS\n";
+  BodyScene body = scene.body;
+  body.labels.file.clear();
+  append_canonical(text, "body", body_keys(), body, only_solves);
   MaterialScene material = scene.material;
   material.centreline.file.clear();
   append_canonical(text, "material", material_keys(), material, only_solves);
@@ -92,8 +96,14 @@ std::string canonical_text(const Scene& scene, CanonicalScope scope) {
     text += "[region]\n";
     RegionScene without_path = region;
     without_path.material.centreline.file.clear();
-    if (region.shape == RegionScene::Shape::labels) without_path.surface.file.clear();
+    without_path.labels.file.clear();
     append_canonical(text, "region", region_keys(), without_path, only_solves);
+  }
+  for (const CavityScene& cavity : scene.cavities) {
+    text += "[cavity]\n";
+    CavityScene without_path = cavity;
+    without_path.labels.file.clear();
+    append_canonical(text, "cavity", cavity_keys(), without_path, only_solves);
   }
   for (const SupportScene& support : scene.supports) {
     text += "[support]\n";

@@ -25,27 +25,6 @@ const toml::table& two_of(const toml::node& value, const Place& place, const cha
   return table;
 }
 
-// Of the table of a region's labels.
-Keys<RegionScene> label_keys() {
-  return {{"image",
-           Affects::nothing,
-           "",
-           "",
-           [](RegionScene& region, const toml::node& value, const toml::table& parent, const Place& place) {
-             region.surface = source_beside(to_text(place, value), parent, above(place));
-           },
-           {},
-           ""},
-          integer("value", &RegionScene::label, {-2147483648.0, 2147483647.0, false, ""}, ""),
-          {"units",
-           Affects::solves,
-           "",
-           "",  // taken up with the image
-           [](RegionScene&, const toml::node&, const toml::table&, const Place&) {},
-           {},
-           ""}};
-}
-
 }  // namespace
 
 const Keys<RegionScene>& region_keys() {
@@ -88,23 +67,17 @@ const Keys<RegionScene>& region_keys() {
                    },
                    "{min = [0, 0, 0.1], max = [0.02, 0.02, 0.12]}"});
     all.push_back({"labels", Affects::solves,
-                   "In place of a surface: the voxels of one value in a label image (NRRD, MetaImage), in the "
-                   "coordinates of that file, which have to be the surface's (no turn from LPS to RAS).",
-                   "{image = \"FILE\", value = n, units}, -2147483648 <= n <= 2147483647",
+                   "In place of a surface: voxels of a label image (NIfTI, NRRD, MetaImage), by value or by the "
+                   "segment's name.",
+                   kLabelsAllowed,
                    [](RegionScene& region, const toml::node& value, const toml::table&, const Place& place) {
-                     const toml::table& table = to_table(place, value);
                      region.shape = RegionScene::Shape::labels;
-                     read_table(region, table, label_keys(), place);
-                     if (!table.contains("image") || !table.contains("value"))
-                       fail(place, &value, "labels need both 'image' and 'value'");
+                     region.labels = to_labels(place, value);
                    },
                    [](const RegionScene& r) {
-                     return r.shape == RegionScene::Shape::labels
-                                ? "{image = " + show(r.surface.file.string()) + ", value = " + show(r.label) +
-                                      ", units = " + show_unit(r.surface.unit) + "}"
-                                : std::string();
+                     return r.shape == RegionScene::Shape::labels ? show_labels(r.labels) : std::string();
                    },
-                   "{image = \"FILE\", value = 1, units = \"mm\"}"});
+                   kLabelsExample});
     for (const Key<MaterialScene>& key : material_keys()) {
       all.push_back({key.name, key.affects, key.help, key.allowed,
                      [=](RegionScene& region, const toml::node& value, const toml::table& parent, const Place& place) {
@@ -112,6 +85,26 @@ const Keys<RegionScene>& region_keys() {
                      },
                      [=](const RegionScene& region) { return key.show(region.material); }, key.example});
     }
+    return all;
+  }();
+  return keys;
+}
+
+const Keys<CavityScene>& cavity_keys() {
+  static const Keys<CavityScene> keys = [] {
+    Keys<CavityScene> all{text("name", &CavityScene::name,
+                               "Name, by which prestress may choose it; left out: cavity, cavity2, ...", "\"lumen\"",
+                               "letters, digits, spaces and - _ . in any order, but no '.' at the beginning",
+                               names_a_file)};
+    all = join(all, surface_keys(&CavityScene::surface, "Closed surface strictly inside the body."));
+    all.push_back({"labels", Affects::solves, "In place of a surface: voxels of a label image.", kLabelsAllowed,
+                   [](CavityScene& cavity, const toml::node& value, const toml::table&, const Place& place) {
+                     cavity.labels = to_labels(place, value);
+                   },
+                   [](const CavityScene& c) {
+                     return c.labels.values.empty() && c.labels.segments.empty() ? "" : show_labels(c.labels);
+                   },
+                   kLabelsExample});
     return all;
   }();
   return keys;

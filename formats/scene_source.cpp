@@ -6,12 +6,14 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 namespace palpate::scene_io {
 
 namespace {
 
 const std::vector<std::string> kUnits{"m", "cm", "mm", "in"};
+const std::vector<std::string> kIslands{"auto", "largest", "all"};  // in the order of the enumerators
 constexpr std::array<double, 4> kUnitLengths{1.0, 0.01, 0.001, 0.0254};
 
 }  // namespace
@@ -73,6 +75,63 @@ std::vector<SurfaceSource> to_sources(const Place& place, const toml::node& node
     if (!table->contains("units")) sources.back().unit = source_beside(file, parent, above(place)).unit;
   }
   return sources;
+}
+
+LabelSource to_labels(const Place& place, const toml::node& node) {
+  constexpr Range kValue{std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max(), false, ""};
+  using Read = std::function<void(LabelSource&, const toml::node&, const toml::table&, const Place&)>;
+  const auto key = [](const char* name, Read read) {
+    return Key<LabelSource>{name, Affects::solves, "", "", std::move(read), {}, ""};
+  };
+  const Keys<LabelSource> keys{
+      key("image",
+          [](LabelSource& labels, const toml::node& value, const toml::table&, const Place& at) {
+            labels.file = at.file.parent_path() / std::filesystem::path(to_text(at, value));
+          }),
+      key("value",
+          [&](LabelSource& labels, const toml::node& value, const toml::table&, const Place& at) {
+            const auto* array = value.as_array();
+            if (array != nullptr && array->empty()) fail_value(at, value, "a whole number, or several");
+            if (array == nullptr) {
+              labels.values = {to_integer(at, value, kValue, 1)};
+            } else {
+              for (const toml::node& element : *array) labels.values.push_back(to_integer(at, element, kValue, 1));
+            }
+          }),
+      key("segment", [](LabelSource& labels, const toml::node& value, const toml::table&,
+                        const Place& at) { labels.segments = to_texts(at, value); }),
+      key("units",
+          [](LabelSource& labels, const toml::node& value, const toml::table&, const Place& at) {
+            labels.unit = kUnitLengths[to_choice(at, value, kUnits)];
+          }),
+      key("islands", [](LabelSource& labels, const toml::node& value, const toml::table&, const Place& at) {
+        labels.islands = static_cast<Islands>(to_choice(at, value, kIslands));
+      })};
+  const toml::table& table = to_table(place, node);
+  LabelSource labels;
+  read_table(labels, table, keys, place);
+  if (labels.file.empty() || (labels.values.empty() && labels.segments.empty())) {
+    fail(place, &node, "labels need both 'image' and 'value' (or 'segment')");
+  }
+  return labels;
+}
+
+std::string show_labels(const LabelSource& labels) {
+  std::vector<std::string> parts;
+  if (!labels.file.empty()) parts.push_back("image = " + show(labels.file.string()));
+  std::string values;
+  for (const int value : labels.values) values += (values.empty() ? "" : ", ") + show(value);
+  if (labels.values.size() == 1) parts.push_back("value = " + values);
+  if (labels.values.size() > 1) parts.push_back("value = [" + values + "]");
+  if (labels.segments.size() == 1) parts.push_back("segment = " + show(labels.segments.front()));
+  if (labels.segments.size() > 1) parts.push_back("segment = " + show(labels.segments));
+  if (labels.unit > 0) parts.push_back("units = " + show_unit(labels.unit));
+  if (labels.islands != Islands::automatic) {
+    parts.push_back("islands = " + show(kIslands[static_cast<std::size_t>(labels.islands)]));
+  }
+  std::string text;
+  for (const std::string& part : parts) text += (text.empty() ? "{" : ", ") + part;
+  return text + "}";
 }
 
 std::pair<Eigen::Vector3d, Eigen::Vector3d> to_box(const Place& place, const toml::node& node) {

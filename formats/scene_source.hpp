@@ -23,6 +23,16 @@ SurfaceSource source_beside(const std::string& file, const toml::table& table, c
 /// A file name, or an array of file names or of tables {file, meshes, units}.
 std::vector<SurfaceSource> to_sources(const Place& place, const toml::node& node, const toml::table& parent);
 
+/// {image = "FILE", value = n or segment = "NAME", units, islands}; several values or segments as arrays.
+LabelSource to_labels(const Place& place, const toml::node& node);
+/// The same as TOML text; without the image where the path is empty.
+std::string show_labels(const LabelSource& labels);
+/// What to_labels allows, and an example, for the reference.
+inline constexpr const char* kLabelsAllowed =
+    "{image = \"FILE\", value = n (or [n, ...]) or segment = \"NAME\" (or several), units, islands = \"auto\" | "
+    "\"largest\" | \"all\"}";
+inline constexpr const char* kLabelsExample = "{image = \"FILE\", value = 1}";
+
 /// {min = [x, y, z], max = [x, y, z]} with min below max (m).
 std::pair<Eigen::Vector3d, Eigen::Vector3d> to_box(const Place& place, const toml::node& node);
 std::string show_box(const Eigen::Vector3d& min, const Eigen::Vector3d& max);

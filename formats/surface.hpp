@@ -2,6 +2,8 @@
 // An indexed triangle surface with a name for every part it was made of.
 #pragma once
 
+#include "formats/frame.hpp"
+
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
@@ -17,6 +19,8 @@ struct Surface {
   /// Per triangle an index into part_names (the named mesh it came from); same length as triangles.
   std::vector<std::int32_t> parts;
   std::vector<std::string> part_names;
+  Frame frame = Frame::unstated;   ///< that the file states
+  std::vector<std::string> notes;  ///< what reading it left aside or closed, one line each
 
   [[nodiscard]] bool empty() const noexcept { return triangles.empty(); }
 };

@@ -4,7 +4,7 @@
 
 #include "formats/error.hpp"
 #include "formats/surface_gltf_screen.hpp"
-#include "formats/surface_screen.hpp"
+#include "formats/surface_plain.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -165,19 +165,96 @@ private:
     Index stride = 0;
   };
 
-  // Start and stride of an accessor's elements, all of them inside the buffer.
-  Bytes elements(const tinygltf::Accessor& accessor, Index size, const std::string& where) const {
-    if (accessor.bufferView < 0 || accessor.sparse.isSparse) fail(where + ": sparse data are not supported");
-    const auto& view = model_.bufferViews[std::size_t(accessor.bufferView)];
+  static Index component_size(int type) {
+    switch (type) {
+      case TINYGLTF_COMPONENT_TYPE_BYTE:
+      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+        return 1;
+      case TINYGLTF_COMPONENT_TYPE_SHORT:
+      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+        return 2;
+      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+      case TINYGLTF_COMPONENT_TYPE_FLOAT:
+        return 4;
+      default:
+        return 0;
+    }
+  }
+
+  // Little-endian machine: the bytes are in place.
+  static double component(const unsigned char* at, int type, bool normalized) {
+    const auto get = [&](auto number) {
+      std::memcpy(&number, at, sizeof number);
+      return number;
+    };
+    switch (type) {
+      case TINYGLTF_COMPONENT_TYPE_BYTE:
+        return normalized ? std::max(get(std::int8_t{}) / 127.0, -1.0) : double(get(std::int8_t{}));
+      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+        return normalized ? get(std::uint8_t{}) / 255.0 : double(get(std::uint8_t{}));
+      case TINYGLTF_COMPONENT_TYPE_SHORT:
+        return normalized ? std::max(get(std::int16_t{}) / 32767.0, -1.0) : double(get(std::int16_t{}));
+      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+        return normalized ? get(std::uint16_t{}) / 65535.0 : double(get(std::uint16_t{}));
+      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+        return double(get(std::uint32_t{}));
+      default:
+        return double(get(0.0F));
+    }
+  }
+
+  // `count` elements of `size` bytes from `offset` of a view on; all of them inside the buffer.
+  Bytes elements(int view_number, Index offset, Index count, Index size, const std::string& where) const {
+    const auto& view = model_.bufferViews[std::size_t(view_number)];
     const auto& buffer = model_.buffers[std::size_t(view.buffer)];
     const Index stride = view.byteStride == 0 ? size : Index(view.byteStride);
-    const Index end = Index(accessor.byteOffset) + (Index(accessor.count) - 1) * stride + size;
+    const Index end = offset + (count - 1) * stride + size;
     if (stride < size) fail(where + ": byteStride " + std::to_string(stride) + " is less than an element");
     if (end > Index(view.byteLength) || Index(view.byteOffset) + end > Index(buffer.data.size())) {
-      fail(where + ": " + std::to_string(accessor.count) + " elements need " + std::to_string(end) +
+      fail(where + ": " + std::to_string(count) + " elements need " + std::to_string(end) +
            " bytes of a buffer view of " + std::to_string(view.byteLength));
     }
-    return {buffer.data.data() + view.byteOffset + accessor.byteOffset, stride};
+    return {buffer.data.data() + view.byteOffset + offset, stride};
+  }
+
+  // All numbers of an accessor, `width` an element; a sparse one's values put in place of zeros or of its own.
+  std::vector<double> numbers(const tinygltf::Accessor& accessor, Index width, const std::string& where) const {
+    const Index size = component_size(accessor.componentType);
+    const auto count = Index(accessor.count);
+    std::vector<double> result;
+    if (count == 0) return result;
+    const auto fill = [&](const Bytes& bytes, Index n, auto&& store) {
+      for (Index i = 0; i < n; ++i) {
+        for (Index k = 0; k < width; ++k) {
+          store(i, k, component(bytes.first + i * bytes.stride + k * size, accessor.componentType, accessor.normalized));
+        }
+      }
+    };
+    if (accessor.bufferView >= 0) {
+      const Bytes bytes = elements(accessor.bufferView, Index(accessor.byteOffset), count, width * size, where);
+      result.reserve(std::size_t(count * width));
+      fill(bytes, count, [&](Index, Index, double value) { result.push_back(value); });
+    } else {
+      constexpr Index kMostZeros = 100'000'000;
+      if (count > kMostZeros) fail(where + ": more than 100 million elements without data");
+      result.assign(std::size_t(count * width), 0.0);
+    }
+    if (!accessor.sparse.isSparse || accessor.sparse.count == 0) return result;
+    const auto& sparse = accessor.sparse;
+    const Index index_size = component_size(sparse.indices.componentType);
+    if (sparse.indices.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT || index_size == 0) {
+      fail(where + ": sparse indices are not unsigned 8, 16 or 32-bit numbers");
+    }
+    const Bytes places = elements(sparse.indices.bufferView, sparse.indices.byteOffset, sparse.count, index_size,
+                                  where + " sparse indices");
+    const Bytes values = elements(sparse.values.bufferView, sparse.values.byteOffset, sparse.count, width * size,
+                                  where + " sparse values");
+    fill(values, sparse.count, [&](Index i, Index k, double value) {
+      const auto at = Index(component(places.first + i * places.stride, sparse.indices.componentType, false));
+      if (at < 0 || at >= count) fail(where + ": sparse index " + std::to_string(at) + " is out of range");
+      result[std::size_t(at * width + k)] = value;
+    });
+    return result;
   }
 
   std::vector<Index> indices(const tinygltf::Primitive& primitive, Index vertices, const std::string& where) const {
@@ -189,44 +266,53 @@ private:
     const auto& accessor = model_.accessors[std::size_t(primitive.indices)];
     if (accessor.count == 0) return result;
     const int type = accessor.componentType;
-    const Index size = type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE    ? 1
-                       : type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ? 2
-                       : type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT   ? 4
-                                                                        : 0;
-    if (size == 0 || accessor.type != TINYGLTF_TYPE_SCALAR) {
+    if ((type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE && type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&
+         type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) ||
+        accessor.type != TINYGLTF_TYPE_SCALAR) {
       fail(where + ": indices are not unsigned 8, 16 or 32-bit numbers");
     }
-    const auto bytes = elements(accessor, size, where + " indices");
-    for (Index i = 0; i < Index(accessor.count); ++i) {
-      std::uint32_t index = 0;  // little-endian machine: the low bytes come first
-      std::memcpy(&index, bytes.first + i * bytes.stride, std::size_t(size));
-      if (Index(index) >= vertices) {
-        fail(where + ": index " + std::to_string(index) + " (element " + std::to_string(i) + ") is outside 0.." +
-             std::to_string(vertices - 1));
+    for (const double number : numbers(accessor, 1, where + " indices")) {
+      const auto index = Index(number);
+      if (index >= vertices) {
+        fail(where + ": index " + std::to_string(index) + " (element " + std::to_string(result.size()) +
+             ") is outside 0.." + std::to_string(vertices - 1));
       }
-      result.push_back(Index(index));
+      result.push_back(index);
     }
     return result;
+  }
+
+  // In the mesh's own coordinates, numbers of 24 bits have to hold the shape.
+  void check_digits(const std::vector<double>& numbers, const std::string& where) const {
+    Eigen::AlignedBox3d box;
+    for (std::size_t k = 0; k + 2 < numbers.size(); k += 3) {
+      box.extend(Eigen::Vector3d(numbers[k], numbers[k + 1], numbers[k + 2]));
+    }
+    if (box.isEmpty()) return;
+    const double step = 0x1p-23 * std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
+    constexpr double kCoarsestFloat = 5e-4;  // of the diagonal
+    if (numbers.size() < 300 || !(step > kCoarsestFloat * box.diagonal().norm())) return;
+    fail(where + ": lies so far from the mesh's origin that its 32-bit numbers have lost the shape: move it to the "
+                 "origin before export");
   }
 
   std::vector<Eigen::Vector3d> positions(const tinygltf::Primitive& primitive, const Eigen::Affine3d& transform,
                                          const std::string& where) const {
     const auto& accessor = model_.accessors[std::size_t(primitive.attributes.at("POSITION"))];
-    if (accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT || accessor.type != TINYGLTF_TYPE_VEC3) {
-      fail(where + ": POSITION is not three 32-bit floats");
+    const int type = accessor.componentType;
+    if (component_size(type) == 0 || type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT || accessor.type != TINYGLTF_TYPE_VEC3) {
+      fail(where + ": POSITION is not three 32-bit floats or 8 or 16-bit whole numbers");
     }
+    const std::vector<double> all = numbers(accessor, 3, where + " POSITION");
     std::vector<Eigen::Vector3d> result;
-    if (accessor.count == 0) return result;
-    const auto bytes = elements(accessor, 12, where + " POSITION");
-    for (Index i = 0; i < Index(accessor.count); ++i) {
-      Eigen::Vector3f point;
-      std::memcpy(point.data(), bytes.first + i * bytes.stride, 12);
-      const Eigen::Vector3d placed = transform * point.cast<double>();
+    for (std::size_t i = 0; 3 * i + 2 < all.size(); ++i) {
+      const Eigen::Vector3d placed = transform * Eigen::Vector3d(all[3 * i], all[3 * i + 1], all[3 * i + 2]);
       if (!placed.allFinite() || placed.cwiseAbs().maxCoeff() > largest_coordinate) {
         fail(where + ": vertex " + std::to_string(i) + ": a coordinate is not finite or beyond 1e15");
       }
       result.push_back(placed);
     }
+    if (type == TINYGLTF_COMPONENT_TYPE_FLOAT) check_digits(all, where);
     return result;
   }
 

@@ -67,10 +67,7 @@ public:
   Json reduce(const std::string& text, const Container& container, bool binary) {
     const Json document = Json::parse(text, nullptr, false);
     if (document.is_discarded() || !document.is_object()) fail("its JSON is truncated or damaged");
-    if (document.contains("extensionsRequired") && !document["extensionsRequired"].empty()) {
-      fail("it requires the extension " + document["extensionsRequired"].front().dump(-1, ' ', true) +
-           ", which is not supported: export the surface without compression");
-    }
+    check_required(document);
     for (const auto* key : {"buffers", "bufferViews", "accessors", "meshes", "nodes", "scenes"}) {
       if (!document.contains(key)) continue;
       if (!document[key].is_array()) fail(std::string(key) + " is not an array");
@@ -92,6 +89,45 @@ public:
   }
 
 private:
+  // Extensions that change no shape, or whose shapes are read (quantised positions).
+  void check_required(const Json& document) const {
+    if (!document.contains("extensionsRequired")) return;
+    const auto& required = document["extensionsRequired"];
+    if (!required.is_array()) fail("extensionsRequired is not an array");
+    for (const auto& entry : required) {
+      if (!entry.is_string()) fail("extensionsRequired holds something that is not a text");
+      const auto name = entry.get<std::string>();
+      const auto is = [&](const char* start) { return name.rfind(start, 0) == 0; };
+      if (name == "KHR_mesh_quantization" || is("KHR_materials_") || is("KHR_texture_") || is("EXT_texture_") ||
+          is("KHR_lights_") || is("EXT_lights_") || is("MSFT_texture_") || is("KHR_xmp") || is("KHR_animation_") ||
+          is("EXT_materials_")) {
+        continue;
+      }
+      fail("it requires the extension " + entry.dump(-1, ' ', true) +
+           ", which is not supported: export the surface without compression");
+    }
+  }
+
+  static std::string decoded(const std::string& uri) {
+    const auto digit = [](char c) {
+      return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+    };
+    std::string text;
+    for (std::size_t k = 0; k < uri.size(); ++k) {
+      if (uri[k] == '%' && k + 2 < uri.size() && digit(uri[k + 1]) >= 0 && digit(uri[k + 2]) >= 0) {
+        text += char(16 * digit(uri[k + 1]) + digit(uri[k + 2]));
+        k += 2;
+      } else {
+        text += uri[k];
+      }
+    }
+    return text;
+  }
+
+  static bool has_extension(const Json& object, const char* name) {
+    return object.contains("extensions") && object["extensions"].is_object() && object["extensions"].contains(name);
+  }
+
   static std::size_t size(const Json& document, const char* key) {
     return document.contains(key) ? document[key].size() : 0;
   }
@@ -140,11 +176,16 @@ private:
         if (!buffer["uri"].is_string()) fail(where + ": uri is not a text");
         const auto uri = buffer["uri"].get<std::string>();
         // An organ file may not name files elsewhere on this machine.
-        if (uri.rfind("data:", 0) != 0 && (uri.empty() || uri.front() == '/' || uri.find("..") != std::string::npos ||
-                                           uri.find('%') != std::string::npos || uri.find(':') != std::string::npos)) {
+        const auto name = decoded(uri);
+        if (uri.rfind("data:", 0) != 0 &&
+            (name.empty() || name.front() == '/' || name.find("..") != std::string::npos ||
+             name.find('\0') != std::string::npos || name.find(':') != std::string::npos)) {
           fail(where + ": uri must be embedded data or a plain file name beside the file");
         }
         entry["uri"] = uri;
+      } else if (has_extension(buffer, "EXT_meshopt_compression")) {
+        fail(where + " has its data under EXT_meshopt_compression alone, which is not supported: export the surface "
+                     "without compression");
       } else if (!binary || result.size() != 0 || !container.has_binary) {
         fail(where + " has no data");
       } else if (std::size_t(length) > container.binary.size()) {
@@ -191,11 +232,39 @@ private:
       if (accessor.contains("bufferView")) {
         entry["bufferView"] = reference(accessor, "bufferView", where, document, "bufferViews");
       }
-      // Kept as a mark without a buffer: only a mesh that uses it is refused.
-      if (accessor.contains("sparse")) entry.erase("bufferView");
+      if (accessor.contains("normalized")) {
+        if (!accessor["normalized"].is_boolean()) fail(where + ": normalized is not true or false");
+        entry["normalized"] = accessor["normalized"];
+      }
+      if (accessor.contains("sparse")) entry["sparse"] = sparse(accessor["sparse"], where + ".sparse", document);
       result.push_back(std::move(entry));
     }
     return result;
+  }
+
+  Json sparse(const Json& given, const std::string& where, const Json& document) const {
+    const auto part = [&](const char* key) -> const Json& {
+      if (!given.is_object() || !given.contains(key) || !given[key].is_object()) fail(where + ": " + key + " is missing");
+      return given[key];
+    };
+    const Json &indices = part("indices"), &values = part("values");
+    return {{"count", whole(given, "count", where, -1)},
+            {"indices",
+             {{"bufferView", reference(indices, "bufferView", where, document, "bufferViews")},
+              {"byteOffset", whole(indices, "byteOffset", where, 0)},
+              {"componentType", whole(indices, "componentType", where, -1)}}},
+            {"values",
+             {{"bufferView", reference(values, "bufferView", where, document, "bufferViews")},
+              {"byteOffset", whole(values, "byteOffset", where, 0)}}}};
+  }
+
+  // Shapes that a mesh takes on beside its own. At rest their weights are zero, and they change nothing.
+  void refuse_morphs(const Json& object, const std::string& where) const {
+    if (!object.contains("weights") || !object["weights"].is_array()) return;
+    for (const auto& weight : object["weights"]) {
+      if (weight.is_number() && weight.get<double>() == 0) continue;
+      fail(where + " has morph targets with weights other than 0, which are not applied: apply them before export");
+    }
   }
 
   Json meshes(const Json& document) const {
@@ -204,6 +273,7 @@ private:
       const auto where = "meshes[" + std::to_string(result.size()) + "]";
       Json entry = {{"primitives", Json::array()}};
       copy_name(mesh, entry);
+      refuse_morphs(mesh, where);
       if (!mesh.contains("primitives") || !mesh["primitives"].is_array()) fail(where + ": primitives are missing");
       for (const auto& primitive : mesh["primitives"]) {
         const auto place = where + ".primitives[" + std::to_string(entry["primitives"].size()) + "]";
@@ -215,9 +285,17 @@ private:
         kept["attributes"]["POSITION"] = reference(primitive["attributes"], "POSITION", place, document, "accessors");
         if (primitive.contains("indices")) {
           kept["indices"] = reference(primitive, "indices", place, document, "accessors");
-          const auto& used = document["accessors"][kept["indices"].get<std::size_t>()];
-          if (!used.contains("bufferView") || used.contains("sparse"))
-            fail(place + ": sparse indices are not supported");
+        }
+        for (const char* key : {"indices", "POSITION"}) {
+          const auto& from = std::string(key) == "indices" ? kept : kept["attributes"];
+          if (!from.contains(key)) continue;
+          const auto& used = document["accessors"][from[key].get<std::size_t>()];
+          if (used.contains("bufferView") || used.contains("sparse")) continue;
+          if (has_extension(primitive, "KHR_draco_mesh_compression")) {
+            fail(place + " has its data under KHR_draco_mesh_compression alone, which is not supported: export the "
+                         "surface without Draco compression");
+          }
+          fail(place + ": " + key + " has no data: its accessor names no bufferView");
         }
         entry["primitives"].push_back(std::move(kept));
       }
@@ -243,7 +321,16 @@ private:
       const auto where = "nodes[" + std::to_string(result.size()) + "]";
       Json entry = Json::object();
       copy_name(node, entry);
-      if (node.contains("mesh")) entry["mesh"] = reference(node, "mesh", where, document, "meshes");
+      if (node.contains("mesh")) {
+        entry["mesh"] = reference(node, "mesh", where, document, "meshes");
+        refuse_morphs(node, where);
+        if (node.contains("skin")) {
+          fail(where + " has a skin, which is not applied: apply the armature to the mesh before export");
+        }
+        if (has_extension(node, "EXT_mesh_gpu_instancing")) {
+          fail(where + " has instances by EXT_mesh_gpu_instancing, which are not supported: make them meshes of their own");
+        }
+      }
       constexpr std::array<std::pair<const char*, std::size_t>, 4> transforms = {
           {{"matrix", 16}, {"translation", 3}, {"rotation", 4}, {"scale", 3}}};
       for (const auto& [key, length] : transforms) {

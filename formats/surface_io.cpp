@@ -6,11 +6,13 @@
 #include "formats/file.hpp"
 #include "formats/surface_gltf.hpp"
 #include "formats/surface_openmesh.hpp"
-#include "formats/surface_screen.hpp"
+#include "formats/surface_plain.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 namespace palpate {
@@ -23,30 +25,29 @@ std::string extension_of(const std::filesystem::path& file) {
   return extension;
 }
 
-// Refuses what a reader of OpenMesh delivers when it differs from what the screen saw in the file.
-void check_against(const PolygonSoup& soup, const SurfaceCensus& census, bool welded,
-                   const std::filesystem::path& file) {
+constexpr double kCoarsest = 5e-4;       // of the diagonal: coordinates of coarser steps have lost the shape
+constexpr double kFar = 100;             // diagonals from the origin: nearer, coarse steps are the shape's own
+constexpr std::size_t kFewVertices = 100;  // boxes and the like may well have whole coordinates
+
+// Refuses coordinates far from the origin whose digits do not suffice for the shape.
+void check_digits(const PolygonSoup& soup, const std::filesystem::path& file) {
   Eigen::AlignedBox3d bounds;
   for (const auto& vertex : soup.vertices) bounds.extend(vertex);
-  const auto scale = std::max(census.bounds.min().cwiseAbs().maxCoeff(), census.bounds.max().cwiseAbs().maxCoeff());
-  const bool same_count = welded || soup.vertices.size() == census.vertices;
-  if (!same_count || std::size_t(soup.polygon_count) != census.polygons ||
-      !((bounds.min() - census.bounds.min()).cwiseAbs().maxCoeff() <= 1e-6 * scale) ||
-      !((bounds.max() - census.bounds.max()).cwiseAbs().maxCoeff() <= 1e-6 * scale)) {
-    throw Error(ExitCode::bad_input, file.string() + ": OpenMesh read " + std::to_string(soup.vertices.size()) +
-                                         " vertices and " + std::to_string(soup.polygon_count) +
-                                         " faces where the file has " + std::to_string(census.vertices) + " and " +
-                                         std::to_string(census.polygons));
+  if (bounds.isEmpty()) return;
+  const double diagonal = bounds.diagonal().norm();
+  const double largest = std::max(bounds.min().cwiseAbs().maxCoeff(), bounds.max().cwiseAbs().maxCoeff());
+  if (!(largest > kFar * diagonal)) return;
+  double step = soup.single ? largest * 0x1p-23 : 0;
+  if (soup.decimals >= 0 && soup.decimals < 20 && soup.vertices.size() >= kFewVertices) {
+    step = std::max(step, std::pow(10.0, -soup.decimals));
   }
-  const auto count = static_cast<std::int32_t>(soup.vertices.size());
-  for (const auto& triangle : soup.triangles) {
-    for (const auto vertex : triangle) {
-      if (vertex < 0 || vertex >= count) {
-        throw Error(ExitCode::bad_input, file.string() + ": vertex index " + std::to_string(vertex) +
-                                             " is outside 0.." + std::to_string(count - 1));
-      }
-    }
-  }
+  if (!(step > kCoarsest * diagonal)) return;
+  char text[200];
+  std::snprintf(text, sizeof text,
+                ": lies %.3g from the origin, where its numbers have steps of %.2g; its size is %.3g. The shape is lost "
+                "in the file: move it to the origin before it is saved",
+                largest, step, diagonal);
+  throw Error(ExitCode::bad_input, file.string() + text);
 }
 
 [[noreturn]] void missing_name(const std::string& name, const std::vector<std::string>& names,
@@ -65,6 +66,8 @@ Surface select_parts(const Surface& all, const std::vector<std::string>& wanted,
     keep[std::size_t(found - all.part_names.begin())] = true;
   }
   Surface selected;
+  selected.frame = all.frame;
+  selected.notes = all.notes;
   std::vector<std::int32_t> new_part(keep.size(), -1), new_vertex(all.vertices.size(), -1);
   for (std::size_t part = 0; part < keep.size(); ++part) {
     if (!keep[part]) continue;
@@ -89,26 +92,40 @@ Surface select_parts(const Surface& all, const std::vector<std::string>& wanted,
   return selected;
 }
 
+PolygonSoup read_polygons(const std::string& extension, const std::string& bytes, const std::filesystem::path& file) {
+  if (extension == ".obj") return read_obj(bytes, file);
+  if (extension == ".off") return read_off(bytes, file);
+  if (extension == ".stl") return read_stl(bytes, file);
+  if (extension == ".vtk") return read_vtk(bytes, file);
+  if (extension == ".vtp") return read_vtp(bytes, file);
+  return read_ply(bytes, file);
+}
+
 Surface read_plain(const SurfaceSource& source, const std::string& extension, const std::string& bytes) {
   const auto& file = source.file;
-  SurfaceCensus census = extension == ".obj"   ? screen_obj(bytes, file)
-                         : extension == ".off" ? screen_off(bytes, file)
-                         : extension == ".stl" ? screen_stl(bytes, file)
-                                               : screen_ply(bytes, file);
-  if (census.polygons == 0) throw Error(ExitCode::bad_input, file.string() + ": there are no triangles in it");
-  auto soup = read_with_openmesh(census.plain.empty() ? bytes : census.plain, file, extension, census.binary);
-  check_against(soup, census, extension == ".stl", file);
+  PolygonSoup soup = read_polygons(extension, bytes, file);
+  if (soup.polygons() == 0) throw Error(ExitCode::bad_input, file.string() + ": there are no triangles in it");
+  check_digits(soup, file);
   Surface surface;
   surface.vertices = std::move(soup.vertices);
-  surface.triangles = std::move(soup.triangles);
-  if (census.group_names.empty()) {
-    surface.part_names = {file.stem().string()};
-    surface.parts.assign(surface.triangles.size(), 0);
-  } else {
-    surface.part_names = census.group_names;
-    for (const auto polygon : soup.polygons) surface.parts.push_back(census.groups[std::size_t(polygon)]);
+  surface.frame = soup.frame;
+  surface.notes = std::move(soup.notes);
+  surface.part_names = soup.group_names;
+  if (surface.part_names.empty()) surface.part_names = {file.stem().string()};
+  for (std::size_t p = 0; p < soup.polygons(); ++p) {
+    const auto part = soup.groups.empty() ? 0 : soup.groups[p];
+    for (const auto& triangle : triangles_of(surface.vertices, soup.corners.data() + soup.first[p],
+                                             soup.first[p + 1] - soup.first[p])) {
+      surface.triangles.push_back(triangle);
+      surface.parts.push_back(part);
+    }
   }
   return source.meshes.empty() ? surface : select_parts(surface, source.meshes, file);
+}
+
+bool is_plain(const std::string& extension) {
+  return extension == ".obj" || extension == ".off" || extension == ".stl" || extension == ".ply" ||
+         extension == ".vtk" || extension == ".vtp";
 }
 
 }  // namespace
@@ -116,9 +133,9 @@ Surface read_plain(const SurfaceSource& source, const std::string& extension, co
 Surface read_surface(const SurfaceSource& source) {
   const auto extension = extension_of(source.file);
   const bool gltf = extension == ".glb" || extension == ".gltf";
-  if (!gltf && extension != ".obj" && extension != ".off" && extension != ".stl" && extension != ".ply") {
+  if (!gltf && !is_plain(extension)) {
     throw Error(ExitCode::bad_input, source.file.string() + ": unknown surface format '" + extension +
-                                         "' (allowed: .glb, .gltf, .obj, .stl, .ply, .off)");
+                                         "' (allowed: .glb, .gltf, .obj, .stl, .ply, .off, .vtp, .vtk)");
   }
   if (!std::isfinite(source.unit) || source.unit <= 0) {
     throw Error(ExitCode::bad_input, source.file.string() + ": the unit must be a positive number of metres");

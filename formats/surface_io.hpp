@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reads and writes triangle surfaces: glTF/GLB (tinygltf), OBJ, STL, PLY, OFF (OpenMesh).
+// Reads triangle surfaces: glTF/GLB (tinygltf), OBJ, STL, PLY, OFF, VTK's .vtp and .vtk; writes some (OpenMesh).
 #pragma once
 
 #include "formats/scene.hpp"
@@ -13,8 +13,9 @@ namespace palpate {
 /// every mesh. glTF: a name is a mesh's, or a node's; a node without a mesh of its own stands for all
 /// below it; node transforms are applied. OBJ: a name is a group's or an object's. Others: the file's stem.
 /// Vertices at exactly the same place are merged within a part in glTF and STL, whose formats split them;
-/// other formats keep their vertices. Polygons become fans of triangles. Coordinates of OBJ, STL, PLY and
-/// OFF pass through single precision.
+/// other formats keep their vertices. Polygons become triangles that cover them once. Coordinates stay in double
+/// precision; far from the origin, numbers of too few digits for the shape are refused. The frame is set where a
+/// comment of 3D Slicer's states it.
 /// Throws Error(io) when the file cannot be read; Error(bad_input), naming file and line or element, for an
 /// unknown extension, a truncated or damaged file, NaN or infinite coordinates, an index out of range, a
 /// missing name (the message lists the names there are) and a file without triangles.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// OpenMesh importer and exporter over plain vectors: non-manifold input passes through unchanged.
+// OpenMesh exporter over plain vectors: a non-manifold surface passes through unchanged.
 #include "formats/surface_openmesh.hpp"
 
 #include "formats/error.hpp"
@@ -22,73 +22,6 @@ using OpenMesh::HalfedgeHandle;
 using OpenMesh::VertexHandle;
 using OpenMesh::Attributes::StatusInfo;
 namespace om = OpenMesh;
-
-// Collects points and polygons; everything else a file may carry is dropped.
-class SoupImporter final : public om::IO::BaseImporter {
-public:
-  PolygonSoup soup;
-
-  using BaseImporter::add_vertex;
-  VertexHandle add_vertex(const om::Vec3f& p) override { return add_vertex(om::Vec3d(p[0], p[1], p[2])); }
-  VertexHandle add_vertex(const om::Vec3d& p) override {
-    soup.vertices.emplace_back(p[0], p[1], p[2]);
-    return VertexHandle(static_cast<int>(soup.vertices.size()) - 1);
-  }
-  VertexHandle add_vertex() override { return add_vertex(om::Vec3d(0, 0, 0)); }
-  void set_point(VertexHandle v, const om::Vec3f& p) override {
-    if (v.is_valid() && std::size_t(v.idx()) < soup.vertices.size()) {
-      soup.vertices[std::size_t(v.idx())] = Eigen::Vector3d(p[0], p[1], p[2]);
-    }
-  }
-  FaceHandle add_face(const VHandles& corners) override {
-    VHandles sorted = corners;
-    std::sort(sorted.begin(), sorted.end());
-    if (std::unique(sorted.begin(), sorted.end()) - sorted.begin() < 3) return FaceHandle();
-    for (std::size_t k = 2; k < corners.size(); ++k) {
-      soup.triangles.push_back({corners[0].idx(), corners[k - 1].idx(), corners[k].idx()});
-      soup.polygons.push_back(soup.polygon_count);
-    }
-    return FaceHandle(soup.polygon_count++);
-  }
-  std::size_t n_vertices() const override { return soup.vertices.size(); }
-  std::size_t n_faces() const override { return std::size_t(soup.polygon_count); }
-  std::size_t n_edges() const override { return 0; }
-
-  HalfedgeHandle add_edge(VertexHandle, VertexHandle) override { return HalfedgeHandle(); }
-  FaceHandle add_face(HalfedgeHandle) override { return FaceHandle(); }
-  void add_face_texcoords(FaceHandle, VertexHandle, const std::vector<om::Vec2f>&) override {}
-  void add_face_texcoords(FaceHandle, VertexHandle, const std::vector<om::Vec3f>&) override {}
-  void set_face_texindex(FaceHandle, int) override {}
-  void set_halfedge(VertexHandle, HalfedgeHandle) override {}
-  void set_normal(VertexHandle, const om::Vec3f&) override {}
-  void set_normal(VertexHandle, const om::Vec3d&) override {}
-  void set_color(VertexHandle, const om::Vec3uc&) override {}
-  void set_color(VertexHandle, const om::Vec4uc&) override {}
-  void set_color(VertexHandle, const om::Vec3f&) override {}
-  void set_color(VertexHandle, const om::Vec4f&) override {}
-  void set_texcoord(VertexHandle, const om::Vec2f&) override {}
-  void set_status(VertexHandle, const StatusInfo&) override {}
-  void set_next(HalfedgeHandle, HalfedgeHandle) override {}
-  void set_face(HalfedgeHandle, FaceHandle) override {}
-  void request_face_texcoords2D() override {}
-  void set_texcoord(HalfedgeHandle, const om::Vec2f&) override {}
-  void set_texcoord(VertexHandle, const om::Vec3f&) override {}
-  void set_texcoord(HalfedgeHandle, const om::Vec3f&) override {}
-  void set_status(HalfedgeHandle, const StatusInfo&) override {}
-  void set_color(EdgeHandle, const om::Vec3uc&) override {}
-  void set_color(EdgeHandle, const om::Vec4uc&) override {}
-  void set_color(EdgeHandle, const om::Vec3f&) override {}
-  void set_color(EdgeHandle, const om::Vec4f&) override {}
-  void set_status(EdgeHandle, const StatusInfo&) override {}
-  void set_normal(FaceHandle, const om::Vec3f&) override {}
-  void set_normal(FaceHandle, const om::Vec3d&) override {}
-  void set_color(FaceHandle, const om::Vec3uc&) override {}
-  void set_color(FaceHandle, const om::Vec4uc&) override {}
-  void set_color(FaceHandle, const om::Vec3f&) override {}
-  void set_color(FaceHandle, const om::Vec4f&) override {}
-  void set_status(FaceHandle, const StatusInfo&) override {}
-  void add_texture_information(int, std::string) override {}
-};
 
 // Offers points and triangles; everything else is absent.
 class SurfaceExporter final : public om::IO::BaseExporter {
@@ -181,19 +114,6 @@ private:
 };
 
 }  // namespace
-
-PolygonSoup read_with_openmesh(const std::string& content, const std::filesystem::path& file,
-                               const std::string& extension, bool binary) {
-  const QuietOpenMesh quiet;
-  SoupImporter importer;
-  om::IO::Options options = binary ? om::IO::Options::Binary : om::IO::Options::Default;
-  // From memory: read by name, OpenMesh would trust the file's header, look for material files beside it and
-  // take binary STL that begins with "solid" for text.
-  std::istringstream stream(content);
-  const bool done = om::IO::IOManager().read(stream, extension.substr(1), importer, options);
-  if (!done) throw Error(ExitCode::bad_input, file.string() + ": OpenMesh cannot read it");
-  return std::move(importer.soup);
-}
 
 std::string write_with_openmesh(const Surface& surface, const std::string& extension) {
   const QuietOpenMesh quiet;

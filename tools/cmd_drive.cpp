@@ -276,6 +276,8 @@ void add_drive(CLI::App& app, Globals& globals) {
   command.option("--force-scale", options->force_scale, "Newtons on the hand for one of the scene")
       .check(number_in(0, 1e4))
       .shows_default();
+  command.flag("--unsafe-force-scale", options->coupling.unsafe_scale,
+               "Drive a --force-scale whose forces oscillate in a usual grip (verify --device)");
   command
       .option("--coupling", options->coupling.stiffness,
               "Virtual coupling between device and tool: N/m in the hand, or auto: as stiff as is safe in any hand")
@@ -306,7 +308,10 @@ void add_drive(CLI::App& app, Globals& globals) {
       command.option("--plot", options->plot, "Plot of the run (SVG); default: NAME-run.svg here, replaced")
           .named("FILE");
   command.flag("--no-record", options->no_record, "Leave no recording and no plot").excludes(record).excludes(plot);
-  command.runs([options, &globals] { run_drive(*options, globals); });
+  command.runs([options, command, &globals] {
+    options->coupling.scaled = command.given("--force-scale");
+    run_drive(*options, globals);
+  });
 }
 
 }  // namespace palpate::cli

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// palpate export: curves of a response file as CSV, its body with stiffness or friction on it as GLB and .vtu.
+// palpate export: curves of a response file as CSV, its body with stiffness or friction on it as GLB and .vtu; one
+// solved contact of a scene with its stresses as .vtu.
 #include <algorithm>
 #include <cstdio>
 #include <memory>
@@ -8,6 +9,9 @@
 #include "formats/error.hpp"
 #include "formats/file.hpp"
 #include "formats/same_file.hpp"
+#include "formats/volume_vtu.hpp"
+#include "precompute/bake/pipeline.hpp"
+#include "precompute/solve/solved_fields.hpp"
 #include "tools/command.hpp"
 #include "tools/commands.hpp"
 #include "tools/export.hpp"
@@ -20,10 +24,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct ExportArguments {
-  std::string file, curves, glb, vtu, tool, field = "stiffness";
+  std::string file, curves, glb, vtu, solved, tool, field = "stiffness";
   std::uint32_t tool_vertex = 0;
   double depth = 0;  ///< m; 0: half the file's depth scale
-  int points = 21;
+  int points = 21, contact = 0;
 };
 
 /// The file has no such field: why.
@@ -39,9 +43,65 @@ struct ExportArguments {
   throw Error(ExitCode::bad_input, file + ": no field '" + field + "': " + cause);
 }
 
+/// Solves one contact of a scene's plan and writes its mesh with displacement and stress.
+void run_solved(const ExportArguments& options, const Globals& globals) {
+  check_writable(options.solved);
+  const pipeline::Pipeline p = pipeline::prepare(options.file);
+  std::vector<std::filesystem::path> inputs = files_of(p.scene);
+  inputs.emplace_back(options.file);
+  refuse_same({options.solved}, inputs);
+  const Plan plan = make_plan(p.scene, p.body, p.mesh, p.tools);
+  if (std::size_t(options.contact) >= plan.pairs.size()) {
+    throw Error(ExitCode::bad_input, options.file + ": its plan has " + std::to_string(plan.pairs.size()) +
+                                         " contacts; allowed: --contact 0 to " + std::to_string(plan.pairs.size() - 1));
+  }
+  const PairPlan& pair = plan.pairs[std::size_t(options.contact)];
+  const Tool& tool = p.tools[pair.tool];
+  const double depth = options.depth > 0 ? options.depth : pair.depth;
+  PairPath path = bake_path(p.scene, depth);
+  path.tangential_directions = path.slip_points = 0;
+  PairOptions solve = pair_options(p.scene);
+  VolumeFields fields;
+  const Body& body = p.body.stress_free ? *p.body.stress_free : p.body;
+  solve.watch = [&](const TetMesh& mesh, const Eigen::VectorXd& x, double reached) {
+    if (reached < depth) return;
+    fields = solved_fields(body, mesh, x);
+  };
+  const PairResult result = solve_pair(p.body, tool, tool.vertices[pair.tool_vertex], pair.frame, path, solve);
+  if (!result.outcome.accepted || result.samples.empty() || fields.tets.empty()) {
+    throw Error(ExitCode::numerical, options.file + ": contact " + std::to_string(options.contact) +
+                                         " is refused: " + result.outcome.cause);
+  }
+  const double force = result.samples.back().force.norm();
+  fields.numbers = {{"depth_m", depth}, {"force_n", force}};
+  write_volume_vtu(fields, options.solved);
+  double most = 0;
+  for (const auto& s : fields.stress) most = std::max(most, von_mises(s));
+  if (globals.json) {
+    return print_json({{"scene", options.file},
+                       {"contact", options.contact},
+                       {"depth_m", depth},
+                       {"force_N", force},
+                       {"nodes", fields.points.size()},
+                       {"elements", fields.tets.size()},
+                       {"largest_von_mises_Pa", most},
+                       {"written", {options.solved}}});
+  }
+  char line[200];
+  std::snprintf(line, sizeof line, ": %zu nodes, %zu elements, %.3g N at %.3g mm, von Mises stress up to %.4g Pa\n",
+                fields.points.size(), fields.tets.size(), force, 1e3 * depth, most);
+  print(options.solved + line);
+}
+
 void run_export(const ExportArguments& options, const Globals& globals) {
+  if (!options.solved.empty()) {
+    if (!options.curves.empty() || !options.glb.empty() || !options.vtu.empty()) {
+      throw Error(ExitCode::usage, "--solved takes a scene, the others a response file: give one kind");
+    }
+    return run_solved(options, globals);
+  }
   if (options.curves.empty() && options.glb.empty() && options.vtu.empty()) {
-    throw Error(ExitCode::usage, "nothing to write: export takes --curves, --glb or --vtu");
+    throw Error(ExitCode::usage, "nothing to write: export takes --curves, --glb or --vtu, or --solved with a scene");
   }
   refuse_same({options.curves, options.glb, options.vtu}, {options.file});
   const ResponseInput input(options.file);
@@ -104,11 +164,17 @@ void run_export(const ExportArguments& options, const Globals& globals) {
 
 void add_export(CLI::App& app, Globals& globals) {
   auto options = std::make_shared<ExportArguments>();
-  Command command(app, "export", "Writes a response file's curves as CSV, its body with a field as GLB or .vtu");
-  command.option("file", options->file, "Response file (.palp)").required();
+  Command command(app, "export", "Writes a response file's curves as CSV, its body with a field as GLB or .vtu, a solved contact");
+  command.option("file", options->file, "Response file (.palp), or with --solved a scene").required();
   command.option("--curves", options->curves, "CSV: force and friction limit of every response along pushes");
   command.option("--glb", options->glb, "GLB: the body, coloured, with the fields as vertex attributes");
   command.option("--vtu", options->vtu, "VTK unstructured grid: the body with the fields as point data");
+  command.option("--solved", options->solved,
+                 "VTK unstructured grid: the volume mesh of one solved contact of a scene, with displacement and stress");
+  command.option("--contact", options->contact, "With --solved: number of the contact in the scene's plan")
+      .check(whole_in(0, 1000000000))
+      .needs("--solved")
+      .shows_default();
   command
       .option("--field", options->field,
               "What the colours show: stiffness (N/m), force (N), friction (N, mu times the normal force), filled "

@@ -143,6 +143,21 @@ void replay(PlayArguments options, const Globals& globals) {
 
 #endif
 
+std::pair<runtime::Vec3, runtime::Vec3> body_box(const runtime::View& view) {
+  constexpr double kFar = 1e30;
+  runtime::Vec3 low{kFar, kFar, kFar}, high{-kFar, -kFar, -kFar};
+  for (std::uint32_t t = 0; t < view.meta->triangle_count; ++t) {
+    for (int corner = 0; corner < 3; ++corner) {
+      runtime::BodyPoint at{t, {0, 0, 0}};
+      at.bary[corner] = 1;
+      const runtime::Vec3 p = position(view, at);
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+  }
+  return {low, high};
+}
+
 void run_play(PlayArguments options, const Globals& globals) {
 #ifdef PALPATE_DRIVE
   if (is_run(options.file)) std::swap(options.file, options.motion);  // alone, or in the other order
@@ -154,6 +169,8 @@ void run_play(PlayArguments options, const Globals& globals) {
   const ResponseInput input(options.file);
   const std::uint32_t tool = input.tool(options.tool);
   const std::vector<MotionRow> motion = read_motion(options.motion);
+  const auto [low, high] = body_box(input.view());
+  if (const std::string hint = motion_hint(motion, low, high); !hint.empty()) warn(options.motion + ": " + hint);
   PlaySummary s;
   const std::vector<PlayedRow> rows = play(input.view(), tool, motion, s, options.single);
   const std::string tool_name = input.view().tools[tool].name;

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// palpate scene: checks a scene file, or prints the reference of all keys or the tissues that it may name.
+// palpate scene: checks a scene file, proposes one for an organ's file, or prints the reference of all keys or the tissues that it may name.
 #include "formats/error.hpp"
+#include "formats/file.hpp"
+#include "formats/same_file.hpp"
 #include "formats/scene.hpp"
 #include "formats/tissues.hpp"
+#include "precompute/surface/propose.hpp"
 #include "tools/command.hpp"
 #include "tools/commands.hpp"
 #include "tools/output.hpp"
@@ -62,26 +65,59 @@ void run_scene(const std::string& file, const Globals& globals) {
   print_json(document);
 }
 
+void run_from(const std::string& from, const std::string& out, const Globals& globals) {
+  std::filesystem::path folder;
+  if (!out.empty()) {
+    std::error_code error;
+    if (std::filesystem::is_regular_file(from, error)) refuse_same({out}, {from});
+    check_writable(out);
+    folder = std::filesystem::absolute(std::filesystem::path(out)).parent_path();
+  }
+  const Proposal proposal = propose_scene(from, folder);
+  if (!out.empty()) write_file(out, proposal.scene);
+  if (!globals.json) {
+    print(out.empty() ? proposal.scene : out + "\n");
+    if (!out.empty()) note(globals, "Next: palpate mesh " + out);
+    return;
+  }
+  nlohmann::ordered_json document{{"from", from}, {"scene", proposal.scene}};
+  if (!out.empty()) document["written"] = out;
+  for (const Found& found : proposal.found) {
+    nlohmann::ordered_json entry{{"name", found.name},
+                                 {"role", found.role},
+                                 {"volume", found.volume},
+                                 {"extents", {found.extents[0], found.extents[1], found.extents[2]}}};
+    if (!found.reason.empty()) entry["reason"] = found.reason;
+    document["found"].push_back(entry);
+  }
+  print_json(document);
+}
+
 }  // namespace
 
 void add_scene(CLI::App& app, Globals& globals) {
   struct Arguments {
-    std::string file;
+    std::string file, from, out;
     bool reference = false, tissues = false;
   };
   auto arguments = std::make_shared<Arguments>();
-  Command command(app, "scene", "Checks a scene file, or prints the reference of all its keys");
+  Command command(app, "scene", "Checks a scene file, proposes one for an organ's file, or prints the reference of all keys");
   Option file = command.option("scene", arguments->file, "Scene file");
   Option reference =
       command.flag("--reference", arguments->reference, "Print every key with default, range and help, as TOML");
   Option tissues =
       command.flag("--tissues", arguments->tissues, "Print the tissues that a material may name, with sources");
-  file.excludes(reference).excludes(tissues);
+  Option from = command.option("--from", arguments->from,
+                               "Propose a scene: a surface file, a label image, or a folder with one organ a file");
+  command.option("--out", arguments->out, "With --from: the scene file to write; default: standard output")
+      .needs("--from");
+  file.excludes(reference).excludes(tissues).excludes(from);
   command.runs([arguments, &globals] {
     if (arguments->reference) {
       return globals.json ? print_json({{"reference", scene_reference()}}) : print(scene_reference());
     }
     if (arguments->tissues) return globals.json ? print_json(tissues_json()) : print(tissues_text());
+    if (!arguments->from.empty()) return run_from(arguments->from, arguments->out, globals);
     if (arguments->file.empty()) throw Error(ExitCode::usage, "scene is required");
     run_scene(arguments->file, globals);
   });

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 
 #include "device/safety.hpp"
 #include "formats/error.hpp"
@@ -28,12 +29,37 @@ std::string newtons_per_metre(double stiffness) {
   return text;
 }
 
+// What verify --device says of this scale, before the hand does.
+void check_scale(const CouplingArguments& asked, const runtime::View& view, const runtime::DeviceFrame& frame,
+                 const device::DeviceKind& kind) {
+  if (!asked.scaled || !(frame.force_scale > 0)) return;
+  const device::SimKind* stand_in = device::find_stand_in(kind);
+  if (stand_in == nullptr) return;
+  device::SafetyOptions options;
+  options.timing.period = 1 / asked.rate;
+  options.scale = asked.places * frame.scale * frame.force_scale;
+  const device::Safety s = safety(view, stand_in->plant, options);
+  char text[300];
+  std::snprintf(text, sizeof text,
+                "--force-scale %g: %.0f N/m in the hand oscillate in a usual grip on %s (from %.0f N/m on)",
+                frame.force_scale, s.stiffness, kind.name, s.onset.stiffness);
+  if (s.settles()) return;
+  if (asked.unsafe_scale) return warn(text);
+  std::snprintf(text + std::strlen(text), sizeof text - std::strlen(text),
+                "; safe in any hand: %.3g at most. --unsafe-force-scale drives it all the same",
+                frame.force_scale * s.largest_scale);
+  throw Error(ExitCode::tolerance, text);
+}
+
 }  // namespace
 
 std::optional<runtime::CouplingOptions> choose_coupling(const CouplingArguments& asked, const runtime::View& view,
                                                         const runtime::DeviceFrame& frame,
                                                         const device::DeviceKind& kind, const Globals& globals) {
-  if (asked.stiffness.empty()) return std::nullopt;
+  if (asked.stiffness.empty()) {
+    check_scale(asked, view, frame, kind);
+    return std::nullopt;
+  }
   if (!(frame.force_scale > 0)) throw Error(ExitCode::usage, "--coupling needs a --force-scale above 0");
   const bool automatic = asked.stiffness == "auto";
   runtime::CouplingOptions options;

@@ -14,13 +14,16 @@ struct CouplingArguments {
   std::string stiffness;  ///< N/m in the hand, or "auto": the stiffest that is safe in any hand; empty: no coupling
   double damping = 0;     ///< N s/m in the hand, at least 0
   double rate = 1000;     ///< Hz of the force loop
+  bool scaled = false;    ///< --force-scale is given
+  bool unsafe_scale = false;  ///< one that verify --device calls unsafe is asked for on purpose
   int places = 1;         ///< at which the tool is felt at most: all may push one way, and their stiffnesses add
 };
 
 /// In the hand; nothing where none is asked for, or "auto" finds that none is needed (it says so). Warns of one that is
 /// stiffer than is safe, as far as the device's mechanics are known. Throws Error(usage) for what is neither number nor
 /// "auto", a frame that gives no force, and "auto" on a device of unknown mechanics; Error(tolerance) where no coupling
-/// is soft enough.
+/// is soft enough. Without a coupling, a --force-scale whose forces oscillate in a usual grip is Error(tolerance), too,
+/// unless `unsafe_scale` says that it is wanted.
 std::optional<runtime::CouplingOptions> choose_coupling(const CouplingArguments& asked, const runtime::View& view,
                                                         const runtime::DeviceFrame& frame,
                                                         const device::DeviceKind& kind, const Globals& globals);

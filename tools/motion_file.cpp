@@ -3,7 +3,9 @@
 #include "tools/motion_file.hpp"
 
 #include <charconv>
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <string_view>
 
 #include "formats/error.hpp"
@@ -103,6 +105,36 @@ private:
 }  // namespace
 
 std::vector<MotionRow> read_motion(const std::filesystem::path& file) { return Reader(file).read(); }
+
+std::string motion_hint(const std::vector<MotionRow>& rows, const runtime::Vec3& low, const runtime::Vec3& high) {
+  constexpr double kAway = 5, kNear = 1;  // body diagonals from the body's middle
+  constexpr double kSlow = 0.5;           // s between rows: no motion is sampled that seldom
+  constexpr std::size_t kFew = 10;        // rows that may well be set by hand
+  const runtime::Vec3 middle = 0.5 * (low + high);
+  const double size = length(high - low);
+  double nearest = INFINITY, nearest_scaled = INFINITY;
+  for (const MotionRow& row : rows) {
+    nearest = std::min(nearest, length(row.position - middle));
+    nearest_scaled = std::min(nearest_scaled, length(1e-3 * row.position - middle));
+  }
+  std::string hint;
+  char text[200];
+  if (size > 0 && nearest > kAway * size && nearest_scaled < kNear * size) {
+    std::snprintf(text, sizeof text,
+                  "the tool stays %.3g m from a body of %.3g m: the positions look like millimetres; they are in m",
+                  nearest, size);
+    hint = text;
+  }
+  if (rows.size() > kFew) {
+    const double step = (rows.back().time - rows.front().time) / double(rows.size() - 1);
+    if (step >= kSlow) {
+      std::snprintf(text, sizeof text, "%sthe rows are %.3g s apart: the times look like milliseconds; they are in s",
+                    hint.empty() ? "" : "; ", step);
+      hint += text;
+    }
+  }
+  return hint;
+}
 
 runtime::Pose pose_between(const MotionRow& a, const MotionRow& b, double share) {
   double cosine = 0, q[4];

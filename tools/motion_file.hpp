@@ -21,6 +21,10 @@ struct MotionRow {
 /// of length 1 within 1 %.
 std::vector<MotionRow> read_motion(const std::filesystem::path& file);
 
+/// What is odd about a motion's numbers, as a hint: places that look like millimetres beside a body of this size and
+/// place, times that look like milliseconds. Empty: nothing is. `low` and `high` bound the body (m).
+std::string motion_hint(const std::vector<MotionRow>& rows, const runtime::Vec3& low, const runtime::Vec3& high);
+
 /// The pose a share of the way from `a` to `b`; turns at an even rate. share in [0, 1].
 runtime::Pose pose_between(const MotionRow& a, const MotionRow& b, double share);
 

@@ -88,6 +88,9 @@ struct PairOptions {
   bool check = false;
   VolumeMeshOptions mesh;
   std::vector<Material> materials;  ///< per region, for comparisons; empty: the body's
+  /// Called with the mesh, the node positions (m) and the depth (m) of every accepted state of a straight push; a pair
+  /// that is tried again begins anew. Changes nothing.
+  std::function<void(const TetMesh&, const Eigen::VectorXd&, double)> watch;
 };
 
 PairOptions pair_options(const Scene& scene);

@@ -85,6 +85,7 @@ bool straight_push(PairRun& run) {
     if (const auto failed = failed_gate(gate, limits)) {
       return sinks_into_held(gate, limits) ? run.refuse(*failed) : run.refuse_contact(*failed);
     }
+    if (run.options.watch) run.options.watch(run.mesh, run.push.state().x, depth);
     curve.push_back(std::move(point));
     sample.friction_limit = path.friction > 0 ? path.friction * slip_ratio(run) : 0.0;
     sample.index = static_cast<std::uint16_t>(curve.size() - 1);

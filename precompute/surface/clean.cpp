@@ -3,6 +3,7 @@
 #include "precompute/surface/clean.hpp"
 
 #include "formats/error.hpp"
+#include "precompute/surface/caps.hpp"
 #include "precompute/surface/examine.hpp"
 #include "precompute/surface/kernel.hpp"
 #include "precompute/surface/report.hpp"
@@ -18,12 +19,44 @@ constexpr double weld_share = 1e-6;       // of the diagonal: rounding of single
 constexpr double join_share = 2e-3;       // of the diagonal: rims of meshes that were drawn to match
 constexpr double hole_share = 0.01;       // of the area: largest hole that is closed without asking for a wrap
 constexpr double small_component = 1e-3;  // of the area: debris
+constexpr double hanging_share = 0.05;    // of the volume: largest block that hung by an edge or corner and is dropped
 
-std::optional<Surface> repair(const Surface& input) {
+// Blocks that hung by an edge or a corner are parts of their own once they are split off.
+std::optional<Surface> take_apart(const Surface& surface, std::vector<std::string>& notes) {
+  const Split split = split_touching(surface);
+  if (split.edges + split.vertices == 0 || !topology(split.surface).closed_manifold()) return std::nullopt;
+  const auto labels = triangle_components(split.surface, true);
+  const auto count = std::size_t(*std::max_element(labels.begin(), labels.end())) + 1;
+  std::vector<double> volumes(count);
+  std::vector<bool> keep(labels.size(), true);
+  double whole = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    std::vector<bool> in(labels.size());
+    for (std::size_t t = 0; t < in.size(); ++t) in[t] = labels[t] == std::int32_t(k);
+    volumes[k] = signed_volume(keep_triangles(split.surface, in));
+    whole += volumes[k];
+  }
+  notes.push_back(fmt::format("split where blocks touch in {} edges and {} vertices", split.edges, split.vertices));
+  for (std::size_t k = 0; k < count; ++k) {
+    if (volumes[k] < 0 || volumes[k] >= hanging_share * whole) continue;
+    notes.push_back(fmt::format("dropped a block of {:.3g} mL that hung by an edge or a corner", volumes[k] * 1e6));
+    for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = keep[t] && labels[t] != std::int32_t(k);
+  }
+  Surface result = keep_triangles(split.surface, keep);
+  if (!examine(result).clean()) return std::nullopt;
+  return result;
+}
+
+std::optional<Surface> repair(const Surface& input, std::vector<std::string>& notes) {
   const double size = diagonal(input);
   auto surface = drop_duplicates(weld(input, weld_share * size));
+  if (const auto found = topology(surface); found.nonmanifold_edges + found.nonmanifold_vertices > 0 &&
+                                            found.boundary_edges + found.flipped_edges + found.degenerate == 0) {
+    if (auto apart = take_apart(surface, notes)) return apart;
+  }
   if (topology(surface).boundary_edges > 0) surface = join_borders(surface, join_share * size);
   surface = drop_small_components(drop_fins(drop_duplicates(surface)), small_component);
+  if (topology(surface).boundary_edges > 0) surface = cap_flat_rims(surface, notes);
   auto mended = mend(surface, {hole_share * area(surface)});
   // Where sheets crossed, stitching may leave debris of its own.
   if (mended && topology(*mended).components > 1) mended = mend(drop_small_components(*mended, small_component), {});
@@ -50,6 +83,46 @@ void label_parts(Surface& surface, const SurfaceQuery& input, bool all) {
   }
 }
 
+// A closed part inside another that faces outward, as a solid does: neither a cavity (which faces inward) nor a part of
+// the body. Empty: there is none.
+std::string nested_solid(const Surface& surface) {
+  const auto labels = triangle_components(surface, true);
+  const auto count = labels.empty() ? 0 : std::size_t(*std::max_element(labels.begin(), labels.end())) + 1;
+  constexpr std::size_t kMostComponents = 64;  // more are debris
+  if (count < 2 || count > kMostComponents) return {};
+  std::vector<std::unique_ptr<const SurfaceQuery>> parts;
+  std::vector<double> volumes;
+  for (std::size_t k = 0; k < count; ++k) {
+    std::vector<bool> in(labels.size());
+    for (std::size_t t = 0; t < in.size(); ++t) in[t] = labels[t] == std::int32_t(k);
+    parts.push_back(std::make_unique<const SurfaceQuery>(keep_triangles(surface, in)));
+    volumes.push_back(signed_volume(parts.back()->surface()));
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    int depth = 0;
+    std::size_t around = k;
+    const Eigen::Vector3d& point = parts[k]->surface().vertices.front();
+    for (std::size_t o = 0; o < count; ++o) {
+      if (o == k || std::abs(volumes[o]) <= std::abs(volumes[k])) continue;
+      const bool in = (parts[o]->signed_distance(point) < 0) == (volumes[o] > 0);
+      if (!in) continue;
+      ++depth;
+      if (around == k || std::abs(volumes[o]) < std::abs(volumes[around])) around = o;
+    }
+    if (depth % 2 == 0 || (volumes[k] > 0) != (volumes[around] > 0)) continue;
+    const Surface& part = parts[k]->surface();
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const auto& v : part.vertices) middle += v / double(part.vertices.size());
+    return fmt::format(
+        "component {} of {} ({:.4g} mL round ({:.4g}, {:.4g}, {:.4g}) m, mesh '{}') lies inside another and faces "
+        "outward, as a solid does; make it a [[region]] with a material or a [[cavity]] by its mesh or file, or leave it "
+        "out (meshes = [...])",
+        k + 1, count, std::abs(volumes[k]) * 1e6, middle.x(), middle.y(), middle.z(),
+        part.part_names[std::size_t(part.parts.front())]);
+  }
+  return {};
+}
+
 // A closed input of several components is used as it is only when every one faces the right way already.
 bool faces_right(const Surface& input, const SurfaceFaults& faults) {
   if (faults.topology.components < 2) return true;
@@ -69,6 +142,9 @@ CleanSurface clean_surface(const Surface& input, const CleanOptions& options, co
   auto& report = result.report;
   report.findings = faults.lines();
 
+  if (options.mode != RepairMode::wrap && faults.topology.closed_manifold() && faults.crossings == 0 && faults.topology.components > 1) {
+    if (const auto inside = nested_solid(input); !inside.empty()) fail(inside);
+  }
   Surface surface;
   const bool usable = faults.clean() && faces_right(input, faults);
   if (options.mode == RepairMode::none && !usable) {
@@ -81,12 +157,14 @@ CleanSurface clean_surface(const Surface& input, const CleanOptions& options, co
   }
   std::string remaining = "there is nothing left of it";
   if (report.action.empty() && options.mode != RepairMode::wrap) {
-    if (auto repaired = repair(input)) {
+    std::vector<std::string> notes;
+    if (auto repaired = repair(input, notes)) {
       const auto left = examine(*repaired);
       remaining = joined(left.lines());
       if (left.clean()) {
         surface = std::move(*repaired);
         report.action = "repaired";
+        report.findings.insert(report.findings.end(), notes.begin(), notes.end());
       }
     }
     if (report.action.empty() && options.mode == RepairMode::repair) {
@@ -95,6 +173,7 @@ CleanSurface clean_surface(const Surface& input, const CleanOptions& options, co
     }
   }
   const SurfaceQuery original(solid);
+  const bool wrapped = report.action.empty();
   if (report.action.empty()) {
     const double alpha = options.wrap_alpha > 0 ? options.wrap_alpha : diagonal(input) / 50.0;
     const double offset = options.wrap_offset > 0 ? options.wrap_offset : alpha / 30.0;
@@ -132,6 +211,13 @@ CleanSurface clean_surface(const Surface& input, const CleanOptions& options, co
     }
   }
   measure(*result.query, report);
+  if (wrapped && faults.topology.boundary_edges > 0 && report.thin_bag) {
+    fail(fmt::format("open: {} boundary edges in {} loops, and no rim is flat enough to be capped; a wrap would make a "
+                     "bag of {:.2g} mm of it, {:.3g} mL, not a solid. Close its holes in the file, or name the meshes "
+                     "that close it",
+                     faults.topology.boundary_edges, faults.topology.boundary_loops, report.thickness_median * 1e3,
+                     report.volume * 1e6));
+  }
   return result;
 }
 

@@ -4,14 +4,14 @@
 #include "formats/surface_io.hpp"
 #include "precompute/body.hpp"
 #include "precompute/geometry/intersections.hpp"
-#include "precompute/geometry/label_surface.hpp"
-#include "precompute/geometry/solids.hpp"
 #include "precompute/geometry/topology.hpp"
 #include "precompute/mesh/remesh.hpp"
 #include "precompute/surface/cavities.hpp"
 #include "precompute/surface/clean.hpp"
 #include "precompute/surface/examine.hpp"
+#include "precompute/surface/sources.hpp"
 #include "precompute/surface/support_rim.hpp"
+#include "precompute/surface/report.hpp"
 #include "precompute/surface/supports.hpp"
 #include "precompute/surface/weld.hpp"
 
@@ -29,9 +29,11 @@ constexpr double base_triangles = 4000.0;  // of the body's coarse copy; inclusi
 
 [[noreturn]] void fail(const std::string& message) { throw Error(ExitCode::bad_input, message); }
 
-std::string file_names(const std::vector<SurfaceSource>& sources) {
+std::string file_names(const BodyScene& body) {
   std::set<std::string> names;
-  for (const auto& source : sources) names.insert(source.file.string());
+  for (const auto& source : body.surfaces) names.insert(source.file.string());
+  if (!body.labels.file.empty()) names.insert(body.labels.file.string());
+  if (names.empty()) return "the body";
   return fmt::format("{}", fmt::join(names, " + "));
 }
 
@@ -53,24 +55,6 @@ Surface coarse_copy(const Surface& surface, double& edge, const std::string& nam
   throw Error(ExitCode::numerical, name + ": no coarse copy of the surface keeps its shape: " + cause);
 }
 
-constexpr double region_edges = 12.0;  // of a region given by its measures, along its smallest extent
-
-Surface region_surface(const RegionScene& region) {
-  switch (region.shape) {
-    case RegionScene::Shape::surface:
-      break;
-    case RegionScene::Shape::ellipsoid:
-      return ellipsoid(region.centre, region.radii, 2 * region.radii.minCoeff() / region_edges, region.name);
-    case RegionScene::Shape::box:
-      return box_solid(region.box_min, region.box_max, (region.box_max - region.box_min).minCoeff() / region_edges,
-                       region.name);
-    case RegionScene::Shape::labels:
-      return label_surface(read_label_mask(region.surface, region.label),
-                           region.surface.file.string() + ": label " + std::to_string(region.label));
-  }
-  return read_surface(region.surface);
-}
-
 // Null where the fibres have one direction, or there are none.
 std::shared_ptr<const CurveQuery> fibres_of(const MaterialScene& material, const Surface& around) {
   if (material.centreline.file.empty()) return nullptr;
@@ -86,10 +70,10 @@ std::shared_ptr<const CurveQuery> fibres_of(const MaterialScene& material, const
   return std::make_shared<const CurveQuery>(curves);
 }
 
-Inclusion make_inclusion(const RegionScene& region, const Body& body, double& edge) {
-  const std::string file = region.surface.file.empty() ? std::string() : " (" + region.surface.file.string() + ")";
-  const auto label = "region '" + region.name + "'" + file;
-  const Surface given = region_surface(region);
+Inclusion make_inclusion(const RegionScene& region, const Body& body, SceneSurfaces& files, double& edge) {
+  const std::string path = region.surface.file.empty() ? region.labels.file.string() : region.surface.file.string();
+  const auto label = "region '" + region.name + "'" + (path.empty() ? path : " (" + path + ")");
+  const Surface given = files.region(region);
   const auto cleaned = clean_surface(given, {}, label);
   // A wrap of a shell that is open goes round it inside, too: a hollow region where a solid one is meant.
   if (cleaned.report.action == "wrapped" && topology(given).boundary_edges > 0) {
@@ -100,6 +84,7 @@ Inclusion make_inclusion(const RegionScene& region, const Body& body, double& ed
   }
   Inclusion inclusion;
   inclusion.report = cleaned.report;
+  inclusion.report.findings.insert(inclusion.report.findings.begin(), given.notes.begin(), given.notes.end());
   inclusion.name = region.name;
   inclusion.query = cleaned.query;
   inclusion.material = region.material;
@@ -187,18 +172,43 @@ void warn_of_size(double diagonal, SurfaceReport& report) {
 
 }  // namespace
 
-Body prepare_body(const Scene& scene) {
-  if (scene.body.surfaces.empty()) fail(scene.file.string() + ": the body has no surface");
-  std::vector<Surface> surfaces;
-  for (const auto& source : scene.body.surfaces) surfaces.push_back(read_surface(source));
-  return prepare_body(scene, join(surfaces));
+namespace {
+
+// The walls of the scene's cavities, inward, as parts of the body's surface.
+Surface with_cavities(const Scene& scene, const Surface& solid, SceneSurfaces& files, const std::string& name) {
+  if (scene.cavities.empty()) return solid;
+  const SurfaceQuery query(solid);
+  const double margin = 1e-6 * diagonal(solid);
+  std::vector<Surface> all{solid};
+  for (const CavityScene& cavity : scene.cavities) {
+    const auto label = "cavity '" + cavity.name + "' of " + name;
+    Surface wall = clean_surface(files.cavity(cavity), {}, label).query->surface();
+    for (const auto& v : wall.vertices) {
+      const double distance = query.signed_distance(v);
+      if (distance < -margin) continue;
+      fail(fmt::format("{}: ({:.4g}, {:.4g}, {:.4g}) m is not strictly inside the body ({:.3g} mm {})", label, v.x(),
+                       v.y(), v.z(), std::abs(distance) * 1e3, distance > 0 ? "outside" : "from its surface"));
+    }
+    for (std::size_t k = 1; k < all.size(); ++k) {
+      if (surfaces_intersect(wall, all[k])) fail(label + ": it intersects another cavity");
+    }
+    for (auto& t : wall.triangles) std::swap(t[1], t[2]);
+    all.push_back(std::move(wall));
+  }
+  return join(all);
 }
 
-Body prepare_body(const Scene& scene, const Surface& surface) {
-  const auto name = scene.body.surfaces.empty() ? std::string("the body") : file_names(scene.body.surfaces);
+Body prepare(const Scene& scene, const Surface& surface, SceneSurfaces& files) {
+  const auto name = file_names(scene.body);
   const double alpha = scene.body.wrap_alpha > 0 ? scene.body.wrap_alpha : wrap_alpha(scene, diagonal(surface));
-  const auto cleaned =
+  auto cleaned =
       clean_surface(surface, {scene.body.repair, alpha, scene.body.wrap_offset, scene.body.smooth}, name);
+  if (!scene.cavities.empty()) {
+    cleaned.query =
+        std::make_shared<const SurfaceQuery>(with_cavities(scene, cleaned.query->surface(), files, name));
+    measure(*cleaned.query, cleaned.report);
+  }
+  cleaned.report.findings.insert(cleaned.report.findings.begin(), surface.notes.begin(), surface.notes.end());
 
   Body body;
   body.query = cleaned.query;
@@ -218,7 +228,7 @@ Body prepare_body(const Scene& scene, const Surface& surface) {
   std::vector<double> edges;
   for (const auto& region : scene.regions) {
     double edge = 0.0;
-    body.inclusions.push_back(make_inclusion(region, body, edge));
+    body.inclusions.push_back(make_inclusion(region, body, files, edge));
     edges.push_back(edge);
   }
   separate_bases(body, edges, name);
@@ -227,12 +237,25 @@ Body prepare_body(const Scene& scene, const Surface& surface) {
   if (body.supports.empty()) body.supports.push_back(default_support(body.query->surface()));
   for (const auto& support : body.supports) {
     const bool distance = support.kind == SupportScene::Kind::distance;
-    body.support_surfaces.push_back(distance ? std::make_shared<const SurfaceQuery>(read_surface(support.other))
+    body.support_surfaces.push_back(distance ? std::make_shared<const SurfaceQuery>(files.other(support.other))
                                              : nullptr);
   }
   check_supports(body, scene);
   body.support_rim = support_rim(body);
   return body;
+}
+
+}  // namespace
+
+Body prepare_body(const Scene& scene) {
+  SceneSurfaces files(scene);
+  const Surface surface = files.body();
+  return prepare(scene, surface, files);
+}
+
+Body prepare_body(const Scene& scene, const Surface& surface) {
+  SceneSurfaces files(scene);
+  return prepare(scene, surface, files);
 }
 
 }  // namespace palpate

@@ -98,7 +98,8 @@ std::string free_motion(const Body& body, const Surface& surface) {
 }
 
 // Every solid must be held somewhere. `held` is per triangle; a corner that is held counts as well.
-void check_components(const Body& body, const std::vector<bool>& held, const std::string& file) {
+void check_components(const Body& body, const std::vector<bool>& held, const Scene& scene) {
+  const std::string file = scene.file.string();
   const auto& surface = body.query->surface();
   const auto labels = triangle_components(surface, true);
   const auto count = *std::max_element(labels.begin(), labels.end()) + 1;
@@ -116,13 +117,15 @@ void check_components(const Body& body, const std::vector<bool>& held, const std
     any = any || std::any_of(component.vertices.begin(), component.vertices.end(),
                              [&](const auto& v) { return body.held(v); });
     if (any) {
+      if (scene.supports.empty()) continue;  // the lowest tenth, fixed: nothing slides
       const std::string motion = free_motion(body, component);
       if (motion.empty()) continue;
       refuse_support(
           fmt::format("{}: the supports leave component {} of {} of the body free to {}", file, k + 1, count, motion));
     }
     refuse_support(
-        fmt::format("{}: no support holds component {} of {} of the body ({:.4g} mL round {} m): it would float away",
+        fmt::format("{}: no support holds component {} of {} of the body ({:.4g} mL round {} m): it would float away. "
+                    "Remove it from the file, or hold it by a [[support]]",
                     file, k + 1, count, volume * 1e6, coordinates(bounds(component).center())));
   }
 }
@@ -170,7 +173,7 @@ void check_supports(const Body& body, const Scene& scene) {
   if (std::all_of(held.begin(), held.end(), [](bool h) { return h; })) {
     refuse_support(scene.file.string() + ": the supports hold the whole surface: nothing is left to touch");
   }
-  if (!scene.supports.empty()) check_components(body, held, scene.file.string());
+  check_components(body, held, scene);
 }
 
 const SupportScene* Body::support_at(const Eigen::Vector3d& surface_point) const {

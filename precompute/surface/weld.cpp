@@ -159,6 +159,8 @@ Surface keep_triangles(const Surface& surface, const std::vector<bool>& keep) {
 Surface join(const std::vector<Surface>& surfaces) {
   Surface all;
   for (const auto& surface : surfaces) {
+    all.frame = surface.frame;
+    all.notes.insert(all.notes.end(), surface.notes.begin(), surface.notes.end());
     const auto vertex = std::int32_t(all.vertices.size());
     const auto part = std::int32_t(all.part_names.size());
     all.vertices.insert(all.vertices.end(), surface.vertices.begin(), surface.vertices.end());

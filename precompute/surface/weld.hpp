@@ -14,6 +14,17 @@ Surface weld(const Surface& surface, double tolerance);
 /// a third of the border edges at both, so that named meshes whose rims match become one.
 Surface join_borders(const Surface& surface, double tolerance);
 
+struct Split {
+  Surface surface;
+  std::size_t edges = 0, vertices = 0;  ///< where sheets touched
+};
+
+/// Takes apart what touches in an edge or a corner only, as the blocks of a voxel surface do: at an edge of four or more
+/// triangles those stay together that bound the same wedge of the solid. The copies of a vertex move into their own
+/// blocks by a hundredth of their shortest edge, nothing else moves. The surface is to be oriented; where the triangles
+/// at an edge do not pair up, nothing is done.
+Split split_touching(const Surface& surface);
+
 /// Keeps one of the triangles that share all three corners.
 Surface drop_duplicates(const Surface& surface);
 

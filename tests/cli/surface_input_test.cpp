@@ -16,9 +16,9 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(text.find(from), from.size(), to);
 }
 
-/// A box of 20 mm inside it, without its lid.
+/// A box of 20 mm inside it, without its lid; its rim is too bent for a cap.
 const std::string kOpenBox =
-    "OFF\n8 10 0\n.01 .01 .01\n.03 .01 .01\n.03 .03 .01\n.01 .03 .01\n.01 .01 .03\n.03 .01 .03\n.03 .03 .03\n"
+    "OFF\n8 10 0\n.01 .01 .01\n.03 .01 .01\n.03 .03 .01\n.01 .03 .01\n.01 .01 .03\n.03 .01 .03\n.03 .03 .02\n"
     ".01 .03 .03\n3 0 2 1\n3 0 3 2\n3 0 1 5\n3 0 5 4\n3 1 2 6\n3 1 6 5\n3 2 3 7\n3 2 7 6\n3 3 0 4\n3 3 4 7\n";
 
 struct Case {
@@ -45,7 +45,7 @@ const std::vector<Case> kCases{
     {"garbage stl", "a.stl", std::string(200, '\xee'), "", 2, {"a.stl"}},
     {"garbage glb", "a.glb", std::string("glTF\x02\x00\x00\x00\xff\xff\xff\x7f garbage", 20), "", 2, {"a.glb"}},
     {"garbage obj", "a.obj", std::string("\x00\x01\x02\x03\x04", 5), "", 2, {"a.obj"}},
-    {"unknown format", "a.vtk", "x", "", 2, {"a.vtk", ".glb"}},
+    {"unknown format", "a.fbx", "x", "", 2, {"a.fbx", ".glb"}},
     {"not a number", "a.off", replaced(kBox, "0.04 0.04 0.04", "nan 0.04 0.04"), "", 2, {"a.off"}},
     {"index out of range", "a.off", replaced(kBox, "3 0 2 1", "3 0 2 99"), "", 2, {"a.off", "99"}},
     {"no faces", "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "", 2, {"a.obj", "no triangles"}},

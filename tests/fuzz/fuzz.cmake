@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Compiles a fuzz target (response: the reader of files; device: the languages of devices) with clang's libFuzzer and
+# Compiles a fuzz target (response: the reader of response files; device: the languages of devices; image: label images,
+# with ITK as it is installed; surface: plain surface files) with clang's libFuzzer and
 # sanitizers and runs it for SECONDS, each on its corpus, the reader on the goldens as well:
 # cmake -D SOURCE=. -D NAME=response -D FOLDER=build/fuzz -D SECONDS=600 -P tests/fuzz/fuzz.cmake
 # New inputs stay in FOLDER/corpus, one that breaks a promise in FOLDER/crash-*. It ends with an error then.
@@ -13,6 +14,38 @@ if(NAME STREQUAL "device")
   file(GLOB sources ${SOURCE}/runtime/device/*_codec.cpp ${SOURCE}/runtime/device/*_kinematics.cpp
        ${SOURCE}/runtime/device/*_protocol.cpp ${SOURCE}/runtime/device/*_boot.cpp)
   set(seeds ${SOURCE}/tests/fuzz/device_corpus)
+elseif(NAME STREQUAL "image")
+  set(sources)
+  foreach(part IN ITEMS gzip image_header label_image)
+    list(APPEND sources ${SOURCE}/formats/image/${part}.cpp)
+  endforeach()
+  set(seeds ${SOURCE}/tests/fuzz/image_corpus)
+  file(GLOB itk /usr/include/ITK-5*)
+  string(REGEX REPLACE ".*ITK-" "" version "${itk}")
+  set(libraries z)
+  foreach(part IN ITEMS ITKIONIFTI ITKIONRRD ITKIOMeta ITKIOImageBase ITKCommon itksys)
+    list(APPEND libraries ${part}-${version})
+  endforeach()
+  list(TRANSFORM libraries PREPEND "-l")
+  set(options -std=c++20 -isystem /usr/include/eigen3)
+  # Debian's ITK knows GCC alone. What is compiled by it is not watched by the sanitizers.
+  file(MAKE_DIRECTORY ${FOLDER})
+  execute_process(COMMAND g++ -std=c++20 -O1 -g -I${SOURCE} -isystem ${itk} -c ${SOURCE}/formats/image/itk_reader.cpp
+                          -o ${FOLDER}/itk_reader.o RESULT_VARIABLE code)
+  if(NOT code EQUAL 0)
+    message(STATUS "skipped: no clang++ can do without g++ and ITK (libinsighttoolkit5-dev)")
+    return()
+  endif()
+  list(APPEND sources ${FOLDER}/itk_reader.o)
+  set(run_options -detect_leaks=0)  # ITK's NRRD library leaks the text of an error
+elseif(NAME STREQUAL "surface")
+  set(sources)
+  foreach(part IN ITEMS plain ply polygon vtk vtp)
+    list(APPEND sources ${SOURCE}/formats/surface_${part}.cpp)
+  endforeach()
+  set(seeds ${SOURCE}/tests/fuzz/surface_corpus)
+  set(libraries -lz)
+  set(options -std=c++20 -isystem /usr/include/eigen3)
 else()
   set(sources)
   set(seeds ${SOURCE}/tests/fuzz/corpus ${SOURCE}/tests/goldens)
@@ -22,7 +55,7 @@ execute_process(
   COMMAND ${clang} -std=c++17 -O1 -g -fno-omit-frame-pointer -fsanitize=fuzzer,address,undefined
           -fno-sanitize-recover=undefined -ffp-contract=off -I${SOURCE} -I${SOURCE}/formats/include
           -I${SOURCE}/runtime -I${SOURCE}/runtime/include ${SOURCE}/tests/fuzz/fuzz_${NAME}.cpp ${sources}
-          -o ${FOLDER}/fuzz_${NAME}
+          ${options} -o ${FOLDER}/fuzz_${NAME} ${libraries}
   RESULT_VARIABLE code ERROR_VARIABLE error)
 if(NOT code EQUAL 0 AND error MATCHES "libclang_rt")
   message(STATUS "skipped: no clang++ with its run time (Debian's libclang-rt-14-dev)")
@@ -32,7 +65,7 @@ elseif(NOT code EQUAL 0)
 endif()
 execute_process(
   COMMAND ${FOLDER}/fuzz_${NAME} -max_total_time=${SECONDS} -max_len=16384 -timeout=20 -rss_limit_mb=2048
-          -print_final_stats=1 -artifact_prefix=${FOLDER}/ ${FOLDER}/corpus ${seeds}
+          ${run_options} -print_final_stats=1 -artifact_prefix=${FOLDER}/ ${FOLDER}/corpus ${seeds}
   RESULT_VARIABLE code ERROR_VARIABLE log)
 file(WRITE ${FOLDER}/log.txt "${log}")
 string(REGEX MATCHALL "stat::[^\n]*|SUMMARY[^\n]*|broken promise[^\n]*|Test unit written[^\n]*" lines "${log}")

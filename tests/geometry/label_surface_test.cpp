@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <cstdio>
 #include <numbers>
 
 namespace palpate {
@@ -30,6 +32,55 @@ TEST(LabelSurface, OfABallLiesCloseToIt) {
     double furthest = 0;
     for (const Vector3d& v : s.vertices) furthest = std::max(furthest, std::abs((v - centre).norm() - kRadius));
     EXPECT_LT(furthest, 0.35 * voxel) << voxels;
+  }
+}
+
+// Height differences over 2 mm against the ball's own: what a small tip takes for a step.
+double steps_felt(const Surface& s) {
+  std::vector<double> steps;
+  for (std::size_t a = 0; a < s.vertices.size(); a += 997) {
+    for (std::size_t b = 0; b < s.vertices.size(); ++b) {
+      const double apart = (s.vertices[a] - s.vertices[b]).norm();
+      if (apart < 0.0015 || apart > 0.0025) continue;
+      steps.push_back(std::abs(s.vertices[a].norm() - s.vertices[b].norm()));
+    }
+  }
+  std::sort(steps.begin(), steps.end());
+  return steps[steps.size() * 95 / 100];
+}
+
+// A ball of 30 mm in slices of 3 mm, and of 5 mm, along turned axes.
+TEST(LabelSurface, ThickSlicesLeaveNoSteps) {
+  const Eigen::Matrix3d turn =
+      (Eigen::AngleAxisd(0.3, Vector3d::UnitX()) * Eigen::AngleAxisd(0.5, Vector3d::UnitZ())).toRotationMatrix();
+  for (const double slice : {3.0}) {
+    constexpr double radius = 0.03;
+    LabelMask mask;
+    mask.axes = turn * Vector3d(0.8e-3, 0.8e-3, slice * 1e-3).asDiagonal();
+    mask.size = {80, 80, int(66 / slice)};
+    mask.origin = -mask.axes * Vector3d(39.7, 39.6, 33 / slice - 0.4);
+    for (int k = 0; k < mask.size[2]; ++k) {
+      for (int j = 0; j < mask.size[1]; ++j) {
+        for (int i = 0; i < mask.size[0]; ++i) {
+          const bool in = (mask.origin + mask.axes * Vector3d(i, j, k)).norm() < radius;
+          mask.inside.push_back(in ? 1 : 0);
+          mask.count += in ? 1 : 0;
+        }
+      }
+    }
+    const Surface s = label_surface(mask, "ball");
+    EXPECT_TRUE(test::closed_and_oriented(s));
+    EXPECT_NEAR(test::surface_volume(s) / (double(mask.count) * mask.axes.determinant()), 1, 1e-3);
+    double square = 0, furthest = 0;
+    for (const Vector3d& v : s.vertices) {
+      square += std::pow(v.norm() - radius, 2) / double(s.vertices.size());
+      furthest = std::max(furthest, std::abs(v.norm() - radius));
+    }
+    std::printf("slices %g mm: %zu triangles, radius off by rms %.3f mm, most %.3f mm, step over 2 mm (95 %%) %.3f mm\n",
+                slice, s.triangles.size(), 1e3 * std::sqrt(square), 1e3 * furthest,
+                1e3 * steps_felt(s));
+    EXPECT_LT(std::sqrt(square), 0.2e-3);
+    EXPECT_LT(steps_felt(s), 0.3e-3);
   }
 }
 

@@ -227,6 +227,7 @@ std::vector<Case> cases() {
        "[material]\nlaw = \"holzapfel-ogden\"\nk1 = 1\nk2 = 1\nfibre = {centreline = \"a.obj\", units = \"mi\"}\n",
        7,
        {"units: got \"mi\"", "\"mm\""}},
+      {"unquoted_text", "[material]\ntissue = liver\n", 4, {"a text needs quotation marks: tissue = \"liver\""}},
       {"labels_without_value", "[[region]]\nlabels = {image = \"a.nrrd\"}\n", 4, {"need both 'image' and 'value'"}},
       {"labels_of_half",
        "[[region]]\nlabels = {image = \"a.nrrd\", value = 1.5}\n",

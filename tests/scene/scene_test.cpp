@@ -113,9 +113,9 @@ TEST_F(SceneTest, RegionsOfALabelImage) {
   const Scene scene = region("{image = \"seg.nrrd\", value = -2, units = \"mm\"}");
   ASSERT_EQ(scene.regions.size(), 1U);
   EXPECT_EQ(scene.regions[0].shape, RegionScene::Shape::labels);
-  EXPECT_EQ(scene.regions[0].surface.file, folder_.path() / "seg.nrrd");
-  EXPECT_EQ(scene.regions[0].surface.unit, 0.001);
-  EXPECT_EQ(scene.regions[0].label, -2);
+  EXPECT_EQ(scene.regions[0].labels.file, folder_.path() / "seg.nrrd");
+  EXPECT_EQ(scene.regions[0].labels.unit, 0.001);
+  EXPECT_EQ(scene.regions[0].labels.values, std::vector<int>{-2});
   EXPECT_EQ(scene.regions[0].material.young, 1e4);
   EXPECT_EQ(canonical_text(scene), canonical_text(region("{image = \"x/y.mha\", value = -2, units = \"mm\"}")));
   EXPECT_NE(canonical_text(scene), canonical_text(region("{image = \"seg.nrrd\", value = -3, units = \"mm\"}")));

@@ -2,7 +2,7 @@
 // A ball as the voxels whose centres lie in it.
 #pragma once
 
-#include "formats/label_image.hpp"
+#include "formats/image/label_image.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -36,7 +36,7 @@ inline std::string nrrd(const LabelMask& mask, int label) {
     std::snprintf(text, sizeof text, "(%.17g,%.17g,%.17g)", v.x(), v.y(), v.z());
     return std::string(text);
   };
-  std::string text = "NRRD0004\ntype: int\ndimension: 3\nencoding: ascii\nsizes: " + std::to_string(mask.size[0]) +
+  std::string text = "NRRD0004\ntype: int\ndimension: 3\nencoding: ascii\nspace dimension: 3\nsizes: " + std::to_string(mask.size[0]) +
                      " " + std::to_string(mask.size[1]) + " " + std::to_string(mask.size[2]) +
                      "\nspace directions: " + vector(mask.axes.col(0)) + " " + vector(mask.axes.col(1)) + " " +
                      vector(mask.axes.col(2)) + "\nspace origin: " + vector(mask.origin) + "\n\n";

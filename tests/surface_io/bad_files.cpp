@@ -165,7 +165,7 @@ TEST(BadFile, PlyHeadersThatAskForTooMuch) {
   const auto list = scratch.write("list.ply", header("3", "1", "ascii") + "0 0 0\n1 0 0\n0 1 0\n4000000000 0 1 2\n");
   expect_error([&] { read(list); }, ExitCode::bad_input, {"list.ply:13", "face 0", "corners"});
   const auto order =
-      scratch.write("order.ply", "ply\nformat ascii 1.0\nelement face 0\nelement vertex 0\nend_header\n");
+      scratch.write("order.ply", "ply\nformat ascii 1.0\nelement camera 0\nelement vertex 0\nend_header\n");
   expect_error([&] { read(order); }, ExitCode::bad_input, {"order.ply", "vertex and face"});
 }
 
@@ -218,7 +218,15 @@ TEST(BadFile, GltfReferencesAndBounds) {
        [](Glb& g) {
          g.json["scenes"] = {{{"nodes", {5}}}};
        }},
-      {"positions of bytes", "POSITION", [](Glb& g) { g.json["accessors"][0]["componentType"] = 5121; }},
+      {"positions of whole numbers of 32 bits", "POSITION",
+       [](Glb& g) { g.json["accessors"][0]["componentType"] = 5125; }},
+      {"skin", "skin", [](Glb& g) { g.json["nodes"][0]["skin"] = 0; }},
+      {"morph", "morph targets",
+       [](Glb& g) {
+         g.json["meshes"][0]["weights"] = {0, 0.5};
+       }},
+      {"instances", "EXT_mesh_gpu_instancing",
+       [](Glb& g) { g.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"] = Json::object(); }},
       {"positions of two", "POSITION", [](Glb& g) { g.json["accessors"][0]["type"] = "VEC2"; }},
       {"indices of floats", "indices", [](Glb& g) { g.json["accessors"][1]["componentType"] = 5126; }},
       {"sparse positions", "sparse",

@@ -34,6 +34,18 @@ TEST(Motion, PassesTheMarkOfUtf8Over) {
   EXPECT_EQ(read_motion(folder.write("m.csv", "\xEF\xBB\xBF" + kHeader + "0,1,2,3,1,0,0,0\n")).size(), 1U);
 }
 
+TEST(Motion, HintsAtMillimetresAndMilliseconds) {
+  std::vector<MotionRow> rows;
+  for (int k = 0; k < 20; ++k) rows.push_back({0.001 * k, {-0.012, -0.005, 0.03 - 0.001 * k}, {1, 0, 0, 0}});
+  const runtime::Vec3 low{-0.05, -0.04, -0.03}, high{0.05, 0.04, 0.03};
+  EXPECT_EQ(cli::motion_hint(rows, low, high), "");
+  std::vector<MotionRow> millimetres = rows, milliseconds = rows;
+  for (MotionRow& row : millimetres) row.position = 1000 * row.position;
+  for (MotionRow& row : milliseconds) row.time *= 1000;
+  EXPECT_NE(cli::motion_hint(millimetres, low, high).find("look like millimetres"), std::string::npos);
+  EXPECT_NE(cli::motion_hint(milliseconds, low, high).find("look like milliseconds"), std::string::npos);
+}
+
 TEST(Motion, RefusesWrongFilesWithTheirLine) {
   struct Case {
     std::string text, says;

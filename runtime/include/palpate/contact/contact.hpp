@@ -16,7 +16,7 @@ struct ContactConstants {
   /// Times the tool's travel in a tick, that c and p may go.
   static constexpr double kPointSpeed = 8;
   /// Times the tool's travel over the indentation: angle (rad) by which the normal may turn in a tick.
-  static constexpr double kTurnSpeed = 3;
+  static constexpr double kTurnSpeed = 2;
   /// Of a contact's size: c rests while its target is nearer than this. It saves a blend where nothing would change.
   static constexpr double kRest = 1e-3;
   /// Weight of the smooth normal in the contact's normal, in radii. Without it the normal turns at once where the
@@ -334,8 +334,8 @@ private:
   ///
   ///     d = z - z_0 + the depth at which W + energy beside W = E,
   ///
-  /// for the tick's own work deepens d as it deepens z (by at most the tool's way). The correction by E is at most the way of the tool and of c in
-  /// this tick; the rest is made in the next ones.
+  /// for the tick's own work deepens d as it deepens z (by at most the tool's way). The correction by E is at most half the way of the tool and of c
+  /// in this tick; the rest is made in the next ones.
   template <class Body>
   Tick answer(const Pose& tool, double z, const TickMotion& motion, const Body& body) {
     const double wanted = body.factor(state_.place.body_point.at), step = body.factor_step();
@@ -350,8 +350,8 @@ private:
     if (owed) {
       response_.law().set_normal(z, full);
       const double counted = EnergyTank::counted_depth(response_.law(), paid_for, last, before.work, state_.counted_depth);
-      const double correction = clamped(counted - state_.counted_depth, -motion.moved - motion.crept,
-                                        motion.moved + motion.crept);
+      const double most = EnergyConstants::kCorrection * (motion.moved + motion.crept);
+      const double correction = clamped(counted - state_.counted_depth, -most, most);
       depth = smaller(larger(state_.counted_depth + correction + deepened, 0.0), z);
       limit = EnergyTank::recovery_limit(before.work > 0 ? paid_for / before.work : 0, full.normal_force);
       before = ResponseAtDepth{};

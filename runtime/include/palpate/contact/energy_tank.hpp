@@ -13,6 +13,9 @@ namespace palpate::runtime {
 struct EnergyConstants {
   /// Newton steps for the counted depth, on the square root of W, which is nearly linear in the depth.
   static constexpr int kNewtonSteps = 2;
+  /// Of the way of tool and c: most that the counted depth is corrected by in a tick. It bounds the change of the force
+  /// per metre; one tick's own work needs no correction.
+  static constexpr double kCorrection = 0.5;
   /// Of W: a deficit below this is rounding, and the whole depth counts.
   static constexpr double kRounding = 1e-9;
   /// Travel over which an energy that the contact no longer stores is kept: this times the scale of the tool's radius.

@@ -64,8 +64,18 @@ public:
     };
     const BodyPoint near = latest != nullptr ? latest->touch.body.at : near_;
     if (known_ && way < most) {
-      const ToolTouch first = search(pose_, near);
-      found = sweep(pose_, to, first, shape.extent(), gap, search);
+      // A core that was outside by its skin can be inside by no more than the rest of the way; where the surface folds
+      // over itself a search may say otherwise.
+      const auto outside = [&](const Pose& pose, const BodyPoint& from) {
+        ToolTouch touch = search(pose, from);
+        if (latest == nullptr && touch.body.signed_distance < 0 && shape.skin() - touch.body.signed_distance > way) {
+          touch.body.signed_distance = -touch.body.signed_distance;
+          touch.clearance = touch.body.signed_distance - shape.skin();
+          touch.safe = larger(0, touch.clearance);
+        }
+        return touch;
+      };
+      found = sweep(pose_, to, outside(pose_, near), shape.extent(), gap, outside);
       const bool whole = found.share == 1;
       if (!found.touches) remain(whole ? to : found.pose, surface_travel, found.touch, whole ? found.touch.safe : 0);
     } else {

@@ -139,7 +139,7 @@ inline SpringForce update_springs(const FrictionLayers& layers, const ResponseAt
     const bool last = k + 1 == engaged;
     const Sym2 stiffness = (last ? r.stiffness : layers.stiffness(k + 1)) - layers.stiffness(k);
     const double normal = scale * share[k], start = layers.start(k);
-    const double limit = mu * normal * (1 - softening * state.slipped[k]);
+    const auto limit = [&] { return mu * normal * (1 - softening * state.slipped[k]); };
     Vec2 e = state.deflection[k];
     if (stiffness.m > state.stiffness[k]) e = (state.stiffness[k] / stiffness.m) * e;
     e = e + (motion.from >= start ? 1 : (motion.to - start) / (motion.to - motion.from)) * motion.way;
@@ -147,14 +147,14 @@ inline SpringForce update_springs(const FrictionLayers& layers, const ResponseAt
     const double squared = dot(elastic, elastic);
     // Rounding neither moves what is at its limit nor lets it stick.
     constexpr double kRounding = 1e-12;
-    if (squared > limit * limit * (1 + kRounding)) {
-      const double size = std::sqrt(squared), held = limit / size;  // share of e
-      state.slipped[k] += (1 - state.slipped[k]) * smaller(1, (1 - held) / (SpringConstants::kSlipTravel * held));
-      // With the softening of this slip, so that a contact at rest stays at its limit.
-      const double kept = mu * normal * (1 - softening * state.slipped[k]) / size;
-      elastic = kept * elastic;
-      e = kept * e;
-    } else if (squared < limit * limit * (1 - kRounding)) {
+    const double most = limit() * limit();
+    if (squared > most * (1 + kRounding)) {
+      const double size = std::sqrt(squared), over = size / limit() - 1;  // slip over the deflection at the limit
+      state.slipped[k] += (1 - state.slipped[k]) * smaller(1, over / SpringConstants::kSlipTravel);
+      const double held = limit() / size;  // share of e
+      elastic = held * elastic;
+      e = held * e;
+    } else if (squared < most * (1 - kRounding)) {
       result.slides = false;
     }
     state.deflection[k] = e;

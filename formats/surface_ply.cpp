@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Screen of PLY files, text and binary in both byte orders.
-#include "formats/surface_screen.hpp"
+// Reader of PLY files, text and binary in both byte orders, with elements and properties in any order.
+#include "formats/surface_plain.hpp"
 #include "formats/surface_text.hpp"
 
 #include <algorithm>
@@ -32,6 +32,7 @@ struct Header {
   std::vector<Element> elements;
   std::size_t body = 0;   ///< offset of the first byte behind the header
   std::size_t lines = 0;  ///< of the header
+  Frame frame = Frame::unstated;
 };
 
 std::pair<char, std::size_t> type_of(std::string_view name, const TextScan& scan) {
@@ -55,8 +56,10 @@ Header read_header(std::string_view bytes, const std::filesystem::path& file) {
     const auto key = scan.word();
     if (key == mark) {
       if (!formed) scan.fail("PLY header without a format line");
-      const auto end = bytes.find('\n', bytes.find(mark));
-      header.body = end == std::string_view::npos ? bytes.size() : end + 1;
+      header.body = scan.offset();
+      // Old line ends are one byte, and a line feed behind them belongs to binary data.
+      const bool old_ends = bytes.find('\r') != std::string_view::npos && bytes[bytes.find('\r') + 1] != '\n';
+      if (old_ends && bytes.substr(header.body - 2, 2) == "\r\n") --header.body;
       header.lines = scan.line();
       return header;
     }
@@ -90,36 +93,43 @@ Header read_header(std::string_view bytes, const std::filesystem::path& file) {
       std::tie(property.kind, property.size) = type_of(type, scan);
       property.name = scan.word();
       header.elements.back().properties.push_back(std::move(property));
-    } else if (key != "comment" && key != "obj_info" && !key.empty()) {
+    } else if (key == "comment") {
+      if (header.frame == Frame::unstated) header.frame = stated_frame(scan.rest());
+    } else if (key != "obj_info" && !key.empty()) {
       scan.fail("unknown PLY header line '" + std::string(key.substr(0, 32)) + "'");
     }
   }
   scan.fail("truncated: no end_header line");
 }
 
-// What a triangle surface needs; further scalar properties and further elements are passed over.
+[[noreturn]] void refuse_layout(const std::filesystem::path& file, const std::string& cause) {
+  throw Error(ExitCode::bad_input, file.string() + ": " + cause);
+}
+
+bool is_indices(const Property& p) {
+  return p.count_kind != 0 && p.kind != 'f' && (p.name == "vertex_indices" || p.name == "vertex_index");
+}
+
+// What a surface needs; further properties and further elements are passed over.
 void check_layout(const Header& header, const std::filesystem::path& file) {
-  const auto fail = [&](const std::string& cause) { throw Error(ExitCode::bad_input, file.string() + ": " + cause); };
-  const auto& elements = header.elements;
-  if (elements.size() < 2 || elements[0].name != "vertex" || elements[1].name != "face") {
-    fail("a PLY surface needs the elements vertex and face, in this order, before any other");
+  const auto element = [&](std::string_view name) {
+    const auto found = std::find_if(header.elements.begin(), header.elements.end(),
+                                    [&](const Element& e) { return e.name == name; });
+    return found == header.elements.end() ? nullptr : &*found;
+  };
+  const Element *vertex = element("vertex"), *face = element("face"), *strips = element("tristrips");
+  if (vertex == nullptr || (face == nullptr && strips == nullptr)) {
+    refuse_layout(file, "a PLY surface needs the elements vertex and face (or tristrips)");
   }
   for (const std::string axis : {"x", "y", "z"}) {
-    const auto& all = elements[0].properties;
+    const auto& all = vertex->properties;
     const auto found = std::find_if(all.begin(), all.end(), [&](const Property& p) { return p.name == axis; });
-    if (found == all.end()) fail("vertices have no property " + axis);
-    if (found->kind != 'f' || found->count_kind) fail("the property " + axis + " must be float or double");
+    if (found == all.end()) refuse_layout(file, "vertices have no property " + axis);
+    if (found->count_kind) refuse_layout(file, "the property " + axis + " must be a number, not a list");
   }
-  for (const auto& property : elements[0].properties) {
-    if (property.count_kind) fail("list properties of vertices (" + property.name + ") are not supported");
-  }
-  const auto& corners = elements[1].properties;
-  if (corners.empty() || !corners[0].count_kind || corners[0].kind == 'f' ||
-      (corners[0].name != "vertex_indices" && corners[0].name != "vertex_index")) {
-    fail("the first property of faces must be the list vertex_indices, of an integer type");
-  }
-  if (std::any_of(corners.begin() + 1, corners.end(), [](const Property& p) { return p.count_kind != 0; })) {
-    fail("faces with a second list property are not supported");
+  for (const Element* with : {face, strips}) {
+    if (with == nullptr || std::any_of(with->properties.begin(), with->properties.end(), is_indices)) continue;
+    refuse_layout(file, "the element " + with->name + " has no list vertex_indices of an integer type");
   }
 }
 
@@ -152,6 +162,8 @@ public:
     return kind == 'i' ? double(cast<std::int32_t>(raw)) : double(cast<std::uint32_t>(raw));
   }
 
+  [[nodiscard]] std::string_view last() const { return last_; }  ///< of a text: the last value as it stands
+
 private:
   template <class T>
   static T cast(const unsigned char* raw) {
@@ -167,6 +179,7 @@ private:
       if (!scan_.next_line()) fail("truncated in " + what);
       word = scan_.word();
     }
+    last_ = word;
     if (word.front() == '+') word.remove_prefix(1);
     double value = 0;
     const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
@@ -177,6 +190,7 @@ private:
   }
 
   bool text_, swap_;
+  std::string_view last_;
   std::string_view body_;
   std::size_t at_ = 0;
   TextScan scan_;
@@ -184,66 +198,111 @@ private:
   std::size_t header_lines_;
 };
 
-void append_number(std::string& text, double value, char behind) {
-  char digits[32];
-  text.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
-  text += behind;
-}
+// Reads one element after the other.
+class PlyReader {
+public:
+  PlyReader(std::string_view bytes, const Header& header, const std::filesystem::path& file)
+      : header_(header), values_(bytes, header, file) {}
+
+  PolygonSoup read() {
+    soup_.frame = header_.frame;
+    for (const Element& element : header_.elements) {
+      if (element.name == "vertex") {
+        vertices_ = double(element.count);
+      }
+    }
+    for (const Element& element : header_.elements) {
+      if (element.properties.empty()) continue;
+      for (std::int64_t i = 0; i < element.count; ++i) {
+        const auto what = element.name + " " + std::to_string(i);
+        if (element.name == "vertex") {
+          vertex(element, what);
+        } else if (element.name == "face" || element.name == "tristrips") {
+          polygons(element, what);
+        } else {
+          for (const Property& property : element.properties) skip(property, what);
+        }
+      }
+    }
+    return std::move(soup_);
+  }
+
+private:
+  void skip(const Property& property, const std::string& what) {
+    const double count = property.count_kind ? values_.next(property.count_kind, property.count_size, what) : 1;
+    if (!(count >= 0 && count <= 1e9)) values_.fail(what + ": the length of a list is outside 0..1000000000");
+    for (double k = 0; k < count; ++k) values_.next(property.kind, property.size, what);
+  }
+
+  void vertex(const Element& element, const std::string& what) {
+    Eigen::Vector3d point(0, 0, 0);
+    for (const Property& property : element.properties) {
+      const auto axis = property.name.size() == 1 ? std::string_view("xyz").find(property.name[0]) : 3;
+      if (axis > 2) {
+        skip(property, what);
+        continue;
+      }
+      const auto value = values_.next(property.kind, property.size, what);
+      if (!std::isfinite(value) || std::abs(value) > largest_coordinate) {
+        values_.fail(what + ": coordinate " + property.name + " is not finite or beyond 1e15");
+      }
+      point[static_cast<int>(axis)] = value;
+      if (property.kind == 'f' && property.size == 4 && header_.form != Header::Form::text) soup_.single = true;
+      if (header_.form == Header::Form::text) detail::count_decimals(soup_, values_.last());
+    }
+    soup_.vertices.push_back(point);
+  }
+
+  void polygons(const Element& element, const std::string& what) {
+    for (const Property& property : element.properties) {
+      if (!is_indices(property)) {
+        skip(property, what);
+        continue;
+      }
+      const bool strip = element.name == "tristrips";
+      const auto count = values_.next(property.count_kind, property.count_size, what);
+      if (!(count >= (strip ? 0 : 3) && count <= (strip ? 1e9 : 1e6))) {
+        values_.fail(what + ": the number of corners is outside 3..1000000");
+      }
+      std::vector<std::int32_t> corners;
+      for (double corner = 0; corner < count; ++corner) {
+        const auto index = values_.next(property.kind, property.size, what);
+        if (strip && index == -1) {
+          end_strip(corners);
+          continue;
+        }
+        if (!(index >= 0 && index < vertices_ && index <= 2147483646.0) || index != std::floor(index)) {
+          values_.fail(what + ": a vertex index is outside 0.." +
+                       std::to_string(static_cast<std::int64_t>(vertices_) - 1));
+        }
+        (strip ? corners : soup_.corners).push_back(static_cast<std::int32_t>(index));
+      }
+      strip ? end_strip(corners) : static_cast<void>(detail::end_polygon(soup_));
+    }
+  }
+
+  // Every second triangle of a strip runs backwards; -1 begins a new strip.
+  void end_strip(std::vector<std::int32_t>& corners) {
+    for (std::size_t k = 0; k + 2 < corners.size(); ++k) {
+      const std::size_t odd = k % 2;
+      for (const auto c : {corners[k], corners[k + 1 + odd], corners[k + 2 - odd]}) soup_.corners.push_back(c);
+      detail::end_polygon(soup_);
+    }
+    corners.clear();
+  }
+
+  const Header& header_;
+  Values values_;
+  PolygonSoup soup_;
+  double vertices_ = 0;
+};
 
 }  // namespace
 
-SurfaceCensus screen_ply(std::string_view bytes, const std::filesystem::path& file) {
+PolygonSoup read_ply(std::string_view bytes, const std::filesystem::path& file) {
   const auto header = read_header(bytes, file);
   check_layout(header, file);
-  Values values(bytes, header, file);
-  SurfaceCensus census;
-  const auto& vertex = header.elements[0];
-  const auto& face = header.elements[1];
-  // OpenMesh's header reader waits for ever on some damaged headers: it is shown one of ours.
-  census.plain = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(vertex.count) +
-                 "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
-                 std::to_string(face.count) + "\nproperty list int int vertex_indices\nend_header\n";
-  for (std::int64_t i = 0; i < vertex.count; ++i) {
-    Eigen::Vector3d point(0, 0, 0);
-    const auto what = "vertex " + std::to_string(i);
-    for (const auto& property : vertex.properties) {
-      const auto value = values.next(property.kind, property.size, what);
-      const auto axis = property.name.size() == 1 ? std::string_view("xyz").find(property.name[0]) : 3;
-      if (axis > 2) continue;
-      if (!std::isfinite(value) || std::abs(value) > largest_coordinate) {
-        values.fail(what + ": coordinate " + property.name + " is not finite or beyond 1e15");
-      }
-      point[static_cast<int>(axis)] = value;
-    }
-    census.bounds.extend(point);
-    ++census.vertices;
-    append_number(census.plain, point.x(), ' ');
-    append_number(census.plain, point.y(), ' ');
-    append_number(census.plain, point.z(), '\n');
-  }
-  std::vector<std::int64_t> corners;
-  for (std::int64_t i = 0; i < face.count; ++i) {
-    const auto what = "face " + std::to_string(i);
-    const auto& list = face.properties[0];
-    const auto count = values.next(list.count_kind, list.count_size, what);
-    if (!(count >= 3 && count <= 1e6)) values.fail(what + ": the number of corners is outside 3..1000000");
-    corners.clear();
-    census.plain += std::to_string(static_cast<int>(count));
-    for (int corner = 0; corner < static_cast<int>(count); ++corner) {
-      const auto index = values.next(list.kind, list.size, what);
-      if (!(index >= 0 && index < double(vertex.count)) || index != std::floor(index)) {
-        values.fail(what + ": a vertex index is outside 0.." + std::to_string(vertex.count - 1));
-      }
-      corners.push_back(static_cast<std::int64_t>(index));
-      census.plain += ' ' + std::to_string(corners.back());
-    }
-    census.plain += '\n';
-    census.polygons += detail::distinct(corners) >= 3;
-    for (std::size_t p = 1; p < face.properties.size(); ++p) {
-      values.next(face.properties[p].kind, face.properties[p].size, what);
-    }
-  }
-  return census;
+  return PlyReader(bytes, header, file).read();
 }
 
 }  // namespace palpate

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: MIT
+// The frame of coordinates in a patient.
+#pragma once
+
+namespace palpate {
+
+/// What the axes are: x to the left and y to the back (lps), or x to the right and y to the front (ras); z to the head.
+/// Files of most kinds state none.
+enum class Frame { unstated, lps, ras };
+
+}  // namespace palpate

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: MIT
+// ITK's readers of NIfTI, NRRD and MetaImage, used without its pipeline: header, then all voxels at once.
+#include "formats/image/itk_reader.hpp"
+
+#include "formats/error.hpp"
+#include "formats/image/gzip.hpp"
+
+#include <itkMetaDataObject.h>
+#include <itkMetaImageIO.h>
+#include <itkNiftiImageIO.h>
+#include <itkNrrdImageIO.h>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <sstream>
+
+namespace palpate::detail {
+namespace {
+
+[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& what) {
+  throw Error(ExitCode::bad_input, file.string() + ": " + what);
+}
+
+itk::ImageIOBase::Pointer make_reader(ImageKind kind) {
+  switch (kind) {
+    case ImageKind::nifti:
+      return itk::NiftiImageIO::New().GetPointer();
+    case ImageKind::nrrd:
+      return itk::NrrdImageIO::New().GetPointer();
+    case ImageKind::meta:
+      break;
+  }
+  return itk::MetaImageIO::New().GetPointer();
+}
+
+// The libraries below ITK write to standard error by themselves; the reason is in the exception as well.
+class QuietErrors {
+public:
+  QuietErrors() : saved_(::dup(STDERR_FILENO)) {
+    std::fflush(stderr);
+    const int none = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+    if (none >= 0) {
+      ::dup2(none, STDERR_FILENO);
+      ::close(none);
+    }
+    itk::Object::GlobalWarningDisplayOff();
+  }
+  ~QuietErrors() {
+    std::fflush(stderr);
+    if (saved_ >= 0) {
+      ::dup2(saved_, STDERR_FILENO);
+      ::close(saved_);
+    }
+  }
+  QuietErrors(const QuietErrors&) = delete;
+  QuietErrors& operator=(const QuietErrors&) = delete;
+
+private:
+  int saved_;
+};
+
+// The last line of an ITK exception: the libraries below add theirs from the outside in.
+std::string reason(const itk::ExceptionObject& error) {
+  const char* description = error.GetDescription();
+  std::string text = description != nullptr && *description != '\0' ? description : error.what();
+  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
+  if (const auto line = text.rfind('\n'); line != std::string::npos) text = text.substr(line + 1);
+  constexpr std::size_t kLongest = 200;
+  return text.substr(0, kLongest);
+}
+
+template <class Number>
+void convert(const std::filesystem::path& file, const unsigned char* bytes, std::vector<std::int32_t>& values) {
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    Number number;
+    std::memcpy(&number, bytes + k * sizeof number, sizeof number);
+    const auto whole = static_cast<std::int32_t>(
+        number >= Number(0) ? std::min<long double>(number, std::numeric_limits<std::int32_t>::max())
+                            : std::max<long double>(number, std::numeric_limits<std::int32_t>::min()));
+    if (static_cast<long double>(whole) != static_cast<long double>(number)) {
+      std::ostringstream text;
+      text << "voxel " << k << " has the value " << +number
+           << "; allowed: whole numbers of 32 bits (a label image, not a scan)";
+      refuse(file, text.str());
+    }
+    values[k] = whole;
+  }
+}
+
+// Types whose every value fits need no check.
+template <class Number>
+void copy(const unsigned char* bytes, std::vector<std::int32_t>& values) {
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    Number number;
+    std::memcpy(&number, bytes + k * sizeof number, sizeof number);
+    values[k] = number;
+  }
+}
+
+void to_values(const std::filesystem::path& file, itk::IOComponentEnum type, const unsigned char* bytes,
+               std::vector<std::int32_t>& values) {
+  switch (type) {
+    case itk::IOComponentEnum::UCHAR:
+      return copy<std::uint8_t>(bytes, values);
+    case itk::IOComponentEnum::CHAR:
+      return copy<std::int8_t>(bytes, values);
+    case itk::IOComponentEnum::USHORT:
+      return copy<std::uint16_t>(bytes, values);
+    case itk::IOComponentEnum::SHORT:
+      return copy<std::int16_t>(bytes, values);
+    case itk::IOComponentEnum::INT:
+      return copy<std::int32_t>(bytes, values);
+    case itk::IOComponentEnum::UINT:
+      return convert<std::uint32_t>(file, bytes, values);
+    case itk::IOComponentEnum::LONG:
+    case itk::IOComponentEnum::LONGLONG:
+      return convert<std::int64_t>(file, bytes, values);
+    case itk::IOComponentEnum::ULONG:
+    case itk::IOComponentEnum::ULONGLONG:
+      return convert<std::uint64_t>(file, bytes, values);
+    case itk::IOComponentEnum::FLOAT:
+      return convert<float>(file, bytes, values);
+    case itk::IOComponentEnum::DOUBLE:
+      return convert<double>(file, bytes, values);
+    default:
+      refuse(file, "voxels of an unknown type; allowed: numbers of 8 to 64 bits");
+  }
+}
+
+void read_frame(const std::filesystem::path& file, const itk::ImageIOBase& reader, ImageFile& image) {
+  const unsigned dimensions = reader.GetNumberOfDimensions();
+  if (dimensions < 3) refuse(file, "has " + std::to_string(dimensions) + " dimensions; allowed: 3");
+  for (unsigned k = 3; k < dimensions; ++k) {
+    if (reader.GetDimensions(k) != 1) refuse(file, "has more than three dimensions; allowed: 3");
+  }
+  image.layers = int(std::min(reader.GetNumberOfComponents(), 65537U));
+  std::size_t total = std::size_t(image.layers);
+  if (total < 1 || total > 65536) refuse(file, "has no value a voxel, or more than 65536");
+  for (unsigned k = 0; k < 3; ++k) {
+    const auto n = reader.GetDimensions(k);
+    if (n < 1 || n > 65536) refuse(file, "has " + std::to_string(n) + " voxels along an axis; allowed: 1 to 65536");
+    image.size[k] = int(n);
+    total *= n;
+    if (total > largest_image) refuse(file, "has more than 2^29 values; allowed: at most so many");
+    image.origin[k] = reader.GetOrigin(k);
+    const std::vector<double> direction = reader.GetDirection(k);
+    for (unsigned i = 0; i < 3; ++i) image.axes[k][i] = direction.at(i) * reader.GetSpacing(k);
+  }
+}
+
+// ITK fills what is missing with zeros in NIfTI and MetaImage files, and does not look at the end of gzip data.
+void require_whole(const std::filesystem::path& file, const itk::ImageIOBase& reader, ImageKind kind,
+                   const VoxelPlace& voxels) {
+  if (kind == ImageKind::nrrd && !voxels.gzip) return;  // ITK counts
+  constexpr std::size_t kNiftiHeader = 352;  // bytes, at least
+  const std::size_t needed =
+      std::size_t(reader.GetImageSizeInBytes()) + (kind == ImageKind::nifti ? kNiftiHeader : 0);
+  const std::size_t there = whole_size(voxels.file, voxels.offset, voxels.zlib);
+  if (there >= needed) return;
+  refuse(file, "is cut short: its voxels need " + std::to_string(needed) + " bytes, there are " + std::to_string(there));
+}
+
+}  // namespace
+
+ImageFile read_image_file(const std::filesystem::path& file, ImageKind kind, const VoxelPlace& voxels) {
+  const QuietErrors quiet;
+  ImageFile image;
+  try {
+    const itk::ImageIOBase::Pointer reader = make_reader(kind);
+    reader->SetFileName(file.string());
+    reader->ReadImageInformation();
+    read_frame(file, *reader, image);
+    const itk::MetaDataDictionary& dictionary = reader->GetMetaDataDictionary();
+    for (const std::string& key : dictionary.GetKeys()) {
+      std::string value;
+      if (itk::ExposeMetaData(dictionary, key, value)) image.texts[key] = value;
+    }
+    image.states_frame = kind == ImageKind::nifti && (image.texts["qform_code_name"] != "NIFTI_XFORM_UNKNOWN" ||
+                                                      image.texts["sform_code_name"] != "NIFTI_XFORM_UNKNOWN");
+    require_whole(file, *reader, kind, voxels);
+    itk::ImageIORegion region(reader->GetNumberOfDimensions());
+    std::size_t total = std::size_t(image.layers);
+    for (unsigned k = 0; k < region.GetImageDimension(); ++k) {
+      region.SetSize(k, reader->GetDimensions(k));
+      total *= reader->GetDimensions(k);
+    }
+    reader->SetIORegion(region);
+    const auto bytes = std::size_t(reader->GetImageSizeInBytes());
+    if (bytes / total != reader->GetComponentSize()) refuse(file, "voxels of an unknown type");
+    // Not filled with zeros: a header may announce gigabytes that the file does not have.
+    const std::unique_ptr<unsigned char[]> raw(new unsigned char[bytes]);
+    reader->Read(raw.get());
+    image.values.resize(total);
+    to_values(file, reader->GetComponentType(), raw.get(), image.values);
+  } catch (const itk::ExceptionObject& error) {
+    refuse(file, "cannot be read: it is damaged or cut short (ITK: " + reason(error) + ")");
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    refuse(file, std::string("cannot be read: ") + error.what());
+  }
+  return image;
+}
+
+}  // namespace palpate::detail
