@@ -151,9 +151,8 @@ inline SpringForce update_springs(const FrictionLayers& layers, const ResponseAt
     if (squared > most * (1 + kRounding)) {
       const double size = std::sqrt(squared), over = size / limit() - 1;  // slip over the deflection at the limit
       state.slipped[k] += (1 - state.slipped[k]) * smaller(1, over / SpringConstants::kSlipTravel);
-      const double held = limit() / size;  // share of e
-      elastic = held * elastic;
-      e = held * e;
+      e = (limit() / size) * e;
+      elastic = stiffness * e;
     } else if (squared < most * (1 - kRounding)) {
       result.slides = false;
     }
