@@ -267,7 +267,8 @@ private:
       closest = latest != nullptr ? local_foot(q, *latest) : foot_tracker_.at(*view_, q, foot.at);
     }
     const double before = foot.signed_distance, distance = std::fabs(closest.signed_distance);
-    const bool crosses = std::fabs(before) + distance <= moved;
+    constexpr double kRounding = 1 + 1e-6;  // a way straight through the surface is just as long
+    const bool crosses = std::fabs(before) + distance <= moved * kRounding;
     const bool inside = crosses ? is_inside(*view_, q, closest) : before < 0;
     closest.signed_distance = inside ? -distance : distance;
     foot = closest;
