@@ -344,8 +344,9 @@ private:
   ///
   ///     d = z - z_0 + the depth at which W + energy beside W = E,
   ///
-  /// for the tick's own work deepens d as it deepens z (by at most the tool's way). The correction by E is at most half the way of the tool and of c
-  /// in this tick; the rest is made in the next ones.
+  /// for the tick's own work deepens d as it deepens z (by at most the tool's way). Where the force at d would take more
+  /// than E holds, as in one long step, d falls further. Corrections are bounded by the way of the tool and of c in this
+  /// tick; the rest is made in the next ones.
   template <class Body>
   Tick answer(const Pose& tool, double z, const TickMotion& motion, const Body& body) {
     const double wanted = body.factor(state_.place.body_point.at), step = body.factor_step();
@@ -355,22 +356,32 @@ private:
     if (last > 0) response_.law().set_normal(last, before);
     // An indentation that grows by more than the tool's way was found, not made.
     const double deepened = smaller(z - last, motion.moved);
+    const double kept = state_.counted_depth + deepened;
+    const double most = EnergyConstants::kCorrection * (motion.moved + motion.crept), least = larger(kept - most, 0);
     double depth = z, limit = 0;
-    const bool owed = state_.counted_depth < last || deepened < z - last || !(paid_for >= before.work * (1 - EnergyConstants::kRounding));
+    const bool paid = paid_for >= before.work * (1 - EnergyConstants::kRounding);
+    const bool owed = !paid || state_.counted_depth < last || deepened < z - last;
     if (owed) {
       response_.law().set_normal(z, full);
-      const double counted = EnergyTank::counted_depth(response_.law(), paid_for, last, before.work, state_.counted_depth);
-      const double most = EnergyConstants::kCorrection * (motion.moved + motion.crept);
-      const double correction = clamped(counted - state_.counted_depth, -most, most);
-      depth = smaller(larger(state_.counted_depth + correction + deepened, 0.0), z);
+      const double counted =
+          EnergyTank::counted_depth(response_.law(), paid_for, last, before.work, state_.counted_depth);
+      depth = smaller(clamped(counted + deepened, least, kept + most), z);
       limit = EnergyTank::recovery_limit(before.work > 0 ? paid_for / before.work : 0, full.normal_force);
       before = ResponseAtDepth{};
       if (state_.counted_depth > 0) response_.law().set_normal(state_.counted_depth, before);
     }
     Trial trial;
-    try_depth(depth, z, full.normal_slope, limit, motion, trial);
-    if (!owed) full = trial.response;
-    state_.energy.settle(energy_after(depth, before, factor, motion, trial), factor * (full.work + trial.other),
+    double energy = 0;
+    for (int round = 0;; ++round) {
+      try_depth(depth, z, full.normal_slope, limit, motion, trial);
+      energy = energy_after(depth, before, factor, motion, trial);
+      if (!owed && round == 0) full = trial.response;
+      const double spare = factor > 0 ? energy / factor - trial.other : 0;
+      const bool covered = spare >= trial.response.work - EnergyConstants::kMissing * full.work;
+      if (covered || round == EnergyConstants::kRounds || !(depth > least)) break;
+      depth = larger(EnergyTank::counted_depth(response_.law(), spare, depth, trial.response.work, depth), least);
+    }
+    state_.energy.settle(energy, factor * (full.work + trial.other),
                          motion.moved / (EnergyConstants::kHoldTravel * rounding()));
     state_.springs = trial.springs;
     state_.recovery = trial.recovery;
