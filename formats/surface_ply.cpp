@@ -58,7 +58,8 @@ Header read_header(std::string_view bytes, const std::filesystem::path& file) {
       if (!formed) scan.fail("PLY header without a format line");
       header.body = scan.offset();
       // Old line ends are one byte, and a line feed behind them belongs to binary data.
-      const bool old_ends = bytes.find('\r') != std::string_view::npos && bytes[bytes.find('\r') + 1] != '\n';
+      const auto first_return = bytes.find('\r');
+      const bool old_ends = first_return != std::string_view::npos && bytes.substr(first_return, 2) != "\r\n";
       if (old_ends && bytes.substr(header.body - 2, 2) == "\r\n") --header.body;
       header.lines = scan.line();
       return header;

@@ -4,12 +4,18 @@
 
 #include "formats/error.hpp"
 
+#include <zlib.h>
+
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
+#include <cmath>
+#include <cstring>
 #include <fstream>
 #include <initializer_list>
 #include <map>
+#include <memory>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -32,6 +38,8 @@ std::string trimmed(std::string_view text) {
   if (begin == std::string_view::npos) return {};
   return std::string(text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1));
 }
+
+constexpr double kLargestNumber = 1e12;
 
 class Header {
 public:
@@ -72,10 +80,10 @@ public:
     std::vector<double> all;
     std::istringstream words(value);
     for (std::string word; words >> word;) {
-      if (word == "none") continue;  // an axis of a list has no direction in space
+      if (word == "none" || lower(word) == "nan") continue;  // an axis of a list has no direction in space
       double number = 0;
       const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), number);
-      if (code != std::errc() || end != word.data() + word.size()) {
+      if (code != std::errc() || end != word.data() + word.size() || !(std::abs(number) < kLargestNumber)) {
         fail(field, "got '" + value.substr(0, 60) + "'; allowed: numbers");
       }
       all.push_back(number);
@@ -181,6 +189,9 @@ StatedSpace check_nrrd(const Header& header) {
   } else if (header.numbers("spacings", header.need("spacings")).size() < 3) {
     header.fail("spacings", "allowed: three numbers");
   }
+  if (const auto origin = header.get({"space origin"})) {
+    if (header.numbers("space origin", *origin).size() != 3) header.fail("space origin", "allowed: one vector");
+  }
   for (const char* ends : {"axis mins", "axis maxs", "axismins", "axismaxs"}) {
     if (header.get({ends})) header.fail(ends, "not allowed; the place of the voxels is 'space origin'");
   }
@@ -231,6 +242,37 @@ StatedSpace check_meta(const Header& header) {
   return stated;
 }
 
+// ITK ends the program where a NIfTI header's places are no numbers.
+void check_nifti(const std::filesystem::path& file) {
+  const auto refuse = [&](const std::string& what) { throw Error(ExitCode::bad_input, file.string() + ": " + what); };
+  std::array<unsigned char, 348> head{};
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> stream(gzopen(file.c_str(), "rb"), gzclose);
+  if (!stream) throw Error(ExitCode::io, file.string() + ": cannot read the image");
+  if (gzread(stream.get(), head.data(), unsigned(head.size())) != int(head.size())) {
+    refuse("not a NIfTI file, or cut short: its header takes 348 bytes");
+  }
+  std::int32_t size = 0;
+  std::memcpy(&size, head.data(), 4);
+  const bool swapped = size == 0x5C010000;
+  if (size == 540 || size == 0x1C020000) refuse("is a NIfTI-2 file; allowed: NIfTI-1");
+  if (size != 348 && !swapped) refuse("not a NIfTI file: its header does not begin with 348");
+  if (std::memcmp(head.data() + 344, "n+1", 3) != 0) refuse("is no single NIfTI file; allowed: .nii and .nii.gz");
+  const auto check = [&](const char* name, std::size_t from, std::size_t count) {
+    for (std::size_t at = from; at < from + 4 * count; at += 4) {
+      std::array<unsigned char, 4> raw{head[at], head[at + 1], head[at + 2], head[at + 3]};
+      if (swapped) std::reverse(raw.begin(), raw.end());
+      float number = 0;
+      std::memcpy(&number, raw.data(), 4);
+      if (!(std::abs(number) < kLargestNumber)) refuse(std::string(name) + " is not finite or beyond 1e12");
+    }
+  };
+  check("pixdim", 76, 8);
+  check("vox_offset", 108, 1);
+  check("scl_slope", 112, 2);
+  check("its quaternion", 256, 6);
+  check("its srow matrix", 280, 12);
+}
+
 }  // namespace
 
 ImageKind image_kind(const std::filesystem::path& file) {
@@ -253,6 +295,7 @@ StatedSpace check_header(const std::filesystem::path& file, ImageKind kind) {
     case ImageKind::nifti:
       break;
   }
+  check_nifti(file);
   return {Frame::unstated, 1e-3, {file, 0, true, false}};  // ITK reads the rest, and delivers millimetres
 }
 

@@ -183,6 +183,9 @@ TEST(LabelImage, HostileHeadersAreRefused) {
   const std::int16_t most = 32767, nine = 9;
   for (std::size_t k = 0; k < 3; ++k) std::memcpy(huge.data() + 42 + 2 * k, &most, 2);
   std::memcpy(dimensions.data() + 40, &nine, 2);
+  std::string endless = nifti;
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  std::memcpy(endless.data() + 284, &nan, 4);
   struct Bad {
     const char* name;
     std::string bytes;
@@ -199,6 +202,8 @@ TEST(LabelImage, HostileHeadersAreRefused) {
       {"pattern.mhd", with(mha, "LOCAL", "slice%03d.raw"), {"ElementDataFile"}},
       {"singular.mha", with(mha, "TransformMatrix =", "TransformMatrix = 1 0 0 1 0 0 0 0 1\nComment ="), {"singular.mha"}},
       {"huge.nii", huge, {"2^29"}},
+      {"endless.nii", endless, {"endless.nii", "srow", "not finite"}},
+      {"endless.nrrd", with(nrrd, "space origin: (10,", "space origin: (inf,"), {"space origin"}},
       {"nine.nii", dimensions, {"nine.nii"}},
       {"text.nii", "this is no image", {"text.nii"}},
       {"image.png", "x", {"unknown image format '.png'", ".nii.gz"}},
