@@ -114,8 +114,8 @@ bool is_indices(const Property& p) {
 // What a surface needs; further properties and further elements are passed over.
 void check_layout(const Header& header, const std::filesystem::path& file) {
   const auto element = [&](std::string_view name) {
-    const auto found = std::find_if(header.elements.begin(), header.elements.end(),
-                                    [&](const Element& e) { return e.name == name; });
+    const auto found =
+        std::find_if(header.elements.begin(), header.elements.end(), [&](const Element& e) { return e.name == name; });
     return found == header.elements.end() ? nullptr : &*found;
   };
   const Element *vertex = element("vertex"), *face = element("face"), *strips = element("tristrips");

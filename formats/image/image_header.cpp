@@ -173,19 +173,27 @@ private:
 
 // 0: the name is no length.
 double length_of(const std::string& name) {
-  static const std::map<std::string, double> lengths{
-      {"m", 1.0},           {"meter", 1.0},         {"cm", 0.01},           {"mm", 0.001},  {"millimeter", 0.001},
-      {"millimeters", 0.001}, {"millimetre", 0.001}, {"um", 1e-6},           {"in", 0.0254}};
+  static const std::map<std::string, double> lengths{{"m", 1.0},
+                                                     {"meter", 1.0},
+                                                     {"cm", 0.01},
+                                                     {"mm", 0.001},
+                                                     {"millimeter", 0.001},
+                                                     {"millimeters", 0.001},
+                                                     {"millimetre", 0.001},
+                                                     {"um", 1e-6},
+                                                     {"in", 0.0254}};
   const auto at = lengths.find(lower(name));
   return at == lengths.end() ? 0.0 : at->second;
 }
 
 StatedSpace check_nrrd(const Header& header) {
   const std::string dimension = header.need("dimension");
-  if (dimension != "3" && dimension != "4") header.fail("dimension", "got " + dimension + "; allowed: 3, or 4 with layers");
+  if (dimension != "3" && dimension != "4")
+    header.fail("dimension", "got " + dimension + "; allowed: 3, or 4 with layers");
   header.check_sizes("sizes", std::size_t(dimension[0] - '0'));
   if (const auto axes = header.get({"space directions"})) {
-    if (header.numbers("space directions", *axes).size() != 9) header.fail("space directions", "allowed: three vectors");
+    if (header.numbers("space directions", *axes).size() != 9)
+      header.fail("space directions", "allowed: three vectors");
   } else if (header.numbers("spacings", header.need("spacings")).size() < 3) {
     header.fail("spacings", "allowed: three numbers");
   }
@@ -201,8 +209,8 @@ StatedSpace check_nrrd(const Header& header) {
   const std::string encoding = lower(header.need("encoding"));
   stated.voxels.gzip = encoding == "gzip" || encoding == "gz";
   const std::string space = lower(header.get({"space"}).value_or(""));
-  static const std::vector<std::string> known{"lps", "ras", "las", "left-posterior-superior", "right-anterior-superior",
-                                              "left-anterior-superior"};
+  static const std::vector<std::string> known{
+      "lps", "ras", "las", "left-posterior-superior", "right-anterior-superior", "left-anterior-superior"};
   if (std::find(known.begin(), known.end(), space) != known.end()) stated.frame = Frame::lps;
   for (const char* field : {"space units", "units"}) {
     std::string names = header.get({field}).value_or("");

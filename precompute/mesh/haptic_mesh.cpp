@@ -176,10 +176,11 @@ void check_place(const Body& body) {
   const double step = largest * 0x1p-23;
   if (!(step > kCoarsestStep * body.diagonal)) return;
   char text[240];
-  std::snprintf(text, sizeof text,
-                "the body lies %.4g m from the origin, where a response file's places have steps of %.2g mm; allowed: at "
-                "most %.3g m; move the surface",
-                largest, 1e3 * step, kCoarsestStep * body.diagonal * 0x1p23);
+  std::snprintf(
+      text, sizeof text,
+      "the body lies %.4g m from the origin, where a response file's places have steps of %.2g mm; allowed: at "
+      "most %.3g m; move the surface",
+      largest, 1e3 * step, kCoarsestStep * body.diagonal * 0x1p23);
   throw Error(ExitCode::bad_input, text);
 }
 

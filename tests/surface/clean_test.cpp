@@ -190,8 +190,11 @@ TEST(Clean, SeparateComponents) {
   EXPECT_EQ(hollow.report.action, "used as it is");
   EXPECT_NEAR(hollow.report.volume, 0.008 - surface_volume(sphere_surface({0, 0, 0}, 0.05)), 1e-12);
   for (const auto mode : {RepairMode::automatic, RepairMode::none, RepairMode::repair}) {
-    expect_error([&] { clean_surface(together(cube(), ball), {mode, 0, 0}, "organ.ply"); }, ExitCode::bad_input,
-                 {"organ.ply", "component 2 of 2", "faces outward", "[[region]]", "[[cavity]]"});
+    expect_error(
+        [&] {
+          clean_surface(together(cube(), ball), {mode, 0, 0}, "organ.ply");
+        },
+        ExitCode::bad_input, {"organ.ply", "component 2 of 2", "faces outward", "[[region]]", "[[cavity]]"});
   }
 }
 
