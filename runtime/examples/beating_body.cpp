@@ -16,9 +16,9 @@ int main(int argc, char** argv) {
   if (!opened) return std::fprintf(stderr, "%s: %s\n", argv[1], opened.error), 2;
 
   const View& view = opened.view;
-  std::vector<double> memory(AnimatedSurface::bytes(view) / sizeof(double) + 1);
-  AnimatedSurface surface(view, memory.data());
-  AnimatedContact contact(surface, 0);
+  std::vector<double> memory(DeformingSurface::bytes(view) / sizeof(double) + 1);
+  DeformingSurface surface(view, memory.data());
+  Contact contact(view, 0);
   const Vec3 up = to_vec(view.sites[0].normal), c = to_vec(view.sites[0].position);
   const Pose tool{{1, 0, 0, 0, 1, 0, 0, 0, 1}, c + (view.tools[0].probe_radius + 1e-3) * up};  // 1 mm above it at rest
   std::vector<Vec3> sites(view.meta->site_count);
@@ -29,7 +29,7 @@ int main(int argc, char** argv) {
     if (tick % 16 == 0) {  // a host's own thread may do this
       if (const ShapeResult set = surface.set(sites.data(), count, 0.016); !set) return std::puts(set.error), 3;
     }
-    const double force = length(contact.tick(tool).force);
+    const double force = length(contact.tick(tool, DeformingBody{&surface}).force);
     if (tick % 125 == 0) std::printf("%4d ms: %.3f times its size, %.3f N\n", tick, size, force);
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pushes the first tool straight down on a site with a response of its own, to its depth limit: embed FILE.palp
+// Presses the first tool straight down on a solved site, to its depth limit: embed FILE.palp
 #include <cstdio>
 
 #include "palpate/format/mapped_file.hpp"
@@ -14,17 +14,17 @@ int main(int argc, char** argv) {
   if (!opened) return std::fprintf(stderr, "%s: %s\n", argv[1], opened.error), 2;
 
   const View& view = opened.view;
-  std::uint32_t site = 0;  // the first with a response of its own: the others took theirs from neighbours
+  std::uint32_t site = 0;  // the first that was solved: others were filled from neighbours
   const auto head = [&] { return view.response_head(response_index(*view.meta, site, 0)); };
   while (head().flags == palpate::layout::response_filled && site + 1 < view.meta->site_count) ++site;
   const Vec3 up = to_vec(view.sites[site].normal), c = to_vec(view.sites[site].position);
-  Pose pose = Pose::from_quaternion(1.000001 + up.z, -up.y, up.x, 0, c);  // the tool's z axis along the normal
-  pose.translation = c - find_touch(view, 0, pose).clearance * up;        // the tool just touches
+  Pose pose = Pose::from_axis(c, up);  // the tool's handle points along the normal
+  pose.translation = c - search(view, 0, pose).touch.clearance * up;  // the tool just touches
   Contact contact(view, 0);
   for (int tick = 0; tick <= 1000; ++tick, pose.translation = pose.translation - 0.001 * head().depth_limit * up) {
     const Tick t = contact.tick(pose);  // 1 kHz: one second
     if (tick % 100 == 0)
       std::printf("%4d ms: depth %.2f mm, force %.3f N%s\n", tick, 1e3 * t.depth, length(t.force),
-                  t.beyond ? ", beyond what was sampled" : "");
+                  t.extrapolated ? ", beyond what was sampled" : "");
   }
 }

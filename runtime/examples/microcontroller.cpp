@@ -17,12 +17,12 @@ int main() {
   static Contact contact(view, 0);
   static Search latest;
   const Vec3 up = to_vec(view.sites[0].normal), aside = any_orthogonal(up), c = to_vec(view.sites[0].position);
-  Pose pose = Pose::from_quaternion(1.000001 + up.z, -up.y, up.x, 0, c);  // the tool's z axis along the normal
+  Pose pose = Pose::from_axis(c, up);  // the tool's handle points along the normal
   for (int tick = 0; tick <= 1000; ++tick) {
     const double depth = tick < 500 ? 4e-6 * tick - 2e-4 : 1.8e-3, way = tick < 500 ? 0 : 4e-6 * (tick - 500);  // m
     pose.translation = c + (view.tools[0].probe_radius - depth) * up + way * aside;  // a position sensor
     if (tick % 50 == 0) latest = search(view, 0, pose);  // the main loop, at 20 Hz, or as fast as it comes round
-    const Tick t = contact.tick(pose, latest);           // a timer's interrupt, at 1 kHz; `Latest` goes between the two
+    const Tick t = contact.tick(pose, latest);           // a timer's interrupt, at 1 kHz; a TripleBuffer goes between
     if (tick % 100 == 0) std::printf("%4d ms: %.4f %.4f %.4f N\n", tick, t.force.x, t.force.y, t.force.z);  // motors
   }
 }

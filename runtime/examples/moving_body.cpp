@@ -16,13 +16,12 @@ int main(int argc, char** argv) {
 
   const View& view = opened.view;
   const Vec3 up = to_vec(view.sites[0].normal), c = to_vec(view.sites[0].position);
-  Pose tool = Pose::from_quaternion(1.000001 + up.z, -up.y, up.x, 0, c);  // the tool's z axis along the normal
-  tool.translation = c + (view.tools[0].probe_radius + 1e-3) * up;        // 1 mm above the body at rest
-  MovingContact contact(view, 0);
+  const Pose tool = Pose::from_axis(c + (view.tools[0].probe_radius + 1e-3) * up, up);  // 1 mm above the body at rest
+  Contact contact(view, 0);
   for (int tick = 0; tick <= 4000; ++tick) {                                    // 1 kHz: one breath of 4 s
     const double lift = 1.5e-3 * (1 - std::cos(1.5707963267948966e-3 * tick));  // 0 to 3 mm
     const Pose body = Pose::from_quaternion(1, 0, 0, 0, lift * up);
-    const Tick t = contact.tick(body, tool);  // all of it in the world's frame
+    const Tick t = contact.tick(tool, RigidMotion{&view, body});  // in the world's frame
     if (tick % 500 == 0) std::printf("%4d ms: body at %.2f mm, force %.3f N\n", tick, 1e3 * lift, dot(t.force, up));
   }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Forces at 1 kHz in one thread, searches as they come in another; neither waits for the other: tracker_thread
 // FILE.palp
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <thread>
@@ -18,13 +19,14 @@ int main(int argc, char** argv) {
 
   const View& view = opened.view;
   const Vec3 up = to_vec(view.sites[0].normal), c = to_vec(view.sites[0].position);
-  Pose pose = Pose::from_quaternion(1.000001 + up.z, -up.y, up.x, 0, c);  // the tool's z axis along the normal
-  TripleBuffer<Pose> poses;                                                     // to the tracker
-  TripleBuffer<Search> searches;                                                // and back
+  Pose pose = Pose::from_axis(c, up);  // the tool's handle points along the normal
+  TripleBuffer<Pose> poses;            // to the tracker
+  TripleBuffer<Search> searches;       // and back
   std::atomic<bool> stop{false};
   std::thread tracker([&] {
+    Search last = search(view, 0, {});  // each search begins where the last one saw the body
     for (Pose seen; !stop; std::this_thread::sleep_for(std::chrono::milliseconds(5))) {
-      if (poses.read(seen)) searches.write(search(view, 0, seen));
+      if (poses.read(seen)) searches.write(last = search(view, 0, seen, last.touch.body.at));
     }
   });
   Contact contact(view, 0);

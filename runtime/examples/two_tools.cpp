@@ -17,17 +17,16 @@ int main(int argc, char** argv) {
 
   const View& view = opened.view;
   const std::array<std::uint32_t, 2> tools{0, view.meta->tool_count - 1};
-  SeveralTools<2> hands(view, tools);  // each has its own contact
+  ToolSet<2> hands(view, tools);  // each has its own contact
   const Vec3 c = to_vec(view.sites[0].position), aside = any_orthogonal(to_vec(view.sites[0].normal));
   // 1 kHz: one second.
   for (int ms = 0; ms <= 1000; ++ms) {
     const double scale = view.meta->depth_scale, from_c[2] = {0, (5 - 0.004 * ms) * scale};  // m
     std::array<Pose, 2> poses;
     for (int hand = 0; hand < 2; ++hand) {
-      const Location place = locate(view, c + from_c[hand] * aside);
-      const Vec3 up = normal(view, place.at);
-      poses[hand] = Pose::from_quaternion(1.000001 + up.z, -up.y, up.x, 0, {});  // the tool's z axis along the normal
-      poses[hand].translation = place.point + (view.tools[tools[hand]].probe_radius - 2e-4 * ms * scale) * up;
+      const Location place = closest_point(view, c + from_c[hand] * aside);
+      const Vec3 up = smooth_normal(view, place.at);
+      poses[hand] = Pose::from_axis(place.point + (view.tools[tools[hand]].probe_radius - 2e-4 * ms * scale) * up, up);
     }
     const std::array<Tick, 2> at = hands.tick(poses);
     if (ms % 200 != 0) continue;
@@ -36,8 +35,8 @@ int main(int argc, char** argv) {
       const Tick& t = at[hand];
       std::printf(" %s %.3f N %.3f mN m", hand == 0 ? "left" : "right", length(t.force), 1e3 * length(t.torque));
     }
-    const Overlap& both = hands.overlap();  // each answers as if it were alone, without the other's dent
-    if (both.near()) std::printf(", near: the sum is up to %.0f %% too large", 100 * both.error);
+    const SuperpositionError& both = hands.superposition();  // each force is that of its tool alone
+    if (both.notable()) std::printf(", near: the sum is up to %.0f %% too large", 100 * both.error);
     std::printf("\n");
   }
 }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The property battery over the shapes of organs: synthetic ones, and the female liver where PALPATE_ORGANS names the
+# The property test over the shapes of organs: synthetic ones, and the female liver where PALPATE_ORGANS names the
 # folder with its file. Their responses are Hertz's everywhere, for the shape counts here: nothing is solved.
 cmake_minimum_required(VERSION 3.25)
 file(REMOVE_RECURSE ${FOLDER})
@@ -24,7 +24,7 @@ else()
   message(STATUS "without the female liver: PALPATE_ORGANS names no folder with organ files")
 endif()
 
-execute_process(COMMAND ${BATTERY} ${TICKS} ${files} WORKING_DIRECTORY ${FOLDER} RESULT_VARIABLE code)
+execute_process(COMMAND ${PROPERTY} ${TICKS} ${files} WORKING_DIRECTORY ${FOLDER} RESULT_VARIABLE code)
 if(NOT code EQUAL 0)
-  message(FATAL_ERROR "runtime_battery: code ${code}")
+  message(FATAL_ERROR "runtime_property: code ${code}")
 endif()

@@ -91,7 +91,7 @@ TEST(CoupledLoop, RestsOnAFileBehindWhatSafetySays) {
   const runtime::MappedFile file(PALPATE_GOLDENS "/quadratic.palp");
   const runtime::OpenResult opened = runtime::View::open(file.data(), file.size());
   ASSERT_TRUE(opened) << opened.error;
-  const ContactLaw law = file_law("separable", opened.view);
+  const ContactLaw law = file_law("quadratic", opened.view);
   const std::vector<NamedHand> grips = hands();
   for (const char* kind : {"sim", "sim-premium"}) {
     const StabilityCase c = case_of(kind, law, grips[0]);

@@ -161,7 +161,7 @@ TEST(HandCalibration, NamesWhatIsWrong) {
 runtime::DeviceFrame over_the_box() {
   runtime::DeviceFrame frame;
   frame.scale = 0.4;
-  frame.turn.translation = {0, -0.055, 0.026};
+  frame.pose.translation = {0, -0.055, 0.026};
   return frame;
 }
 
@@ -185,7 +185,7 @@ Sample worn(const HandJoints& raw, const Pose& wrist = {}) {
 }
 
 TEST(Glove, PullsEachFingerOpenWithItsOwnContactsForce) {
-  const Golden box("separable");
+  const Golden box("quadratic");
   SimHand glove({5});
   const HandCalibration found = calibrate_hand(glove.record());
   GloveOptions slack;
@@ -213,7 +213,7 @@ TEST(Glove, PullsEachFingerOpenWithItsOwnContactsForce) {
 
 // Palm up, nails into the box: what would close the hand is no cable's.
 TEST(Glove, NeverPushes) {
-  const Golden box("separable");
+  const Golden box("quadratic");
   SimHand glove({5});
   GloveSource source(box.view, 0, calibrate_hand(glove.record()), over_the_box());
   HandJoints straight{};
@@ -231,7 +231,7 @@ TEST(Glove, NeverPushes) {
 
 // As it comes: never pushing, never beyond the limit, no faster than the rate; the same bits again, without memory.
 TEST(Glove, IsLimitedSmoothedAndRepeatable) {
-  const Golden box("separable");
+  const Golden box("quadratic");
   SimHand glove({5});
   const HandCalibration found = calibrate_hand(glove.record());
   GloveOptions options;
@@ -268,7 +268,7 @@ TEST(Glove, IsLimitedSmoothedAndRepeatable) {
 }
 
 TEST(Glove, GivesNothingWhereNothingIsSure) {
-  const Golden box("separable"), tools("three_tools");
+  const Golden box("quadratic"), tools("three_tools");
   SimHand glove({5});
   const HandCalibration found = calibrate_hand(glove.record());
   const Pulls zero{};
@@ -323,7 +323,7 @@ struct GloveRun {
     EXPECT_TRUE(found.usable()) << found.problem;
     runtime::DeviceFrame frame;
     frame.scale = 0.4;
-    frame.turn.translation = {0.005, -0.01, 0.02};
+    frame.pose.translation = {0.005, -0.01, 0.02};
     RunHeader header;
     LoopOptions loop_options;
     loop_options.seconds = 3;
@@ -346,7 +346,7 @@ struct GloveRun {
   [[nodiscard]] static RunLog read(const std::string& bytes) { return read_run_log(bytes.data(), bytes.size()); }
 
   static inline FakeClock clock;
-  const Golden box{"separable"};
+  const Golden box{"quadratic"};
   TemporaryFolder folder;
   LoopReport report;
   std::string bytes;

@@ -24,7 +24,7 @@ using runtime::DeviceFrame;
 // scene.
 DeviceFrame sideways() {
   DeviceFrame frame;
-  frame.turn = Pose::from_quaternion(std::sqrt(0.5), 0, std::sqrt(0.5), 0, {kBallRadius + kTipRadius + 0.002, 0, 0});
+  frame.pose = Pose::from_quaternion(std::sqrt(0.5), 0, std::sqrt(0.5), 0, {kBallRadius + kTipRadius + 0.002, 0, 0});
   frame.scale = 0.5;
   frame.force_scale = 2;
   return frame;
@@ -97,7 +97,7 @@ TEST(LoopContact, ACouplingIsOfTheHand) {
   const Opened ball(ball_content(options));
   for (const auto& [scale, force_scale] : {std::pair{0.5, 40.0}, {1.0, 20.0}, {4.0, 4.0}}) {
     DeviceFrame frame;
-    frame.turn.translation = {0, 0, kBallRadius + kTipRadius};
+    frame.pose.translation = {0, 0, kBallRadius + kTipRadius};
     frame.scale = scale;
     frame.force_scale = force_scale;
     device::CoupledSource coupled(ball.view, 0, frame, device::coupling_in(frame, {150, 0, 8}));
@@ -119,7 +119,7 @@ TEST(LoopContact, ACouplingIsOfTheHand) {
 TEST(LoopContact, AResetContactBeginsWithoutForce) {
   const Opened ball(ball_content({}));
   DeviceFrame frame;
-  frame.turn.translation = {0, 0, kBallRadius + kTipRadius};
+  frame.pose.translation = {0, 0, kBallRadius + kTipRadius};
   ContactSource<> source(ball.view, 0, frame);
   device::Answer answer;
   for (int k = 0; k <= 300; ++k) answer = source.answer(sample_at({0, 0, 1e-3 - 1e-5 * k}), 1e-3);
@@ -136,7 +136,7 @@ TEST(LoopContact, ASimulatedHandRestsOnTheBall) {
   clock = FakeClock();
   const Opened ball(ball_content({}));
   DeviceFrame frame;
-  frame.turn.translation = {0, 0, kBallRadius + kTipRadius};
+  frame.pose.translation = {0, 0, kBallRadius + kTipRadius};
   ContactSource<> source(ball.view, 0, frame);
   const device::SimKind& kind = *device::find_sim_kind("sim");
   device::PlantOptions plant = kind.plant;
@@ -161,7 +161,7 @@ TEST(LoopContact, ASimulatedHandRestsOnTheBall) {
 TEST(LoopContact, ASearchInAnotherThreadGivesForces) {
   const Opened ball(ball_content({}));
   DeviceFrame frame;
-  frame.turn.translation = {0, 0, kBallRadius + kTipRadius};
+  frame.pose.translation = {0, 0, kBallRadius + kTipRadius};
   device::TrackedSource source(ball.view, 0, frame, {1000, 10, {}});
   double largest = 0;
   for (int k = 0; k < 400; ++k) {
@@ -177,7 +177,7 @@ TEST(LoopContact, ATrackerThatDiesOrHangsIsNoForceAndThenTheEnd) {
     std::atomic<bool> dies{false}, ends{false};
     std::atomic<int> searches{0};
     DeviceFrame frame;
-    frame.turn.translation = {0, 0, kBallRadius + kTipRadius};
+    frame.pose.translation = {0, 0, kBallRadius + kTipRadius};
     device::TrackerOptions tracker;
     tracker.rate = 5000;
     tracker.stale = 0.1;

@@ -35,7 +35,7 @@ RunLog read(const std::string& bytes) { return device::read_run_log(bytes.data()
 
 DeviceFrame over_the_ball() {
   DeviceFrame frame;
-  frame.turn = Pose::from_quaternion(0.9, 0.1, -0.2, 0.3, {0, 0, kBallRadius + kTipRadius + 0.001});
+  frame.pose = Pose::from_quaternion(0.9, 0.1, -0.2, 0.3, {0, 0, kBallRadius + kTipRadius + 0.001});
   frame.scale = 0.7;
   frame.force_scale = 1.3;
   return frame;

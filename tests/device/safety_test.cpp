@@ -22,11 +22,12 @@ TEST(FileStiffness, BoundsEveryForceBetweenTheSites) {
     double most = 0;
     for (std::uint32_t t = 0; t < golden.view.meta->triangle_count; ++t) {
       for (const double a : {0.0, 0.2, 0.7, 1.0}) {
-        const runtime::Field field(golden.view, 0, {t, {a, 0.5 * (1 - a), 0.5 * (1 - a)}}, {});
+        runtime::BlendedResponse<> field;
+        field.blend(golden.view, 0, {t, {a, 0.5 * (1 - a), 0.5 * (1 - a)}}, {}, {1, 0, 0}, {});
         const Vec3 n = field.normal();
         const double step = 0.02 * field.depth_limit();
         for (int k = 1; k <= 50; ++k) {
-          const Vec3 change = field.force(-k * step * n).force - field.force(-(k - 1) * step * n).force;
+          const Vec3 change = field.force(-k * step * n) - field.force(-(k - 1) * step * n);
           most = std::max(most, length(change) / step);
         }
       }
@@ -37,7 +38,7 @@ TEST(FileStiffness, BoundsEveryForceBetweenTheSites) {
 }
 
 TEST(Safety, SaysWhatMakesAFileSafe) {
-  const Golden golden("separable");
+  const Golden golden("quadratic");
   const SimKind& kind = *find_sim_kind("sim-touch");
   SafetyOptions options;
   options.scale = 50;

@@ -42,7 +42,6 @@ void set_contacts(ContactLaw& law, const Make& contact) {
 /// Forces that are a function of position.
 struct PlainContact {
   std::function<Vec3(const Vec3&)> force;
-  [[nodiscard]] double size() const { return 0.05; }
   void reset() {}
   Tick tick(const Pose& pose) const {
     Tick tick;
@@ -56,7 +55,6 @@ struct FileContact {
   runtime::Contact contact;
   Pose frame;
   double scale;
-  [[nodiscard]] double size() const { return contact.size(); }
   void reset() { contact.reset(); }
   Tick tick(const Pose& at) {
     Pose pose = frame;
@@ -66,6 +64,10 @@ struct FileContact {
     return tick;
   }
 };
+
+/// Sizes (m) that virtual couplings ask for.
+double contact_size(const PlainContact&) { return 0.05; }
+double contact_size(const FileContact& file) { return runtime::contact_size(file.contact); }
 
 /// A law of the depth alone.
 ContactLaw plain(const char* name, double most_depth, double (*force)(double), double (*slope)(double)) {
@@ -168,21 +170,23 @@ std::vector<ContactLaw> plain_laws() {
 
 ContactLaw file_law(const std::string& name, const View& view) {
   const runtime::BodyPoint at{0, {1.0 / 3, 1.0 / 3, 1.0 / 3}};
-  const Vec3 c = position(view, at), n = normal(view, at);
-  Pose frame = Pose::from_quaternion(1.000001 + n.z, -n.y, n.x, 0, c);
-  frame.translation = c - find_touch(view, 0, frame).clearance * n;
-  const auto field = std::make_shared<runtime::Field>(view, 0, at, runtime::ToolPoint{});
+  const Vec3 c = position(view, at), n = smooth_normal(view, at);
+  Pose frame = Pose::from_axis(c, n);
+  frame.translation = c - runtime::search(view, 0, frame).touch.clearance * n;
+  const auto field = std::make_shared<runtime::BlendedResponse<>>();
+  field->blend(view, 0, at, {}, {1, 0, 0}, {});
   const double step = 1e-5 * view.meta->depth_scale;
   ContactLaw law;
   law.name = name;
   law.most_depth = 0.8 * field->depth_limit();
   law.farthest = middle(view);
-  law.force = [field, n](double depth) { return dot(field->force(-depth * n).force, n); };
+  law.force = [field, n](double depth) { return dot(field->force(-depth * n), n); };
   law.slope = [field, n, step](double depth) { return device::slope(*field, -depth * n, step).norm; };
   law.amplitude = [field, n, step](double depth) {
     const device::Slope slope = device::slope(*field, -depth * n, step);
     const double sideways = slope.norm * length(tangential(slope.direction, n));
-    const double most = 0.7 * field->force(-depth * n).limit;
+    const runtime::ResponseAtDepth r = field->law().at(depth);
+    const double most = 0.7 * r.friction_coefficient * r.normal_force;
     return sideways * 0.25 * depth < most ? 0.25 * depth : most / sideways;
   };
   law.direction = [field, n, step, frame](double depth) {
@@ -235,12 +239,12 @@ Response controlled(const StabilityCase& c, const Response& response, Made& made
   options.friction = 0.5 * c.kind->plant.friction;
   options.trace = 0.5 * kTrace;
   options.pause = HUGE_VAL;  // one of the hands has no damping
-  using Out = runtime::Output<runtime::output::Limit, runtime::output::Passivity>;
+  using Out = runtime::OutputChain<runtime::output::Limit, runtime::output::PassivityController>;
   const auto out =
-      std::make_shared<Out>(runtime::output::Limit{c.kind->plant.peak_force}, runtime::output::Passivity(options));
+      std::make_shared<Out>(runtime::output::Limit{c.kind->plant.peak_force}, runtime::output::PassivityController(options));
   return [out, response, &made](const Vec3& p, double seconds) {
     const Vec3 force = (*out)(response(p, seconds), seconds, p);
-    const auto& passivity = out->step<runtime::output::Passivity>();
+    const auto& passivity = out->step<runtime::output::PassivityController>();
     made = {std::max(made.most, passivity.made()), passivity.bound()};
     return force;
   };

@@ -167,10 +167,10 @@ TEST(Labels, ABallOfVoxelsAnswersAsTheBall) {
   region.radii.setConstant(radius);
   const double ball = force();
   region.shape = RegionScene::Shape::labels;
-  region.label = 3;
+  region.labels.values = {3};
   for (const auto& [voxels, tolerance] : {std::pair{3.0, 0.05}, std::pair{8.0, 0.03}}) {
-    region.surface.file =
-        folder.write("ball.nrrd", test::nrrd(test::label_ball(centre, radius, radius / voxels), region.label));
+    region.labels.file =
+        folder.write("ball.nrrd", test::nrrd(test::label_ball(centre, radius, radius / voxels), 3));
     const double found = force();
     EXPECT_NEAR(found / ball, 1, tolerance) << voxels;
     RecordProperty("voxels_" + std::to_string(int(voxels)), std::to_string(found / ball));

@@ -436,12 +436,12 @@ TEST(DriveFrame, StandsOverTheTopWithAGap) {
         placing.scale = 0.5;
         placing.gap = 0.02;
         const runtime::DeviceFrame frame = cli::place_device(view, tool, placing);
-        EXPECT_TRUE(frame.turn.valid());
-        EXPECT_NEAR(length(frame.turn.rotate(placing.device_up) - placing.up), 0, 1e-12);
-        EXPECT_NEAR(runtime::find_touch(view, tool, frame.turn).clearance, 0.01, 1e-4) << up;
+        EXPECT_TRUE(frame.pose.valid());
+        EXPECT_NEAR(length(frame.pose.rotate(placing.device_up) - placing.up), 0, 1e-12);
+        EXPECT_NEAR(runtime::search(view, tool, frame.pose).touch.clearance, 0.01, 1e-4) << up;
         // A metre of the hand is half one of the scene: the gap downwards, it touches.
         const runtime::Pose down = frame.to_scene({{1, 0, 0, 0, 1, 0, 0, 0, 1}, -0.0205 * placing.device_up});
-        EXPECT_LT(runtime::find_touch(view, tool, down).clearance, 0) << up << device_up << tool;
+        EXPECT_LT(runtime::search(view, tool, down).touch.clearance, 0) << up << device_up << tool;
       }
     }
   }
@@ -452,7 +452,7 @@ TEST(DriveFrame, IsWhereItIsToldToBe) {
   const runtime::View view = runtime::View::open(bytes.data(), bytes.size()).view;
   cli::FrameOptions placing;
   placing.at = Vec3{1, 2, 3};
-  EXPECT_EQ(length(cli::place_device(view, 0, placing).turn.translation - Vec3{1, 2, 3}), 0);
+  EXPECT_EQ(length(cli::place_device(view, 0, placing).pose.translation - Vec3{1, 2, 3}), 0);
 }
 
 TEST(DriveView, ShowsModeCauseAndForce) {

@@ -65,7 +65,8 @@ TEST(Friction, OpposesTheSlideInEveryDirectionWithTheBiasOnTop) {
     const auto& place = contact.state().place;
     const Vec2 g = contact.response().law().at(tick.counted_depth).bias;
     const Vec3 y = cross(place.normal, place.axis);
-    const Vec3 friction = tangential(tick.force, tick.normal) + g.x * place.axis + g.y * y;
+    const double kept = response::slipping_bias_share(std::sqrt(depth / kDepthScale));  // slip removes the rest of g
+    const Vec3 friction = tangential(tick.force, tick.normal) + (kept * g.x) * place.axis + (kept * g.y) * y;
     EXPECT_NEAR(length(friction), tick.friction_limit, 0.03 * tick.friction_limit) << k;
     EXPECT_LT(dot(friction, to), -0.9 * tick.friction_limit) << k;
     most_bias = std::max(most_bias, length(g) / tick.friction_limit);
@@ -129,7 +130,7 @@ TEST(Friction, SlipSoftensTheNormalForce) {
     const auto r = contact.response().law().at(depth);
     const Vec2 mean = solve(r.stiffness, Vec2{-tick.force.x, -tick.force.y});
     const double coupling = 0.5 * quadratic(r.normal_coupling, mean);
-    const double expected = (softening ? 1 - kSoftening : 1) * r.normal_force + coupling;
+    const double expected = (softening ? 1 - kSoftening * depth / kDepthScale : 1) * r.normal_force + coupling;
     EXPECT_NEAR(tick.force.z, expected, 2e-3 * r.normal_force) << softening;
   }
 }
@@ -251,16 +252,19 @@ TEST(FrictionSprings, LimitsSumToTheFrictionConeAtEveryDepth) {
   Contact contact(box.view, 0);
   move(contact, centre(-0.001), centre(0.001));
   runtime::FrictionLayers layers;
-  layers.set(contact.response().law());
+  layers.set(contact.response().law(), kSoftening);
   for (const double z : {1e-6, 2e-5, 3e-4, 0.001, 0.003, 0.005, 0.0065}) {
     runtime::SpringState state;
     const auto r = contact.response().law().at(z);
     const auto f = update_springs(layers, r, {0, z, {1.0, 0.0}}, state);  // far beyond every limit
     EXPECT_TRUE(f.slides);
-    EXPECT_NEAR(length(f.force), r.friction_coefficient * r.normal_force, 1e-6 * r.normal_force) << z;
+    const double lost = kSoftening * std::min(1.0, z / kDepthScale);
+    EXPECT_NEAR(length(f.force), (1 - lost) * r.friction_coefficient * r.normal_force, 1e-6 * r.normal_force) << z;
     const auto again = update_springs(layers, r, {z, z, {1.0, 0.0}}, state);
-    EXPECT_NEAR(again.lost_force, r.normal_force, 1e-6 * r.normal_force) << "all layers have slipped";
-    EXPECT_NEAR(again.lost_work, r.work, 1e-3 * r.work) << z;
+    EXPECT_NEAR(again.lost_force, lost * r.normal_force, 1e-6 * r.normal_force) << "all layers have slipped";
+    EXPECT_NEAR(again.lost_work, lost * r.work, 1e-3 * r.work) << z;
+    const double kept = response::slipping_bias_share(std::sqrt(std::min(1.0, z / kDepthScale)));
+    EXPECT_NEAR(again.lost_bias, 1 - kept, 1e-6) << z;
   }
 }
 
@@ -269,7 +273,7 @@ TEST(FrictionSprings, RestChangesNothing) {
   Contact contact(box.view, 0);
   move(contact, centre(-0.001), centre(0.001));
   runtime::FrictionLayers layers;
-  layers.set(contact.response().law());
+  layers.set(contact.response().law(), kSoftening);
   for (const double z : {2e-5, 0.001, 0.004}) {
     for (const double way : {1e-6, 1e-4, 1e-3}) {
       runtime::SpringState state;

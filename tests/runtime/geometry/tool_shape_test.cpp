@@ -132,21 +132,43 @@ TEST(Capsule, SampledPointFollowsTheTiltOfTheTip) {
   EXPECT_NEAR(end.weights[1], 1, 1e-6);
 }
 
-TEST(Capsule, PointRunsAlongTheAxisToTheFootWithinItsReach) {
+TEST(Capsule, PointRunsDownANearlyParallelAxisWithinItsReach) {
   const Opened box(box_content(with(Options::Tools::capsule)));
   const ToolShape<> shape(box.view, 0);
-  const Pose lying = leaning(kPi / 2, {-0.01, 0, kTop + kTipRadius});
-  const Vec3 foot{0.012, 0, kTop};
+  const Pose leant = leaning(kPi / 2 + 0.02, {-0.01, 0, kTop + kTipRadius});
   CorePoint at;
-  at.at = shape.sampled_point(at, lying, {0, 0, 1});
-  for (int k = 0; k < 40; ++k) {
-    const CorePoint next = shape.advance(at, lying, foot, {0, 0, 1}, 1e-3);
+  at.at = shape.sampled_point(at, leant, {0, 0, 1});
+  for (int k = 0; k < 60; ++k) {
+    const runtime::Location foot = closest_point(box.view, leant.apply(at.point));
+    const CorePoint next = shape.advance(at, leant, foot, {0, 0, 1}, 1e-3);
     EXPECT_LE(distance(next.point, at.point), 1e-3 * (1 + 1e-12));
-    EXPECT_LE(distance(lying.apply(next.point), foot), distance(lying.apply(at.point), foot) + 1e-15);
+    EXPECT_LE(leant.apply(next.point).z, leant.apply(at.point).z + 1e-15);
     at = next;
   }
-  EXPECT_NEAR(at.point.z, 0.022, 1e-9);
-  EXPECT_EQ(shape.advance(at, lying, {1, 0, kTop}, {0, 0, 1}, 1).point.z, double{box.view.tools[0].axis_length});
+  EXPECT_EQ(at.point.z, double{box.view.tools[0].axis_length}) << "the far end is deeper";
+}
+
+TEST(Capsule, PointOnARoundBodyComesToTheNearestPointOfTheAxis) {
+  Options options = with(Options::Tools::capsule);
+  options.subdivision = 6;
+  const Opened ball(ball_content(options));
+  const ToolShape<> shape(ball.view, 0);
+  for (const double tilt : {-0.4, 0.0, 0.3}) {
+    const Pose pose = leaning(kPi / 2 + tilt, {-0.012, 0, kBallRadius + 0.004 + 0.01 * std::fabs(tilt)});
+    CorePoint at;
+    double reach = 1e-2, last = 0;
+    for (int k = 0; k < 30; ++k) {
+      last = at.point.z;
+      at = shape.advance(at, pose, closest_point(ball.view, pose.apply(at.point)), {0, 0, 1}, reach);
+    }
+    double best = 0, least = 1;
+    for (double z = 0; z <= kStemLength; z += 1e-5) {
+      const double d = closest_point(ball.view, pose.apply({0, 0, z})).signed_distance;
+      if (d < least) least = d, best = z;
+    }
+    EXPECT_NEAR(at.point.z, best, 2e-3) << tilt;
+    EXPECT_NEAR(at.point.z, last, 1e-3) << tilt << ": it comes to rest";
+  }
 }
 
 TEST(MeshTool, PointRunsDownToTheLowestCornerWithinItsReach) {

@@ -54,8 +54,9 @@ struct Tables {
       for (const Motion motion : kMotions) {
         const PropertyCase c{motion, driver, tool, each, seed + tool, 0.25};
         const PropertyResult r = run_property(view, c);
-        report(broken_promise(c, r, friction), "%s %s %s %s, seed %u", file.c_str(), tool_name, name(driver),
-               name(motion), c.seed);
+        report(broken_promise(c, r, friction),
+               "%s %s %s %s, seed %u: force %.2f, step %.2f, jump %.2f, onset %.2g, gain %.2g, drive %.2g", file.c_str(),
+               tool_name, name(driver), name(motion), c.seed, r.force, r.step, r.jump, r.onset, r.gain, r.drive);
         (motion == Motion::fast ? fast : fine).add(r);
       }
     }

@@ -197,7 +197,7 @@ private:
     motion.moved = travel(state_.tool, tool, shape_.extent());
     const double reach = ContactConstants::kPointSpeed * motion.moved;
     const CorePoint from = place.tool_point;
-    place.tool_point = shape_.advance(from, tool, place.foot.point, place.normal, reach);
+    place.tool_point = shape_.advance(from, tool, place.foot, place.normal, reach);
     const Vec3 q = tool.apply(place.tool_point.point);
     advance_foot(q, length(q - state_.tool.apply(from.point)), latest);
     // A search that arrives late may find less than was felt: it is lost as the tool moves.
@@ -276,6 +276,7 @@ private:
   /// indentation z changes by at most kTurnSpeed times that of a press by the tool's travel. The tangential axis is
   /// carried along.
   void turn_normal(const Vec3& q, double z, double moved) {
+    if (!(moved > 0)) return;  // at rest not even rounding turns it
     ContactPlace& place = state_.place;
     const double sign = place.foot.signed_distance < 0 ? -1 : 1, smooth = ContactConstants::kSmoothNormal * rounding();
     const Vec3 target =

@@ -145,13 +145,15 @@ inline SpringForce update_springs(const FrictionLayers& layers, const ResponseAt
     e = e + (motion.from >= start ? 1 : (motion.to - start) / (motion.to - motion.from)) * motion.way;
     Vec2 elastic = stiffness * e;
     const double squared = dot(elastic, elastic);
-    if (squared > limit() * limit()) {
+    // Rounding neither moves what is at its limit nor lets it stick.
+    constexpr double kRounding = 1e-12;
+    const double most = limit() * limit();
+    if (squared > most * (1 + kRounding)) {
       const double size = std::sqrt(squared), over = size / limit() - 1;  // slip over the deflection at the limit
       state.slipped[k] += (1 - state.slipped[k]) * smaller(1, over / SpringConstants::kSlipTravel);
-      const double held = limit() / size;  // share of e
-      elastic = held * elastic;
-      e = held * e;
-    } else {
+      e = (limit() / size) * e;
+      elastic = stiffness * e;
+    } else if (squared < most * (1 - kRounding)) {
       result.slides = false;
     }
     state.deflection[k] = e;

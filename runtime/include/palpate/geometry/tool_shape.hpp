@@ -70,17 +70,16 @@ public:
     return is_mesh() ? touch_mesh(surface, pose, near) : touch_axis(surface, pose, near);
   }
 
-  /// Where a contact that is at `from` is to go, at most `reach` (m) over the core, while the foot (body frame) lies at
-  /// `foot` and the unit normal is n. A profile's point goes to the axis point nearest to the foot, which lessens the
-  /// distance; over a mesh it runs down along -n.
-  [[nodiscard]] CorePoint advance(const CorePoint& from, const Pose& pose, const Vec3& foot, const Vec3& n,
+  /// Where a contact that is at `from` is to go, at most `reach` (m) over the core, while its foot (body frame) is `foot`
+  /// and the unit normal is n. A profile's point goes to the axis point nearest to the body; over a mesh it runs down
+  /// along -n.
+  [[nodiscard]] CorePoint advance(const CorePoint& from, const Pose& pose, const Location& foot, const Vec3& n,
                                   double reach) const {
+    if (!(reach > 0)) return from;
     if (is_mesh()) return run_down(from, pose.unrotate(-n), reach);
     CorePoint to = from;
     if (!is_profile()) return to;
-    const double wanted = smaller(larger(pose.unapply(foot).z, 0.0), double{record_->axis_length});
-    const double step = smaller(larger(wanted - from.point.z, -reach), reach);
-    to.point.z = from.point.z + step;
+    to.point.z = nearest_on_axis(from.point.z, pose, foot, reach);
     const double last = meridian_of(from.at), meridian = meridian_at(to.point.z, dot(pose.axis(), n));
     to.at = profile_point(last + clamped(meridian - last, -reach, reach));
     return to;
@@ -209,6 +208,27 @@ private:
 
   [[nodiscard]] Vec3 corner(std::uint32_t patch, int k) const {
     return to_vec(view_->tool_vertices[view_->tool_patches[patch].vertex[k]].point);
+  }
+
+  /// m along the axis, at most `reach` from `from`. The projection of the foot lessens the distance, but along an axis that is
+  /// nearly parallel to the body by the square of the slope alone. A step as for a body with a curvature radius of the
+  /// tool's extent is tried first; where it goes too far the secant of the slopes gives the way.
+  [[nodiscard]] PALPATE_NOINLINE double nearest_on_axis(double from, const Pose& pose, const Location& foot,
+                                                        double reach) const {
+    const double low = larger(from - reach, 0.0), high = smaller(from + reach, double{record_->axis_length});
+    const Vec3 axis = pose.axis();
+    const double falls = dot(pose.apply({0, 0, from}) - foot.point, axis), gap = foot.signed_distance;  // m
+    const double projection = clamped(from - falls, low, high);
+    if (!(gap > 0)) return projection;
+    const double ahead = clamped(from - falls * (extent() / gap), low, high);
+    if (!(std::fabs(ahead - projection) > 0)) return projection;
+    const Vec3 there = pose.apply({0, 0, ahead});
+    const Location found = local_closest_point(*view_, foot.at, there);
+    const double slope = falls / gap, beyond = dot(there - found.point, axis) / found.signed_distance;
+    if (!(found.signed_distance > 0)) return projection;
+    if (slope * beyond >= 0) return ahead;
+    const double secant = from + (ahead - from) * slope / (slope - beyond);
+    return std::fabs(secant - from) > std::fabs(projection - from) ? secant : projection;
   }
 
   /// Arc length (m) from the pole of a profile's tip to the point that faces the body. `along`: of the axis point (m);
