@@ -91,6 +91,10 @@ public:
     start(touch, tool, body);
   }
 
+  /// Whether the foot keeps to its wall by a walk over the surface. Otherwise it is the closest point of the whole body,
+  /// which may lie on another wall. For one contact of several.
+  void keep_to_wall(bool keep) { keeps_to_wall_ = keep; }
+
   /// Everything that the contact remembers (body frame as baked).
   [[nodiscard]] const ContactState& state() const { return state_; }
   [[nodiscard]] const BlendedResponse<kFeatures>& response() const { return response_; }
@@ -256,9 +260,15 @@ private:
   /// on which q lies changes only where q can have crossed it, so a surface that folds over itself turns nothing round.
   void advance_foot(const Vec3& q, double moved, const Search* latest) {
     Location& foot = state_.place.foot;
-    Location closest = latest != nullptr ? walked(q, foot.at, latest->touch.body.at) : foot_tracker_.at(*view_, q, foot.at);
+    Location closest;
+    if (keeps_to_wall_) {
+      closest = local_closest_point(*view_, foot.at, q);
+    } else {
+      closest = latest != nullptr ? walked(q, foot.at, latest->touch.body.at) : foot_tracker_.at(*view_, q, foot.at);
+    }
     const double before = foot.signed_distance, distance = std::fabs(closest.signed_distance);
-    const bool crosses = std::fabs(before) + distance <= moved;
+    constexpr double kRounding = 1 + 1e-6;  // a way straight through the surface is just as long
+    const bool crosses = std::fabs(before) + distance <= moved * kRounding;
     const bool inside = crosses ? is_inside(*view_, q, closest) : before < 0;
     closest.signed_distance = inside ? -distance : distance;
     foot = closest;
@@ -445,6 +455,7 @@ private:
   }
 
   ContactState state_;
+  bool keeps_to_wall_ = false;
   FreeTool free_;
   const View* view_;
   std::uint32_t tool_;
