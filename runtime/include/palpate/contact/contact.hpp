@@ -264,7 +264,7 @@ private:
     if (keeps_to_wall_) {
       closest = local_closest_point(*view_, foot.at, q);
     } else {
-      closest = latest != nullptr ? local_foot(q, *latest) : foot_tracker_.at(*view_, q, foot.at);
+      closest = latest != nullptr ? walked(q, foot.at, latest->touch.body.at) : foot_tracker_.at(*view_, q, foot.at);
     }
     const double before = foot.signed_distance, distance = std::fabs(closest.signed_distance);
     constexpr double kRounding = 1 + 1e-6;  // a way straight through the surface is just as long
@@ -274,11 +274,10 @@ private:
     foot = closest;
   }
 
-  /// The nearer of two walks: from the last foot, and from where the latest search saw the body.
-  [[nodiscard]] Location local_foot(const Vec3& q, const Search& latest) const {
-    const Location walked = local_closest_point(*view_, state_.place.foot.at, q);
-    const Location seen = local_closest_point(*view_, latest.touch.body.at, q);
-    return std::fabs(seen.signed_distance) < std::fabs(walked.signed_distance) ? seen : walked;
+  /// Without a search: the nearer of two walks over the surface, from each of two places.
+  [[nodiscard]] Location walked(const Vec3& q, const BodyPoint& one, const BodyPoint& other) const {
+    const Location first = local_closest_point(*view_, one, q), second = local_closest_point(*view_, other, q);
+    return std::fabs(second.signed_distance) < std::fabs(first.signed_distance) ? second : first;
   }
 
   /// n turns towards unit(sign (q - f) + 0.3 R n_s), with n_s the smooth normal at f: nearly the gradient of the
@@ -306,9 +305,13 @@ private:
     const Vec3 target = place.foot.point - mean.x * place.axis - mean.y * y, way = target - place.target;
     const double distance = length(way), rest = ContactConstants::kRest * size(state_.indentation);
     if (length(tangential(way, place.normal)) <= rest || !(reach > 0)) return false;
-    place.target = distance <= reach ? target : place.target + (reach / distance) * way;
-    place.body_point = latest != nullptr ? local_closest_point(*view_, place.body_point.at, place.target)
+    const Vec3 from = place.body_point.point;
+    const double stride = smaller(distance, reach);
+    place.target = place.target + (stride / distance) * way;
+    place.body_point = latest != nullptr ? walked(place.target, place.body_point.at, place.foot.at)
                                          : point_tracker_.at(*view_, place.target, place.body_point.at);
+    // Over a bent surface c leads its target along; across a gap, where c stays, the target goes on alone.
+    if (length(place.body_point.point - from) > 0.5 * stride) place.target = place.body_point.point;
     return true;
   }
 
