@@ -16,13 +16,14 @@ struct Program {
   std::uint32_t features;
   ProgramTick (*begin)(const runtime::View&, std::uint32_t tool);
 };
-constexpr Program kPrograms[] = {{0, begin_program<0>},     {3, begin_program<3>},     {7, begin_program<7>},
-                                 {11, begin_program<11>},   {19, begin_program<19>},   {131, begin_program<131>},
-                                 {263, begin_program<263>}, {278, begin_program<278>}, {659, begin_program<659>}};
+constexpr Program kPrograms[] = {{0, begin_program<0>},   {1, begin_program<1>},     {2, begin_program<2>},
+                                 {4, begin_program<4>},   {3, begin_program<3>},     {6, begin_program<6>},
+                                 {7, begin_program<7>},   {11, begin_program<11>},   {71, begin_program<71>},
+                                 {131, begin_program<131>}};
 
 ProgramTick begin(const runtime::View& view, std::uint32_t tool) {
   const std::uint32_t needed =
-      view.features & ~(layout::feature_grasp | layout::feature_turn);  // no matter of a contact
+      view.features & ~(layout::feature_bonded | layout::feature_bonded_torque);  // no part of a contact
   for (const Program& program : kPrograms) {
     if ((needed & ~program.features) == 0) return program.begin(view, tool);
   }

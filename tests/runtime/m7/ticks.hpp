@@ -42,7 +42,7 @@ public:
       : hand_(hand),
         scale_(view.meta->depth_scale),
         round_(view.tools[tool].probe_radius),
-        corners_(round_ > 0 ? 0 : skeleton_radius(view, tool)),
+        corners_(round_ > 0 ? 0 : runtime::ToolShape<>(view, tool).reach()),
         wandering_(tool),
         random_(tool) {}
 
