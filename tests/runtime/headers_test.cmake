@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Every public header compiles as the first that a program includes, without a warning, under one compiler and standard. A
 # header that begins another is compiled with that one. mapped_file.hpp needs POSIX or the loader of files.
+cmake_minimum_required(VERSION 3.20)
 include(${CMAKE_CURRENT_LIST_DIR}/../support/compiler.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/../support/run.cmake)
 need_compiler()

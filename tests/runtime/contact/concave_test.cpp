@@ -164,17 +164,19 @@ TEST(Concave, RodOverALipHasNoStep) {
         Contact contact(body.view, 1);
         Pose pose = turned(lean, {0, 1, 0}, {-shape.reach, 7e-4, 0.08});
         Tick last;
+        double deepest = 0;
         Steepest steepest;
         const auto step = [&](const Vec3& way) {
           pose.translation = pose.translation + way;
           last = contact.tick(pose);
+          deepest = std::max(deepest, last.depth);
           steepest.add(last, kStride);
         };
         while (pose.translation.z > -0.05 && !last.touches()) step({0, 0, -kStride});
         for (double in = 0; in < 1.4 * kDepthScale; in += kStride) step({0, 0, -kStride});
         EXPECT_GT(last.depth, 0.9 * kDepthScale) << name;
         for (double x = -shape.reach; x < shape.reach; x += kStride) step({kStride, 0, 0});
-        EXPECT_LT(steepest.value(), 2.5 * stiffest(body.view, 1).at(last.depth)) << name << " " << mu << " " << lean;
+        EXPECT_LT(steepest.value(), 2.5 * stiffest(body.view, 1).at(deepest)) << name << " " << mu << " " << lean;
       }
     }
   }

@@ -297,7 +297,7 @@ TEST(ForceLoop, RandomMotionsGiveFiniteBoundedForces) {
       Contact contact(ball.view, tool);
       Wander wander(33 + tool);
       int stuck = 0, slid = 0;
-      for (int i = 0; i < 50000; ++i) {
+      for (int i = 0; i < 25000; ++i) {
         const Tick tick = contact.tick(wander.next());
         const double size = length(tick.force);
         // The response continues linearly beyond its range: a body of 60 mm bounds it.
@@ -310,8 +310,8 @@ TEST(ForceLoop, RandomMotionsGiveFiniteBoundedForces) {
         stuck += tick.state == State::stick;
         slid += tick.state == State::slide;
       }
-      EXPECT_GT(slid, 500);
-      EXPECT_EQ(stuck > 500, friction);
+      EXPECT_GT(slid, 200);
+      EXPECT_EQ(stuck > 200, friction);
     }
   }
 }
@@ -322,7 +322,7 @@ TEST(ForceLoop, WildPosesGiveFiniteForces) {
   std::normal_distribution<double> normal;
   for (std::uint32_t tool = 0; tool < 3; ++tool) {
     Contact contact(ball.view, tool);
-    for (int i = 0; i < 5000; ++i) {
+    for (int i = 0; i < 1500; ++i) {
       const double scale = std::pow(10.0, static_cast<int>(random() % 9) - 4);
       const Vec3 at{scale * normal(random), scale * normal(random), scale * normal(random)};
       const Tick tick =

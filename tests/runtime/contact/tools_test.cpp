@@ -264,7 +264,7 @@ TEST(SafeDistance, FreeToolIsFreeForASearchToo) {
   std::mt19937 random(22);
   std::uniform_real_distribution<double> unit(-1, 1);
   for (std::uint32_t tool = 0; tool < 3; ++tool) {
-    for (int path = 0; path < 10; ++path) {
+    for (int path = 0; path < 4; ++path) {
       Contact follower(ball.view, tool);
       const Vec3 direction = random_direction(random), turn = random_direction(random);
       for (int k = 0; k <= 1500; ++k) {
