@@ -39,9 +39,8 @@ toml::table parse(const std::filesystem::path& file) {
   try {
     return toml::parse(text, file.string());
   } catch (const toml::parse_error& error) {
-    throw Error(ExitCode::bad_input, file.string() + ":" + std::to_string(error.source().begin.line) +
-                                         ": not TOML: " + std::string(error.description()) +
-                                         toml_hint(text, error.source().begin.line));
+    throw Error(ExitCode::bad_input, file.string() + ":" + std::to_string(error.source().begin.line) + ": not TOML: " +
+                                         std::string(error.description()) + toml_hint(text, error.source().begin.line));
   }
 }
 
@@ -218,13 +217,15 @@ void check_removed(const toml::table& root, const Place& place) {
   const toml::table* table = section(root, "response", place);
   if (table == nullptr) return;
   constexpr std::pair<const char*, const char*> kRemoved[] = {
-      {"model", "every response is a quadratic potential, with friction or without; `palpate bench --models` compares "
-                "it with the separable field, the linear spring and a radial-basis network"},
+      {"model",
+       "every response is a quadratic potential, with friction or without; `palpate bench --models` compares "
+       "it with the separable field, the linear spring and a radial-basis network"},
       {"order", "the potential is quadratic (order 2)"},
       {"slip", "every contact with friction slips in part before it slips as a whole"}};
   for (const auto& [name, instead] : kRemoved) {
     if (const toml::node* node = table->get(name)) {
-      fail(place.below(std::string("response.") + name), node, std::string("was removed: ") + instead + "; delete the key");
+      fail(place.below(std::string("response.") + name), node,
+           std::string("was removed: ") + instead + "; delete the key");
     }
   }
 }

@@ -18,9 +18,9 @@ constexpr std::size_t kLongestToolName = sizeof(layout::ToolRecord::name) - 1;
 }  // namespace
 
 const std::vector<std::string>& section_names() {
-  static const std::vector<std::string> names{"body",    "material", "region",   "cavity",   "support",  "prestress",
-                                              "tool",    "contact",  "sampling", "response", "solver",
-                                              "sources", "measured", "analytic"};
+  static const std::vector<std::string> names{"body",      "material", "region",   "cavity",   "support",
+                                              "prestress", "tool",     "contact",  "sampling", "response",
+                                              "solver",    "sources",  "measured", "analytic"};
   return names;
 }
 
@@ -168,9 +168,10 @@ const Keys<SamplingScene>& sampling_keys() {
       integer("tangential_directions", &S::tangential_directions, {4, 16, false, ""},
               "Directions of tangential pushes at each depth.", 2),
       integer("tangential_points", &S::tangential_points, {2, 16, false, ""}, "Solved points of one tangential push."),
-      choice("friction_limit", &S::friction_limit, {"estimated", "solved"},
-             "With friction, the tangential over the normal force at gross slip: predicted from the slopes of the normal "
-             "curve, or solved by drawing the tool aside until all of the contact slips."),
+      choice(
+          "friction_limit", &S::friction_limit, {"estimated", "solved"},
+          "With friction, the tangential over the normal force at gross slip: predicted from the slopes of the normal "
+          "curve, or solved by drawing the tool aside until all of the contact slips."),
       affecting(Affects::file, number("max_refused", &S::max_refused, {0, 0.5, false, ""},
                                       "Share of refused pairs beyond which the fit fails.")),
       {"within_box", Affects::solves, "Only the surface inside this box is sampled; left out: all of it.",
@@ -194,14 +195,16 @@ const Keys<ResponseScene>& response_keys() {
       affecting(Affects::file,
                 choice("search", &R::search, {"auto", "none", "bvh"},
                        "Contact search stored in the file; auto: where the body has more than 32 triangles.")),
-      affecting(Affects::file, number("tolerance", &R::tolerance, {0, 0.99, true, ""},
-                                      "Requested relative force error. The fit takes the fewest coefficients whose 95th "
-                                      "percentile at samples left out meets it. palpate verify reports whether normal "
-                                      "forces meet it; only its option --max-p95 makes it fail.")),
       affecting(Affects::file,
-                number("max_residual", &R::max_residual, {0.01, 1000, false, ""},
-                       "Relative error of a solved force beyond which its pair's fit is refused: the response is filled "
-                       "from neighbours."))};
+                number("tolerance", &R::tolerance, {0, 0.99, true, ""},
+                       "Requested relative force error. The fit takes the fewest coefficients whose 95th "
+                       "percentile at samples left out meets it. palpate verify reports whether normal "
+                       "forces meet it; only its option --max-p95 makes it fail.")),
+      affecting(
+          Affects::file,
+          number("max_residual", &R::max_residual, {0.01, 1000, false, ""},
+                 "Relative error of a solved force beyond which its pair's fit is refused: the response is filled "
+                 "from neighbours."))};
   return keys;
 }
 

@@ -92,10 +92,9 @@ const Keys<RegionScene>& region_keys() {
 
 const Keys<CavityScene>& cavity_keys() {
   static const Keys<CavityScene> keys = [] {
-    Keys<CavityScene> all{text("name", &CavityScene::name,
-                               "Name, by which prestress may choose it; left out: cavity, cavity2, ...", "\"lumen\"",
-                               "letters, digits, spaces and - _ . in any order, but no '.' at the beginning",
-                               names_a_file)};
+    Keys<CavityScene> all{
+        text("name", &CavityScene::name, "Name, by which prestress may choose it; left out: cavity, cavity2, ...",
+             "\"lumen\"", "letters, digits, spaces and - _ . in any order, but no '.' at the beginning", names_a_file)};
     all = join(all, surface_keys(&CavityScene::surface, "Closed surface strictly inside the body."));
     all.push_back({"labels", Affects::solves, "In place of a surface: voxels of a label image.", kLabelsAllowed,
                    [](CavityScene& cavity, const toml::node& value, const toml::table&, const Place& place) {

@@ -100,10 +100,8 @@ LabelSource to_labels(const Place& place, const toml::node& node) {
           }),
       key("segment", [](LabelSource& labels, const toml::node& value, const toml::table&,
                         const Place& at) { labels.segments = to_texts(at, value); }),
-      key("units",
-          [](LabelSource& labels, const toml::node& value, const toml::table&, const Place& at) {
-            labels.unit = kUnitLengths[to_choice(at, value, kUnits)];
-          }),
+      key("units", [](LabelSource& labels, const toml::node& value, const toml::table&,
+                      const Place& at) { labels.unit = kUnitLengths[to_choice(at, value, kUnits)]; }),
       key("islands", [](LabelSource& labels, const toml::node& value, const toml::table&, const Place& at) {
         labels.islands = static_cast<Islands>(to_choice(at, value, kIslands));
       })};

@@ -226,7 +226,8 @@ private:
     const auto fill = [&](const Bytes& bytes, Index n, auto&& store) {
       for (Index i = 0; i < n; ++i) {
         for (Index k = 0; k < width; ++k) {
-          store(i, k, component(bytes.first + i * bytes.stride + k * size, accessor.componentType, accessor.normalized));
+          store(i, k,
+                component(bytes.first + i * bytes.stride + k * size, accessor.componentType, accessor.normalized));
         }
       }
     };
@@ -292,15 +293,17 @@ private:
     const double step = 0x1p-23 * std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
     constexpr double kCoarsestFloat = 5e-4;  // of the diagonal
     if (numbers.size() < 300 || !(step > kCoarsestFloat * box.diagonal().norm())) return;
-    fail(where + ": lies so far from the mesh's origin that its 32-bit numbers have lost the shape: move it to the "
-                 "origin before export");
+    fail(where +
+         ": lies so far from the mesh's origin that its 32-bit numbers have lost the shape: move it to the "
+         "origin before export");
   }
 
   std::vector<Eigen::Vector3d> positions(const tinygltf::Primitive& primitive, const Eigen::Affine3d& transform,
                                          const std::string& where) const {
     const auto& accessor = model_.accessors[std::size_t(primitive.attributes.at("POSITION"))];
     const int type = accessor.componentType;
-    if (component_size(type) == 0 || type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT || accessor.type != TINYGLTF_TYPE_VEC3) {
+    if (component_size(type) == 0 || type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT ||
+        accessor.type != TINYGLTF_TYPE_VEC3) {
       fail(where + ": POSITION is not three 32-bit floats or 8 or 16-bit whole numbers");
     }
     const std::vector<double> all = numbers(accessor, 3, where + " POSITION");

@@ -110,7 +110,10 @@ private:
 
   static std::string decoded(const std::string& uri) {
     const auto digit = [](char c) {
-      return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+      return c >= '0' && c <= '9'   ? c - '0'
+             : c >= 'a' && c <= 'f' ? c - 'a' + 10
+             : c >= 'A' && c <= 'F' ? c - 'A' + 10
+                                    : -1;
     };
     std::string text;
     for (std::size_t k = 0; k < uri.size(); ++k) {
@@ -184,8 +187,9 @@ private:
         }
         entry["uri"] = uri;
       } else if (has_extension(buffer, "EXT_meshopt_compression")) {
-        fail(where + " has its data under EXT_meshopt_compression alone, which is not supported: export the surface "
-                     "without compression");
+        fail(where +
+             " has its data under EXT_meshopt_compression alone, which is not supported: export the surface "
+             "without compression");
       } else if (!binary || result.size() != 0 || !container.has_binary) {
         fail(where + " has no data");
       } else if (std::size_t(length) > container.binary.size()) {
@@ -244,7 +248,8 @@ private:
 
   Json sparse(const Json& given, const std::string& where, const Json& document) const {
     const auto part = [&](const char* key) -> const Json& {
-      if (!given.is_object() || !given.contains(key) || !given[key].is_object()) fail(where + ": " + key + " is missing");
+      if (!given.is_object() || !given.contains(key) || !given[key].is_object())
+        fail(where + ": " + key + " is missing");
       return given[key];
     };
     const Json &indices = part("indices"), &values = part("values");
@@ -292,8 +297,9 @@ private:
           const auto& used = document["accessors"][from[key].get<std::size_t>()];
           if (used.contains("bufferView") || used.contains("sparse")) continue;
           if (has_extension(primitive, "KHR_draco_mesh_compression")) {
-            fail(place + " has its data under KHR_draco_mesh_compression alone, which is not supported: export the "
-                         "surface without Draco compression");
+            fail(place +
+                 " has its data under KHR_draco_mesh_compression alone, which is not supported: export the "
+                 "surface without Draco compression");
           }
           fail(place + ": " + key + " has no data: its accessor names no bufferView");
         }
@@ -328,7 +334,8 @@ private:
           fail(where + " has a skin, which is not applied: apply the armature to the mesh before export");
         }
         if (has_extension(node, "EXT_mesh_gpu_instancing")) {
-          fail(where + " has instances by EXT_mesh_gpu_instancing, which are not supported: make them meshes of their own");
+          fail(where +
+               " has instances by EXT_mesh_gpu_instancing, which are not supported: make them meshes of their own");
         }
       }
       constexpr std::array<std::pair<const char*, std::size_t>, 4> transforms = {

@@ -25,8 +25,8 @@ std::string extension_of(const std::filesystem::path& file) {
   return extension;
 }
 
-constexpr double kCoarsest = 5e-4;       // of the diagonal: coordinates of coarser steps have lost the shape
-constexpr double kFar = 100;             // diagonals from the origin: nearer, coarse steps are the shape's own
+constexpr double kCoarsest = 5e-4;         // of the diagonal: coordinates of coarser steps have lost the shape
+constexpr double kFar = 100;               // diagonals from the origin: nearer, coarse steps are the shape's own
 constexpr std::size_t kFewVertices = 100;  // boxes and the like may well have whole coordinates
 
 // Refuses coordinates far from the origin whose digits do not suffice for the shape.
@@ -43,10 +43,11 @@ void check_digits(const PolygonSoup& soup, const std::filesystem::path& file) {
   }
   if (!(step > kCoarsest * diagonal)) return;
   char text[200];
-  std::snprintf(text, sizeof text,
-                ": lies %.3g from the origin, where its numbers have steps of %.2g; its size is %.3g. The shape is lost "
-                "in the file: move it to the origin before it is saved",
-                largest, step, diagonal);
+  std::snprintf(
+      text, sizeof text,
+      ": lies %.3g from the origin, where its numbers have steps of %.2g; its size is %.3g. The shape is lost "
+      "in the file: move it to the origin before it is saved",
+      largest, step, diagonal);
   throw Error(ExitCode::bad_input, file.string() + text);
 }
 
@@ -114,8 +115,8 @@ Surface read_plain(const SurfaceSource& source, const std::string& extension, co
   if (surface.part_names.empty()) surface.part_names = {file.stem().string()};
   for (std::size_t p = 0; p < soup.polygons(); ++p) {
     const auto part = soup.groups.empty() ? 0 : soup.groups[p];
-    for (const auto& triangle : triangles_of(surface.vertices, soup.corners.data() + soup.first[p],
-                                             soup.first[p + 1] - soup.first[p])) {
+    for (const auto& triangle :
+         triangles_of(surface.vertices, soup.corners.data() + soup.first[p], soup.first[p + 1] - soup.first[p])) {
       surface.triangles.push_back(triangle);
       surface.parts.push_back(part);
     }

@@ -18,7 +18,7 @@ namespace palpate {
 /// What a file holds. Polygon p has the corners [first[p], first[p + 1]).
 struct PolygonSoup {
   std::vector<Eigen::Vector3d> vertices;
-  std::vector<std::int32_t> corners;     ///< indices of vertices, in range
+  std::vector<std::int32_t> corners;  ///< indices of vertices, in range
   std::vector<std::size_t> first{0};
   std::vector<std::int32_t> groups;      ///< per polygon an index into group_names; empty: there are none
   std::vector<std::string> group_names;  ///< first seen first

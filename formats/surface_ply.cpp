@@ -58,7 +58,8 @@ Header read_header(std::string_view bytes, const std::filesystem::path& file) {
       if (!formed) scan.fail("PLY header without a format line");
       header.body = scan.offset();
       // Old line ends are one byte, and a line feed behind them belongs to binary data.
-      const bool old_ends = bytes.find('\r') != std::string_view::npos && bytes[bytes.find('\r') + 1] != '\n';
+      const auto first_return = bytes.find('\r');
+      const bool old_ends = first_return != std::string_view::npos && bytes.substr(first_return, 2) != "\r\n";
       if (old_ends && bytes.substr(header.body - 2, 2) == "\r\n") --header.body;
       header.lines = scan.line();
       return header;
@@ -113,8 +114,8 @@ bool is_indices(const Property& p) {
 // What a surface needs; further properties and further elements are passed over.
 void check_layout(const Header& header, const std::filesystem::path& file) {
   const auto element = [&](std::string_view name) {
-    const auto found = std::find_if(header.elements.begin(), header.elements.end(),
-                                    [&](const Element& e) { return e.name == name; });
+    const auto found =
+        std::find_if(header.elements.begin(), header.elements.end(), [&](const Element& e) { return e.name == name; });
     return found == header.elements.end() ? nullptr : &*found;
   };
   const Element *vertex = element("vertex"), *face = element("face"), *strips = element("tristrips");

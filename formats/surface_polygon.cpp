@@ -55,7 +55,8 @@ std::vector<std::array<std::int32_t, 3>> triangles_of(const std::vector<Vector3d
     bool ear = turn(flat[a], flat[b], flat[c]) > 0;
     for (std::size_t k = 0; ear && k < n; ++k) {
       const std::size_t p = left[k];
-      if (p == a || p == b || p == c || corners[p] == corners[a] || corners[p] == corners[b] || corners[p] == corners[c])
+      if (p == a || p == b || p == c || corners[p] == corners[a] || corners[p] == corners[b] ||
+          corners[p] == corners[c])
         continue;
       ear = !inside(flat[p], flat[a], flat[b], flat[c]);
     }

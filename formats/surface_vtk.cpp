@@ -108,7 +108,8 @@ private:
     const std::string type(word());
     const auto values = numbers(3 * n, type, "POINTS");
     soup_.single = !text_ && type == "float";
-    for (std::size_t k = 0; k < n; ++k) soup_.vertices.emplace_back(values[3 * k], values[3 * k + 1], values[3 * k + 2]);
+    for (std::size_t k = 0; k < n; ++k)
+      soup_.vertices.emplace_back(values[3 * k], values[3 * k + 1], values[3 * k + 2]);
   }
 
   void cells(bool strips, bool kept) {
@@ -176,14 +177,14 @@ namespace detail {
 
 std::optional<VtkType> vtk_type(std::string_view name) {
   static const std::vector<std::pair<std::string_view, VtkType>> types{
-      {"float", {'f', 4}},          {"double", {'f', 8}},        {"int", {'i', 4}},
-      {"unsigned_int", {'u', 4}},   {"long", {'i', 8}},          {"unsigned_long", {'u', 8}},
-      {"vtktypeint64", {'i', 8}},   {"vtkIdType", {'i', 8}},     {"vtktypeint32", {'i', 4}},
-      {"short", {'i', 2}},          {"unsigned_short", {'u', 2}}, {"char", {'i', 1}},
-      {"unsigned_char", {'u', 1}},  {"Float32", {'f', 4}},       {"Float64", {'f', 8}},
-      {"Int8", {'i', 1}},           {"UInt8", {'u', 1}},         {"Int16", {'i', 2}},
-      {"UInt16", {'u', 2}},         {"Int32", {'i', 4}},         {"UInt32", {'u', 4}},
-      {"Int64", {'i', 8}},          {"UInt64", {'u', 8}}};
+      {"float", {'f', 4}},         {"double", {'f', 8}},         {"int", {'i', 4}},
+      {"unsigned_int", {'u', 4}},  {"long", {'i', 8}},           {"unsigned_long", {'u', 8}},
+      {"vtktypeint64", {'i', 8}},  {"vtkIdType", {'i', 8}},      {"vtktypeint32", {'i', 4}},
+      {"short", {'i', 2}},         {"unsigned_short", {'u', 2}}, {"char", {'i', 1}},
+      {"unsigned_char", {'u', 1}}, {"Float32", {'f', 4}},        {"Float64", {'f', 8}},
+      {"Int8", {'i', 1}},          {"UInt8", {'u', 1}},          {"Int16", {'i', 2}},
+      {"UInt16", {'u', 2}},        {"Int32", {'i', 4}},          {"UInt32", {'u', 4}},
+      {"Int64", {'i', 8}},         {"UInt64", {'u', 8}}};
   for (const auto& [known, type] : types) {
     if (known == name) return type;
   }
@@ -222,8 +223,7 @@ std::string add_vtk_cells(PolygonSoup& soup, const VtkCells& cells, std::size_t 
     for (; begin < std::size_t(end); ++begin) {
       const double index = cells.connectivity[begin];
       if (!(index >= 0 && index < vertices) || index != std::floor(index)) {
-        return "cell " + std::to_string(cell) + ": a point is outside 0.." +
-               std::to_string(std::int64_t(vertices) - 1);
+        return "cell " + std::to_string(cell) + ": a point is outside 0.." + std::to_string(std::int64_t(vertices) - 1);
       }
       corners.push_back(std::int32_t(std::size_t(index) + first_vertex));
     }

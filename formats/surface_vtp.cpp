@@ -190,6 +190,9 @@ private:
       const auto length = std::size_t(header_word(head, std::size_t(3 + b)));
       if (from + length > packed.size()) fail("truncated in an array");
       auto size = uLongf(b + 1 == blocks && last > 0 ? last : block);
+      constexpr std::size_t kMostShrunk = 1100;  // zlib packs no better
+      if (size > kMostShrunk * (length + 64))
+        fail("its compressed data are damaged: a block is too small for its size");
       const std::size_t begin = out.size();
       out.resize(begin + size);
       if (uncompress(reinterpret_cast<Bytef*>(out.data() + begin), &size,

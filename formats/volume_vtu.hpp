@@ -14,12 +14,12 @@ namespace palpate {
 
 /// In m and Pa. Lists of points and of cells are each of one length; everything is finite.
 struct VolumeFields {
-  std::vector<Eigen::Vector3d> points;               ///< at rest
-  std::vector<std::array<std::int32_t, 10>> tets;    ///< corners, then middles of edges 01, 12, 20, 03, 13, 23
-  std::vector<std::int32_t> regions;                 ///< per cell
-  std::vector<Eigen::Vector3d> displacement;         ///< per point
-  std::vector<Eigen::Matrix3d> stress;               ///< per cell, Cauchy, symmetric
-  std::vector<double> jacobian;                      ///< per cell, volume over volume at rest
+  std::vector<Eigen::Vector3d> points;                  ///< at rest
+  std::vector<std::array<std::int32_t, 10>> tets;       ///< corners, then middles of edges 01, 12, 20, 03, 13, 23
+  std::vector<std::int32_t> regions;                    ///< per cell
+  std::vector<Eigen::Vector3d> displacement;            ///< per point
+  std::vector<Eigen::Matrix3d> stress;                  ///< per cell, Cauchy, symmetric
+  std::vector<double> jacobian;                         ///< per cell, volume over volume at rest
   std::vector<std::pair<std::string, double>> numbers;  ///< what holds for the whole: lower-case names
 };
 

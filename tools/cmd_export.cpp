@@ -69,8 +69,8 @@ void run_solved(const ExportArguments& options, const Globals& globals) {
   };
   const PairResult result = solve_pair(p.body, tool, tool.vertices[pair.tool_vertex], pair.frame, path, solve);
   if (!result.outcome.accepted || result.samples.empty() || fields.tets.empty()) {
-    throw Error(ExitCode::numerical, options.file + ": contact " + std::to_string(options.contact) +
-                                         " is refused: " + result.outcome.cause);
+    throw Error(ExitCode::numerical,
+                options.file + ": contact " + std::to_string(options.contact) + " is refused: " + result.outcome.cause);
   }
   const double force = result.samples.back().force.norm();
   fields.numbers = {{"depth_m", depth}, {"force_n", force}};
@@ -164,13 +164,15 @@ void run_export(const ExportArguments& options, const Globals& globals) {
 
 void add_export(CLI::App& app, Globals& globals) {
   auto options = std::make_shared<ExportArguments>();
-  Command command(app, "export", "Writes a response file's curves as CSV, its body with a field as GLB or .vtu, a solved contact");
+  Command command(app, "export",
+                  "Writes a response file's curves as CSV, its body with a field as GLB or .vtu, a solved contact");
   command.option("file", options->file, "Response file (.palp), or with --solved a scene").required();
   command.option("--curves", options->curves, "CSV: force and friction limit of every response along pushes");
   command.option("--glb", options->glb, "GLB: the body, coloured, with the fields as vertex attributes");
   command.option("--vtu", options->vtu, "VTK unstructured grid: the body with the fields as point data");
-  command.option("--solved", options->solved,
-                 "VTK unstructured grid: the volume mesh of one solved contact of a scene, with displacement and stress");
+  command.option(
+      "--solved", options->solved,
+      "VTK unstructured grid: the volume mesh of one solved contact of a scene, with displacement and stress");
   command.option("--contact", options->contact, "With --solved: number of the contact in the scene's plan")
       .check(whole_in(0, 1000000000))
       .needs("--solved")

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// palpate scene: checks a scene file, proposes one for an organ's file, or prints the reference of all keys or the tissues that it may name.
+// palpate scene: checks a scene file, proposes one for an organ's file, or prints the reference of all keys or the
+// tissues that it may name.
 #include "formats/error.hpp"
 #include "formats/file.hpp"
 #include "formats/same_file.hpp"
@@ -101,7 +102,8 @@ void add_scene(CLI::App& app, Globals& globals) {
     bool reference = false, tissues = false;
   };
   auto arguments = std::make_shared<Arguments>();
-  Command command(app, "scene", "Checks a scene file, proposes one for an organ's file, or prints the reference of all keys");
+  Command command(app, "scene",
+                  "Checks a scene file, proposes one for an organ's file, or prints the reference of all keys");
   Option file = command.option("scene", arguments->file, "Scene file");
   Option reference =
       command.flag("--reference", arguments->reference, "Print every key with default, range and help, as TOML");

@@ -2,8 +2,8 @@
 // Motion CSV, strictly: a wrong line is an error, not a guess.
 #include "tools/motion_file.hpp"
 
-#include <charconv>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <string_view>

@@ -47,8 +47,9 @@ std::size_t whole_size(const std::filesystem::path& file, std::size_t offset, bo
       state.avail_out = uInt(out.size());
       const int code = inflate(&state, Z_NO_FLUSH);
       if (code != Z_OK && code != Z_STREAM_END && code != Z_BUF_ERROR) {
-        throw Error(ExitCode::bad_input, file.string() + ": its compressed data are damaged after " + std::to_string(total) +
-                                             " bytes" + (state.msg != nullptr ? std::string(": ") + state.msg : ""));
+        throw Error(ExitCode::bad_input, file.string() + ": its compressed data are damaged after " +
+                                             std::to_string(total) + " bytes" +
+                                             (state.msg != nullptr ? std::string(": ") + state.msg : ""));
       }
       total += out.size() - state.avail_out;
       ended = code == Z_STREAM_END;

@@ -4,12 +4,18 @@
 
 #include "formats/error.hpp"
 
+#include <zlib.h>
+
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
+#include <cmath>
+#include <cstring>
 #include <fstream>
 #include <initializer_list>
 #include <map>
+#include <memory>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -32,6 +38,8 @@ std::string trimmed(std::string_view text) {
   if (begin == std::string_view::npos) return {};
   return std::string(text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1));
 }
+
+constexpr double kLargestNumber = 1e12;
 
 class Header {
 public:
@@ -72,10 +80,10 @@ public:
     std::vector<double> all;
     std::istringstream words(value);
     for (std::string word; words >> word;) {
-      if (word == "none") continue;  // an axis of a list has no direction in space
+      if (word == "none" || lower(word) == "nan") continue;  // an axis of a list has no direction in space
       double number = 0;
       const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), number);
-      if (code != std::errc() || end != word.data() + word.size()) {
+      if (code != std::errc() || end != word.data() + word.size() || !(std::abs(number) < kLargestNumber)) {
         fail(field, "got '" + value.substr(0, 60) + "'; allowed: numbers");
       }
       all.push_back(number);
@@ -165,21 +173,32 @@ private:
 
 // 0: the name is no length.
 double length_of(const std::string& name) {
-  static const std::map<std::string, double> lengths{
-      {"m", 1.0},           {"meter", 1.0},         {"cm", 0.01},           {"mm", 0.001},  {"millimeter", 0.001},
-      {"millimeters", 0.001}, {"millimetre", 0.001}, {"um", 1e-6},           {"in", 0.0254}};
+  static const std::map<std::string, double> lengths{{"m", 1.0},
+                                                     {"meter", 1.0},
+                                                     {"cm", 0.01},
+                                                     {"mm", 0.001},
+                                                     {"millimeter", 0.001},
+                                                     {"millimeters", 0.001},
+                                                     {"millimetre", 0.001},
+                                                     {"um", 1e-6},
+                                                     {"in", 0.0254}};
   const auto at = lengths.find(lower(name));
   return at == lengths.end() ? 0.0 : at->second;
 }
 
 StatedSpace check_nrrd(const Header& header) {
   const std::string dimension = header.need("dimension");
-  if (dimension != "3" && dimension != "4") header.fail("dimension", "got " + dimension + "; allowed: 3, or 4 with layers");
+  if (dimension != "3" && dimension != "4")
+    header.fail("dimension", "got " + dimension + "; allowed: 3, or 4 with layers");
   header.check_sizes("sizes", std::size_t(dimension[0] - '0'));
   if (const auto axes = header.get({"space directions"})) {
-    if (header.numbers("space directions", *axes).size() != 9) header.fail("space directions", "allowed: three vectors");
+    if (header.numbers("space directions", *axes).size() != 9)
+      header.fail("space directions", "allowed: three vectors");
   } else if (header.numbers("spacings", header.need("spacings")).size() < 3) {
     header.fail("spacings", "allowed: three numbers");
+  }
+  if (const auto origin = header.get({"space origin"})) {
+    if (header.numbers("space origin", *origin).size() != 3) header.fail("space origin", "allowed: one vector");
   }
   for (const char* ends : {"axis mins", "axis maxs", "axismins", "axismaxs"}) {
     if (header.get({ends})) header.fail(ends, "not allowed; the place of the voxels is 'space origin'");
@@ -190,8 +209,8 @@ StatedSpace check_nrrd(const Header& header) {
   const std::string encoding = lower(header.need("encoding"));
   stated.voxels.gzip = encoding == "gzip" || encoding == "gz";
   const std::string space = lower(header.get({"space"}).value_or(""));
-  static const std::vector<std::string> known{"lps", "ras", "las", "left-posterior-superior", "right-anterior-superior",
-                                              "left-anterior-superior"};
+  static const std::vector<std::string> known{
+      "lps", "ras", "las", "left-posterior-superior", "right-anterior-superior", "left-anterior-superior"};
   if (std::find(known.begin(), known.end(), space) != known.end()) stated.frame = Frame::lps;
   for (const char* field : {"space units", "units"}) {
     std::string names = header.get({field}).value_or("");
@@ -231,6 +250,37 @@ StatedSpace check_meta(const Header& header) {
   return stated;
 }
 
+// ITK ends the program where a NIfTI header's places are no numbers.
+void check_nifti(const std::filesystem::path& file) {
+  const auto refuse = [&](const std::string& what) { throw Error(ExitCode::bad_input, file.string() + ": " + what); };
+  std::array<unsigned char, 348> head{};
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> stream(gzopen(file.c_str(), "rb"), gzclose);
+  if (!stream) throw Error(ExitCode::io, file.string() + ": cannot read the image");
+  if (gzread(stream.get(), head.data(), unsigned(head.size())) != int(head.size())) {
+    refuse("not a NIfTI file, or cut short: its header takes 348 bytes");
+  }
+  std::int32_t size = 0;
+  std::memcpy(&size, head.data(), 4);
+  const bool swapped = size == 0x5C010000;
+  if (size == 540 || size == 0x1C020000) refuse("is a NIfTI-2 file; allowed: NIfTI-1");
+  if (size != 348 && !swapped) refuse("not a NIfTI file: its header does not begin with 348");
+  if (std::memcmp(head.data() + 344, "n+1", 3) != 0) refuse("is no single NIfTI file; allowed: .nii and .nii.gz");
+  const auto check = [&](const char* name, std::size_t from, std::size_t count) {
+    for (std::size_t at = from; at < from + 4 * count; at += 4) {
+      std::array<unsigned char, 4> raw{head[at], head[at + 1], head[at + 2], head[at + 3]};
+      if (swapped) std::reverse(raw.begin(), raw.end());
+      float number = 0;
+      std::memcpy(&number, raw.data(), 4);
+      if (!(std::abs(number) < kLargestNumber)) refuse(std::string(name) + " is not finite or beyond 1e12");
+    }
+  };
+  check("pixdim", 76, 8);
+  check("vox_offset", 108, 1);
+  check("scl_slope", 112, 2);
+  check("its quaternion", 256, 6);
+  check("its srow matrix", 280, 12);
+}
+
 }  // namespace
 
 ImageKind image_kind(const std::filesystem::path& file) {
@@ -253,6 +303,7 @@ StatedSpace check_header(const std::filesystem::path& file, ImageKind kind) {
     case ImageKind::nifti:
       break;
   }
+  check_nifti(file);
   return {Frame::unstated, 1e-3, {file, 0, true, false}};  // ITK reads the rest, and delivers millimetres
 }
 

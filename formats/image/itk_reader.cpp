@@ -158,12 +158,12 @@ void read_frame(const std::filesystem::path& file, const itk::ImageIOBase& reade
 void require_whole(const std::filesystem::path& file, const itk::ImageIOBase& reader, ImageKind kind,
                    const VoxelPlace& voxels) {
   if (kind == ImageKind::nrrd && !voxels.gzip) return;  // ITK counts
-  constexpr std::size_t kNiftiHeader = 352;  // bytes, at least
-  const std::size_t needed =
-      std::size_t(reader.GetImageSizeInBytes()) + (kind == ImageKind::nifti ? kNiftiHeader : 0);
+  constexpr std::size_t kNiftiHeader = 352;             // bytes, at least
+  const std::size_t needed = std::size_t(reader.GetImageSizeInBytes()) + (kind == ImageKind::nifti ? kNiftiHeader : 0);
   const std::size_t there = whole_size(voxels.file, voxels.offset, voxels.zlib);
   if (there >= needed) return;
-  refuse(file, "is cut short: its voxels need " + std::to_string(needed) + " bytes, there are " + std::to_string(there));
+  refuse(file,
+         "is cut short: its voxels need " + std::to_string(needed) + " bytes, there are " + std::to_string(there));
 }
 
 }  // namespace

@@ -167,8 +167,7 @@ void choose_islands(const LabelImage& image, LabelMask& mask, Islands rule, Mask
   const Pieces pieces = pieces_of(mask, 1);
   const std::size_t count = pieces.sizes.size() - 1;
   if (count < 2) return;
-  const auto largest =
-      std::size_t(std::max_element(pieces.sizes.begin(), pieces.sizes.end()) - pieces.sizes.begin());
+  const auto largest = std::size_t(std::max_element(pieces.sizes.begin(), pieces.sizes.end()) - pieces.sizes.begin());
   std::vector<char> keep(count + 1, 0);
   std::size_t dropped = 0, voxels = 0, most = 0, kept = 0;
   std::string list;
@@ -219,7 +218,8 @@ void fill_holes(LabelMask& mask) {
   }
   mask.count += voxels;
   mask.notes.push_back("filled " + std::to_string(filled) + " holes of " +
-                       millilitres(double(voxels) * voxel_volume(mask.axes)) + " in all (each below 0.1 % of the label)");
+                       millilitres(double(voxels) * voxel_volume(mask.axes)) +
+                       " in all (each below 0.1 % of the label)");
 }
 
 // Where the label has voxels in the image's first or last layer along an axis.
@@ -238,9 +238,9 @@ void note_border(const LabelImage& image, LabelMask& mask, const std::array<int,
       }
       if (voxels == 0) continue;
       const double area = voxel_volume(mask.axes) / mask.axes.col(int(axis)).norm();
-      mask.notes.push_back(
-          std::string("cut by the image's border (") + (end ? "last" : "first") + " voxels along " + "ijk"[axis] +
-          ", about " + format("%.3g", double(voxels) * area * 1e4) + " cm2): closed there");
+      mask.notes.push_back(std::string("cut by the image's border (") + (end ? "last" : "first") + " voxels along " +
+                           "ijk"[axis] + ", about " + format("%.3g", double(voxels) * area * 1e4) +
+                           " cm2): closed there");
     }
   }
 }
@@ -269,8 +269,8 @@ void add_mask(const LabelImage& image, LabelMask& mask, std::array<int, 3>& low,
       for (int j = 0; j < from.size[1]; ++j) {
         for (int i = 0; i < from.size[0]; ++i, ++v) {
           if (from.inside[v] == 0) continue;
-          const std::size_t row = std::size_t(k + at[2] - first[2]) * std::size_t(joined.size[1]) +
-                                  std::size_t(j + at[1] - first[1]);
+          const std::size_t row =
+              std::size_t(k + at[2] - first[2]) * std::size_t(joined.size[1]) + std::size_t(j + at[1] - first[1]);
           joined.inside[row * std::size_t(joined.size[0]) + std::size_t(i + at[0] - first[0])] = 1;
         }
       }

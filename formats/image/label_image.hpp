@@ -22,14 +22,14 @@ struct LabelSegment {
 /// Voxel (i, j, k) has its centre at origin + axes (i, j, k).
 struct LabelImage {
   std::filesystem::path file;
-  std::array<int, 3> size{};         ///< voxels along each index
-  Eigen::Vector3d origin{0, 0, 0};   ///< m
-  Eigen::Matrix3d axes;              ///< m, columns: from one voxel to the next along each index
-  Frame frame = Frame::unstated;     ///< of origin and axes: LPS, or unstated
-  bool states_unit = false;          ///< the file states its unit; else the scene does, or millimetres are taken
-  int layers = 1;                    ///< numbers a voxel
-  std::vector<LabelSegment> segments;     ///< in the file's order; empty where it names none
-  std::vector<std::int32_t> values;  ///< layers of a voxel side by side; the first index runs fastest
+  std::array<int, 3> size{};           ///< voxels along each index
+  Eigen::Vector3d origin{0, 0, 0};     ///< m
+  Eigen::Matrix3d axes;                ///< m, columns: from one voxel to the next along each index
+  Frame frame = Frame::unstated;       ///< of origin and axes: LPS, or unstated
+  bool states_unit = false;            ///< the file states its unit; else the scene does, or millimetres are taken
+  int layers = 1;                      ///< numbers a voxel
+  std::vector<LabelSegment> segments;  ///< in the file's order; empty where it names none
+  std::vector<std::int32_t> values;    ///< layers of a voxel side by side; the first index runs fastest
 };
 
 /// The voxels of one body or region, in a box that holds them all.

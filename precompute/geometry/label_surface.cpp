@@ -22,11 +22,12 @@ using Eigen::Vector3d;
 constexpr int kMargin = 3;  // voxels round the label: the smoothing reaches two
 constexpr double kLeastLevel = 0.2, kMostLevel = 0.8;
 constexpr double kShortest = 0.05;  // of an edge of the lattice, between its ends and the surface: no slivers
-// Lattice steps along the edge of a cube of the label's volume: some 60 000 triangles. A finer image is resampled to it.
+// Lattice steps along the edge of a cube of the label's volume: some 60 000 triangles. A finer image is resampled to
+// it.
 constexpr double kSteps = 40;
-constexpr double kSameStep = 0.25;       // relative difference below which an axis keeps its voxels
-constexpr double kThickSlice = 1.5;      // of the other axes' steps: slices that far apart are interpolated by shape
-constexpr double kRamp = 4;              // voxels in the slice over which the signed distance becomes a share
+constexpr double kSameStep = 0.25;   // relative difference below which an axis keeps its voxels
+constexpr double kThickSlice = 1.5;  // of the other axes' steps: slices that far apart are interpolated by shape
+constexpr double kRamp = 4;          // voxels in the slice over which the signed distance becomes a share
 constexpr std::size_t kMostPoints = 60'000'000;  // of the lattice
 
 // Smoothed indicator on a lattice over the label's bounding box and a margin. The lattice has about equal steps along
@@ -306,8 +307,9 @@ Surface level_set(const Field& field, const std::vector<Tet>& tets, const LabelM
   return surface;
 }
 
-// Fairing. Taubin's filter (1995) with these two weights keeps waves longer than some 20 edges and removes shorter ones,
-// without shrinking. A vertex stays within half a voxel of where the voxels put it: any surface there has the same voxels.
+// Fairing. Taubin's filter (1995) with these two weights keeps waves longer than some 20 edges and removes shorter
+// ones, without shrinking. A vertex stays within half a voxel of where the voxels put it: any surface there has the
+// same voxels.
 constexpr double kShrink = 0.5, kInflate = -0.52;
 constexpr int kRounds = 60;
 constexpr double kFree = 0.5;  // voxels, along each axis

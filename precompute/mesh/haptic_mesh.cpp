@@ -167,9 +167,27 @@ AdaptedSurface adapt_to_sites(const SamplingScene& sampling, const Body& body, A
   }
 }
 
+constexpr double kCoarsestStep = 1e-4;  // of the diagonal: below the facets of any surface
+
+// A response file has places as 32-bit floats: far from the origin they are too coarse for the body.
+void check_place(const Body& body) {
+  double largest = 0;
+  for (const Vector3d& v : body.query->surface().vertices) largest = std::max(largest, v.cwiseAbs().maxCoeff());
+  const double step = largest * 0x1p-23;
+  if (!(step > kCoarsestStep * body.diagonal)) return;
+  char text[240];
+  std::snprintf(
+      text, sizeof text,
+      "the body lies %.4g m from the origin, where a response file's places have steps of %.2g mm; allowed: at "
+      "most %.3g m; move the surface",
+      largest, 1e3 * step, kCoarsestStep * body.diagonal * 0x1p23);
+  throw Error(ExitCode::bad_input, text);
+}
+
 }  // namespace
 
 HapticMesh make_haptic_mesh(const Scene& scene, const Body& body) {
+  check_place(body);
   const SamplingScene& sampling = scene.sampling;
   AdaptOptions options;
   options.rounds = 8;

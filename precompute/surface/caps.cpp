@@ -19,8 +19,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kRoughness = 0.5;    // of the mean edge: a rim where whole triangles were left out is that jagged
-constexpr double kFlatShare = 0.03;   // of the diagonal
+constexpr double kRoughness = 0.5;   // of the mean edge: a rim where whole triangles were left out is that jagged
+constexpr double kFlatShare = 0.03;  // of the diagonal
 constexpr std::size_t kLongestRim = 20000;  // edges; cutting ears takes the square of it
 
 struct FlatRim {
@@ -212,9 +212,10 @@ Surface cap_flat_rims(const Surface& surface, std::vector<std::string>& notes) {
       capped.triangles.push_back(t);
       capped.parts.push_back(rims[k].part);
     }
-    notes.push_back(fmt::format("closed a flat rim of {} edges round ({:.4g}, {:.4g}, {:.4g}) m by a cap of {:.3g} cm2{}",
-                                rims[k].loop.size(), rims[k].centre.x(), rims[k].centre.y(), rims[k].centre.z(),
-                                area * 1e4, holes > 0 ? fmt::format(" with {} holes", holes) : ""));
+    notes.push_back(
+        fmt::format("closed a flat rim of {} edges round ({:.4g}, {:.4g}, {:.4g}) m by a cap of {:.3g} cm2{}",
+                    rims[k].loop.size(), rims[k].centre.x(), rims[k].centre.y(), rims[k].centre.z(), area * 1e4,
+                    holes > 0 ? fmt::format(" with {} holes", holes) : ""));
   }
   return capped;
 }

@@ -115,7 +115,8 @@ std::string nested_solid(const Surface& surface) {
     for (const auto& v : part.vertices) middle += v / double(part.vertices.size());
     return fmt::format(
         "component {} of {} ({:.4g} mL round ({:.4g}, {:.4g}, {:.4g}) m, mesh '{}') lies inside another and faces "
-        "outward, as a solid does; make it a [[region]] with a material or a [[cavity]] by its mesh or file, or leave it "
+        "outward, as a solid does; make it a [[region]] with a material or a [[cavity]] by its mesh or file, or leave "
+        "it "
         "out (meshes = [...])",
         k + 1, count, std::abs(volumes[k]) * 1e6, middle.x(), middle.y(), middle.z(),
         part.part_names[std::size_t(part.parts.front())]);
@@ -142,7 +143,8 @@ CleanSurface clean_surface(const Surface& input, const CleanOptions& options, co
   auto& report = result.report;
   report.findings = faults.lines();
 
-  if (options.mode != RepairMode::wrap && faults.topology.closed_manifold() && faults.crossings == 0 && faults.topology.components > 1) {
+  if (options.mode != RepairMode::wrap && faults.topology.closed_manifold() && faults.crossings == 0 &&
+      faults.topology.components > 1) {
     if (const auto inside = nested_solid(input); !inside.empty()) fail(inside);
   }
   Surface surface;
@@ -212,11 +214,12 @@ CleanSurface clean_surface(const Surface& input, const CleanOptions& options, co
   }
   measure(*result.query, report);
   if (wrapped && faults.topology.boundary_edges > 0 && report.thin_bag) {
-    fail(fmt::format("open: {} boundary edges in {} loops, and no rim is flat enough to be capped; a wrap would make a "
-                     "bag of {:.2g} mm of it, {:.3g} mL, not a solid. Close its holes in the file, or name the meshes "
-                     "that close it",
-                     faults.topology.boundary_edges, faults.topology.boundary_loops, report.thickness_median * 1e3,
-                     report.volume * 1e6));
+    fail(
+        fmt::format("open: {} boundary edges in {} loops, and no rim is flat enough to be capped; a wrap would make a "
+                    "bag of {:.2g} mm of it, {:.3g} mL, not a solid. Close its holes in the file, or name the meshes "
+                    "that close it",
+                    faults.topology.boundary_edges, faults.topology.boundary_loops, report.thickness_median * 1e3,
+                    report.volume * 1e6));
   }
   return result;
 }

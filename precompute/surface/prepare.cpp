@@ -9,9 +9,9 @@
 #include "precompute/surface/cavities.hpp"
 #include "precompute/surface/clean.hpp"
 #include "precompute/surface/examine.hpp"
+#include "precompute/surface/report.hpp"
 #include "precompute/surface/sources.hpp"
 #include "precompute/surface/support_rim.hpp"
-#include "precompute/surface/report.hpp"
 #include "precompute/surface/supports.hpp"
 #include "precompute/surface/weld.hpp"
 
@@ -201,11 +201,9 @@ Surface with_cavities(const Scene& scene, const Surface& solid, SceneSurfaces& f
 Body prepare(const Scene& scene, const Surface& surface, SceneSurfaces& files) {
   const auto name = file_names(scene.body);
   const double alpha = scene.body.wrap_alpha > 0 ? scene.body.wrap_alpha : wrap_alpha(scene, diagonal(surface));
-  auto cleaned =
-      clean_surface(surface, {scene.body.repair, alpha, scene.body.wrap_offset, scene.body.smooth}, name);
+  auto cleaned = clean_surface(surface, {scene.body.repair, alpha, scene.body.wrap_offset, scene.body.smooth}, name);
   if (!scene.cavities.empty()) {
-    cleaned.query =
-        std::make_shared<const SurfaceQuery>(with_cavities(scene, cleaned.query->surface(), files, name));
+    cleaned.query = std::make_shared<const SurfaceQuery>(with_cavities(scene, cleaned.query->surface(), files, name));
     measure(*cleaned.query, cleaned.report);
   }
   cleaned.report.findings.insert(cleaned.report.findings.begin(), surface.notes.begin(), surface.notes.end());

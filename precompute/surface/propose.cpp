@@ -10,6 +10,7 @@
 #include "precompute/geometry/label_surface.hpp"
 #include "precompute/geometry/query.hpp"
 #include "precompute/geometry/topology.hpp"
+#include "precompute/surface/clean.hpp"
 #include "precompute/surface/weld.hpp"
 
 #include <fmt/format.h>
@@ -112,8 +113,8 @@ std::string material_text(const std::string& name, bool body) {
   if (!tissue.empty()) {
     return fmt::format("tissue = \"{}\"  # from the name; palpate scene --tissues has the sources\n", tissue);
   }
-  return fmt::format("young = {}  # Pa; no published stiffness for '{}': this is a guess, set it\n", body ? "5e3" : "1e4",
-                     plain(name));
+  return fmt::format("young = {}  # Pa; no published stiffness for '{}': this is a guess, set it\n",
+                     body ? "5e3" : "1e4", plain(name));
 }
 
 // Something with a volume.
@@ -255,7 +256,8 @@ private:
       thing.box = box_of(thing.surface);
       thing.source = "surface = " + path_text(file) + "\n";
       if (named) thing.source += "meshes = [" + toml_text(thing.name) + "]\n";
-      thing.source += fmt::format("units = \"{}\"  # guessed: the file measures {:.4g} across\n", unit.name, diagonal(all));
+      thing.source +=
+          fmt::format("units = \"{}\"  # guessed: the file measures {:.4g} across\n", unit.name, diagonal(all));
       things_.push_back(std::move(thing));
     }
   }
@@ -315,7 +317,53 @@ private:
     return {};
   }
 
+  // Anatomists' meshes are often sheets: a capsule whose opening is another mesh, or all of them round one solid.
+  void close_body() {
+    std::stable_sort(things_.begin(), things_.end(),
+                     [](const Thing& a, const Thing& b) { return a.box.diagonal().norm() > b.box.diagonal().norm(); });
+    Thing& body = things_.front();
+    const auto take = [&](const std::vector<Surface>& parts, RepairMode mode) {
+      try {
+        CleanOptions options;
+        options.mode = mode;
+        const CleanSurface cleaned = clean_surface(join(parts), options, body.file.string());
+        if (cleaned.report.thin_bag) return false;
+        body.surface = cleaned.query->surface();
+        body.volume = cleaned.report.volume;
+        body.box = box_of(body.surface);
+        body.closed = true;
+        return true;
+      } catch (const Error&) {
+        return false;
+      }
+    };
+    const auto rim_of = [](const Surface& s) { return topology(s).boundary_edges; };
+    const std::size_t rim = rim_of(body.surface);
+    for (std::size_t k = 1; k < things_.size(); ++k) {
+      const Thing& other = things_[k];
+      if (other.closed || other.file != body.file || !body.box.intersects(other.box)) continue;
+      const Surface both = join({body.surface, other.surface});
+      const double size = diagonal(both);
+      if (rim_of(join_borders(weld(both, 1e-6 * size), 2e-3 * size)) > rim / 4) continue;
+      if (!take({body.surface, other.surface}, RepairMode::repair)) continue;
+      const auto meshes = body.source.find("]");
+      body.source.insert(meshes, ", " + toml_text(other.name));
+      closing_ = k;
+      return;
+    }
+    std::vector<Surface> all;
+    for (const Thing& thing : things_) {
+      if (thing.file == body.file) all.push_back(thing.surface);
+    }
+    if (all.size() < 2 || !take(all, RepairMode::wrap)) return;
+    const auto meshes = body.source.find("meshes");
+    body.source.replace(meshes, body.source.find('\n', meshes) - meshes, "repair = \"wrap\"  # of all meshes together");
+    body.name = stem(body.file);
+    wrapped_ = true;
+  }
+
   void choose() {
+    if (!things_.front().closed && !things_.front().surface.empty()) close_body();
     roles_.assign(things_.size(), "left out");
     reasons_.assign(things_.size(), "");
     roles_[0] = "body";
@@ -323,8 +371,14 @@ private:
     std::unique_ptr<const SurfaceQuery> body;
     if (closed) body = std::make_unique<const SurfaceQuery>(surface_of(things_.front(), MaskUse::body));
     for (std::size_t k = 1; k < things_.size(); ++k) {
+      if (k == closing_) {
+        roles_[k] = "body";
+        continue;
+      }
       if (!closed) {
         reasons_[k] = "the body is open";
+      } else if (wrapped_) {
+        reasons_[k] = "wrapped into the body";
       } else if (inside_.size() >= kMostRegions) {
         reasons_[k] = "there are larger ones";
       } else {
@@ -348,12 +402,14 @@ private:
     const int axis = lying ? 1 : 2;
     const bool high = frame_ == Frame::lps;
     Vector3d point = box.center(), normal = Vector3d::Zero();
-    point[axis] = high ? box.max()[axis] - kHeldShare * box.sizes()[axis] : box.min()[axis] + kHeldShare * box.sizes()[axis];
+    point[axis] =
+        high ? box.max()[axis] - kHeldShare * box.sizes()[axis] : box.min()[axis] + kHeldShare * box.sizes()[axis];
     normal[axis] = high ? -1 : 1;
-    return fmt::format("\n[[support]]\n# Proposed: the {} tenth is held. Say what holds the organ in truth.\n"
-                       "half_space = {{point = [{:.5g}, {:.5g}, {:.5g}], normal = [{:g}, {:g}, {:g}]}}\n",
-                       lying ? "hindmost (the patient lies on the back)" : "lowest", point.x(), point.y(), point.z(),
-                       normal.x(), normal.y(), normal.z());
+    return fmt::format(
+        "\n[[support]]\n# Proposed: the {} tenth is held. Say what holds the organ in truth.\n"
+        "half_space = {{point = [{:.5g}, {:.5g}, {:.5g}], normal = [{:g}, {:g}, {:g}]}}\n",
+        lying ? "hindmost (the patient lies on the back)" : "lowest", point.x(), point.y(), point.z(), normal.x(),
+        normal.y(), normal.z());
   }
 
   std::string text() const {
@@ -377,8 +433,8 @@ private:
     out += support_text(body.box);
     const double size = body.box.diagonal().norm();
     out += fmt::format("\n[[tool]]\nshape = \"sphere\"\nradius = {:.2g}  # m\n", std::min(0.005, size / 15));
-    out += fmt::format("\n[sampling]\nspacing = {:.2g}  # m; less for more sites\ndepth = {:.2g}  # m\n", kSpacingShare * size,
-                       std::min(0.005, kDepthShare * size));
+    out += fmt::format("\n[sampling]\nspacing = {:.2g}  # m; less for more sites\ndepth = {:.2g}  # m\n",
+                       kSpacingShare * size, std::min(0.005, kDepthShare * size));
     std::string rest;
     for (std::size_t k = 0; k < things_.size(); ++k) {
       if (roles_[k] != "left out") continue;
@@ -394,6 +450,8 @@ private:
   std::shared_ptr<const LabelImage> image_;
   std::vector<Thing> things_;
   std::vector<std::size_t> inside_;
+  std::size_t closing_ = 0;  ///< the mesh that closes the body; 0: none
+  bool wrapped_ = false;     ///< the body is a wrap of all meshes
   std::vector<std::string> roles_, reasons_;
 };
 

@@ -11,10 +11,10 @@ namespace palpate {
 /// A mesh, a label or a file, and what the proposal makes of it.
 struct Found {
   std::string name;
-  std::string role;         ///< "body", "region", "cavity" or "left out"
-  std::string reason;       ///< why it is left out
-  double volume = 0.0;      ///< m^3; of an open mesh 0
-  double extents[3] = {};   ///< m
+  std::string role;        ///< "body", "region", "cavity" or "left out"
+  std::string reason;      ///< why it is left out
+  double volume = 0.0;     ///< m^3; of an open mesh 0
+  double extents[3] = {};  ///< m
 };
 
 struct Proposal {

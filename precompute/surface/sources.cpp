@@ -53,10 +53,11 @@ Surface SceneSurfaces::labelled(const LabelSource& labels, MaskUse use, const st
 void SceneSurfaces::turn(Surface& surface, const std::string& file) {
   if (surface.frame == Frame::unstated || surface.frame == frame_) return;
   if (frame_ == Frame::unstated) {
-    refuse_source(fmt::format("{} is in {}, and {} states no frame; add frame = \"{}\" at the top of the scene if their "
-                     "coordinates agree, or frame = \"{}\" if x and y have opposite signs",
-                     file, name_of(surface.frame), unstated_, name_of(surface.frame),
-                     name_of(surface.frame == Frame::lps ? Frame::ras : Frame::lps)));
+    refuse_source(
+        fmt::format("{} is in {}, and {} states no frame; add frame = \"{}\" at the top of the scene if their "
+                    "coordinates agree, or frame = \"{}\" if x and y have opposite signs",
+                    file, name_of(surface.frame), unstated_, name_of(surface.frame),
+                    name_of(surface.frame == Frame::lps ? Frame::ras : Frame::lps)));
   }
   for (auto& v : surface.vertices) v = {-v.x(), -v.y(), v.z()};  // half a turn about z: nothing is mirrored
   surface.notes.push_back(fmt::format("turned from {} to {}", name_of(surface.frame), name_of(frame_)));

@@ -19,10 +19,10 @@ struct Split {
   std::size_t edges = 0, vertices = 0;  ///< where sheets touched
 };
 
-/// Takes apart what touches in an edge or a corner only, as the blocks of a voxel surface do: at an edge of four or more
-/// triangles those stay together that bound the same wedge of the solid. The copies of a vertex move into their own
-/// blocks by a hundredth of their shortest edge, nothing else moves. The surface is to be oriented; where the triangles
-/// at an edge do not pair up, nothing is done.
+/// Takes apart what touches in an edge or a corner only, as the blocks of a voxel surface do: at an edge of four or
+/// more triangles those stay together that bound the same wedge of the solid. The copies of a vertex move into their
+/// own blocks by a hundredth of their shortest edge, nothing else moves. The surface is to be oriented; where the
+/// triangles at an edge do not pair up, nothing is done.
 Split split_touching(const Surface& surface);
 
 /// Keeps one of the triangles that share all three corners.

@@ -85,7 +85,7 @@ const std::vector<Case> kCases{
      kBox,
      "[[region]]\nname = \"lump\"\nsurface = \"open.off\"\n",
      2,
-     {"region 'lump'", "open.off", "is open", "4 boundary edges"}},
+     {"region 'lump'", "open.off", "open: 4 boundary edges", "no rim is flat enough"}},
     {"missing support mesh", "a.off", kBox, "[[support]]\nmesh = \"ligament\"\n", 2, {"ligament"}},
     {"missing region file", "a.off", kBox, "[[region]]\nsurface = \"none.ply\"\n", 4, {"none.ply", "No such file"}},
 };

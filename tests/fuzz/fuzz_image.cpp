@@ -4,8 +4,8 @@
 #include "formats/image/label_image.hpp"
 #include "tests/fuzz/promise.hpp"
 
-#include <cstdint>
 #include <unistd.h>
+#include <cstdint>
 
 #include <filesystem>
 #include <fstream>
@@ -16,8 +16,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size < 1) return 0;
   static const char* const kinds[] = {".nii", ".nii.gz", ".nrrd", ".mha"};
   // ITK reads files alone.
-  static const std::string stem = (std::filesystem::temp_directory_path() / "palpate-fuzz-image").string() +
-                                  std::to_string(::getpid());
+  static const std::string stem =
+      (std::filesystem::temp_directory_path() / "palpate-fuzz-image").string() + std::to_string(::getpid());
   const std::string file = stem + kinds[data[0] % 4];
   std::ofstream(file, std::ios::binary).write(reinterpret_cast<const char*>(data) + 1, std::streamsize(size) - 1);
   try {

@@ -76,9 +76,9 @@ TEST(LabelSurface, ThickSlicesLeaveNoSteps) {
       square += std::pow(v.norm() - radius, 2) / double(s.vertices.size());
       furthest = std::max(furthest, std::abs(v.norm() - radius));
     }
-    std::printf("slices %g mm: %zu triangles, radius off by rms %.3f mm, most %.3f mm, step over 2 mm (95 %%) %.3f mm\n",
-                slice, s.triangles.size(), 1e3 * std::sqrt(square), 1e3 * furthest,
-                1e3 * steps_felt(s));
+    std::printf(
+        "slices %g mm: %zu triangles, radius off by rms %.3f mm, most %.3f mm, step over 2 mm (95 %%) %.3f mm\n", slice,
+        s.triangles.size(), 1e3 * std::sqrt(square), 1e3 * furthest, 1e3 * steps_felt(s));
     EXPECT_LT(std::sqrt(square), 0.2e-3);
     EXPECT_LT(steps_felt(s), 0.3e-3);
   }

@@ -2,8 +2,8 @@
 // Writes label images as NIfTI, NRRD (also as Slicer's .seg.nrrd) and MetaImage, compressed or not.
 #pragma once
 
-#include <Eigen/Core>
 #include <zlib.h>
+#include <Eigen/Core>
 
 #include <array>
 #include <cstdint>
@@ -75,7 +75,7 @@ inline std::string nifti(const Voxels& v, bool compressed) {
   for (std::size_t k = 0; k < 3; ++k) put(80 + 4 * k, float(v.axes.col(int(k)).norm()));
   put(108, 352.0F);
   put(112, 1.0F);
-  put(123, char{2});         // millimetres
+  put(123, char{2});          // millimetres
   put(254, std::int16_t{1});  // sform: scanner
   Eigen::Matrix<double, 3, 4> ras;
   ras << v.axes, v.origin;

@@ -29,8 +29,9 @@ struct Written {
 };
 
 std::vector<Written> all_formats(const Voxels& v) {
-  return {{"a.nii", test::nifti(v, false)},    {"b.nii.gz", test::nifti(v, true)}, {"c.nrrd", test::nrrd_file(v, false)},
-          {"d.nrrd", test::nrrd_file(v, true)}, {"e.mha", test::meta(v, false)},    {"f.mha", test::meta(v, true)}};
+  return {{"a.nii", test::nifti(v, false)},      {"b.nii.gz", test::nifti(v, true)},
+          {"c.nrrd", test::nrrd_file(v, false)}, {"d.nrrd", test::nrrd_file(v, true)},
+          {"e.mha", test::meta(v, false)},       {"f.mha", test::meta(v, true)}};
 }
 
 TEST(LabelImage, EveryFormatHoldsTheSameVoxels) {
@@ -70,8 +71,8 @@ TEST(LabelImage, RasNrrdIsTurnedAndOneWithoutASpaceIsNot) {
 TEST(LabelImage, UnitOfTheFileIsTakenAndAContradictionIsRefused) {
   const Scratch scratch;
   const Voxels v = small_image();
-  const auto cm = scratch.write("cm.nrrd", test::nrrd_file(v, false, "left-posterior-superior",
-                                                           "space units: \"cm\" \"cm\" \"cm\"\n"));
+  const auto cm = scratch.write(
+      "cm.nrrd", test::nrrd_file(v, false, "left-posterior-superior", "space units: \"cm\" \"cm\" \"cm\"\n"));
   EXPECT_NEAR(read_label_image(cm, 0).origin.x(), 0.1, 1e-12);
   expect_error([&] { read_label_image(cm, 1e-3); }, ExitCode::bad_input, {"cm.nrrd", "states a unit of 0.01 m"});
   Voxels tiny = v;
@@ -131,8 +132,8 @@ TEST(LabelMask, SpecksAreDroppedHolesFilledAndLargeIslandsAreAQuestion) {
       for (int i = 2; i < 18; ++i) at(i, j, k) = 1;
     }
   }
-  at(9, 9, 9) = 0;    // a hole of one voxel
-  at(25, 5, 5) = 1;   // a speck
+  at(9, 9, 9) = 0;   // a hole of one voxel
+  at(25, 5, 5) = 1;  // a speck
   LabelSource source;
   source.values = {1};
   const LabelMask mask = label_mask(image_of(values, {30, 20, 20}), source, MaskUse::body);
@@ -183,6 +184,9 @@ TEST(LabelImage, HostileHeadersAreRefused) {
   const std::int16_t most = 32767, nine = 9;
   for (std::size_t k = 0; k < 3; ++k) std::memcpy(huge.data() + 42 + 2 * k, &most, 2);
   std::memcpy(dimensions.data() + 40, &nine, 2);
+  std::string endless = nifti;
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  std::memcpy(endless.data() + 284, &nan, 4);
   struct Bad {
     const char* name;
     std::string bytes;
@@ -197,8 +201,12 @@ TEST(LabelImage, HostileHeadersAreRefused) {
       {"huge.mha", with(mha, "DimSize = 5 4 3", "DimSize = 60000 60000 60000"), {"2^29"}},
       {"many.mha", with(mha, "NDims = 3", "NDims = 99"), {"NDims"}},
       {"pattern.mhd", with(mha, "LOCAL", "slice%03d.raw"), {"ElementDataFile"}},
-      {"singular.mha", with(mha, "TransformMatrix =", "TransformMatrix = 1 0 0 1 0 0 0 0 1\nComment ="), {"singular.mha"}},
+      {"singular.mha",
+       with(mha, "TransformMatrix =", "TransformMatrix = 1 0 0 1 0 0 0 0 1\nComment ="),
+       {"singular.mha"}},
       {"huge.nii", huge, {"2^29"}},
+      {"endless.nii", endless, {"endless.nii", "srow", "not finite"}},
+      {"endless.nrrd", with(nrrd, "space origin: (10,", "space origin: (inf,"), {"space origin"}},
       {"nine.nii", dimensions, {"nine.nii"}},
       {"text.nii", "this is no image", {"text.nii"}},
       {"image.png", "x", {"unknown image format '.png'", ".nii.gz"}},

@@ -109,6 +109,19 @@ TEST(Clean, ARimInsideAnotherIsAHoleInTheCap) {
   EXPECT_NEAR(cleaned.report.volume, 2.0 / 3 * std::numbers::pi * (1e-3 - 2.16e-4), 0.12e-3);  // its facets are coarse
 }
 
+// A rim that no plane fits: a wrap would be a bag, and the message says what to do.
+TEST(Clean, AnOpenSurfaceWithABentRimIsNoBag) {
+  const Surface ball = sphere_surface({0, 0, 0}, 0.1);
+  std::vector<bool> keep(ball.triangles.size());
+  for (std::size_t t = 0; t < keep.size(); ++t) {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const auto v : ball.triangles[t]) middle += ball.vertices[std::size_t(v)] / 3;
+    keep[t] = middle.z() < 0.03 + 0.04 * std::cos(2 * std::atan2(middle.y(), middle.x()));
+  }
+  expect_error([&] { clean_surface(keep_triangles(ball, keep), {}, "organ.ply"); }, ExitCode::bad_input,
+               {"organ.ply", "boundary edges in 1 loops", "no rim is flat enough", "Close its holes"});
+}
+
 // Two blocks share an edge; the shared edge comes apart, and nothing else moves.
 TEST(Clean, BlocksThatTouchInAnEdgeAreSplit) {
   const Surface blocks = together(box_surface({0, 0, 0}, {1, 1, 1}), box_surface({1, 1, 0}, {2, 2, 1}));
@@ -177,8 +190,11 @@ TEST(Clean, SeparateComponents) {
   EXPECT_EQ(hollow.report.action, "used as it is");
   EXPECT_NEAR(hollow.report.volume, 0.008 - surface_volume(sphere_surface({0, 0, 0}, 0.05)), 1e-12);
   for (const auto mode : {RepairMode::automatic, RepairMode::none, RepairMode::repair}) {
-    expect_error([&] { clean_surface(together(cube(), ball), {mode, 0, 0}, "organ.ply"); }, ExitCode::bad_input,
-                 {"organ.ply", "component 2 of 2", "faces outward", "[[region]]", "[[cavity]]"});
+    expect_error(
+        [&] {
+          clean_surface(together(cube(), ball), {mode, 0, 0}, "organ.ply");
+        },
+        ExitCode::bad_input, {"organ.ply", "component 2 of 2", "faces outward", "[[region]]", "[[cavity]]"});
   }
 }
 

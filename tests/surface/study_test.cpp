@@ -86,8 +86,7 @@ TEST(Study, AFolderAndNamedSegmentsSayWhatIsWhat) {
       "Segment0_Name:=liver\nSegment0_LabelValue:=1\nSegment0_Layer:=0\n"
       "Segment1_Name:=liver_tumor\nSegment1_LabelValue:=2\nSegment1_Layer:=0\n"
       "Segment2_Name:=portal_vein\nSegment2_LabelValue:=3\nSegment2_Layer:=0\n";
-  const auto seg =
-      scratch.write("study.seg.nrrd", nrrd_file(v, true, "left-posterior-superior", keys));
+  const auto seg = scratch.write("study.seg.nrrd", nrrd_file(v, true, "left-posterior-superior", keys));
   for (const auto& from : {scratch.path() / "segmentations", seg}) {
     SCOPED_TRACE(from.string());
     const Prepared p = prepared(scratch, from);

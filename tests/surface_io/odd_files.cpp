@@ -63,8 +63,8 @@ TEST(OddStl, EverySpellingIsRead) {
   ASSERT_EQ(cut.notes.size(), 1U);
   expect_error([&] { read(scratch.write("torn.stl", plain.substr(0, plain.size() / 2))); }, ExitCode::bad_input,
                {"torn.stl"});
-  expect_error([&] { read(scratch.write("wide.stl", std::string("\xFF\xFEs\0o\0l\0i\0d\0", 12))); }, ExitCode::bad_input,
-               {"16 bits"});
+  expect_error([&] { read(scratch.write("wide.stl", std::string("\xFF\xFEs\0o\0l\0i\0d\0", 12))); },
+               ExitCode::bad_input, {"16 bits"});
 }
 
 TEST(OddStl, TwoSolidsAreTwoMeshes) {
@@ -136,9 +136,9 @@ TEST(OddPly, ElementsAndPropertiesInAnyOrder) {
   EXPECT_NEAR(surface_volume(read(scratch.write(
                   "a.ply", head + camera + vertex + face + "end_header\n1\n" + points.str() + faces.str()))),
               6, 1e-12);
-  EXPECT_NEAR(surface_volume(read(scratch.write(
-                  "b.ply", head + face + vertex + "end_header\n" + faces.str() + points.str()))),
-              6, 1e-12);
+  EXPECT_NEAR(
+      surface_volume(read(scratch.write("b.ply", head + face + vertex + "end_header\n" + faces.str() + points.str()))),
+      6, 1e-12);
   EXPECT_NEAR(surface_volume(read(scratch.write(
                   "c.ply", head + vertex + "element tristrips 1\nproperty list int int vertex_indices\nend_header\n" +
                                points.str() + "48 " + strips.str() + "\n"))),
@@ -203,9 +203,8 @@ TEST(OddGltf, QuantisedAndSparsePositionsAreRead) {
     }
     const int at = g.view(places), more = g.view(values);
     g.json["accessors"][0].erase("bufferView");
-    g.json["accessors"][0]["sparse"] = {{"count", 8},
-                                        {"indices", {{"bufferView", at}, {"componentType", 5123}}},
-                                        {"values", {{"bufferView", more}}}};
+    g.json["accessors"][0]["sparse"] = {
+        {"count", 8}, {"indices", {{"bufferView", at}, {"componentType", 5123}}}, {"values", {{"bufferView", more}}}};
     return g.bytes();
   };
   EXPECT_NEAR(surface_volume(read(scratch.write("s.glb", sparse()))), 6, 1e-6);

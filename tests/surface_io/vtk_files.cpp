@@ -130,11 +130,13 @@ std::string xml(Form form) {
     return head + " format=\"appended\" offset=\"" + at + "\"/>\n";
   };
   const bool zlib = form == Form::zlib;
-  std::string out = std::string("<?xml version=\"1.0\"?>\n<!-- SPACE=RAS -->\n<VTKFile type=\"PolyData\" "
-                                "version=\"0.1\" byte_order=\"LittleEndian\"") +
+  std::string out = std::string(
+                        "<?xml version=\"1.0\"?>\n<!-- SPACE=RAS -->\n<VTKFile type=\"PolyData\" "
+                        "version=\"0.1\" byte_order=\"LittleEndian\"") +
                     (zlib ? " compressor=\"vtkZLibDataCompressor\"" : "") +
                     ">\n<PolyData>\n<Piece NumberOfPoints=\"8\" NumberOfPolys=\"12\">\n<PointData>\n" +
-                    array("Float32", "quality", raw_numbers(points(), false), words(points())) + "</PointData>\n<Points>\n" +
+                    array("Float32", "quality", raw_numbers(points(), false), words(points())) +
+                    "</PointData>\n<Points>\n" +
                     array("Float32", "Points", raw_numbers(points(), false), words(points())) + "</Points>\n<Polys>\n" +
                     array("Int64", "connectivity", raw_numbers(connectivity(), false), words(connectivity())) +
                     array("Int64", "offsets", raw_numbers(offsets(false), false), words(offsets(false))) +
@@ -187,7 +189,8 @@ TEST(VtkFiles, VolumeGridHasStressAndDisplacement) {
   write_volume_vtu(v, scratch / "a.vtu");
   std::ifstream stream(scratch / "a.vtu");
   const std::string text((std::istreambuf_iterator<char>(stream)), {});
-  for (const char* piece : {"NumberOfPoints=\"10\"", "0 0 -0.001\n", "100 0 0 0 0 0\n", "\n24\n", "Name=\"von_mises\""}) {
+  for (const char* piece :
+       {"NumberOfPoints=\"10\"", "0 0 -0.001\n", "100 0 0 0 0 0\n", "\n24\n", "Name=\"von_mises\""}) {
     EXPECT_NE(text.find(piece), std::string::npos) << piece;
   }
   v.stress.clear();

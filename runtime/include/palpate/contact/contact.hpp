@@ -91,6 +91,10 @@ public:
     start(touch, tool, body);
   }
 
+  /// Whether the foot keeps to its wall by a walk over the surface. Otherwise it is the closest point of the whole body,
+  /// which may lie on another wall. For one contact of several.
+  void keep_to_wall(bool keep) { keeps_to_wall_ = keep; }
+
   /// Everything that the contact remembers (body frame as baked).
   [[nodiscard]] const ContactState& state() const { return state_; }
   [[nodiscard]] const BlendedResponse<kFeatures>& response() const { return response_; }
@@ -256,19 +260,24 @@ private:
   /// on which q lies changes only where q can have crossed it, so a surface that folds over itself turns nothing round.
   void advance_foot(const Vec3& q, double moved, const Search* latest) {
     Location& foot = state_.place.foot;
-    Location closest = latest != nullptr ? local_foot(q, *latest) : foot_tracker_.at(*view_, q, foot.at);
+    Location closest;
+    if (keeps_to_wall_) {
+      closest = local_closest_point(*view_, foot.at, q);
+    } else {
+      closest = latest != nullptr ? walked(q, foot.at, latest->touch.body.at) : foot_tracker_.at(*view_, q, foot.at);
+    }
     const double before = foot.signed_distance, distance = std::fabs(closest.signed_distance);
-    const bool crosses = std::fabs(before) + distance <= moved;
+    constexpr double kRounding = 1 + 1e-6;  // a way straight through the surface is just as long
+    const bool crosses = std::fabs(before) + distance <= moved * kRounding;
     const bool inside = crosses ? is_inside(*view_, q, closest) : before < 0;
     closest.signed_distance = inside ? -distance : distance;
     foot = closest;
   }
 
-  /// The nearer of two walks: from the last foot, and from where the latest search saw the body.
-  [[nodiscard]] Location local_foot(const Vec3& q, const Search& latest) const {
-    const Location walked = local_closest_point(*view_, state_.place.foot.at, q);
-    const Location seen = local_closest_point(*view_, latest.touch.body.at, q);
-    return std::fabs(seen.signed_distance) < std::fabs(walked.signed_distance) ? seen : walked;
+  /// Without a search: the nearer of two walks over the surface, from each of two places.
+  [[nodiscard]] Location walked(const Vec3& q, const BodyPoint& one, const BodyPoint& other) const {
+    const Location first = local_closest_point(*view_, one, q), second = local_closest_point(*view_, other, q);
+    return std::fabs(second.signed_distance) < std::fabs(first.signed_distance) ? second : first;
   }
 
   /// n turns towards unit(sign (q - f) + 0.3 R n_s), with n_s the smooth normal at f: nearly the gradient of the
@@ -296,9 +305,13 @@ private:
     const Vec3 target = place.foot.point - mean.x * place.axis - mean.y * y, way = target - place.target;
     const double distance = length(way), rest = ContactConstants::kRest * size(state_.indentation);
     if (length(tangential(way, place.normal)) <= rest || !(reach > 0)) return false;
-    place.target = distance <= reach ? target : place.target + (reach / distance) * way;
-    place.body_point = latest != nullptr ? local_closest_point(*view_, place.body_point.at, place.target)
+    const Vec3 from = place.body_point.point;
+    const double stride = smaller(distance, reach);
+    place.target = place.target + (stride / distance) * way;
+    place.body_point = latest != nullptr ? walked(place.target, place.body_point.at, place.foot.at)
                                          : point_tracker_.at(*view_, place.target, place.body_point.at);
+    // Over a bent surface c leads its target along; across a gap, where c stays, the target goes on alone.
+    if (length(place.body_point.point - from) > 0.5 * stride) place.target = place.body_point.point;
     return true;
   }
 
@@ -334,8 +347,9 @@ private:
   ///
   ///     d = z - z_0 + the depth at which W + energy beside W = E,
   ///
-  /// for the tick's own work deepens d as it deepens z (by at most the tool's way). The correction by E is at most half the way of the tool and of c
-  /// in this tick; the rest is made in the next ones.
+  /// for the tick's own work deepens d as it deepens z (by at most the tool's way). Where the force at d would take more
+  /// than E holds, as in one long step, d falls further. Corrections are bounded by the way of the tool and of c in this
+  /// tick; the rest is made in the next ones.
   template <class Body>
   Tick answer(const Pose& tool, double z, const TickMotion& motion, const Body& body) {
     const double wanted = body.factor(state_.place.body_point.at), step = body.factor_step();
@@ -345,22 +359,32 @@ private:
     if (last > 0) response_.law().set_normal(last, before);
     // An indentation that grows by more than the tool's way was found, not made.
     const double deepened = smaller(z - last, motion.moved);
+    const double kept = state_.counted_depth + deepened;
+    const double most = EnergyConstants::kCorrection * (motion.moved + motion.crept), least = larger(kept - most, 0);
     double depth = z, limit = 0;
-    const bool owed = state_.counted_depth < last || deepened < z - last || !(paid_for >= before.work * (1 - EnergyConstants::kRounding));
+    const bool paid = paid_for >= before.work * (1 - EnergyConstants::kRounding);
+    const bool owed = !paid || state_.counted_depth < last || deepened < z - last;
     if (owed) {
       response_.law().set_normal(z, full);
-      const double counted = EnergyTank::counted_depth(response_.law(), paid_for, last, before.work, state_.counted_depth);
-      const double most = EnergyConstants::kCorrection * (motion.moved + motion.crept);
-      const double correction = clamped(counted - state_.counted_depth, -most, most);
-      depth = smaller(larger(state_.counted_depth + correction + deepened, 0.0), z);
+      const double counted =
+          EnergyTank::counted_depth(response_.law(), paid_for, last, before.work, state_.counted_depth);
+      depth = smaller(clamped(counted + deepened, least, kept + most), z);
       limit = EnergyTank::recovery_limit(before.work > 0 ? paid_for / before.work : 0, full.normal_force);
       before = ResponseAtDepth{};
       if (state_.counted_depth > 0) response_.law().set_normal(state_.counted_depth, before);
     }
     Trial trial;
-    try_depth(depth, z, full.normal_slope, limit, motion, trial);
-    if (!owed) full = trial.response;
-    state_.energy.settle(energy_after(depth, before, factor, motion, trial), factor * (full.work + trial.other),
+    double energy = 0;
+    for (int round = 0;; ++round) {
+      try_depth(depth, z, full.normal_slope, limit, motion, trial);
+      energy = energy_after(depth, before, factor, motion, trial);
+      if (!owed && round == 0) full = trial.response;
+      const double spare = factor > 0 ? energy / factor - trial.other : 0;
+      const bool covered = spare >= trial.response.work - EnergyConstants::kMissing * full.work;
+      if (covered || round == EnergyConstants::kRounds || !(depth > least)) break;
+      depth = larger(EnergyTank::counted_depth(response_.law(), spare, depth, trial.response.work, depth), least);
+    }
+    state_.energy.settle(energy, factor * (full.work + trial.other),
                          motion.moved / (EnergyConstants::kHoldTravel * rounding()));
     state_.springs = trial.springs;
     state_.recovery = trial.recovery;
@@ -431,6 +455,7 @@ private:
   }
 
   ContactState state_;
+  bool keeps_to_wall_ = false;
   FreeTool free_;
   const View* view_;
   std::uint32_t tool_;

@@ -45,10 +45,18 @@ PALPATE_NOINLINE inline ToolTouch find_wall(const View& surface, const ToolShape
     Location found;
     const double within = smaller(shape.skin() + reach, shape.skin() + best.clearance);
     if (!closest_point_where<kFeatures>(surface, q, apart, within, found)) return;
-    // Where the distance falls on towards a foot this is that foot's wall.
+    // Where the distance falls on towards a foot, over the body or over the tool, this is that foot's wall.
+    constexpr int kMostSteps = 8;
+    CorePoint at = core;
     found = local_closest_point(surface, found.at, q);
+    for (int step = 0; step < kMostSteps && found.signed_distance > 0; ++step) {
+      const CorePoint next = shape.advance(at, request.pose, found, smooth_normal(surface, found.at), shape.extent());
+      if (!(length(next.point - at.point) > 1e-3 * shape.extent())) break;
+      at = next;
+      found = local_closest_point(surface, found.at, request.pose.apply(at.point));
+    }
     if (!apart(found.point) || !(found.signed_distance - shape.skin() < best.clearance)) return;
-    best.core = core;
+    best.core = at;
     best.body = found;
     best.clearance = found.signed_distance - shape.skin();
   });
@@ -100,15 +108,16 @@ public:
   /// points are those of the first contact. `body`, `latest`: as for BasicContact::tick.
   template <class Body>
   Tick tick(const Pose& tool, const Body& body, const SetSearch<Most>* latest = nullptr) {
-    const double moved = travel(last_, tool, contacts_[0].shape().extent());
+    const Pose here = in_body(tool, body.frame(ticks_[0].at));
+    const double moved = travel(last_, here, contacts_[0].shape().extent());
     const Search* const first = latest != nullptr ? &latest->first : nullptr;
     const double fade = 4 * moved / gap();
+    // One contact alone follows the nearest wall; each of several keeps to its own.
+    int touching = 0;
+    for (const Tick& tick : ticks_) touching += tick.touches();
+    for (BasicContact<kFeatures>& contact : contacts_) contact.keep_to_wall(touching > 1);
     ticks_[0] = contacts_[0].tick(tool, SharedBody<Body>{&body, 1, fade}, first);
-    if (ticks_[0].state == State::fault) {
-      const Tick fault = ticks_[0];
-      reset();
-      return fault;
-    }
+    if (ticks_[0].state == State::fault) return fail(ticks_[0]);
     for (std::size_t k = 1; k < Most; ++k) {
       if (!ticks_[k].touches()) continue;
       const double share = larger(0, share_of(k));
@@ -119,10 +128,11 @@ public:
       }
       const SharedBody<Body> shared{&body, share, fade};
       ticks_[k] = contacts_[k].tick(tool, shared, latest != nullptr ? &latest->more : nullptr);
+      if (ticks_[k].state == State::fault) return fail(ticks_[k]);
     }
     lead();
     if (ticks_[0].touches()) look(tool, body, latest);
-    last_ = tool;
+    last_ = here;
     return sum();
   }
 
@@ -149,6 +159,11 @@ private:
   template <std::size_t... K>
   ContactSet(const View& view, std::uint32_t tool, std::index_sequence<K...>)
       : contacts_{((void)K, BasicContact<kFeatures>(view, tool))...} {}
+
+  Tick fail(Tick fault) {
+    reset();
+    return fault;
+  }
 
   /// m, from which on two feet lie on two walls.
   [[nodiscard]] double gap() const { return contacts_[0].size(contacts_[0].state().indentation); }
@@ -191,14 +206,14 @@ private:
       wall = latest->more.touch;
       if (!(wall.clearance < HUGE_VAL)) return;
     } else {
-      if (travel(looked_, tool, contacts_[0].shape().extent()) < clear_) return;
-      looked_ = tool;
+      if (travel(looked_, in_frame, contacts_[0].shape().extent()) < clear_) return;
+      looked_ = in_frame;
       const double reach = 0.25 * gap();
       wall = detail::find_wall(contacts_[0].view(), contacts_[0].shape(), request(in_frame), gap(), reach);
       clear_ = smaller(reach, larger(0, wall.clearance));
       if (!(wall.clearance <= 0)) return;
     }
-    contacts_[spare].begin(wall, last_, body);
+    contacts_[spare].begin(wall, body.frame(ticks_[0].at) * last_, body);
     const SharedBody<Body> whole{&body, 1, 0};
     ticks_[spare] = contacts_[spare].tick(tool, whole, latest != nullptr ? &latest->more : nullptr);
   }
@@ -221,8 +236,8 @@ private:
 
   std::array<BasicContact<kFeatures>, Most> contacts_;
   std::array<Tick, Most> ticks_;
-  Pose last_, looked_;
-  double clear_ = -1;  ///< m, the tool may go from looked_ before another wall can overlap
+  Pose last_, looked_;  ///< of the tool, in the frame of the body near the first contact
+  double clear_ = -1;   ///< m, the tool may go from looked_ before another wall can overlap
 };
 
 /// For a thread that searches while another one makes forces.

@@ -15,7 +15,11 @@ struct EnergyConstants {
   static constexpr int kNewtonSteps = 2;
   /// Of the way of tool and c: most that the counted depth is corrected by in a tick. It bounds the change of the force
   /// per metre; one tick's own work needs no correction.
-  static constexpr double kCorrection = 0.5;
+  static constexpr double kCorrection = 1.5;
+  /// Rounds in which d is lowered within a tick, and the share of W that may be missing without one: ticks of a hand's
+  /// motion need none.
+  static constexpr int kRounds = 2;
+  static constexpr double kMissing = 0.02;
   /// Of W: a deficit below this is rounding, and the whole depth counts.
   static constexpr double kRounding = 1e-9;
   /// Travel over which an energy that the contact no longer stores is kept: this times the scale of the tool's radius.
