@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: MIT
 # The runtime as one file: cmake -D OUT=FILE -P runtime/amalgamate.cmake
-# Every header of ours is put where it is first included; what the standard library includes stays. FILE.d says which.
+# Every header of ours is put where it is first included, and the loader of files at the end; includes of the standard library
+# stay. FILE.d names the headers.
 cmake_minimum_required(VERSION 3.20)
 set(folders ${CMAKE_CURRENT_LIST_DIR}/include/palpate ${CMAKE_CURRENT_LIST_DIR}/../formats/include/palpate)
 file(READ ${CMAKE_CURRENT_LIST_DIR}/include/palpate/palpate.hpp text)
+string(APPEND text "#include \"palpate/format/loaded_file.hpp\"\n")
 set(included)
 set(depends ${CMAKE_CURRENT_LIST_DIR}/include/palpate/palpate.hpp)
 while(text MATCHES "#include \"palpate/([a-z0-9_/]+[.]hpp)\"\n")

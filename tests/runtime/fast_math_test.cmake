@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Arithmetic that forgets NaN is refused by name: a tick would take what is no pose for one.
+# Arithmetic without NaN is refused by name, because a tick would accept a pose that is none.
 include(${CMAKE_CURRENT_LIST_DIR}/../support/compiler.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/../support/run.cmake)
 need_compiler()
 set(command ${compiler} -std=c++17 -fsyntax-only -x c++ -I ${SOURCE}/runtime/include -I ${SOURCE}/formats/include)
-set(header ${SOURCE}/runtime/include/palpate/math3.hpp)
+set(header ${SOURCE}/runtime/include/palpate/math/vec3.hpp)
 run(${command} -w -O2 -fno-math-errno ${header})
 set(refused -ffast-math -Ofast -ffinite-math-only)
 # Clang 14 defines nothing for these; compilers that do say so.

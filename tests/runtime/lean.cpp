@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Opens a file and ticks with the features FEATURES alone, without a virtual coupling: compiled with all and with none,
-// and looked into.
-#include "palpate/palpate.hpp"
+// Opens a file and ticks with the features FEATURES alone, without a virtual coupling. Compiled with all features and with
+// none, for lean_symbols_test.cmake.
+#include "palpate/contact/contact.hpp"
+#include "palpate/format/open.hpp"
+#include "palpate/output/virtual_coupling.hpp"
 
 using namespace palpate::runtime;
 
-// The same twice: what holds a tool rigidly is not there.
+// The same code twice: a rigid coupling costs nothing.
 Tick directly(BasicContact<FEATURES>& contact, const Pose& pose, double) { return contact.tick(pose); }
 Tick rigidly(BasicContact<FEATURES>& contact, const Pose& pose, double seconds) {
   return Rigid().tick(contact, pose, seconds);

@@ -7,11 +7,12 @@ need_compiler()
 file(REMOVE_RECURSE ${FOLDER})
 file(MAKE_DIRECTORY ${FOLDER})
 
-# Two programs' files as they stand: what they include by name is the one file.
-foreach(header IN ITEMS runtime math3)
+# Two programs' files unchanged: every header of ours that they include is the one file, and MappedFile is its loader.
+foreach(header IN ITEMS palpate math/pose)
   file(WRITE ${FOLDER}/palpate/${header}.hpp "#include \"palpate_runtime.hpp\"\n")
 endforeach()
-file(COPY ${SOURCE}/runtime/include/palpate/mapped_file.hpp DESTINATION ${FOLDER}/palpate)
+file(WRITE ${FOLDER}/palpate/format/mapped_file.hpp
+     "#include \"palpate_runtime.hpp\"\nnamespace palpate::runtime { using MappedFile = LoadedFile; }\n")
 
 # Compilers of before a standard know it by its working title.
 set(standard ${STANDARD})

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a program may name beside a contact: a function for each, of which a linker keeps one. Compiled without
-// inlining, so that whatever it calls has a symbol.
+// Classes that a program may use beside a contact: a function for each, of which a linker keeps one. Compiled without
+// inlining, so that every function that is called has a symbol.
 #include "palpate/palpate.hpp"
 
 using namespace palpate::runtime;
@@ -9,16 +9,14 @@ namespace {
 
 template <class Step>
 Vec3 through(const Step& step, const Vec3& force) {
-  return Output<Step>(step)(force, 1e-3, force);
+  return OutputChain<Step>(step)(force, 1e-3, force);
 }
 
-template <class Held>
-Tick hold(const View& view, const Pose& pose) {
+template <class Bonded>
+Tick tick_bonded(const View& view, const Pose& pose) {
   Contact contact(view, 0);
-  Held held(view, 0, pose, contact.tick(pose));
-  Tick tick;
-  tick.force = held.tick(pose).force;
-  return tick;
+  Bonded bonded(view, 0, pose, contact.tick(pose));
+  return bonded.tick(pose);
 }
 
 }  // namespace
@@ -36,7 +34,9 @@ Vec3 use_RateLimit(const Vec3& force) { return through(output::RateLimit{80}, fo
 Vec3 use_Limit(const Vec3& force) { return through(output::Limit{3}, force); }
 Vec3 use_OneAxis(const Vec3& force) { return through(output::OneAxis{{0, 0, 1}}, force); }
 Vec3 use_TwoAxes(const Vec3& force) { return through(output::TwoAxes{{0, 0, 1}}, force); }
-Vec3 use_Passivity(const Vec3& force) { return through(output::Passivity({}), force); }
+Vec3 use_PassivityController(const Vec3& force) {
+  return through(output::PassivityController(output::PassivityOptions{}), force);
+}
 Vec3 use_DeviceFrame(const Vec3& force, const Pose& pose) {
   const DeviceFrame frame{pose, 2, 0.5};
   return frame.to_device(force + frame.to_scene(pose).translation);
@@ -46,21 +46,21 @@ Tick use_VirtualCoupling(const View& view, const Pose& pose) {
   Contact contact(view, 0);
   return VirtualCoupling(CouplingOptions()).tick(contact, pose, 1e-3);
 }
-Tick use_SeveralContacts(const View& view, const Pose& pose) { return SeveralContacts<>(view, 0).tick(pose).each[0]; }
-Tick use_ContactsAsOne(const View& view, const Pose& pose) { return ContactsAsOne<>(view, 0).tick(pose); }
-Tick use_SeveralTools(const View& view, const Pose& pose) { return SeveralTools<1>(view, {0}).tick({pose})[0]; }
-Tick use_AdjustedContact(const View& view, const Pose& pose, SiteScales::Scale* memory) {
+Tick use_ContactSet(const View& view, const Pose& pose) { return ContactSet<3>(view, 0).tick(pose); }
+Tick use_StiffnessScale(const View& view, const Pose& pose, SiteScales::Scale* memory) {
   SiteScales scales(view, memory);
-  return AdjustedContact(view, 0, scales).tick(pose, 1e-3);
+  return Contact(view, 0).tick(pose, StiffnessScale<StillBody>{{&view}, &scales, &view});
 }
-Tick use_Grasp(const View& view, const Pose& pose) { return hold<Grasp>(view, pose); }
-Tick use_TurningGrasp(const View& view, const Pose& pose) { return hold<TurningGrasp>(view, pose); }
-Tick use_AnimatedContact(const View& view, const Pose& pose, void* memory) {
-  AnimatedSurface surface(view, memory);
-  return AnimatedContact(surface, 0).tick(pose);
+Tick use_BondedContact(const View& view, const Pose& pose) { return tick_bonded<BondedContact>(view, pose); }
+Tick use_BondedContact6D(const View& view, const Pose& pose) { return tick_bonded<BondedContact6D>(view, pose); }
+Tick use_DeformingBody(const View& view, const Pose& pose, const Vec3* sites, void* memory) {
+  DeformingSurface surface(view, memory);
+  surface.set(sites, view.meta->site_count, 0.016);
+  surface.advance(1e-3);
+  return Contact(view, 0).tick(pose, DeformingBody{&surface});
 }
-Tick use_MovingContact(const View& view, const Pose& pose) { return MovingContact(view, 0).tick(pose, pose); }
-bool use_Latest(Latest<Search>& latest, Search& found) {
+Tick use_RigidMotion(const View& view, const Pose& pose) { return Contact(view, 0).tick(pose, RigidMotion{&view, pose}); }
+bool use_TripleBuffer(TripleBuffer<Search>& latest, Search& found) {
   latest.write(found);
   return latest.read(found);
 }
@@ -68,6 +68,11 @@ double use_EnergyMeter(const Pose& pose, const Tick& tick) {
   EnergyMeter meter;
   meter.add(pose, tick);
   return meter.given();
+}
+bool use_SuperpositionError(const View& view, const Tick& tick) {
+  SuperpositionError error;
+  error.add(tick, ContactRadius(view, 0), tick, ContactRadius(view, 0));
+  return error.notable();
 }
 
 }  // extern "C"

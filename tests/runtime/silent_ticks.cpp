@@ -36,5 +36,5 @@ int main(int argc, char** argv) {
   if (!forbid_system_calls()) return std::perror("silent_ticks: seccomp"), 77;
   const test::EveryTick sum = test::every_tick(file.data(), file.size(), 10000, argc > 2 ? +call : +nothing);
   // The exit code is all that it may still say.
-  ::_exit(sum.error != nullptr ? 2 : !sum.finite ? 3 : sum.touching < 10000 ? 5 : sum.held > 0 ? 10 : 0);
+  ::_exit(sum.error != nullptr ? 2 : !sum.finite ? 3 : sum.touching < 10000 ? 5 : sum.bonded > 0 ? 10 : 0);
 }

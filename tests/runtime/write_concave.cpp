@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Writes the concave and sharp shapes of the tests as response files, separable and coupled: write_concave FOLDER
+// Writes the concave and sharp shapes of the tests as response files, with friction and without: write_concave FOLDER
 #include <cstdio>
 #include <exception>
 
@@ -10,12 +10,12 @@ int main(int argc, char** argv) {
   if (argc != 2) return 1;
   try {
     for (const ConcaveShape& shape : concave_shapes()) {
-      for (const int coupled : {0, 2}) {
+      for (const bool friction : {true, false}) {
         ResponseSampleOptions options;
-        options.coupled = coupled;
+        options.friction = friction;
         options.search = true;
         options.tools = ResponseSampleOptions::Tools::all;
-        const std::string name = shape.name + (coupled > 0 ? "_coupled.palp" : ".palp");
+        const std::string name = shape.name + (friction ? ".palp" : "_frictionless.palp");
         palpate::write_response_file(std::filesystem::path(argv[1]) / name,
                                      palpate::encode(concave_content(shape, options)));
       }

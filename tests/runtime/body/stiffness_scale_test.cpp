@@ -82,6 +82,15 @@ TEST(StiffnessScale, FallIsARampAndARiseAtRestGivesNoForce) {
     }
     last = force;
   }
+  a.set_all(2);
+  for (int k = 0; k < 300; ++k) contact.tick(at_depth(0.003), a.body);
+  const Tick risen = contact.tick(at_depth(0.003), a.body);
+  EXPECT_LT(risen.counted_depth, risen.depth) << "the hand has not put in what the whole depth stores now";
+  // E is that of the factor 1. W grows like the depth^2.5, so at one energy F grows like the factor^0.4.
+  EXPECT_LT(length(risen.force), 1.1 * std::pow(2, 0.4) * full);
+  for (int k = 30; k >= -5; --k) contact.tick(at_depth(1e-4 * k), a.body);
+  for (int k = -5; k <= 30; ++k) contact.tick(at_depth(1e-4 * k), a.body);
+  EXPECT_NEAR(length(contact.tick(at_depth(0.003), a.body).force), 2 * full, 0.02 * full) << "of the next contact";
 }
 
 // A rise of the factor stores nothing that the hand did not put in.

@@ -2,22 +2,24 @@
 // A file in memory: mapped where the system has POSIX mmap, read elsewhere. The runtime itself needs only bytes.
 #pragma once
 
-#include <cerrno>
-#include <cstddef>
-#include <cstring>
-
 #if defined(_WIN32)
-#include <cstdio>
-#include <cstdlib>
+#include "palpate/format/loaded_file.hpp"
 #else
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include <cerrno>
+#include <cstddef>
+#include <cstring>
 #endif
 
 namespace palpate::runtime {
 
+#if defined(_WIN32)
+using MappedFile = LoadedFile;
+#else
 /// The bytes of a whole file, aligned to 8, released on destruction. The file must not be shortened while it is mapped.
 /// Replace it by renaming, as Palpate's writer does.
 class MappedFile {
@@ -35,35 +37,6 @@ public:
   [[nodiscard]] std::size_t size() const { return size_; }
 
 private:
-#if defined(_WIN32)
-  void load(const char* path) {
-    std::FILE* const file = std::fopen(path, "rb");
-    if (file == nullptr) {
-      error_ = errno;
-      return;
-    }
-    std::size_t room = 0;
-    for (;;) {
-      if (size_ == room) {
-        room = room == 0 ? std::size_t{1} << 20 : 2 * room;
-        void* const more = std::realloc(data_, room);
-        if (more == nullptr) {
-          error_ = ENOMEM;
-          break;
-        }
-        data_ = more;
-      }
-      const std::size_t read = std::fread(static_cast<char*>(data_) + size_, 1, room - size_, file);
-      size_ += read;
-      if (read == 0) {
-        if (std::ferror(file) != 0) error_ = EIO;
-        break;
-      }
-    }
-    std::fclose(file);
-  }
-  void release() { std::free(data_); }
-#else
   void load(const char* path) {
     const int fd = ::open(path, O_RDONLY | O_CLOEXEC);
     struct stat status {};
@@ -85,11 +58,11 @@ private:
   void release() {
     if (data_ != nullptr) ::munmap(data_, size_);
   }
-#endif
 
   void* data_ = nullptr;
   std::size_t size_ = 0;
   int error_ = 0;
 };
+#endif
 
 }  // namespace palpate::runtime

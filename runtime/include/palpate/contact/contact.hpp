@@ -363,7 +363,10 @@ private:
     // An indentation that grows by more than the tool's way was found, not made.
     const double deepened = smaller(z - last, motion.moved);
     const double kept = state_.counted_depth + deepened;
-    const double most = EnergyConstants::kCorrection * (motion.moved + motion.crept), least = larger(kept - most, 0);
+    const double most = EnergyConstants::kCorrection * (motion.moved + motion.crept);
+    // A factor that rises makes every depth cost more. What is not paid for is lost at once, or the force would rise at rest.
+    const double rise = factor > state_.factor ? 1 - state_.factor / factor : 0;
+    const double least = larger(kept - most - rise * state_.counted_depth, 0);
     double depth = z, limit = 0;
     const bool paid = paid_for >= before.work * (1 - EnergyConstants::kRounding);
     const bool owed = !paid || state_.counted_depth < last || deepened < z - last;

@@ -213,6 +213,7 @@ private:
       clear_ = smaller(reach, larger(0, wall.clearance));
       if (!(wall.clearance <= 0)) return;
     }
+    contacts_[spare].keep_to_wall(true);
     contacts_[spare].begin(wall, body.frame(ticks_[0].at) * last_, body);
     const SharedBody<Body> whole{&body, 1, 0};
     ticks_[spare] = contacts_[spare].tick(tool, whole, latest != nullptr ? &latest->more : nullptr);
