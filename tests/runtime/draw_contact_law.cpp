@@ -12,13 +12,13 @@ namespace {
 
 ConcaveShape groove() {
   for (const ConcaveShape& shape : concave_shapes()) {
-    if (shape.name == "groove_90") return shape;
+    if (shape.name == "fissure") return shape;
   }
   return {};
 }
 
 std::string figure() {
-  const Opened file(concave_content(groove(), uniform()));
+  const Opened file(concave_content(groove()));
   runtime::Contact contact(file.view, 0);
   std::vector<double> travel;
   cli::PlotSeries normal{"along n", {}}, tangential{"across n", {}};
