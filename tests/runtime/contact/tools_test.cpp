@@ -310,7 +310,7 @@ TEST(SafeDistance, FreeToolThatLeapsIsFreeForASearchToo) {
 }
 
 // A capsule's contact ends where its point leaves the body though another part of the stem overlaps.
-TEST(SafeDistance, DISABLED_FreeCapsuleThatLeapsIsFreeForASearchToo) { expect_free_for_a_search(1); }
+TEST(SafeDistance, FreeCapsuleThatLeapsIsFreeForASearchToo) { expect_free_for_a_search(1); }
 
 }  // namespace
 }  // namespace palpate::tools_test

@@ -148,21 +148,20 @@ public:
     count_ = 0;
   }
 
-  /// m, way of the responses' points c in this tick, the largest of all contacts.
-  [[nodiscard]] double point_motion(const Tick& tick, const Tick& last) const {
-    if (case_.driver != Driver::set) return tick.touches() && last.touches() ? length(tick.body_point - last.body_point) : 0;
+  /// m, how far the responses went on over the body in this tick, the largest of all contacts. Where c leaps the response
+  /// lags behind it.
+  [[nodiscard]] double point_motion() const {
     double most = 0;
     for (int k = 0; k < 3; ++k) {
-      const runtime::ContactState& now = set_.contact(k).state();
-      if (now.touching && was_touching_[k]) most = std::max(most, length(now.place.body_point.point - was_[k]));
+      const runtime::ContactState& now = contact(k).state();
+      const runtime::ContactPlace &place = now.place, &was = was_[k].place;
+      if (!now.touching || !was_[k].touching) continue;
+      most = std::max(most, length(place.body_point.point - was.body_point.point) + was.lag - place.lag);
     }
     return most;
   }
   void remember() {
-    for (int k = 0; k < 3; ++k) {
-      was_touching_[k] = set_.contact(k).state().touching;
-      was_[k] = set_.contact(k).state().place.body_point.point;
-    }
+    for (int k = 0; k < 3; ++k) was_[k] = contact(k).state();
   }
   /// m, sum of the indentations.
   [[nodiscard]] double depth(const Tick& tick) const {
@@ -173,7 +172,7 @@ public:
   }
   /// N, world: the hand's push against the tangential bias of the contact (the first of a set).
   [[nodiscard]] Vec3 bias(const Tick& tick) const {
-    const runtime::Contact& one = case_.driver == Driver::set ? set_.contact(0) : contact_;
+    const runtime::Contact& one = contact(0);
     const runtime::ContactState& s = one.state();
     if (!s.touching || !(s.counted_depth > 0)) return {};
     const runtime::Vec2 g = one.response().law().at(s.counted_depth).bias;
@@ -184,6 +183,10 @@ public:
   [[nodiscard]] Pose surface_motion() const { return surface_motion_; }
 
 private:
+  [[nodiscard]] const runtime::Contact& contact(int k) const {
+    return case_.driver == Driver::set ? set_.contact(k) : contact_;
+  }
+
   const View& view_;
   PropertyCase case_;
   Random random_;
@@ -196,8 +199,7 @@ private:
   BodyPoint last_at_;
   std::uint64_t ticks_ = 0, count_ = 0, every_ = 5;
   runtime::Search latest_, coming_;
-  bool was_touching_[3] = {};
-  Vec3 was_[3];
+  runtime::ContactState was_[3];
 };
 
 }  // namespace palpate::test::property

@@ -124,7 +124,7 @@ PropertyResult run_property(const View& view, const PropertyCase& c) {
     r.force = std::max(r.force, size / (k * std::max(scale, depth)));
     if (tick.depth > 0) r.least_counted = std::min(r.least_counted, tick.counted_depth / tick.depth);
     const bool goes_on = tick.touches() && last.touches();
-    const double crept = loop.point_motion(tick, last);
+    const double crept = loop.point_motion();
     const double late = c.driver == Driver::deforming ? moved_before : 0;
     const double change = length(tick.force - last.force), here = factor * stiff.at(std::max(deepest, depth));
     const double step = change / (here * (moved + crept + late + drift + kNothing * scale));

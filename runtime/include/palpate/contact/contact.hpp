@@ -14,7 +14,7 @@ namespace palpate::runtime {
 /// Constants of how a contact moves over body and tool.
 struct ContactConstants {
   /// Times the tool's travel in a tick, that c and p may go.
-  static constexpr double kPointSpeed = 8;
+  static constexpr double kPointSpeed = 4;
   /// Times the tool's travel over the indentation: angle (rad) by which the normal may turn in a tick.
   static constexpr double kTurnSpeed = 2;
   /// Of a contact's size: c rests while its target is nearer than this. It saves a blend where nothing would change.
@@ -121,7 +121,7 @@ private:
   /// What all trials of a tick share.
   struct TickMotion {
     double moved = 0;  ///< m, largest travel of the tool's skin
-    double crept = 0;  ///< m, way of c
+    double crept = 0;  ///< m, by which the response went on towards c
     Vec3 before;       ///< m, motion of the tool's point where the last force acted
     Vec3 after;        ///< m, motion of the tool's point where this force acts
     Vec3 point;        ///< m, where this force acts
@@ -190,7 +190,7 @@ private:
     state_.applied.point = state_.tool.apply(place.tool_point.point);
     foot_tracker_.reset();
     point_tracker_.reset();
-    blend(state_.tool);
+    blend(state_.tool, 1);
   }
 
   /// One tick of a contact that lasts; `tool` in the frame of the body near c.
@@ -212,9 +212,12 @@ private:
     }
     turn_normal(q, z, motion.moved);
     const bool turned_tool = orientation_matters() && !(state_.tool == tool);
-    const Vec3 c = place.body_point.point;
-    if (advance_body_point(reach, latest) || !same(from, place.tool_point) || turned_tool) blend(tool);
-    motion.crept = length(place.body_point.point - c);
+    if (motion.moved > 0) advance_body_point(latest);
+    if (place.lag > 0 || !same(from, place.tool_point) || turned_tool) {
+      motion.crept = smaller(place.lag, reach);
+      blend(tool, place.lag > reach ? reach / place.lag : 1);
+      place.lag -= motion.crept;
+    }
 
     motion.point = q - shape_.skin() * place.normal;
     motion.before = way_of(state_.tool.unapply(state_.applied.point), tool);
@@ -297,22 +300,19 @@ private:
     place.normal = n;
   }
 
-  /// c: the foot less the deflection of the springs. False where c rests.
-  bool advance_body_point(double reach, const Search* latest) {
+  /// c: the point of the surface closest to the foot less the springs' deflection. It may leap; the response does not.
+  void advance_body_point(const Search* latest) {
     ContactPlace& place = state_.place;
     const Vec2 mean = mean_deflection();
     const Vec3 y = cross(place.normal, place.axis);
-    const Vec3 target = place.foot.point - mean.x * place.axis - mean.y * y, way = target - place.target;
-    const double distance = length(way), rest = ContactConstants::kRest * size(state_.indentation);
-    if (length(tangential(way, place.normal)) <= rest || !(reach > 0)) return false;
+    const Vec3 target = place.foot.point - mean.x * place.axis - mean.y * y;
+    const double rest = ContactConstants::kRest * size(state_.indentation);
+    if (length(tangential(target - place.target, place.normal)) <= rest) return;
     const Vec3 from = place.body_point.point;
-    const double stride = smaller(distance, reach);
-    place.target = place.target + (stride / distance) * way;
-    place.body_point = latest != nullptr ? walked(place.target, place.body_point.at, place.foot.at)
-                                         : point_tracker_.at(*view_, place.target, place.body_point.at);
-    // Over a bent surface c leads its target along; across a gap, where c stays, the target goes on alone.
-    if (length(place.body_point.point - from) > 0.5 * stride) place.target = place.body_point.point;
-    return true;
+    place.target = target;
+    place.body_point = latest != nullptr ? walked(target, place.body_point.at, place.foot.at)
+                                         : point_tracker_.at(*view_, target, place.body_point.at);
+    place.lag += length(place.body_point.point - from);
   }
 
   /// m: K^-1 sum of K_k e_k, as of the last tick.
@@ -335,10 +335,13 @@ private:
     return (kFeatures & layout::feature_spin) != 0 && view_->spins != nullptr;
   }
 
-  void blend(const Pose& tool) {
+  /// `share`: of the response at (c, p) in the new response; the rest is the old one.
+  void blend(const Pose& tool, double share) {
     ContactPlace& place = state_.place;
     const Vec3 n = smooth_normal(*view_, place.body_point.at);
+    const BlendedResponse<kFeatures> old = response_;
     response_.blend(*view_, tool_, place.body_point.at, place.tool_point.at, turned(place.axis, place.normal, n), &tool);
+    if (share < 1) response_.mix(old, 1 - share);
     layers_.set(response_.law(), response_.softening());
   }
 

@@ -12,7 +12,8 @@ namespace palpate::runtime {
 struct ContactPlace {
   Location foot;        ///< f: point of the undeformed body nearest to the tool's core
   Location body_point;  ///< c: point of the undeformed body whose responses are used
-  Vec3 target;          ///< m, what c is the closest point of: goes to the foot less the springs' deflection
+  Vec3 target;          ///< m, what c is the closest point of: the foot less the springs' deflection
+  double lag = 0;       ///< m, by which the response is behind c
   CorePoint tool_point; ///< p
   Vec3 normal;          ///< n, unit, outward
   Vec3 axis;            ///< unit, across n: the x axis of the tangential vectors

@@ -68,7 +68,8 @@ public:
       // over itself a search may say otherwise.
       const auto outside = [&](const Pose& pose, const BodyPoint& from) {
         ToolTouch touch = search(pose, from);
-        if (latest == nullptr && touch.body.signed_distance < 0 && shape.skin() - touch.body.signed_distance > way) {
+        if (searched_ && latest == nullptr && touch.body.signed_distance < 0 &&
+            shape.skin() - touch.body.signed_distance > way) {
           touch.body.signed_distance = -touch.body.signed_distance;
           touch.clearance = touch.body.signed_distance - shape.skin();
           touch.safe = larger(0, touch.clearance);
@@ -90,6 +91,7 @@ public:
   template <class Body>
   void leave(const Pose& tool, const Body& body, const BodyPoint& near) {
     known_ = true;
+    searched_ = false;
     pose_ = in_body(tool, body.surface_frame());
     surface_travel_ = body.travel();
     near_ = near;
@@ -98,14 +100,15 @@ public:
 
 private:
   void remain(const Pose& at, double surface_travel, const ToolTouch& touch, double safe) {
-    known_ = true;
+    known_ = searched_ = true;
     pose_ = at;
     surface_travel_ = surface_travel;
     near_ = touch.body.at;
     safe_ = safe;
   }
 
-  bool known_ = false;  ///< whether the tool was free at pose_
+  bool known_ = false;     ///< whether the tool was free at pose_
+  bool searched_ = false;  ///< whether a search of the whole tool found so, and not the end of a contact at one point
   Pose pose_;           ///< in the frame of body.surface()
   double surface_travel_ = 0;
   BodyPoint near_;

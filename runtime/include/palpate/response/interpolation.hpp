@@ -37,6 +37,14 @@ public:
     law_.set(degrees, sum, view.meta->depth_scale, view.meta->tangential_scale);
   }
 
+  /// Adds a share of another response. Both are with respect to the contact's axis.
+  void mix(const BlendedResponse& other, double share) {
+    law_.mix(other.law_, share);
+    depth_limit_ += share * (other.depth_limit_ - depth_limit_);
+    filled_share_ += share * (other.filled_share_ - filled_share_);
+    softening_ += share * (other.softening_ - softening_);
+  }
+
   [[nodiscard]] const ResponseLaw& law() const { return law_; }
   /// Smooth unit normal at c, and the basis across it.
   [[nodiscard]] const Vec3& normal() const { return normal_; }

@@ -59,6 +59,15 @@ public:
     to_powers<1>(coefs, 0, degrees.friction, 1, friction_);
   }
 
+  /// Goes towards another law of the same file by a share in [0, 1].
+  void mix(const ResponseLaw& other, double share) {
+    mix(other.normal_, share, normal_);
+    mix(other.bias_, share, bias_);
+    mix(other.stiffness_, share, stiffness_);
+    mix(other.coupling_, share, coupling_);
+    mix(other.friction_, share, friction_);
+  }
+
   [[nodiscard]] double depth_scale() const { return depth_scale_; }
   /// Whether the law has tangential stiffness and friction.
   [[nodiscard]] bool has_friction() const { return degrees_.friction_families; }
@@ -116,6 +125,13 @@ public:
   }
 
 private:
+  template <int kPowers, int kParts>
+  static void mix(const double (&from)[kPowers][kParts], double share, double (&to)[kPowers][kParts]) {
+    for (int k = 0; k < kPowers; ++k) {
+      for (int c = 0; c < kParts; ++c) to[k][c] += share * (from[k][c] - to[k][c]);
+    }
+  }
+
   [[nodiscard]] double abscissa(double z) const { return z < depth_scale_ ? std::sqrt(z / depth_scale_) : 1; }
   /// m, by which z exceeds Z.
   [[nodiscard]] double beyond(double z) const { return z > depth_scale_ ? z - depth_scale_ : 0; }
