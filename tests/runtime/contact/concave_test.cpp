@@ -61,13 +61,12 @@ void draw_across(Contact& contact, double reach, double stride, const See& see, 
 /// Promise 4, times the stiffness: of a slow tool that keeps its direction.
 double most_per_metre(double mu) { return mu >= 1 ? 10 : 5; }
 
-/// Largest change of the force in a tick over the way of the tool and of c (N/m): promise 3.
+/// Largest change of the force in a tick over the way of the tool and of the response (N/m): promise 3.
 class Steepest {
 public:
   void add(const Contact& contact, double stride) {
     const runtime::ContactState& now = contact.state();
-    const double crept =
-        now.touching && last_.touching ? runtime::response_way(last_.place, now.place) : 0;
+    const double crept = now.touching && last_.touching ? runtime::response_way(last_.place, now.place) : 0;
     const Vec3 force = now.touching ? now.applied.force : Vec3{};
     value_ = std::max(value_, distance(force, last_.applied.force) / (stride + crept));
     last_ = now;
@@ -79,13 +78,6 @@ public:
 
 private:
   runtime::ContactState last_;
-  double value_ = 0;
-};
-}
-  [[nodiscard]] double value() const { return value_; }
-
-private:
-  Tick last_;
   double value_ = 0;
 };
 
