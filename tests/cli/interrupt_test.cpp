@@ -17,9 +17,9 @@ protected:
 };
 
 TEST_F(Interrupt, ABakeStopsAndGoesOn) {
-  // Four sites of a small frictionless slab.
+  // Sites of a small frictionless slab.
   ASSERT_EQ(run({"synth", "slab", "--out", ".", "--scale", "0.5", "--friction", "0", "--tool-radius", "0.003",
-                 "--depth", "0.001", "--spacing", "0.03"})
+                 "--depth", "0.001", "--spacing", "0.02"})
                 .exit_code,
             0);
   std::ofstream(folder() / "scene.toml", std::ios::app) << "normal_points = 4\n[solver]\nmesh_size = 1\n";

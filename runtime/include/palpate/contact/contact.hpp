@@ -42,7 +42,6 @@ public:
     state_.reset();
     free_.reset();
     foot_tracker_.reset();
-    point_tracker_.reset();
   }
 
   /// The force at a pose of the tool (body frame).
@@ -189,7 +188,6 @@ private:
     state_.factor = body.factor(at);
     state_.applied.point = state_.tool.apply(place.tool_point.point);
     foot_tracker_.reset();
-    point_tracker_.reset();
     blend(state_.tool, 1);
   }
 
@@ -212,7 +210,7 @@ private:
     }
     turn_normal(q, z, motion.moved);
     const bool turned_tool = orientation_matters() && !(state_.tool == tool);
-    if (motion.moved > 0) advance_body_point(latest);
+    if (motion.moved > 0) advance_body_point();
     if (place.lag > 0 || !same(from, place.tool_point) || turned_tool) {
       motion.crept = smaller(place.lag, reach);
       blend(tool, place.lag > reach ? reach / place.lag : 1);
@@ -277,7 +275,7 @@ private:
     foot = closest;
   }
 
-  /// Without a search: the nearer of two walks over the surface, from each of two places.
+  /// The nearer of two walks over the surface, from each of two places.
   [[nodiscard]] Location walked(const Vec3& q, const BodyPoint& one, const BodyPoint& other) const {
     const Location first = local_closest_point(*view_, one, q), second = local_closest_point(*view_, other, q);
     return std::fabs(second.signed_distance) < std::fabs(first.signed_distance) ? second : first;
@@ -301,7 +299,7 @@ private:
   }
 
   /// c: the point of the surface closest to the foot less the springs' deflection. It may leap; the response does not.
-  void advance_body_point(const Search* latest) {
+  void advance_body_point() {
     ContactPlace& place = state_.place;
     const Vec2 mean = mean_deflection();
     const Vec3 y = cross(place.normal, place.axis);
@@ -310,8 +308,7 @@ private:
     if (length(tangential(target - place.target, place.normal)) <= rest) return;
     const Vec3 from = place.body_point.point;
     place.target = target;
-    place.body_point = latest != nullptr ? walked(target, place.body_point.at, place.foot.at)
-                                         : point_tracker_.at(*view_, target, place.body_point.at);
+    place.body_point = walked(target, place.body_point.at, place.foot.at);
     place.lag += length(place.body_point.point - from);
   }
 
@@ -469,7 +466,6 @@ private:
   BlendedResponse<kFeatures> response_;
   FrictionLayers layers_;
   ClosestPointTracker<kFeatures> foot_tracker_;
-  ClosestPointTracker<kFeatures, 4> point_tracker_;  // c rests most of the time
 };
 
 using Contact = BasicContact<>;
