@@ -46,7 +46,7 @@ TEST_F(Measured, ARecordingAloneMakesAFile) {
   const auto inspected = nlohmann::json::parse(run({"inspect", "slab.palp", "--json"}).out);
   EXPECT_EQ(inspected["responses_measured"], 1);
   EXPECT_EQ(inspected["responses_solved"], 0);
-  EXPECT_EQ(inspected["responses_covered"].get<int>() + 1, inspected["responses"].get<int>());
+  EXPECT_EQ(inspected["responses_filled"].get<int>() + 1, inspected["responses"].get<int>());
   const RunResult text = run({"fit", "slab.toml", "--measured", "press.csv"});
   EXPECT_NE(text.out.find("50 rows down to 2 mm, residual "), std::string::npos) << text.out;
   EXPECT_NE(text.out.find("5 left out as outliers: press.csv:6, press.csv:16"), std::string::npos) << text.out;
@@ -73,13 +73,13 @@ TEST_F(Measured, PlanAndVerifyKnowWhatIsNotSolved) {
   const auto plan = nlohmann::json::parse(run({"plan", "slab.toml", "--json"}).out);
   EXPECT_EQ(plan["pairs_planned"], 0);
   EXPECT_EQ(plan["pairs_measured"], 1);
-  EXPECT_GT(plan["pairs_covered"], 1);
+  EXPECT_GT(plan["pairs_filled"], 1);
   // The file is opened after the journal, which nobody asks for.
   const RunResult verified = run({"verify", "slab.toml", "--response", "none.palp"});
   expect_failure(verified, 4, {"none.palp"});
   EXPECT_EQ(verified.error.find("journal"), std::string::npos) << verified.error;
-  write("coupled.toml", scene + "[response]\nmodel = \"coupled\"\n[contact]\nfriction = 0.3\n");
-  expect_failure(run({"bench", "--models", "coupled.toml"}), 2, {"coupled.toml: no pair of it was solved"});
+  write("friction.toml", scene + "[contact]\nfriction = 0.3\n");
+  expect_failure(run({"bench", "--models", "friction.toml"}), 2, {"friction.toml: no pair of it was solved"});
 }
 
 TEST_F(Measured, WithoutABakeTheOtherSitesMayBeCovered) {

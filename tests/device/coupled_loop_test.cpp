@@ -56,16 +56,20 @@ StabilityCase case_of(const char* kind, const ContactLaw& law, const NamedHand& 
   return {device::find_sim_kind(kind), &law, &hand, 1000, 0.0015};
 }
 
-/// The contact as stiff as kStiff where it rests: oscillates alone and behind a coupling that is too stiff, not behind
-/// one that is called safe. `thrown`: alone it may bounce without a pattern, by a hundred steps and more.
+/// The contact has the stiffness kStiff where it rests. It swings without a coupling and behind a coupling that is too
+/// stiff; behind a coupling that is called safe it rests. `thrown`: the first two may bounce without a pattern, by more
+/// than a hundred encoder steps.
 void expect_mended(const StabilityCase& c, const CouplingOptions& safe, bool thrown = false) {
   const double scale = scale_of(c, kStiff), step = c.kind->plant.resolution;
   const std::string name = std::string(c.kind->kind.name) + ' ' + c.law->name;
-  const device::Swing alone = swing(c, scale, c.law->make(scale));
-  EXPECT_TRUE(alone.oscillates(step) || (thrown && alone.late > 100 * step)) << name << ' ' << alone.late;
+  const auto expect_swing = [&](const device::Swing& swing, const char* held) {
+    EXPECT_TRUE(swing.oscillates(step) || (thrown && swing.late > 100 * step))
+        << name << ", " << held << ": " << swing.early / step << " steps, then " << swing.late / step;
+  };
+  expect_swing(swing(c, scale, c.law->make(scale)), "no coupling");
   CouplingOptions stiff;
   stiff.stiffness = 4 * kStiff;
-  EXPECT_TRUE(coupled_swing(c, scale, stiff).oscillates(step)) << name;
+  expect_swing(coupled_swing(c, scale, stiff), "too stiff a coupling");
   const device::Swing swing = coupled_swing(c, scale, safe);
   EXPECT_FALSE(swing.oscillates(step)) << name << ' ' << safe.stiffness << ' ' << safe.damping;
   EXPECT_LT(swing.late, 3 * step) << name << ' ' << safe.stiffness << ' ' << safe.damping;

@@ -334,9 +334,10 @@ TEST_F(Recorded, WhatAWriterCannotHaveWrittenIsRefused) {
   refused(
       "name", [](RunHeader& h) { std::memset(h.device, 'x', sizeof h.device); }, 0, RunHeader());
   refused(
-      "coupling's stiffness", [](RunHeader& h) { h.coupling_stiffness = -1; }, 0, RunHeader());
+      "stiffness of the virtual coupling", [](RunHeader& h) { h.coupling_stiffness = -1; }, 0, RunHeader());
   refused(
-      "coupling's trials", [](RunHeader& h) { h.coupling_stiffness = 1, h.coupling_trials = ~0U; }, 0, RunHeader());
+      "trials of the virtual coupling", [](RunHeader& h) { h.coupling_stiffness = 1, h.coupling_trials = ~0U; }, 0,
+      RunHeader());
   refused(
       "record 0 (byte 704): its number", [](RunRecord& r) { r.number = 0; }, sizeof(RunHeader), RunRecord());
   refused(

@@ -36,10 +36,12 @@ inline std::string nrrd(const LabelMask& mask, int label) {
     std::snprintf(text, sizeof text, "(%.17g,%.17g,%.17g)", v.x(), v.y(), v.z());
     return std::string(text);
   };
-  std::string text = "NRRD0004\ntype: int\ndimension: 3\nencoding: ascii\nspace dimension: 3\nsizes: " + std::to_string(mask.size[0]) +
-                     " " + std::to_string(mask.size[1]) + " " + std::to_string(mask.size[2]) +
-                     "\nspace directions: " + vector(mask.axes.col(0)) + " " + vector(mask.axes.col(1)) + " " +
-                     vector(mask.axes.col(2)) + "\nspace origin: " + vector(mask.origin) + "\n\n";
+  std::string text =
+      "NRRD0004\ntype: int\ndimension: 3\nencoding: ascii\nspace dimension: 3\n"
+      "space units: \"m\" \"m\" \"m\"\nsizes: " +
+      std::to_string(mask.size[0]) + " " + std::to_string(mask.size[1]) + " " + std::to_string(mask.size[2]) +
+      "\nspace directions: " + vector(mask.axes.col(0)) + " " + vector(mask.axes.col(1)) + " " +
+      vector(mask.axes.col(2)) + "\nspace origin: " + vector(mask.origin) + "\n\n";
   for (const auto in : mask.inside) text += in != 0 ? std::to_string(label) + " " : "0 ";
   return text;
 }

@@ -61,20 +61,23 @@ void draw_across(Contact& contact, double reach, double stride, const See& see, 
 /// Promise 4, times the stiffness: of a slow tool that keeps its direction.
 double most_per_metre(double mu) { return mu >= 1 ? 10 : 5; }
 
-/// Largest change of the force in a tick over the way of the tool and of c (N/m): promise 3.
+/// Largest change of the force in a tick over the way of the tool and of the response (N/m): promise 3.
 class Steepest {
 public:
-  void add(const Tick& tick, double stride) {
-    const double crept = tick.touches() && last_.touches() ? distance(tick.body_point, last_.body_point) : 0;
-    value_ = std::max(value_, distance(tick.force, last_.force) / (stride + crept));
-    last_ = tick;
+  void add(const Contact& contact, double stride) {
+    const runtime::ContactState& now = contact.state();
+    const double crept = now.touching && last_.touching ? runtime::response_way(last_.place, now.place) : 0;
+    const Vec3 force = now.touching ? now.applied.force : Vec3{};
+    value_ = std::max(value_, distance(force, last_.applied.force) / (stride + crept));
+    last_ = now;
+    last_.applied.force = force;
   }
   /// The next tick is that of a new contact.
-  void begin() { last_ = Tick{}; }
+  void begin() { last_.reset(); }
   [[nodiscard]] double value() const { return value_; }
 
 private:
-  Tick last_;
+  runtime::ContactState last_;
   double value_ = 0;
 };
 
@@ -94,7 +97,7 @@ TEST(Concave, DepthIsTheOverlapAndStepsAreBounded) {
           resting = std::max(resting, distance(still.tick(upright(at)).force, tick.force));
         }
         if (tick.touches()) off = std::max(off, std::fabs(tick.depth - overlap(body, at)));
-        steepest.add(tick, kStride);
+        steepest.add(contact, kStride);
         strongest = std::max(strongest, length(tick.force));
       });
       EXPECT_LT(off, 1e-7) << name << ' ' << mu;
@@ -139,7 +142,7 @@ TEST(Concave, DeepPressOverALipHasNoStepAndGivesNoEnergy) {
         const auto see = [&](const Vec3& at, const Tick& tick) {
           meter.add(upright(at), tick);
           least = std::min(least, meter.given() - meter.returned());
-          steepest.add(tick, stride);
+          steepest.add(contact, stride);
         };
         draw_across(contact, shape.reach, stride, see, 1.4);
         EXPECT_LT(steepest.value(), 2.5 * stiffest(body.view, 0).at(1.4 * kDepthScale)) << name << " " << mu << " " << stride;
@@ -170,7 +173,7 @@ TEST(Concave, RodOverALipHasNoStep) {
           pose.translation = pose.translation + way;
           last = contact.tick(pose);
           deepest = std::max(deepest, last.depth);
-          steepest.add(last, kStride);
+          steepest.add(contact, kStride);
         };
         while (pose.translation.z > -0.05 && !last.touches()) step({0, 0, -kStride});
         for (double in = 0; in < 1.4 * kDepthScale; in += kStride) step({0, 0, -kStride});
@@ -203,7 +206,8 @@ TEST(Concave, SlowDrawFromAnywhereHasNoStep) {
         const auto go = [&](const Vec3& way, double far) {
           for (double gone = 0; gone < far; gone += kStride) {
             p = p + kStride * way;
-            steepest.add(contact.tick(upright(p)), kStride);
+            contact.tick(upright(p));
+            steepest.add(contact, kStride);
           }
         };
         go(down, random.between(0.2, 0.7) * kDepthScale);

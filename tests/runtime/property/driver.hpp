@@ -154,9 +154,7 @@ public:
     double most = 0;
     for (int k = 0; k < 3; ++k) {
       const runtime::ContactState& now = contact(k).state();
-      const runtime::ContactPlace &place = now.place, &was = was_[k].place;
-      if (!now.touching || !was_[k].touching) continue;
-      most = std::max(most, length(place.body_point.point - was.body_point.point) + was.lag - place.lag);
+      if (now.touching && was_[k].touching) most = std::max(most, response_way(was_[k].place, now.place));
     }
     return most;
   }

@@ -14,7 +14,7 @@ namespace palpate::runtime {
 /// Constants of how a contact moves over body and tool.
 struct ContactConstants {
   /// Times the tool's travel in a tick, that c and p may go.
-  static constexpr double kPointSpeed = 4;
+  static constexpr double kPointSpeed = 8;
   /// Times the tool's travel over the indentation: angle (rad) by which the normal may turn in a tick.
   static constexpr double kTurnSpeed = 2;
   /// Of a contact's size: c rests while its target is nearer than this. It saves a blend where nothing would change.

@@ -19,6 +19,11 @@ struct ContactPlace {
   Vec3 axis;            ///< unit, across n: the x axis of the tangential vectors
 };
 
+/// m, how far the response in use went over the body from one tick to the next.
+[[nodiscard]] inline double response_way(const ContactPlace& from, const ContactPlace& to) {
+  return length(to.body_point.point - from.body_point.point) + from.lag - to.lag;
+}
+
 /// Force (N) on the tool and the point (m) of its skin where it acts.
 struct AppliedForce {
   Vec3 force, point;
