@@ -59,9 +59,7 @@ TEST(PropertyTest, EveryGoldenKeepsThePromises) {
   expect_promises({Motion::press, Motion::graze, Motion::corner, Motion::turn});
 }
 
-// Promise 6: the counted depth is corrected by at most half of the way, so a lift in one or two ticks after a leap gives back
-// more than E.
-TEST(PropertyTest, DISABLED_FastHandKeepsThePromises) { expect_promises({Motion::fast}); }
+TEST(PropertyTest, FastHandKeepsThePromises) { expect_promises({Motion::fast}); }
 
 TEST(PropertyTest, PressesAndSlidesOnAConcaveBodyKeepThePromises) {
   for (const ConcaveShape& shape : concave_shapes()) {
