@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What these headers need of a compiler beyond C++17, each with a fallback.
+// Features of compilers beyond C++17 that these headers use, each with a fallback.
 #pragma once
 
 #ifndef PALPATE_ALWAYS_INLINE

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a contact asks of a body: where it is now, and how stiff. A still body is the simplest.
+// Bodies as a contact sees them: where they are now, and how stiff. A still body is the simplest.
 #pragma once
 
 #include "palpate/geometry/surface.hpp"

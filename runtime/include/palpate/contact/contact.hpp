@@ -361,7 +361,8 @@ private:
     const double deepened = smaller(z - last, motion.moved);
     const double kept = state_.counted_depth + deepened;
     const double most = EnergyConstants::kCorrection * (motion.moved + motion.crept);
-    // A factor that rises makes every depth cost more. What is not paid for is lost at once, or the force would rise at rest.
+    // A factor that rises makes the work of every depth larger. The part that E does not cover is lost at once, or the force would
+    // rise at rest.
     const double rise = factor > state_.factor ? 1 - state_.factor / factor : 0;
     const double least = larger(kept - most - rise * state_.counted_depth, 0);
     double depth = z, limit = 0;

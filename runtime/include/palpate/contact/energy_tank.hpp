@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The energy that the hand has put into a contact and not got back, and the depth that it pays for.
+// The energy that the hand has put into a contact and not got back, and the depth whose work it covers.
 #pragma once
 
 #include "palpate/math/vec3.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a contact answers in one tick.
+// The answer of a contact in one tick.
 #pragma once
 
 #include "palpate/geometry/surface.hpp"
@@ -55,7 +55,7 @@ struct Tick {
   Vec3 force;                   ///< N on the tool
   Vec3 torque;                  ///< N m on the tool, about the origin of its frame
   double depth = 0;             ///< m, indentation: overlap of the tool's skin with the undeformed body
-  double counted_depth = 0;     ///< m, at most `depth`: what the hand has paid for; the force is that of this depth
+  double counted_depth = 0;     ///< m, at most `depth`: whose work the hand has put in; the force is that of this depth
   double friction_limit = 0;    ///< N; 0 without contact, infinite in a frictionless file
   double filled_share = 0;      ///< [0, 1] of the blend that was filled from neighbouring sites
   bool extrapolated = false;    ///< deeper than the pair was sampled
