@@ -188,7 +188,7 @@ private:
     state_.factor = body.factor(at);
     state_.applied.point = state_.tool.apply(place.tool_point.point);
     foot_tracker_.reset();
-    blend(state_.tool, 1);
+    fresh_ = true;  // the tick that follows blends; two blends would make it the longest of all
   }
 
   /// One tick of a contact that lasts; `tool` in the frame of the body near c.
@@ -211,9 +211,10 @@ private:
     turn_normal(q, z, motion.moved);
     const bool turned_tool = orientation_matters() && !(state_.tool == tool);
     if (motion.moved > 0) advance_body_point();
-    if (place.lag > 0 || !same(from, place.tool_point) || turned_tool) {
+    if (fresh_ || place.lag > 0 || !same(from, place.tool_point) || turned_tool) {
       motion.crept = smaller(place.lag, reach);
-      blend(tool, place.lag > reach ? reach / place.lag : 1);
+      blend(tool, !fresh_ && place.lag > reach ? reach / place.lag : 1);
+      fresh_ = false;
       place.lag -= motion.crept;
     }
 
@@ -460,6 +461,7 @@ private:
 
   ContactState state_;
   bool keeps_to_wall_ = false;
+  bool fresh_ = false;  ///< begun, without a response yet
   FreeTool free_;
   const View* view_;
   std::uint32_t tool_;
