@@ -4,7 +4,7 @@
 
 namespace palpate {
 
-/// What the axes are: x to the left and y to the back (lps), or x to the right and y to the front (ras); z to the head.
+/// Directions of the axes: x to the left and y to the back (lps), or x right and y to the front (ras); z to the head.
 /// Files of most kinds state none.
 enum class Frame { unstated, lps, ras };
 

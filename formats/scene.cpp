@@ -14,7 +14,7 @@ namespace {
 
 using namespace scene_io;
 
-/// What is missing on a line that is no TOML; empty where it is none of the usual mistakes.
+/// Mistake in a line that is no TOML; empty where it is none of the usual mistakes.
 std::string toml_hint(const std::string& text, std::size_t line) {
   std::size_t at = 0;
   for (std::size_t k = 1; k < line && at != std::string::npos; ++k) at = text.find('\n', at) + 1;

@@ -171,7 +171,7 @@ struct SolverScene {
 struct Scene {
   std::filesystem::path file;
   std::string name;  ///< default: the file's stem
-  /// Of the scene's coordinates; files that state another frame are turned into it. Unstated: the body's.
+  /// Frame of the scene's coordinates; files that state another frame are turned into it. Unstated: the body's.
   Frame frame = Frame::unstated;
   BodyScene body;
   MaterialScene material;

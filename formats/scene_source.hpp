@@ -27,7 +27,7 @@ std::vector<SurfaceSource> to_sources(const Place& place, const toml::node& node
 LabelSource to_labels(const Place& place, const toml::node& node);
 /// The same as TOML text; without the image where the path is empty.
 std::string show_labels(const LabelSource& labels);
-/// What to_labels allows, and an example, for the reference.
+/// Keys that to_labels allows, and an example, for the reference.
 inline constexpr const char* kLabelsAllowed =
     "{image = \"FILE\", value = n (or [n, ...]) or segment = \"NAME\" (or several), units, islands = \"auto\" | "
     "\"largest\" | \"all\"}";

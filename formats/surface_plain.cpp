@@ -65,7 +65,7 @@ private:
 bool is_text_stl(std::string_view bytes) {
   std::uint32_t count = 0;
   if (bytes.size() >= 84) std::memcpy(&count, bytes.data() + 80, 4);
-  // Binary files that begin with "solid" are common; their size tells.
+  // Binary files that begin with "solid" are common; their size decides.
   if (bytes.size() >= 84 && bytes.size() == 84 + 50 * std::uint64_t(count)) return false;
   const std::string_view head = bytes.substr(0, 84);
   std::size_t begin = head.starts_with("\xEF\xBB\xBF") ? 3 : 0;

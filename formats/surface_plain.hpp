@@ -15,7 +15,7 @@
 
 namespace palpate {
 
-/// What a file holds. Polygon p has the corners [first[p], first[p + 1]).
+/// Contents of a file. Polygon p has the corners [first[p], first[p + 1]).
 struct PolygonSoup {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<std::int32_t> corners;  ///< indices of vertices, in range

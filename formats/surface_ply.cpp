@@ -111,7 +111,7 @@ bool is_indices(const Property& p) {
   return p.count_kind != 0 && p.kind != 'f' && (p.name == "vertex_indices" || p.name == "vertex_index");
 }
 
-// What a surface needs; further properties and further elements are passed over.
+// Properties that a surface needs; further properties and further elements are passed over.
 void check_layout(const Header& header, const std::filesystem::path& file) {
   const auto element = [&](std::string_view name) {
     const auto found =

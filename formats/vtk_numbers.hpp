@@ -28,9 +28,9 @@ struct VtkCells {
   bool strips = false;  ///< of triangles; else polygons
 };
 
-/// Appends the cells as polygons of the vertices from `first_vertex` on. What is wrong with them; empty: nothing.
+/// Appends the cells as polygons of the vertices from `first_vertex` on. Returns the fault in them; empty: none.
 std::string add_vtk_cells(PolygonSoup& soup, const VtkCells& cells, std::size_t first_vertex);
-/// What is wrong with the points; empty: nothing.
+/// Returns the fault in the points; empty: none.
 std::string vtk_points_fault(const PolygonSoup& soup);
 
 }  // namespace palpate::detail

@@ -35,7 +35,7 @@ constexpr FeatureName kFeatures[] = {
 /// The shape as a scene names it.
 const char* shape_name(const layout::ToolRecord& tool) {
   if (tool.kind == static_cast<std::uint32_t>(layout::ToolKind::mesh)) return "mesh";
-  // Of the round shapes a punch alone has no radius about its axis, and a capsule alone has an axis with a length.
+  // Among the round shapes a punch alone has no radius about its axis, and a capsule alone has an axis with a length.
   if (!(tool.probe_radius > 0)) return "punch";
   return tool.axis_length > 0 ? "capsule" : "sphere";
 }

@@ -29,7 +29,7 @@ std::string newtons_per_metre(double stiffness) {
   return text;
 }
 
-// What verify --device says of this scale, before the hand does.
+// The result of verify --device for this scale, before the hand does.
 void check_scale(const CouplingArguments& asked, const runtime::View& view, const runtime::DeviceFrame& frame,
                  const device::DeviceKind& kind) {
   if (!asked.scaled || !(frame.force_scale > 0)) return;

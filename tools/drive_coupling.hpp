@@ -15,7 +15,7 @@ struct CouplingArguments {
   double damping = 0;     ///< N s/m in the hand, at least 0
   double rate = 1000;     ///< Hz of the force loop
   bool scaled = false;    ///< --force-scale is given
-  bool unsafe_scale = false;  ///< one that verify --device calls unsafe is asked for on purpose
+  bool unsafe_scale = false;  ///< one that verify --device calls unsafe is wanted on purpose
   int places = 1;         ///< at which the tool is felt at most: all may push one way, and their stiffnesses add
 };
 

@@ -21,7 +21,7 @@ struct MotionRow {
 /// of length 1 within 1 %.
 std::vector<MotionRow> read_motion(const std::filesystem::path& file);
 
-/// What is odd about a motion's numbers, as a hint: places that look like millimetres beside a body of this size and
+/// Oddity of a motion's numbers, as a hint: places that look like millimetres beside a body of this size and
 /// place, times that look like milliseconds. Empty: nothing is. `low` and `high` bound the body (m).
 std::string motion_hint(const std::vector<MotionRow>& rows, const runtime::Vec3& low, const runtime::Vec3& high);
 

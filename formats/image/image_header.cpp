@@ -243,7 +243,7 @@ StatedSpace check_meta(const Header& header) {
   StatedSpace stated;
   stated.voxels = header.voxels(lower(file) == "local" ? std::nullopt : std::optional(file));
   stated.voxels.zlib = lower(header.get({"compresseddata"}).value_or("false")) == "true";
-  // ITK's convention is LPS, whatever the letters are; "???" says that nobody knows.
+  // ITK's convention is LPS, whatever the letters are; "???" stands for unknown.
   const std::string letters = header.get({"anatomicalorientation"}).value_or("");
   if (letters.size() == 3 && letters != "???") stated.frame = Frame::lps;
   if (const auto unit = header.get({"distanceunits"})) stated.unit = length_of(*unit);

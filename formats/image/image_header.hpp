@@ -12,7 +12,7 @@ namespace palpate::detail {
 /// The kind by the file's extension. Throws Error(bad_input) that lists the known extensions for another one.
 ImageKind image_kind(const std::filesystem::path& file);
 
-/// What a header says besides the voxels' frame and type.
+/// Contents of a header besides the voxels' frame and type.
 struct StatedSpace {
   Frame frame = Frame::unstated;  ///< lps for any frame that ITK turns into LPS
   double unit = 0.0;              ///< m; 0: not stated

@@ -14,7 +14,7 @@ namespace palpate::detail {
 
 enum class ImageKind { nifti, nrrd, meta };
 
-/// Where the voxels are.
+/// Places of the voxels.
 struct VoxelPlace {
   std::filesystem::path file;
   std::size_t offset = 0;  ///< bytes before them

@@ -222,7 +222,7 @@ void fill_holes(LabelMask& mask) {
                        " in all (each below 0.1 % of the label)");
 }
 
-// Where the label has voxels in the image's first or last layer along an axis.
+// Faces on which the label has voxels in the image's first or last layer along an axis.
 void note_border(const LabelImage& image, LabelMask& mask, const std::array<int, 3>& low) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (const bool end : {false, true}) {

@@ -60,7 +60,7 @@ LabelImage read_label_image(const std::filesystem::path& file, double unit);
 /// Every value but 0, by layer, then by value. At most 65536 different ones, else Error(bad_input).
 std::vector<LabelExtent> label_extents(const LabelImage& image);
 
-/// What the mask is for: a body is one piece, a region may be several.
+/// Purpose of the mask: a body is one piece, a region may be several.
 enum class MaskUse { body, region };
 
 /// The voxels of all the values and segments that `source` names. Islands (over faces) of less than 1 % of the

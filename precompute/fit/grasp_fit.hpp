@@ -12,7 +12,7 @@ namespace palpate::fit {
 
 inline constexpr int kGraspCoefs = 8;
 
-/// What a contact answers that was bonded; see palpate/response/bonded_law.hpp.
+/// Response of a bonded contact; see palpate/response/bonded_law.hpp.
 struct GraspCurves {
   Eigen::VectorXd curves;  ///< Fx, Fy, Fn (N), kxx, kxy, kyy (N/m) of kGraspCoefs each, contact frame
   double depth = 0.0;      ///< m, at which the contact was bonded

@@ -12,7 +12,7 @@
 
 namespace palpate::fit {
 
-/// What all responses of a file share.
+/// Properties that all responses of a file share.
 struct ResponseScales {
   double depth = 0.0;       ///< Z, m, > 0
   double tangential = 0.0;  ///< X, m; 0 in a frictionless scene

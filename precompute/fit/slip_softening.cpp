@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Of one slipping push.
+/// Softening of one slipping push.
 struct Shortfall {
   Vector2d slip;   ///< m, displacement beyond the deflection that friction holds
   double missing;  ///< of F, by which the normal force is below that of a sticking contact

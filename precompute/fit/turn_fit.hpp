@@ -6,7 +6,7 @@
 
 namespace palpate::fit {
 
-/// What turns of a bonded contact add to its GraspCurves; see palpate/response/bonded_law.hpp.
+/// Curves that turns of a bonded contact add to its GraspCurves; see palpate/response/bonded_law.hpp.
 struct TurnCurves {
   Eigen::VectorXd curves;  ///< T, K (N m), C (N): layout::kTorqueCurves of kGraspCoefs each, contact frame
   double turned = 0.0;     ///< rad, largest angle of the samples

@@ -116,7 +116,7 @@ bool cross_properly(const Vector2d& a, const Vector2d& b, const Vector2d& c, con
 }
 
 bool simple(const Plane& plane, const std::vector<std::int32_t>& loop) {
-  if (loop.size() > 3000) return true;  // the triangulation tells
+  if (loop.size() > 3000) return true;  // the triangulation decides
   std::vector<Vector2d> p;
   for (const auto v : loop) p.push_back(plane.flat(v));
   for (std::size_t i = 0; i < p.size(); ++i) {

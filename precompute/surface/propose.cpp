@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a file holds, which of it is the body, what lies inside, and the text of a scene.
+// Contents of a file: which of it is the body, what lies inside, and the text of a scene.
 #include "precompute/surface/propose.hpp"
 
 #include "formats/error.hpp"

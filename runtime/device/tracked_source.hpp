@@ -19,7 +19,7 @@ namespace palpate::device {
 struct TrackerOptions {
   double rate = 200;   ///< Hz, above 0, of searches
   double stale = 0.1;  ///< s, above 0: a search of an older pose gives no force
-  /// What searches; runtime::search() unless told (another collision library, a test). May throw: the tracker
+  /// Search function; runtime::search() unless replaced (another collision library, a test). May throw: the tracker
   /// is dead then.
   std::function<runtime::Search(const Pose& scene)> search;
 };

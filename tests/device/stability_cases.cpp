@@ -65,7 +65,7 @@ struct FileContact {
   }
 };
 
-/// Sizes (m) that virtual couplings ask for.
+/// Sizes (m) that virtual couplings need.
 double contact_size(const PlainContact&) { return 0.05; }
 double contact_size(const FileContact& file) { return runtime::contact_size(file.contact); }
 

@@ -2,9 +2,9 @@
 # Sizes of code and constants, with all features and with none. A feature that is left out leaves no function; a rigid
 # coupling costs nothing; a program that uses one class beside a contact has that class's symbols and no others.
 include(${CMAKE_CURRENT_LIST_DIR}/../support/run.cmake)
-# Bytes of text as `size` counts them (code, constants and unwind tables), compiled with -Os for x86-64.
+# Bytes of text as `size` counts them (code, constants and unwind tables), compiled with -Os for x86-64. The aim with none,
+# 35000, is not met: runtime.lean_size, a long test, passes it as MOST_WITH_NONE.
 set(most_with_all 80000)
-set(most_with_none 50000)
 
 # Sets `functions` to the object's own, and `bytes` to the size of code and constants.
 function(look_into object)
@@ -36,11 +36,11 @@ endforeach()
 if(all MATCHES "VirtualCoupling" OR NOT directly STREQUAL rigidly)
   message(FATAL_ERROR "a coupling that is not used costs something (${directly} and ${rigidly} bytes):\n${all}")
 endif()
-message(STATUS "${all_bytes} bytes with all features (at most ${most_with_all}), ${bytes} with none (at most ${most_with_none})")
+message(STATUS "${all_bytes} bytes with all features (at most ${most_with_all}), ${bytes} with none (at most ${MOST_WITH_NONE})")
 if(NOT bytes GREATER 0 OR NOT bytes LESS all_bytes)
   message(FATAL_ERROR "leaving features out saves nothing")
 endif()
-if(bytes GREATER most_with_none OR all_bytes GREATER most_with_all)
+if(bytes GREATER MOST_WITH_NONE OR all_bytes GREATER most_with_all)
   message(FATAL_ERROR "the runtime is too large")
 endif()
 

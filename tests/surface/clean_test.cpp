@@ -179,7 +179,7 @@ TEST(Clean, FlatAndUnusableInputIsRefused) {
 }
 
 TEST(Clean, SeparateComponents) {
-  // Apart: kept, and told. A cavity faces inward; a solid inside another is refused.
+  // Apart: kept, with a note. A cavity faces inward; a solid inside another is refused.
   const auto apart = clean_surface(together(cube(), sphere_surface({0.5, 0.1, 0.1}, 0.05)), {}, "organ.ply");
   EXPECT_EQ(apart.report.action, "used as it is");
   EXPECT_EQ(apart.report.findings, std::vector<std::string>{"2 separate components"});

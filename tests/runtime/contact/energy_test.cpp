@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The energy of a contact: E is what the hand put in, counted depth never exceeds what E pays for, the force comes back.
+// The energy of a contact: E is what the hand put in, counted depth never exceeds that whose work E covers, the force comes back.
 #include "palpate/contact/energy_tank.hpp"
 
 #include <algorithm>

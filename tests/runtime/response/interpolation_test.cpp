@@ -88,18 +88,6 @@ TEST(Interpolation, ForceVanishesContinuouslyAtTheSurface) {
   }
 }
 
-// The same point of an edge as a point of the triangle across it.
-BodyPoint across_edge(const View& view, const BodyPoint& at, int corner) {
-  const layout::SurfaceTriangle& here = view.triangles[at.triangle];
-  BodyPoint there{here.neighbour[corner], {0, 0, 0}};
-  for (int k = 0; k < 3; ++k) {
-    for (int j = 0; j < 3; ++j) {
-      if (view.triangles[there.triangle].vertex[j] == here.vertex[k] && k != corner) there.bary[j] = at.bary[k];
-    }
-  }
-  return there;
-}
-
 TEST(Interpolation, BlendIsTheSameFromBothSidesOfEveryEdge) {
   for (const bool friction : {true, false}) {
     Options options;

@@ -194,13 +194,13 @@ struct ResponseHead {
   std::uint32_t flags;
 };
 
-/// Of one response. Both are 0 when its tool does not bond.
+/// Units of one response. Both are 0 when its tool does not bond.
 struct BondedHead {
   float depth;   ///< m, at which the contact was bonded
   float pulled;  ///< m, how far out of the body it was sampled
 };
 
-/// Of one response. 0 when its tool was not rotated.
+/// Unit of one response. 0 when its tool was not rotated.
 struct BondedTorqueHead {
   float rotated;  ///< rad, largest angle by which the bonded tool was rotated
 };

@@ -21,7 +21,7 @@ struct StillBody {
   [[nodiscard]] bool valid() const { return true; }
   /// The rigid motion of the body near a point of its surface, from where it was baked to where it is (m).
   [[nodiscard]] StillFrame frame(const BodyPoint& /*at*/) const { return {}; }
-  /// Where a free tool searches: a view of the present surface, and the pose of that view's frame in the world.
+  /// Surface that a free tool searches: a view of the present surface, and the pose of that view's frame in the world.
   [[nodiscard]] const View& surface() const { return *view; }
   [[nodiscard]] StillFrame surface_frame() const { return {}; }
   /// m, that no point of the surface can have gone beyond in the frame of surface(), since the body began.

@@ -5,6 +5,7 @@
 #include "palpate/body/body.hpp"
 #include "palpate/contact/contact_state.hpp"
 #include "palpate/contact/first_contact.hpp"
+#include "palpate/contact/tick_frame.hpp"
 #include "palpate/response/interpolation.hpp"
 
 #include <cmath>
@@ -17,12 +18,12 @@ struct ContactConstants {
   static constexpr double kPointSpeed = 8;
   /// Times the tool's travel over the indentation: angle (rad) by which the normal may turn in a tick.
   static constexpr double kTurnSpeed = 2;
-  /// Of a contact's size: c rests while its target is nearer than this. It saves a blend where nothing would change.
+  /// c rests while its target is nearer than this times a contact's size. It saves a blend that would change nothing.
   static constexpr double kRest = 1e-3;
   /// Weight of the smooth normal in the contact's normal, in radii. Without it the normal turns at once where the
   /// tool's core comes near the surface.
   static constexpr double kSmoothNormal = 0.3;
-  /// Of the depth scale: clearance at which a sweep has found the first touch.
+  /// Clearance at which a sweep has found the first touch, over the depth scale.
   static constexpr double kTouchGap = 1e-3;
 };
 
@@ -117,7 +118,7 @@ private:
     Vec3 force;                ///< N, without the body's factor
     double other = 0;          ///< J stored beside W, without the body's factor
   };
-  /// What all trials of a tick share.
+  /// The motion of a tick, for all its trials.
   struct TickMotion {
     double moved = 0;  ///< m, largest travel of the tool's skin
     double crept = 0;  ///< m, by which the response went on towards c
@@ -148,14 +149,7 @@ private:
   }
 
   static const Tick& in_world(StillFrame /*frame*/, const Tick& tick) { return tick; }
-  static Tick in_world(const Pose& frame, Tick tick) {
-    tick.force = frame.rotate(tick.force);
-    tick.torque = frame.rotate(tick.torque);
-    tick.normal = frame.rotate(tick.normal);
-    tick.body_point = frame.apply(tick.body_point);
-    tick.tool_point = frame.apply(tick.tool_point);
-    return tick;
-  }
+  static Tick in_world(const Pose& frame, const Tick& tick) { return transformed(frame, tick); }
 
   /// c has gone on to a place of the body that has moved otherwise: what was against the old place is against the new.
   void rebase(StillFrame /*from*/, StillFrame /*to*/) {}
@@ -188,7 +182,6 @@ private:
     state_.factor = body.factor(at);
     state_.applied.point = state_.tool.apply(place.tool_point.point);
     foot_tracker_.reset();
-    fresh_ = true;  // the tick that follows blends; two blends would make it the longest of all
   }
 
   /// One tick of a contact that lasts; `tool` in the frame of the body near c.
@@ -211,10 +204,10 @@ private:
     turn_normal(q, z, motion.moved);
     const bool turned_tool = orientation_matters() && !(state_.tool == tool);
     if (motion.moved > 0) advance_body_point();
-    if (fresh_ || place.lag > 0 || !same(from, place.tool_point) || turned_tool) {
+    if (!state_.blended || place.lag > 0 || !same(from, place.tool_point) || turned_tool) {
       motion.crept = smaller(place.lag, reach);
-      blend(tool, !fresh_ && place.lag > reach ? reach / place.lag : 1);
-      fresh_ = false;
+      blend(tool, state_.blended && place.lag > reach ? reach / place.lag : 1);
+      state_.blended = true;
       place.lag -= motion.crept;
     }
 
@@ -283,7 +276,7 @@ private:
   }
 
   /// n turns towards unit(sign (q - f) + 0.3 R n_s), with n_s the smooth normal at f: nearly the gradient of the
-  /// indentation. Where f goes from one wall of a crease to the other n turns at a bounded rate, so that the force of
+  /// indentation. n turns at a bounded rate, also while f goes from one wall of a crease to the other, so the force of
   /// indentation z changes by at most kTurnSpeed times that of a press by the tool's travel. The tangential axis is
   /// carried along.
   void turn_normal(const Vec3& q, double z, double moved) {
@@ -461,7 +454,6 @@ private:
 
   ContactState state_;
   bool keeps_to_wall_ = false;
-  bool fresh_ = false;  ///< begun, without a response yet
   FreeTool free_;
   const View* view_;
   std::uint32_t tool_;

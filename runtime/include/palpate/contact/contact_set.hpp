@@ -10,7 +10,7 @@
 
 namespace palpate::runtime {
 
-/// Where the contacts of a tool are, for a search for another wall.
+/// Places of the contacts of a tool, for a search for another wall.
 template <int Most>
 struct WallSearchRequest {
   Pose pose;  ///< of the tool, body frame
@@ -18,7 +18,7 @@ struct WallSearchRequest {
   std::array<Vec3, Most> feet;  ///< m
 };
 
-/// What a thread of its own found for a tool that may touch several walls.
+/// Result of a search thread for a tool that may touch several walls.
 template <int Most>
 struct SetSearch {
   Search first;  ///< as for one contact
@@ -45,7 +45,7 @@ PALPATE_NOINLINE inline ToolTouch find_wall(const View& surface, const ToolShape
     Location found;
     const double within = smaller(shape.skin() + reach, shape.skin() + best.clearance);
     if (!closest_point_where<kFeatures>(surface, q, apart, within, found)) return;
-    // Where the distance falls on towards a foot, over the body or over the tool, this is that foot's wall.
+    // This is a foot's wall if the distance falls on towards that foot, over the body or over the tool.
     constexpr int kMostSteps = 8;
     CorePoint at = core;
     found = local_closest_point(surface, found.at, q);
@@ -143,7 +143,7 @@ public:
   [[nodiscard]] double size(double depth) const { return contacts_[0].size(depth); }
   [[nodiscard]] const View& view() const { return contacts_[0].view(); }
 
-  /// Where the contacts are now, for a search in another thread.
+  /// Places of the contacts now, for a search in another thread.
   [[nodiscard]] WallSearchRequest<Most> request(const Pose& tool_in_body) const {
     WallSearchRequest<Most> request;
     request.pose = tool_in_body;

@@ -8,7 +8,7 @@
 
 namespace palpate::runtime {
 
-/// Where a contact is.
+/// The place of a contact.
 struct ContactPlace {
   Location foot;        ///< f: point of the undeformed body nearest to the tool's core
   Location body_point;  ///< c: point of the undeformed body whose responses are used
@@ -32,6 +32,7 @@ struct AppliedForce {
 /// Everything that a contact remembers, in the body's frame as baked.
 struct ContactState {
   bool touching = false;
+  bool blended = false;  ///< whether this contact has a response in use; its first tick blends it
   Pose tool;             ///< at the last tick
   ContactPlace place;
   SpringState springs;   ///< friction

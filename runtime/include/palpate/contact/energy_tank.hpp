@@ -13,7 +13,7 @@ namespace palpate::runtime {
 struct EnergyConstants {
   /// Newton steps for the counted depth, on the square root of W, which is nearly linear in the depth.
   static constexpr int kNewtonSteps = 2;
-  /// Of the way of tool and c: most that the counted depth is corrected by in a tick. It bounds the change of the force
+  /// Largest correction of the counted depth in a tick, over the way of tool and response. It bounds the change of the force
   /// per metre; one tick's own work needs no correction.
   static constexpr double kCorrection = 1.5;
   /// Rounds in which d is lowered within a tick, and the share of W that may be missing without one: ticks of a hand's

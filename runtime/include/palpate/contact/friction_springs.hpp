@@ -14,7 +14,7 @@ struct SpringConstants {
   /// Layers. A contact that slips in part follows Cattaneo and Mindlin within 2.6 % of its limit from 0.05 Z to 1.3 Z
   /// with 12 layers at z_k = (k / 12)^3 Z (8 at (k / 8)^2: 5.7 %).
   static constexpr int kLayers = 12;
-  /// Of a layer's deflection at its limit: slip by which it counts as slipped. Solved strokes on a block are met to
+  /// Slip after which a layer counts as slipped, over its deflection at its limit. Solved strokes on a block are met to
   /// 2.8 % (95th percentile, sliding) with 0.2, 2.9 % with 0.45 and 3.0 % with 1.
   static constexpr double kSlipTravel = 0.2;
 };
@@ -30,7 +30,7 @@ inline constexpr double kLayerDepth[SpringConstants::kLayers] = {
     0.037037037037037028, 0.072337962962962979, 0.125, 0.19849537037037041,
     0.29629629629629622, 0.421875, 0.57870370370370383, 0.77025462962962954};
 
-/// What a blended response says of the layers: stiffness, and force and work as polynomials of the depth.
+/// The layers of a blended response: stiffness, and force and work as polynomials of the depth.
 class FrictionLayers {
 public:
   static constexpr int kCount = SpringConstants::kLayers;
@@ -85,7 +85,7 @@ struct SpringState {
   double slipped[SpringConstants::kLayers] = {};     ///< [0, 1]: how far the layer has slipped since it engaged
 };
 
-/// What the springs answer after an update.
+/// Force of the springs after an update.
 struct SpringForce {
   Vec2 force;             ///< N: sum of K_k e_k
   double energy = 0;      ///< J: sum of e_k . K_k e_k / 2

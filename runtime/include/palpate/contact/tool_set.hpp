@@ -42,7 +42,7 @@ public:
     return together([&](std::size_t k) { return contacts_[k].tick(tools[k], latest[k]); });
   }
 
-  /// Of the last tick.
+  /// Values of the last tick.
   [[nodiscard]] const SuperpositionError& superposition() const { return error_; }
   [[nodiscard]] const BasicContact<kFeatures>& contact(int k) const { return contacts_[static_cast<std::size_t>(k)]; }
 

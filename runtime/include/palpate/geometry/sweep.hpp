@@ -6,7 +6,7 @@
 
 namespace palpate::runtime {
 
-/// Where a tool touches on its way.
+/// First touch of a tool on its way.
 struct Sweep {
   bool touches = false;
   double share = 0;  ///< [0, 1] of the way

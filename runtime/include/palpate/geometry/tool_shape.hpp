@@ -70,7 +70,7 @@ public:
     return is_mesh() ? touch_mesh(surface, pose, near) : touch_axis(surface, pose, near);
   }
 
-  /// Where a contact that is at `from` is to go, at most `reach` (m) over the core, while its foot (body frame) is `foot`
+  /// Next core point of a contact that is at `from`, at most `reach` (m) over the core, while its foot (body frame) is `foot`
   /// and the unit normal is n. A profile's point goes to the axis point nearest to the body; over a mesh it runs down
   /// along -n.
   [[nodiscard]] CorePoint advance(const CorePoint& from, const Pose& pose, const Location& foot, const Vec3& n,

@@ -32,7 +32,7 @@ inline Vec2 operator*(const Sym2& k, const Vec2& u) {
 /// u . k u.
 inline double quadratic(const Sym2& k, const Vec2& u) { return dot(u, k * u); }
 
-/// k^-1 b for a positive k. Where k resists along one line only (determinant below 1e-12 m^2, with k = 2 m v v) the part
+/// k^-1 b for a positive k. If k resists along one line only (determinant below 1e-12 m^2, with k = 2 m v v) the part
 /// of b on that line counts; zero where k is not positive.
 inline Vec2 solve(const Sym2& k, const Vec2& b) {
   if (!(k.m > 0)) return {};

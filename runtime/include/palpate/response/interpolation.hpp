@@ -9,7 +9,7 @@
 
 namespace palpate::runtime {
 
-/// What a contact reads of its file: the blend of the responses of three sites and up to three tool vertices. Fixed
+/// The part of a file that a contact reads: the blend of the responses of three sites and up to three tool vertices. Fixed
 /// size. Features that kFeatures leaves out must not be in the view.
 template <std::uint32_t kFeatures = layout::feature_all>
 class BlendedResponse {
