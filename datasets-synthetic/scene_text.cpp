@@ -100,8 +100,8 @@ std::string scene_text(const DatasetOptions& options, const SceneFacts& facts) {
   out += "\n[contact]\n";
   set(out, "friction", text(options.friction));
   out += "\n[sampling]\n";
-  set(out, "spacing", text(facts.spacing));
-  if (facts.uniform) set(out, "margin_spacing", text(facts.spacing));
+  if (facts.spacing > 0) set(out, "spacing", text(facts.spacing));
+  if (facts.uniform && facts.spacing > 0) set(out, "margin_spacing", text(facts.spacing));
   set(out, "depth", text(options.depth));
   if (facts.sampled_box) {
     set(out, "within_box",

@@ -21,13 +21,19 @@ struct ContactFrame {
   [[nodiscard]] Eigen::Vector3d to_world(const Eigen::Vector3d& v) const { return v.x() * x + v.y() * y + v.z() * n; }
 };
 
+/// What is solved at a pair. full: all that the scene asks for. straight: a push with few points on a coarse mesh, by
+/// which full responses are carried to a site. hidden: a straight push between sites that no response is made of; it
+/// tests what the responses around it predict.
+enum class PairRole : std::uint8_t { full, straight, hidden };
+
 /// One pair (body vertex c, tool vertex p) to be solved.
 struct PairPlan {
-  std::uint32_t site = 0;         ///< vertex of the haptic mesh
+  std::uint32_t site = 0;         ///< vertex of the haptic mesh; hidden: the number of the place
   std::uint32_t tool = 0;         ///< index of the tool in the scene
   std::uint32_t tool_vertex = 0;  ///< vertex of that tool's patches
   ContactFrame frame;             ///< at c; the tool's normal at p is -n, its tangent at p lies along x
   double depth = 0.0;             ///< m; deepest push at this site
+  PairRole role = PairRole::full;
 };
 
 /// normal: straight push; tangential: sideways push of a contact that sticks; slipping: of one that slips where

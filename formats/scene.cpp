@@ -202,7 +202,8 @@ void check_capsule(const BodyScene& body, const toml::table& root, const Place& 
 void check_sampling(const SamplingScene& sampling, const toml::table& root, const Place& place) {
   if (sampling.margin_spacing > sampling.spacing) {
     fail(place.below("sampling.margin_spacing"), root["sampling"]["margin_spacing"].node(),
-         "got " + show(sampling.margin_spacing) + "; allowed x <= spacing = " + show(sampling.spacing) + " m");
+         "got " + show(sampling.margin_spacing) + "; allowed x <= spacing = " + show(sampling.spacing) + " m" +
+             (sampling.spacing > 0 ? "" : " (0: automatic)"));
   }
   // Each is one of the straight push's own depths.
   if (sampling.tangential_depths > sampling.normal_points) {

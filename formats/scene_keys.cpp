@@ -155,9 +155,14 @@ const Keys<Scene>& contact_keys() {
 const Keys<SamplingScene>& sampling_keys() {
   using S = SamplingScene;
   static const Keys<S> keys{
-      number("spacing", &S::spacing, {0, 1, true, "m"}, "Edge length of the body's patches."),
+      number("spacing", &S::spacing, {0, 1, false, "m"},
+             "Edge length of the body's patches, everywhere the same and solved in full; 0: begins with patches as large "
+             "as the body allows and adds sites, most with a straight push alone, until the error at hidden contacts is "
+             "within response.tolerance."),
+      integer("most_sites", &S::most_sites, {8, 1000000, false, ""},
+              "Without a spacing: most sites that are sampled, whatever the error is then."),
       number("margin_spacing", &S::margin_spacing, {0, 1, false, "m"},
-             "Edge length at sharp margins, at most spacing; 0: spacing / 2."),
+             "Edge length at sharp margins, at most spacing, and only with one; 0: spacing / 2."),
       number("depth", &S::depth, {0, 1, true, "m"}, "Deepest push."),
       number("depth_fraction", &S::depth_fraction, {0, 0.8, true, ""},
              "Deepest push as a share of the local thickness, where that is less than depth; over a cavity of wall and "
@@ -173,7 +178,8 @@ const Keys<SamplingScene>& sampling_keys() {
           "With friction, the tangential over the normal force at gross slip: predicted from the slopes of the normal "
           "curve, or solved by drawing the tool aside until all of the contact slips."),
       affecting(Affects::file, number("max_refused", &S::max_refused, {0, 0.5, false, ""},
-                                      "Share of refused pairs beyond which the fit fails.")),
+                                      "Share of refused pairs beyond which build and fit end with exit code 5. The file is "
+                                      "written, what was refused is filled from neighbours and marked.")),
       {"within_box", Affects::solves, "Only the surface inside this box is sampled; left out: all of it.",
        "{min = [x, y, z], max = [x, y, z]}, min < max, m",
        [](S& sampling, const toml::node& value, const toml::table&, const Place& place) {

@@ -150,6 +150,7 @@ void run_model_bench(const ModelBenchCommand& command, const Globals& globals) {
   pipeline::find_pairs(p);
   check_baked(p);
   pipeline::write_manifest(p);
+  pipeline::resume(p);
   const JournalContent journal = pipeline::samples(p);
   if (accepted_pairs(journal).empty()) {
     throw Error(ExitCode::bad_input,

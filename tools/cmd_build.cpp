@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // `palpate build`: every stage from a scene to its response file, going on with what is there.
 #include "precompute/surface/report.hpp"
+#include "precompute/bake/scene_warnings.hpp"
 #include "tools/command.hpp"
 #include "tools/commands.hpp"
 #include "tools/output.hpp"
@@ -23,6 +24,7 @@ void run_build(const BuildArguments& options, const Globals& globals) {
     warn("the body looks like a thin closed bag, not a solid: its median wall is " +
          std::to_string(1e3 * p.body.report.thickness_median) + " mm thick");
   }
+  for (const std::string& warning : scene_warnings(p.scene, p.body)) warn(warning);
   check_writable(p.paths.response);  // found after hours of solves it would be found too late
   pipeline::plan(p);
   const BakeReport bake = bake_with_progress(p, globals);
@@ -32,6 +34,7 @@ void run_build(const BuildArguments& options, const Globals& globals) {
   } else {
     print(bake_text(p, bake) + fit_text(p, fit));
   }
+  check_tolerance(p, fit);
 }
 
 }  // namespace

@@ -30,6 +30,7 @@ void run_fit(const FitArguments& options, const Globals& globals) {
   } else {
     print(fit_text(p, report));
   }
+  check_tolerance(p, report);
 }
 
 }  // namespace

@@ -164,6 +164,12 @@ std::string as_text(const runtime::View& v, const Json& json) {
          m.response_count, bytes_per_response(v), s.of(layout::response_solved), s.of(layout::response_measured),
          s.of(layout::response_analytic), s.of(layout::response_filled),
          100.0 * static_cast<double>(s.of(layout::response_filled)) / m.response_count);
+  const Json& provenance = json["provenance"];
+  const auto at = Json::json_pointer("/pairs/carried");
+  if (provenance.is_object() && provenance.contains(at)) {
+    append(text, "of these solved %d in full, %d carried from these to straight pushes\n",
+           provenance["pairs"].value("full", 0), provenance["pairs"].value("carried", 0));
+  }
   append(text, "%d coefficients of %u bits; degrees: normal %u, bias %u, stiffness %u, friction %u\n",
          response::count(response::degrees(m)), m.coef_bits, m.normal_degree, m.bias_degree, m.stiffness_degree,
          m.friction_degree);

@@ -6,6 +6,7 @@
 #include "precompute/body.hpp"
 #include "precompute/solve/prestress.hpp"
 #include "precompute/surface/report.hpp"
+#include "precompute/bake/scene_warnings.hpp"
 #include "tools/command.hpp"
 #include "tools/commands.hpp"
 #include "tools/output.hpp"
@@ -58,6 +59,7 @@ void run_mesh(const MeshArguments& arguments, const Globals& globals) {
   if (!arguments.out.empty()) check_outputs(arguments, scene);
   const Body loaded = apply_prestress(prepare_body(scene));
   const Body& body = loaded.stress_free ? *loaded.stress_free : loaded;
+  for (const std::string& warning : scene_warnings(scene, loaded)) warn(warning);
   std::vector<std::filesystem::path> files;
   if (!arguments.out.empty()) {
     const std::filesystem::path folder = arguments.out;

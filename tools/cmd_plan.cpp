@@ -4,22 +4,71 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
-#include "precompute/bake/pipeline.hpp"
+#include "precompute/bake/plan_costs.hpp"
+#include "precompute/bake/progress.hpp"
+#include "precompute/bake/scene_warnings.hpp"
 #include "tools/command.hpp"
 #include "tools/commands.hpp"
 #include "tools/output.hpp"
+#include "tools/pipeline_steps.hpp"
 
 namespace palpate::cli {
 namespace {
 
 struct PlanArguments {
   std::string scene, work;
+  bool quick = false;
 };
+
+constexpr const char* kRoles[] = {"full", "straight", "hidden"};
+
+std::string costs_text(const pipeline::PlanCosts& costs, const pipeline::Pipeline& p, int threads) {
+  std::string text;
+  char line[300];
+  for (std::size_t role = 0; role < costs.roles.size(); ++role) {
+    const pipeline::RoleCost& cost = costs.roles[role];
+    if (cost.pairs == 0) continue;
+    std::snprintf(line, sizeof line, "%-8s %5zu pairs, %zu open, %.2f s of a processor each\n", kRoles[role], cost.pairs,
+                  cost.open, cost.seconds);
+    text += line;
+  }
+  std::snprintf(line, sizeof line, "%s: %s on %d threads, %.0f MB of memory and more for every further thread, file %.0f kB\n",
+                p.automatic ? "this round" : "bake", duration_text(costs.processor_seconds / threads).c_str(), threads,
+                1e-6 * costs.peak_bytes, 1e-3 * costs.file_bytes);
+  text += line;
+  if (!p.automatic) return text;
+  if (p.sampling) text += sampling_text(*p.sampling, p.scene.response.tolerance) + "\n";
+  if (!p.ended) {
+    std::snprintf(line, sizeof line,
+                  "rounds follow until the expected error of normal forces is within %.2f %%, or with %d sites, after "
+                  "%s at most\n",
+                  100 * p.scene.response.tolerance, p.scene.sampling.most_sites,
+                  duration_text(p.scene.sampling.most_sites *
+                                (costs.roles[1].seconds + RoundLimits{}.full_share * costs.roles[0].seconds) / threads)
+                      .c_str());
+    text += line;
+  }
+  return text;
+}
+
+nlohmann::ordered_json costs_json(const pipeline::PlanCosts& costs) {
+  nlohmann::ordered_json json;
+  for (std::size_t role = 0; role < costs.roles.size(); ++role) {
+    const pipeline::RoleCost& cost = costs.roles[role];
+    json[kRoles[role]] = {{"pairs", cost.pairs}, {"open", cost.open}, {"seconds", cost.seconds}};
+  }
+  json["processor_seconds"] = costs.processor_seconds;
+  json["peak_bytes"] = costs.peak_bytes;
+  json["file_bytes"] = costs.file_bytes;
+  return json;
+}
 
 void run_plan(const PlanArguments& options, const Globals& globals) {
   pipeline::Pipeline p = pipeline::prepare(options.scene, {options.work, {}});
   pipeline::plan(p);
+  for (const std::string& warning : scene_warnings(p.scene, p.body)) warn(warning);
   const Plan& plan = p.plan;
   std::size_t support = 0, unreachable = 0;
   for (const SkippedPair& pair : plan.skipped) {
@@ -34,6 +83,8 @@ void run_plan(const PlanArguments& options, const Globals& globals) {
   const GivenCounts given = count_given(p.sources);
   const std::size_t filled = plan.pairs.size() - solved - given.measured - given.analytic;
 
+  std::optional<pipeline::PlanCosts> costs;
+  if (!options.quick) costs = pipeline::cost_plan(p);
   if (globals.json) {
     print_json({{"sites", plan.sites.size()},
                 {"pairs_planned", solved},
@@ -49,7 +100,9 @@ void run_plan(const PlanArguments& options, const Globals& globals) {
                 {"depth_median", depths[depths.size() / 2]},
                 {"depth_max", depths.back()},
                 {"manifest", p.paths.manifest.string()},
-                {"manifest_hash", to_hex(p.manifest)}});
+                {"manifest_hash", to_hex(p.manifest)},
+                {"automatic", p.automatic},
+                {"costs", costs ? costs_json(*costs) : nlohmann::ordered_json()}});
     return;
   }
   char text[640], others[128] = "";
@@ -66,16 +119,17 @@ void run_plan(const PlanArguments& options, const Globals& globals) {
       plan.sites.size(), solved, others, support, 100 * plan.support_share, unreachable, 100 * plan.unreachable_share,
       plan.skipped.size() - support - unreachable, 1e3 * depths.front(), 1e3 * depths.back(),
       1e3 * depths[depths.size() / 2]);
-  print(text + p.paths.manifest.string() + "\n");
+  print(text + (costs ? costs_text(*costs, p, globals.threads) : std::string()) + p.paths.manifest.string() + "\n");
 }
 
 }  // namespace
 
 void add_plan(CLI::App& app, Globals& globals) {
   auto options = std::make_shared<PlanArguments>();
-  Command command(app, "plan", "Lists every pair to be solved (NAME.work/manifest.json)");
+  Command command(app, "plan", "Lists every pair to be solved (NAME.work/manifest.json) and what that costs");
   command.option("scene", options->scene, "Scene file").required();
   command.option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
+  command.flag("--quick", options->quick, "Do not time a pair: no hours and no memory");
   command.runs([options, &globals] { run_plan(*options, globals); });
 }
 

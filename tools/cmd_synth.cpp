@@ -91,7 +91,8 @@ void add_synth(CLI::App& app, Globals& globals) {
   command.option("--tool-radius", o.tool_radius, "Radius of the tip (m)").check(length).shows_default();
   command.option("--tool-length", o.tool_length, "Length of capsule or stylus (m)").check(length).shows_default();
   command.option("--friction", o.friction, "Coulomb coefficient").check(number_in(0.0, 2.0)).shows_default();
-  command.option("--spacing", o.spacing, "Edge length of the body's patches (m)").check(length);
+  command.option("--spacing", o.spacing, "Edge length of the body's patches (m); 0: automatic sampling")
+      .check(number_in(0.0, 1.0));
   command.option("--depth", o.depth, "Deepest push (m)").check(length).shows_default();
   command.option("--motion", arguments->motion, "probe or scan")
       .check(one_of(kMotions))

@@ -168,6 +168,7 @@ void solve(const VerifyArguments& options, const Globals& globals) {
   pipeline::find_pairs(p);
   check_baked(p);
   pipeline::write_manifest(p);
+  pipeline::resume(p);
   const PairCounts pairs = count_pairs(p);
   const double bake = seconds_of_bake(p);
   const ResponseInput input(p.paths.response);

@@ -8,12 +8,23 @@
 #include "tools/output.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 namespace palpate::cli {
 namespace {
+
+/// How long an interrupted bake waits for the solves that are running.
+constexpr std::chrono::milliseconds kPatience{1500};
+
+std::string kept_text(std::size_t finished, std::size_t total) {
+  return std::to_string(finished) + " of " + std::to_string(total) +
+         " pairs are solved and kept; run the same command again to go on";
+}
 
 nlohmann::ordered_json figures_json(const ErrorFigures& figures) {
   return {{"samples", figures.samples},
@@ -55,32 +66,61 @@ double seconds_of_bake(const pipeline::Pipeline& p) {
   }
 }
 
-BakeReport bake_with_progress(const pipeline::Pipeline& p, const Globals& globals) {
+std::string sampling_text(const SamplingEstimate& estimate, double tolerance) {
+  char text[240];
+  std::snprintf(text, sizeof text,
+                "round %d: %zu hidden pushes are missed by %.2f %% at the median, %.2f %% at the 95th percentile (aim "
+                "%.2f %%), %.1f %% at worst at (%.4g, %.4g, %.4g) m",
+                estimate.rounds, estimate.places, 100 * estimate.median, 100 * estimate.p95,
+                100 * RoundLimits{}.aim * tolerance, 100 * estimate.worst, estimate.worst_at.x(),
+                estimate.worst_at.y(), estimate.worst_at.z());
+  return text;
+}
+
+BakeReport bake_with_progress(pipeline::Pipeline& p, const Globals& globals) {
   seconds_of_bake(p);  // a damaged account is found before the first solve
   const InterruptPolling polling;
   ProgressPrinter printer(stderr);
   BakeOptions bake;
   bake.threads = static_cast<unsigned>(globals.threads);
-  bool told = false;
+  BakeProgress last;
+  std::optional<std::chrono::steady_clock::time_point> told;
   bake.stop = [&] {
-    if (interrupted() && !told) {
-      told = true;
+    if (!interrupted()) return false;
+    const auto now = std::chrono::steady_clock::now();
+    if (!told) {
+      told = now;
       printer.finish();
-      note(globals, "stopping after the solves that are running; Ctrl-C again ends at once, and loses nothing either");
+      note(globals, "stopping; what is solved is kept, and Ctrl-C again ends at once");
+    } else if (now - *told > kPatience) {
+      // Records reach the journal whole, one write each: nothing that was accepted is lost by not waiting.
+      std::fprintf(stderr, "palpate: interrupted: %s\n", kept_text(last.done, last.total).c_str());
+      std::_Exit(interrupt_exit_code());
     }
-    return interrupted();
+    return true;
   };
-  if (!globals.quiet) bake.progress = std::ref(printer);
-  const BakeReport report = pipeline::bake(p, bake);
-  printer.finish();
+  bake.progress = [&](const BakeProgress& progress) {
+    last = progress;
+    if (!globals.quiet) printer(progress);
+  };
+  BakeReport report;
+  for (;;) {
+    const std::size_t resumed = report.resumed, rounds = p.sampling ? std::size_t(p.sampling->rounds) : 0;
+    report = pipeline::bake(p, bake);
+    printer.finish();
+    if (rounds > 0) report.resumed = resumed;
+    if (report.stopped || interrupted() || !pipeline::resume(p)) break;
+    note(globals, sampling_text(*p.sampling, p.scene.response.tolerance) + "; round " +
+                      std::to_string(p.sampling->rounds + 1) + " has " + std::to_string(p.plan.sites.size()) +
+                      " sites");
+  }
   if (report.torn_bytes > 0) {
     note(globals,
          "the journal ended in " + std::to_string(report.torn_bytes) + " bytes of an unfinished record: cut off");
   }
   // A signal that came after the last solve had begun is obeyed, too.
   if (report.stopped || interrupted()) {
-    throw Interrupted(std::to_string(report.finished()) + " of " + std::to_string(report.total) +
-                      " pairs are solved and kept; run the same command again to go on");
+    throw Interrupted(kept_text(report.finished(), report.total));
   }
   return report;
 }
@@ -122,7 +162,14 @@ nlohmann::ordered_json fit_json(const pipeline::Pipeline& p, const FitReport& re
   nlohmann::ordered_json json{{"pairs_planned", report.planned},
                               {"pairs_accepted", report.accepted},
                               {"pairs_refused", report.refused},
+                              {"rounds", report.sampling ? report.sampling->rounds : 1},
+                              {"expected_p95", expected_p95(report)},
+                              {"responses_full", report.full},
+                              {"responses_carried", report.carried},
                               {"responses_filled", report.filled},
+                              {"fit_error_carried", figures_json(report.left_out)},
+                              {"fit_error_carried_sideways", figures_json(report.left_out_sideways)},
+                              {"refusals", nlohmann::ordered_json::array()},
                               {"fit_error_normal", figures_json(report.normal)},
                               {"fit_error_tangential", figures_json(report.tangential)},
                               {"fit_error_paths", figures_json(report.paths)},
@@ -154,20 +201,61 @@ nlohmann::ordered_json fit_json(const pipeline::Pipeline& p, const FitReport& re
                                 {"residual_worst_N", f.worst},
                                 {"depth_m", f.depth}});
   }
+  for (const Refusals& kind : report.refusals) {
+    json["refusals"].push_back({{"pairs", kind.pairs}, {"area_share", kind.area_share}, {"example", kind.example}});
+  }
   for (const PairFigures& f : report.pairs) {
     json["pairs"].push_back({{"pair", f.pair}, {"median", f.median}, {"p95", f.p95}, {"worst", f.worst}});
   }
   return json;
 }
 
+void check_tolerance(const pipeline::Pipeline& p, const FitReport& report) {
+  const double share =
+      static_cast<double>(report.refused) / static_cast<double>(std::max<std::size_t>(report.planned, 1));
+  const double expected = expected_p95(report), asked = p.scene.response.tolerance;
+  char text[400];
+  if (share <= p.scene.sampling.max_refused) {
+    if (expected <= asked) return;
+    const Eigen::Vector3d& at = report.sampling->worst_at;
+    std::snprintf(text, sizeof text,
+                  "normal forces are expected to be off by %.2f %% at the 95th percentile, asked %.2f %%; the worst of "
+                  "%zu hidden pushes, %.1f %%, lies at (%.4g, %.4g, %.4g) m. %s",
+                  100 * expected, 100 * asked, report.sampling->places, 100 * report.sampling->worst, at.x(), at.y(),
+                  at.z(),
+                  p.plan.sites.size() >= static_cast<std::size_t>(p.scene.sampling.most_sites)
+                      ? "All of sampling.most_sites were used: allow more. Written: "
+                      : "Written: ");
+    throw Error(ExitCode::tolerance, text + p.paths.response.string());
+  }
+  std::snprintf(text, sizeof text,
+                "%zu of %zu pairs were refused (%.1f %%, allowed %.1f %%; scene: sampling.max_refused) and are filled "
+                "from their neighbours in ",
+                report.refused, report.planned, 100 * share, 100 * p.scene.sampling.max_refused);
+  throw Error(ExitCode::tolerance, text + p.paths.response.string());
+}
+
 std::string fit_text(const pipeline::Pipeline& p, const FitReport& report) {
   std::string text = std::to_string(report.accepted) + " pairs fitted, " + std::to_string(report.filled) +
                      " responses filled from neighbours (" + std::to_string(report.refused) + " refused, " +
                      std::to_string(report.support) + " at supports, " + std::to_string(report.unreachable) +
-                     " in narrow folds, " + std::to_string(report.outside) + " outside the region)\n";
+                     " in narrow folds, " + std::to_string(report.outside) + " outside the region)\n" + to_text(report.refusals);
+  if (report.sampling) {
+    text += sampling_text(*report.sampling, p.scene.response.tolerance) + "\n";
+    char line[120];
+    std::snprintf(line, sizeof line, "expected error of normal forces: 95th percentile %.2f %%, asked %.2f %%\n",
+                  100 * expected_p95(report), 100 * p.scene.response.tolerance);
+    text += line;
+  }
+  if (report.carried > 0) {
+    text += std::to_string(report.full) + " responses solved in full, " + std::to_string(report.carried) +
+            " carried from these to sites with a straight push\n";
+  }
   text += figures_text("normal pushes", report.normal, p.plan);
   text += figures_text("tangential pushes", report.tangential, p.plan);
   text += figures_text("paths that were not fitted", report.paths, p.plan);
+  text += figures_text("carried straight pushes, left out", report.left_out, p.plan);
+  text += figures_text("carried sideways pushes, left out", report.left_out_sideways, p.plan);
   text += figures_text("bonded contacts", report.grasped, p.plan);
   if (report.analytic > 0) text += std::to_string(report.analytic) + " responses by closed forms\n";
   text += figures_text("closed forms", report.laws, p.plan);

@@ -167,6 +167,7 @@ void run_strokes(const StrokesCommand& command, const Globals& globals) {
   pipeline::find_pairs(p);
   check_baked(p);
   pipeline::write_manifest(p);
+  pipeline::resume(p);
   const ResponseInput input(p.paths.response);
   check_same_plan(p, input.view());
   const ContactCase c = plan_contacts(p, command.scene, command.contacts);

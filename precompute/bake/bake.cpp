@@ -3,6 +3,7 @@
 #include "precompute/bake/bake.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -17,6 +18,9 @@ namespace palpate {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+/// A pair in full takes about as long as this many straight pushes; used until one of each has been timed.
+constexpr double kFullOverStraight = 5;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -60,6 +64,35 @@ private:
   std::size_t met_ = 0;
 };
 
+/// Time that pairs take, by what is solved at them, for a time left that does not depend on their order.
+class PairTimes {
+public:
+  void open(const PairPlan& pair) { ++kind(pair).open; }
+  void done(const PairPlan& pair, double seconds) {
+    Kind& k = kind(pair);
+    --k.open;
+    ++k.done;
+    k.seconds += seconds;
+  }
+  /// s of one thread for all open pairs; -1 before the first is done.
+  [[nodiscard]] double left() const {
+    const auto mean = [](const Kind& k) { return k.done > 0 ? k.seconds / static_cast<double>(k.done) : 0.0; };
+    const auto& [full, straight] = kinds_;
+    if (full.done + straight.done == 0) return -1;
+    const double of_full = full.done > 0 ? mean(full) : kFullOverStraight * mean(straight);
+    const double of_straight = straight.done > 0 ? mean(straight) : mean(full) / kFullOverStraight;
+    return of_full * static_cast<double>(full.open) + of_straight * static_cast<double>(straight.open);
+  }
+
+private:
+  struct Kind {
+    std::size_t open = 0, done = 0;
+    double seconds = 0.0;
+  };
+  Kind& kind(const PairPlan& pair) { return kinds_[pair.role == PairRole::full ? 0 : 1]; }
+  std::array<Kind, 2> kinds_;
+};
+
 /// One run over the open pairs.
 class Run {
 public:
@@ -77,6 +110,7 @@ public:
       ++total_;
       if (!outcomes_[pair]) {
         open_.push_back(pair);
+        times_.open(pairs[pair]);
       } else if (!outcomes_[pair]->accepted) {
         ++refused_;
       }
@@ -87,7 +121,7 @@ public:
   BakeReport run() {
     unsigned count = options_.threads > 0 ? options_.threads : std::max(1U, std::thread::hardware_concurrency());
     count = static_cast<unsigned>(std::min<std::size_t>(count, open_.size()));
-    working_ = count;
+    threads_ = working_ = count;
     std::vector<std::jthread> workers;
     workers.reserve(count);
     for (unsigned k = 0; k < count; ++k) workers.emplace_back([this] { work(); });
@@ -126,11 +160,13 @@ private:
   void solve_one(std::uint32_t pair) {
     const auto known = journal_.content().pairs.find(pair);
     PairSink sink(pair, pairs_[pair], known == journal_.content().pairs.end() ? none_ : known->second, journal_);
+    const Clock::time_point began = Clock::now();
     const PairResult result = solve_(pairs_[pair], std::ref(sink));
     sink.finish(result.check);
     journal_.append(pair, result.outcome);
     const std::lock_guard lock(mutex_);
     outcomes_[pair] = result.outcome;
+    times_.done(pairs_[pair], seconds_since(began));
     ++done_;
     if (!result.outcome.accepted) ++refused_;
   }
@@ -159,7 +195,7 @@ private:
     BakeProgress p{total_, done_, refused_, now, 0.0, -1.0};
     if (done_ > resumed_ && now > 0) {
       p.per_hour = 3600.0 * static_cast<double>(done_ - resumed_) / now;
-      p.seconds_left = 3600.0 * static_cast<double>(total_ - done_) / p.per_hour;
+      p.seconds_left = times_.left() / threads_;
     }
     return p;
   }
@@ -204,15 +240,17 @@ private:
   std::mutex mutex_;  // guards what follows
   std::condition_variable wake_;
   std::vector<std::optional<PairOutcome>> outcomes_;
+  PairTimes times_;
   std::size_t done_ = 0, refused_ = 0;
-  unsigned working_ = 0;
+  unsigned threads_ = 1, working_ = 0;
   std::exception_ptr error_;
 };
 
 }  // namespace
 
 std::string describe(std::uint32_t pair, const PairPlan& plan) {
-  return "pair " + std::to_string(pair) + " (site " + std::to_string(plan.site) + ", tool " +
+  const char* const place = plan.role == PairRole::hidden ? " (hidden place " : " (site ";
+  return "pair " + std::to_string(pair) + place + std::to_string(plan.site) + ", tool " +
          std::to_string(plan.tool) + ", vertex " + std::to_string(plan.tool_vertex) + ")";
 }
 

@@ -20,6 +20,24 @@ Eigen::Vector3d vector_from(const Json& json) {
   return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
 }
 
+const char* role_name(PairRole role) {
+  switch (role) {
+    case PairRole::straight:
+      return "straight";
+    case PairRole::hidden:
+      return "hidden";
+    default:
+      return "full";
+  }
+}
+
+PairRole role_from(const std::string& name) {
+  for (const PairRole r : {PairRole::full, PairRole::straight, PairRole::hidden}) {
+    if (name == role_name(r)) return r;
+  }
+  throw Error(ExitCode::bad_input, "unknown role '" + name + "'; allowed full, straight, hidden");
+}
+
 PairPlan pair_from(const Json& json) {
   PairPlan pair;
   pair.site = json.at("site").get<std::uint32_t>();
@@ -30,6 +48,7 @@ PairPlan pair_from(const Json& json) {
   pair.frame.y = vector_from(json.at("y"));
   pair.frame.n = vector_from(json.at("n"));
   pair.depth = json.at("depth").get<double>();
+  pair.role = role_from(json.value("role", role_name(PairRole::full)));
   return pair;
 }
 
@@ -75,6 +94,7 @@ std::string manifest_text(const Plan& plan) {
                                  {"y", vector_json(pair.frame.y)},
                                  {"n", vector_json(pair.frame.n)},
                                  {"depth", pair.depth}});
+    if (pair.role != PairRole::full) json["pairs"].back()["role"] = role_name(pair.role);
   }
   json["skipped"] = Json::array();
   for (const SkippedPair& pair : plan.skipped) {

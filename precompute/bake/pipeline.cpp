@@ -69,12 +69,21 @@ Pipeline prepare(const std::filesystem::path& scene_file, const Options& options
   check_outputs(p, scene_file);
   for (const ToolScene& tool : p.scene.tools) p.tools.push_back(make_tool(tool));
   p.body = apply_prestress(prepare_body(p.scene));
-  p.mesh = make_haptic_mesh(p.scene, p.body);
+  p.automatic = !(p.scene.sampling.spacing > 0);
+  if (p.automatic) p.scene.sampling.spacing = first_spacing(p.scene, p.body);
+  // A plan of rounds has its contact surface when the last is known.
+  p.mesh = p.automatic ? place_sites(p.scene, p.body) : make_haptic_mesh(p.scene, p.body);
+  if (p.automatic && !(p.scene_sources.measured.empty() && p.scene_sources.analytic.empty())) {
+    p.automatic = false;  // recordings and laws stand at sites that are known before
+    make_contact_surface(p.body, p.mesh);
+  }
   return p;
 }
 
 void find_pairs(Pipeline& p) {
-  p.plan = make_plan(p.scene, p.body, p.mesh, p.tools);
+  p.plan = p.automatic ? first_round({p.scene, p.body, p.tools}, p.mesh)
+                       : make_plan(p.scene, p.body, p.mesh, p.tools);
+  p.first_pairs = p.plan.pairs.size();
   p.sources = find_sources(p.scene, p.scene_sources, p.body, p.tools, p.mesh, p.plan);
 }
 
@@ -103,9 +112,30 @@ void write_manifest(Pipeline& p) {
   write_file(p.paths.manifest, text);
 }
 
+bool resume(Pipeline& p) {
+  if (!p.automatic || p.ended) return false;
+  if (!std::filesystem::exists(p.paths.journal)) return true;
+  const JournalContent journal = read_journal(p.paths.journal, p.manifest);
+  const Sampled sampled{p.scene, p.body, p.tools};
+  for (;;) {
+    for (std::uint32_t pair = 0; pair < p.plan.pairs.size(); ++pair) {
+      const auto at = journal.pairs.find(pair);
+      if (at == journal.pairs.end() || !at->second.outcome) return true;
+    }
+    const int rounds = p.sampling ? p.sampling->rounds + 1 : 1;
+    p.sampling = judge(sampled, p.mesh, p.plan, journal);
+    p.sampling->rounds = rounds;
+    if (p.sampling->met || rounds >= RoundLimits{}.rounds || !add_round(sampled, journal, p.mesh, p.plan)) break;
+  }
+  p.ended = true;
+  make_contact_surface(p.body, p.mesh);
+  return false;
+}
+
 void plan(Pipeline& p) {
   find_pairs(p);
   write_manifest(p);
+  resume(p);
 }
 
 PairSolver contact_solver(const Pipeline& p) {
@@ -113,12 +143,20 @@ PairSolver contact_solver(const Pipeline& p) {
   const auto name = [](const PairPlan& pair) { return std::array{pair.site, pair.tool, pair.tool_vertex}; };
   std::set<std::array<std::uint32_t, 3>> checked;
   const SolverScene& solver = p.scene.solver;
+  std::vector<std::size_t> full;  // of the first round: later ones do not change the draw
+  for (std::size_t k = 0; k < p.first_pairs; ++k) {
+    if (p.plan.pairs[k].role == PairRole::full) full.push_back(k);
+  }
   for (const std::size_t k :
-       draw_share(p.plan.pairs.size(), solver.check_share, static_cast<std::uint64_t>(solver.check_seed))) {
-    checked.insert(name(p.plan.pairs[k]));
+       draw_share(full.size(), solver.check_share, static_cast<std::uint64_t>(solver.check_seed))) {
+    checked.insert(name(p.plan.pairs[full[k]]));
   }
   return [&p, scene_options, name, checked](const PairPlan& pair, const SampleSink& sink) {
     const Tool& tool = p.tools[pair.tool];
+    if (pair.role != PairRole::full) {
+      return solve_pair(p.body, tool, tool.vertices[pair.tool_vertex], pair.frame, straight_path(p.scene, pair.depth),
+                        coarser_options(scene_options), sink);
+    }
     PairOptions options = scene_options;
     options.check = checked.count(name(pair)) != 0;
     PairPath path = bake_path(p.scene, pair.depth);
@@ -162,7 +200,6 @@ FitSettings fit_settings(const Scene& scene) {
   FitSettings settings;
   settings.depth_scale = scene.sampling.depth;
   settings.friction = scene.friction > 0;
-  settings.max_refused = scene.sampling.max_refused;
   settings.max_residual = scene.response.max_residual;
   settings.tolerance = scene.response.tolerance;
   settings.path = [scene](double depth) { return bake_path(scene, depth); };
@@ -188,6 +225,7 @@ FittedFile fit_file(const Pipeline& p, const JournalContent& journal, const FitS
   for (const Tool& tool : p.tools) tool_vertices.push_back(static_cast<std::uint32_t>(tool.vertices.size()));
   FittedFile file;
   file.fitted = fit_responses(p.plan, p.mesh.triangles, tool_vertices, journal, settings, p.sources);
+  file.fitted.report.sampling = p.sampling;
   file.bytes = encode(assemble_response(p.scene, p.tools, p.mesh, p.plan, p.manifest, file.fitted, p.sources));
   return file;
 }

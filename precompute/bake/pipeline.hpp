@@ -3,12 +3,14 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "formats/scene.hpp"
 #include "formats/scene_sources.hpp"
 #include "precompute/bake/bake.hpp"
 #include "precompute/bake/plan.hpp"
+#include "precompute/bake/rounds.hpp"
 #include "precompute/body.hpp"
 #include "precompute/fit/fit.hpp"
 #include "precompute/fit/given_pairs.hpp"
@@ -41,7 +43,11 @@ struct Pipeline {
   HapticMesh mesh;
   Plan plan;            ///< filled by find_pairs()
   PairSources sources;  ///< filled by find_pairs(): the pairs that are not solved
-  Hash128 manifest;     ///< filled by write_manifest()
+  Hash128 manifest;     ///< filled by write_manifest(); of the first round
+  std::size_t first_pairs = 0;  ///< of the first round, filled by find_pairs()
+  bool automatic = false;       ///< the scene gives no spacing: rounds add sites until its tolerance holds
+  std::optional<SamplingEstimate> sampling;  ///< of the last round that was solved; filled by resume()
+  bool ended = false;                        ///< no round follows; filled by resume()
 };
 
 /// Reads the scene; prepares body (its prestress is solved), tools and haptic mesh. Throws as read_scene, prepare_body,
@@ -55,13 +61,18 @@ void find_pairs(Pipeline& pipeline);
 /// have been solved for it, throws Error(bad_input) instead of orphaning them.
 void write_manifest(Pipeline& pipeline);
 
-/// Both.
+/// With automatic sampling, takes the plan on to the round that the journal has come to; the last one has its contact
+/// surface. True where a round is open: bake, then call again.
+bool resume(Pipeline& pipeline);
+
+/// All three.
 void plan(Pipeline& pipeline);
 
 /// The solver the bake uses: bake_path, add_grasp, pair_options, solve_pair. `pipeline` must outlive it.
 PairSolver contact_solver(const Pipeline& pipeline);
 
-/// Solves what is open, with `solver` or the contact solver. Needs plan(). The time spent is added to bake.json.
+/// Solves what is open in the plan, with `solver` or the contact solver. Needs plan(). The time spent is added to
+/// bake.json. With automatic sampling resume() then gives the next round.
 BakeReport bake(const Pipeline& pipeline, const BakeOptions& options, const PairSolver& solver = {});
 
 /// Seconds that all bakes of this manifest took together; 0 when there was none.

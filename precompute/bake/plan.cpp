@@ -104,40 +104,50 @@ std::vector<PlanSite> make_sites(const HapticMesh& mesh) {
 
 }  // namespace
 
-Plan make_plan(const Scene& scene, const Body& body, const HapticMesh& mesh, const std::vector<Tool>& tools) {
-  Plan plan;
+void add_sites(Plan& plan, const Body& body, const HapticMesh& mesh, const std::vector<Tool>& tools, PairRole role) {
+  const std::size_t known = plan.sites.size();
   plan.sites = make_sites(mesh);
-  plan.inputs.solver = kSolverRevision;
-  plan.inputs.scene = hash128(canonical_text(scene, CanonicalScope::solves));
-  plan.inputs.body = hash_body(body);
-  plan.inputs.haptic_mesh = hash_mesh(mesh);
-  for (const Tool& tool : tools) plan.inputs.tools.push_back(hash_tool(tool));
-
-  double area = 0, on_support = 0, in_folds = 0;
-  for (std::uint32_t site = 0; site < plan.sites.size(); ++site) {
+  for (auto site = static_cast<std::uint32_t>(known); site < plan.sites.size(); ++site) {
     const PlanSite& at = plan.sites[site];
     for (std::uint32_t tool = 0; tool < tools.size(); ++tool) {
       for (std::uint32_t vertex = 0; vertex < tools[tool].vertices.size(); ++vertex) {
-        const bool support =
-            at.held || reaches_support(body, tools[tool], tools[tool].vertices[vertex], at.frame, at.depth);
-        area += at.area;
+        const ToolVertex& touching = tools[tool].vertices[vertex];
+        const bool support = at.held || reaches_support(body, tools[tool], touching, at.frame, at.depth);
         const bool unreachable =
-            !support && at.selected && !can_touch_first(body, tools[tool], tools[tool].vertices[vertex], at.frame);
-        if (support) on_support += at.area;
-        if (unreachable) in_folds += at.area;
+            !support && at.selected && !can_touch_first(body, tools[tool], touching, at.frame);
         if (support || unreachable || !at.selected) {
           plan.skipped.push_back({site, tool, vertex,
                                   support       ? SkipReason::support
                                   : unreachable ? SkipReason::unreachable
                                                 : SkipReason::outside});
         } else {
-          plan.pairs.push_back({site, tool, vertex, at.frame, at.depth});
+          plan.pairs.push_back({site, tool, vertex, at.frame, at.depth, role});
         }
       }
     }
   }
+  double area = 0, on_support = 0, in_folds = 0;
+  std::size_t vertices = 0;
+  for (const Tool& tool : tools) vertices += tool.vertices.size();
+  for (const PlanSite& site : plan.sites) area += static_cast<double>(vertices) * site.area;
+  for (const SkippedPair& pair : plan.skipped) {
+    if (pair.reason == SkipReason::support) on_support += plan.sites[pair.site].area;
+    if (pair.reason == SkipReason::unreachable) in_folds += plan.sites[pair.site].area;
+  }
   plan.support_share = area > 0 ? on_support / area : 0.0;
   plan.unreachable_share = area > 0 ? in_folds / area : 0.0;
+}
+
+Plan make_plan(const Scene& scene, const Body& body, const HapticMesh& mesh, const std::vector<Tool>& tools,
+               PairRole role) {
+  Plan plan;
+  plan.inputs.solver = kSolverRevision;
+  plan.inputs.scene = hash128(canonical_text(scene, CanonicalScope::solves));
+  plan.inputs.body = hash_body(body);
+  plan.inputs.haptic_mesh = hash_mesh(mesh);
+  for (const Tool& tool : tools) plan.inputs.tools.push_back(hash_tool(tool));
+
+  add_sites(plan, body, mesh, tools, role);
   for (std::uint32_t tool = 0; tool < tools.size(); ++tool) {
     for (std::uint32_t vertex = 0; vertex < tools[tool].vertices.size(); ++vertex) {
       bool planned = false;

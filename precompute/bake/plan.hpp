@@ -50,15 +50,19 @@ struct PlanInputs {
 
 struct Plan {
   std::vector<PlanSite> sites;
-  std::vector<PairPlan> pairs;       ///< by site, then tool, then tool vertex
+  std::vector<PairPlan> pairs;       ///< by site, then tool, then tool vertex; those of a round after those before it
   std::vector<SkippedPair> skipped;  ///< in the same order
   double unreachable_share = 0.0;    ///< of the area (mean over tool vertices) in folds narrower than the tool
   double support_share = 0.0;        ///< of the area (mean over tool vertices) that a support makes untouchable
   PlanInputs inputs;
 };
 
-/// Plans every pair of the scene. Throws Error(bad_input) when nothing is left to touch.
-Plan make_plan(const Scene& scene, const Body& body, const HapticMesh& mesh, const std::vector<Tool>& tools);
+/// Appends the pairs of the mesh's sites that the plan does not have yet, in one role, and what of them is skipped.
+void add_sites(Plan& plan, const Body& body, const HapticMesh& mesh, const std::vector<Tool>& tools, PairRole role);
+
+/// Plans every pair of the scene in one role. Throws Error(bad_input) when nothing is left to touch.
+Plan make_plan(const Scene& scene, const Body& body, const HapticMesh& mesh, const std::vector<Tool>& tools,
+               PairRole role = PairRole::full);
 
 /// The part of a plan that the manifest stores.
 struct Manifest {

@@ -13,6 +13,7 @@
 #include "formats/error.hpp"
 #include "formats/recording.hpp"
 #include "precompute/bake/given_tool.hpp"
+#include "precompute/mesh/haptic_mesh.hpp"
 #include "precompute/solve/pair.hpp"
 
 namespace palpate {
@@ -25,7 +26,6 @@ constexpr double kStraight = 0.05;         // sideways over depth, at most, of a
 constexpr double kShallow = 0.1;           // of the sampled depth: the same of what is shallower
 constexpr double kFacing = 0.5;            // least cosine between the normals of a contact and of its site
 constexpr double kReach = 0.25;            // of sampling.spacing
-constexpr double kNormalRadius = 1.0 / 3;  // of sampling.spacing, as the haptic mesh averages its normals
 
 std::map<PairName, std::uint32_t> pairs_by_name(const Plan& plan) {
   std::map<PairName, std::uint32_t> result;
@@ -117,7 +117,7 @@ private:
                     1e3 * closest.distance, 1e3 * reach);
       throw Error(ExitCode::bad_input, where + text);
     }
-    const Vector3d normal = body_.query->normal(closest.point, kNormalRadius * scene_.sampling.spacing);
+    const Vector3d normal = body_.query->normal(closest.point, normal_radius(scene_));
     double nearest = std::numeric_limits<double>::infinity();
     for (std::uint32_t k = 0; k < plan_.sites.size(); ++k) {
       const ContactFrame& frame = plan_.sites[k].frame;

@@ -38,7 +38,7 @@ ResponseTool response_tool(const Tool& tool) {
 void add_body(ResponseFileContent& content, const HapticMesh& mesh, const Plan& plan) {
   // A site counts as held when no tool vertex may touch it for a support.
   std::vector<std::size_t> planned(plan.sites.size(), 0), at_support(plan.sites.size(), 0);
-  for (const PairPlan& pair : plan.pairs) ++planned[pair.site];
+  for (const PairPlan& pair : plan.pairs) planned[pair.site] += pair.role == PairRole::hidden ? 0 : 1;
   for (const SkippedPair& pair : plan.skipped) at_support[pair.site] += pair.reason == SkipReason::support ? 1 : 0;
   for (std::size_t k = 0; k < plan.sites.size(); ++k) {
     const PlanSite& site = plan.sites[k];
@@ -132,6 +132,13 @@ std::string provenance(const Scene& scene, const Plan& plan, const Hash128& mani
       {"planned", report.planned},         {"accepted", report.accepted},   {"refused", report.refused},
       {"filled", report.filled},         {"support", report.support},     {"outside", report.outside},
       {"unreachable", report.unreachable}, {"shortened", report.shortened}, {"support_area_share", plan.support_share}};
+  if (report.carried > 0) {
+    json["pairs"]["full"] = report.full;
+    json["pairs"]["carried"] = report.carried;
+  }
+  for (const Refusals& kind : report.refusals) {
+    json["refusals"].push_back({{"pairs", kind.pairs}, {"area_share", kind.area_share}, {"example", kind.example}});
+  }
   json["fit"] = {{"error", "|fit - solved| / max(|solved|, 2 % of the pair's peak)"},
                  {"normal", figures(report.normal)}};
   if (report.friction) json["fit"]["tangential"] = figures(report.tangential);
@@ -142,6 +149,14 @@ std::string provenance(const Scene& scene, const Plan& plan, const Hash128& mani
   if (report.grasp) json["fit"]["grasped"] = figures(report.grasped);
   if (report.turn) json["fit"]["turned"] = figures(report.turned);
   if (report.friction) json["fit"]["paths"] = figures(report.paths);
+  if (report.left_out.samples > 0) json["fit"]["carried"] = figures(report.left_out);
+  if (report.left_out_sideways.samples > 0) json["fit"]["carried_sideways"] = figures(report.left_out_sideways);
+  if (report.sampling) {
+    const SamplingEstimate& s = *report.sampling;
+    json["sampling"]["hidden"] = {{"rounds", s.rounds}, {"places", s.places}, {"median", s.median},
+                                  {"p95", s.p95},       {"worst", s.worst},   {"worst_at", to_triple(s.worst_at)}};
+    json["sampling"]["expected_p95"] = expected_p95(report);
+  }
   const fit::HeldOutFigures& held = report.held_out;
   json["fit"]["held_out"] = {
       {"samples", held.samples}, {"median", held.median}, {"p95", held.p95}, {"worst", held.worst}};

@@ -8,9 +8,11 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <set>
 
 #include "formats/error.hpp"
 #include "precompute/bake/bake.hpp"
+#include "precompute/fit/carry.hpp"
 #include "precompute/fit/fill.hpp"
 #include "precompute/fit/given_pairs.hpp"
 #include "precompute/fit/potential_degrees.hpp"
@@ -32,7 +34,7 @@ const JournalPair* solved_pair(const JournalContent& journal, std::uint32_t pair
 std::size_t check_finished(const Plan& plan, const JournalContent& journal, const PairSources& sources) {
   std::size_t open = 0, all = 0;
   for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
-    if (!sources.solved(pair)) continue;
+    if (!sources.solved(pair) || plan.pairs[pair].role == PairRole::hidden) continue;
     ++all;
     open += solved_pair(journal, pair) == nullptr ? 1 : 0;
   }
@@ -41,28 +43,6 @@ std::size_t check_finished(const Plan& plan, const JournalContent& journal, cons
                                          std::to_string(all) + " pairs have no outcome yet");
   }
   return all;
-}
-
-/// Throws with the causes, most frequent first, when more pairs are refused than allowed.
-void check_refused(const Plan& plan, std::size_t planned, const std::vector<RefusedPair>& refused, double max_refused) {
-  std::map<std::string, std::pair<std::size_t, std::string>> causes;  // text without figures: count, first pair
-  for (const RefusedPair& pair : refused) {
-    auto& [count, example] = causes[pair.cause.substr(0, pair.cause.find_first_of("0123456789"))];
-    if (++count == 1) example = describe(pair.pair, plan.pairs[pair.pair]) + ": " + pair.cause;
-  }
-  const double share = static_cast<double>(refused.size()) / static_cast<double>(std::max<std::size_t>(planned, 1));
-  if (share <= max_refused) return;
-  std::vector<std::pair<std::size_t, std::string>> sorted;
-  for (const auto& [kind, entry] : causes) sorted.push_back(entry);
-  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  char percent[64];
-  std::snprintf(percent, sizeof percent, "%.1f %%, allowed %.1f %%", 100 * share, 100 * max_refused);
-  std::string text = std::to_string(refused.size()) + " of " + std::to_string(planned) + " pairs were refused (" +
-                     percent + "; scene: sampling.max_refused):";
-  for (std::size_t k = 0; k < std::min<std::size_t>(sorted.size(), 8); ++k) {
-    text += "\n  " + std::to_string(sorted[k].first) + " like " + sorted[k].second;
-  }
-  throw Error(ExitCode::numerical, text);
 }
 
 ResponseScales make_scales(const std::vector<const std::vector<Sample>*>& pairs, const FitSettings& settings) {
@@ -75,9 +55,6 @@ ResponseScales make_scales(const std::vector<const std::vector<Sample>*>& pairs,
         scales.tangential = std::max(scales.tangential, s.deflection.head<2>().norm());
       }
     }
-  }
-  if (!(scales.tangential > 0)) {
-    throw Error(ExitCode::numerical, "the scene has friction, but no accepted pair has a tangential push");
   }
   return scales;
 }
@@ -138,6 +115,315 @@ std::string residual_cause(double worst, double allowed) {
   return text;
 }
 
+using RowErrors = std::vector<std::pair<double, std::uint32_t>>;  // relative error, pair
+
+/// One fit of a plan: responses by tool vertex (row) and site.
+class PlanFit {
+public:
+  PlanFit(const Plan& plan, const std::vector<std::array<std::int32_t, 3>>& triangles,
+          const std::vector<std::uint32_t>& tool_vertices, const JournalContent& journal, const FitSettings& settings,
+          const PairSources& sources)
+      : plan_(plan), triangles_(triangles), journal_(journal), settings_(settings), sources_(sources) {
+    first_.assign(tool_vertices.size() + 1, 0);
+    std::partial_sum(tool_vertices.begin(), tool_vertices.end(), first_.begin() + 1);
+    rows_.assign(first_.back(), SiteRow(plan.sites.size()));
+    flags_.assign(first_.back(), std::vector<std::uint32_t>(plan.sites.size(), layout::response_filled));
+  }
+
+  FittedResponses run() {
+    report_.planned = check_finished(plan_, journal_, sources_);
+    report_.friction = settings_.friction;
+    check_given(plan_, sources_, settings_.friction);
+    choose_law();
+    for (std::uint32_t pair = 0; pair < plan_.pairs.size(); ++pair) fit_one(pair);
+    for (std::uint32_t row = 0; row < rows_.size(); ++row) carry(row);
+    report_refusals();
+    report_errors();
+    fill();
+    return std::move(result_);
+  }
+
+private:
+  [[nodiscard]] std::uint32_t row_of(const PairPlan& pair) const { return first_[pair.tool] + pair.tool_vertex; }
+
+  /// Scales and degrees, from the pairs that were solved in full or given.
+  void choose_law() {
+    std::vector<const std::vector<Sample>*> all, exact;
+    for (std::uint32_t pair = 0; pair < plan_.pairs.size(); ++pair) {
+      if (plan_.pairs[pair].role == PairRole::hidden) continue;
+      const std::vector<Sample>* samples = samples_of(pair, journal_, sources_);
+      if (samples == nullptr) continue;
+      const auto given = sources_.given.find(pair);
+      const bool noisy = given != sources_.given.end() && given->second.measured;
+      report_.bias = report_.bias || (noisy ? has_steady_bias(*samples, settings_.bias_threshold)
+                                            : has_bias(*samples, settings_.bias_threshold));
+      const bool solved = given == sources_.given.end();
+      if (solved && (plan_.pairs[pair].role == PairRole::straight || straight_alone(*samples))) continue;
+      all.push_back(samples);
+      if (!noisy) exact.push_back(samples);
+    }
+    if (all.empty()) refuse_all();
+    result_.scales = make_scales(all, settings_);
+    if (result_.scales.friction() != settings_.friction) refuse_all();
+    const fit::DegreeChoice choice =
+        choose_degrees(plan_, sources_, exact, result_.scales, report_.bias, settings_);
+    result_.scales.degrees = choice.degrees;
+    result_.scales.bits = choice.bits;
+    report_.bias = choice.degrees.bias > 0;
+    report_.held_out = choice.held_out;
+  }
+
+  /// A contact whose sideways pushes found no answer although friction asks for them.
+  [[nodiscard]] bool straight_alone(const std::vector<Sample>& samples) const {
+    return settings_.friction && std::none_of(samples.begin(), samples.end(), [](const Sample& s) {
+      return s.kind == SampleKind::tangential;
+    });
+  }
+
+  [[noreturn]] void refuse_all() const {
+    std::vector<RefusedPair> refused;
+    for (const auto& [pair, solved] : journal_.pairs) {
+      if (solved.outcome && !solved.outcome->cause.empty()) refused.push_back({pair, solved.outcome->cause});
+    }
+    throw Error(ExitCode::numerical,
+                "nothing to make a response file of: no pair was solved with all that the scene asks for\n" +
+                    to_text(group_refusals(plan_, refused)));
+  }
+
+  void fit_one(std::uint32_t pair) {
+    const PairPlan& planned = plan_.pairs[pair];
+    const std::uint32_t row = row_of(planned);
+    if (const auto given = sources_.given.find(pair); given != sources_.given.end()) {
+      rows_[row][planned.site] = fit_given(plan_, pair, given->second, result_.scales, report_, laws_);
+      flags_[row][planned.site] = given->second.measured ? layout::response_measured : layout::response_analytic;
+      return;
+    }
+    if (!sources_.solved(pair) || planned.role == PairRole::hidden) return;
+    const JournalPair& solved = *solved_pair(journal_, pair);
+    if (!solved.outcome->accepted) {
+      refused_.push_back({pair, solved.outcome->cause});
+      return;
+    }
+    if (planned.role == PairRole::straight) {
+      alone_.insert(pair);
+      ++report_.accepted;
+    } else if (straight_alone(solved.samples)) {
+      alone_.insert(pair);
+      ++report_.accepted;
+      ++report_.shortened;
+    } else {
+      fit_full(pair, solved);
+    }
+  }
+
+  void fit_full(std::uint32_t pair, const JournalPair& solved) {
+    const PairPlan& planned = plan_.pairs[pair];
+    const std::uint32_t row = row_of(planned);
+    PairResponse response;
+    std::optional<fit::GraspCurves> grasp;
+    std::optional<fit::TurnCurves> turn;
+    try {
+      response = fit::fit_pair(solved.samples, result_.scales, "fit");
+      if (planned.tool < settings_.grasps.size() && settings_.grasps[planned.tool]) {
+        grasp = fit::fit_grasp(solved.samples, result_.scales.depth, "fit");
+        if (planned.tool < settings_.turns.size() && settings_.turns[planned.tool]) {
+          turn = fit::fit_turns(solved.samples, *grasp, result_.scales.depth, "fit");
+        }
+      }
+    } catch (const Error& error) {  // filled from neighbours like a refused pair
+      refused_.push_back({pair, error.what()});
+      return;
+    }
+    const fit::FitErrors errors = fit::fit_errors(response, result_.scales, solved.samples);
+    const PairFigures figures = pair_figures(pair, errors);
+    if (!(figures.worst <= settings_.max_residual)) {
+      refused_.push_back({pair, residual_cause(figures.worst, settings_.max_residual)});
+      return;
+    }
+    ++report_.accepted;
+    ++report_.full;
+    if (!solved.outcome->cause.empty()) ++report_.shortened;
+    for (const double e : errors.normal) normal_.emplace_back(e, pair);
+    for (const double e : errors.tangential) tangential_.emplace_back(e, pair);
+    for (const double e : errors.paths) paths_.emplace_back(e, pair);
+    if (grasp) {
+      const std::vector<double> own = fit::grasp_errors(*grasp, result_.scales.depth, solved.samples);
+      for (const double e : own) grasped_.emplace_back(e, pair);
+      report_.grasp = true;
+    }
+    if (turn) {
+      for (const double e : fit::turn_errors(*grasp, *turn, result_.scales.depth, solved.samples)) {
+        turned_.emplace_back(e, pair);
+      }
+      report_.turn = true;
+    }
+    report_.pairs.push_back(figures);
+    report_.softenings.push_back(response.softening);
+    rows_[row][planned.site] = SiteResponse{std::move(response), planned.depth, std::move(grasp), std::move(turn)};
+    flags_[row][planned.site] = layout::response_solved;
+  }
+
+  /// The straight pushes of a tool vertex on one kind of mesh, by site: the pairs planned for it or, where there are
+  /// none, the pushes of the pairs that were to be solved in full.
+  [[nodiscard]] std::map<std::uint32_t, std::uint32_t> straight_pairs(std::uint32_t row) const {
+    const auto pairs_of = [&](PairRole role) {
+      std::map<std::uint32_t, std::uint32_t> pairs;
+      for (std::uint32_t pair = 0; pair < plan_.pairs.size(); ++pair) {
+        const PairPlan& planned = plan_.pairs[pair];
+        if (planned.role != role || row_of(planned) != row || !sources_.solved(pair)) continue;
+        if (solved_pair(journal_, pair)->outcome->accepted) pairs[planned.site] = pair;
+      }
+      return pairs;
+    };
+    const auto straight = pairs_of(PairRole::straight);
+    return straight.empty() ? pairs_of(PairRole::full) : straight;
+  }
+
+  /// Gives the sites of a tool vertex that were pushed straight alone the responses of those solved in full.
+  void carry(std::uint32_t row) {
+    const std::map<std::uint32_t, std::uint32_t> pairs = straight_pairs(row);
+    const auto wants = [&](const auto& at) { return alone_.count(at.second) > 0 && !rows_[row][at.first]; };
+    if (std::none_of(pairs.begin(), pairs.end(), wants)) return;
+    std::map<std::uint32_t, fit::StraightCurve> curves;
+    for (const auto& [site, pair] : pairs) {
+      try {
+        curves.emplace(site, fit::StraightCurve(journal_.pairs.at(pair).samples));
+      } catch (const Error& error) {
+        if (wants(std::pair{site, pair})) refused_.push_back({pair, error.what()});
+      }
+    }
+    std::vector<fit::CarrySource> sources;
+    std::vector<std::uint32_t> sites;  // of the sources
+    for (const auto& [site, curve] : curves) {
+      if (!rows_[row][site]) continue;
+      sources.push_back({&plan_.sites[site].frame, &*rows_[row][site], &curve, 0.0});
+      sites.push_back(site);
+    }
+    if (sources.empty()) return;
+    for (std::size_t k = 0; k < sources.size() && sources.size() > 1; ++k) {
+      test_carried(pairs.at(sites[k]), curves.at(sites[k]), *rows_[row][sites[k]],
+                   fit::near_sources(*sources[k].frame, sources, &sources[k]));
+    }
+    SiteRow carried(plan_.sites.size());
+    for (const auto& [site, curve] : curves) {
+      if (!wants(std::pair{site, pairs.at(site)})) continue;
+      carried[site] = carried_to(pairs.at(site), curve, fit::near_sources(plan_.sites[site].frame, sources));
+    }
+    for (std::size_t site = 0; site < carried.size(); ++site) {
+      if (!carried[site]) continue;
+      rows_[row][site] = std::move(carried[site]);
+      flags_[row][site] = layout::response_solved;
+      ++report_.carried;
+    }
+  }
+
+  [[nodiscard]] std::vector<Sample> samples_carried(const PairPlan& at, const fit::StraightCurve& own,
+                                                    const std::vector<fit::CarrySource>& sources) const {
+    return fit::carried_samples(at.frame, at.depth, own, settings_.path(at.depth), sources, result_.scales);
+  }
+
+  std::optional<SiteResponse> carried_to(std::uint32_t pair, const fit::StraightCurve& own,
+                                         const std::vector<fit::CarrySource>& sources) {
+    const PairPlan& at = plan_.pairs[pair];
+    try {
+      std::vector<fit::FillSource> blended;
+      for (const fit::CarrySource& source : sources) blended.push_back({source.frame, source.full, source.weight});
+      SiteResponse site = fit::blend_sites(at.frame, at.depth, blended, result_.scales);
+      const double softening = site.response.softening;
+      site.response = fit::fit_pair(samples_carried(at, own, sources), result_.scales, "carried");
+      site.response.softening = softening;
+      site.depth = at.depth;
+      return site;
+    } catch (const Error& error) {
+      refused_.push_back({pair, error.what()});
+      return std::nullopt;
+    }
+  }
+
+  /// Errors of what would have been carried to a site that was solved in full.
+  void test_carried(std::uint32_t pair, const fit::StraightCurve& own, const SiteResponse& full,
+                    const std::vector<fit::CarrySource>& sources) {
+    const fit::Potential law(full.response.coefs, result_.scales);
+    const std::vector<Sample> carried = samples_carried(plan_.pairs[pair], own, sources);
+    double peak = 0;
+    for (const Sample& s : carried) peak = std::max(peak, law.force(s.deflection).norm());
+    for (const Sample& s : carried) {
+      const Eigen::Vector3d solved = law.force(s.deflection);
+      const double error = (s.force - solved).norm() / std::max(solved.norm(), 0.02 * peak);
+      (s.kind == SampleKind::normal ? left_out_ : left_out_sideways_).emplace_back(error, pair);
+    }
+  }
+
+  void report_refusals() {
+    report_.refused = refused_.size();
+    report_.refusals = group_refusals(plan_, refused_);
+    for (const SkippedPair& pair : plan_.skipped) {
+      ++(pair.reason == SkipReason::support       ? report_.support
+         : pair.reason == SkipReason::unreachable ? report_.unreachable
+                                                  : report_.outside);
+    }
+  }
+
+  void report_errors() {
+    std::sort(report_.softenings.begin(), report_.softenings.end());
+    if (report_.softenings.empty() || !(report_.softenings.back() > 0)) report_.softenings.clear();
+    report_.normal = error_figures(normal_);
+    report_.tangential = error_figures(tangential_);
+    report_.paths = error_figures(paths_);
+    report_.grasped = error_figures(grasped_);
+    report_.turned = error_figures(turned_);
+    report_.laws = error_figures(laws_);
+    report_.left_out = error_figures(left_out_);
+    report_.left_out_sideways = error_figures(left_out_sideways_);
+  }
+
+  /// A tool vertex without any response takes those of the vertex nearest to it in the file that has some.
+  [[nodiscard]] SiteRow row_to_fill(std::size_t vertex) const {
+    const auto known = [](const SiteRow& row) {
+      return std::any_of(row.begin(), row.end(), [](const auto& site) { return site.has_value(); });
+    };
+    for (std::size_t step = 0; step < rows_.size(); ++step) {
+      if (vertex >= step && known(rows_[vertex - step])) return rows_[vertex - step];
+      if (vertex + step < rows_.size() && known(rows_[vertex + step])) return rows_[vertex + step];
+    }
+    refuse_all();
+  }
+
+  void fill() {
+    std::vector<ContactFrame> frames;
+    std::vector<double> depths;
+    for (const PlanSite& site : plan_.sites) {
+      frames.push_back(site.frame);
+      depths.push_back(site.depth);
+    }
+    const fit::SiteGraph graph = fit::site_graph(plan_.sites.size(), triangles_);
+    result_.responses.resize(plan_.sites.size() * rows_.size());
+    for (std::size_t vertex = 0; vertex < rows_.size(); ++vertex) {
+      SiteRow row = row_to_fill(vertex);
+      fit::fill_from_neighbours(graph, frames, depths, result_.scales, row, "tool vertex " + std::to_string(vertex));
+      for (std::size_t site = 0; site < row.size(); ++site) {
+        result_.responses[site * rows_.size() + vertex] =
+            to_response(*row[site], flags_[vertex][site], report_, result_.scales);
+        report_.filled += flags_[vertex][site] == layout::response_filled ? 1 : 0;
+      }
+    }
+  }
+
+  const Plan& plan_;
+  const std::vector<std::array<std::int32_t, 3>>& triangles_;
+  const JournalContent& journal_;
+  const FitSettings& settings_;
+  const PairSources& sources_;
+  std::vector<std::uint32_t> first_;  // row of each tool's first vertex
+  std::vector<SiteRow> rows_;
+  std::vector<std::vector<std::uint32_t>> flags_;  // layout::ResponseFlag, by row and site
+  std::set<std::uint32_t> alone_;  // accepted pairs with a straight push and nothing else
+  std::vector<RefusedPair> refused_;
+  RowErrors normal_, tangential_, paths_, grasped_, turned_, laws_, left_out_, left_out_sideways_;
+  FittedResponses result_;
+  FitReport& report_ = result_.report;
+};
+
 }  // namespace
 
 ErrorFigures error_figures(const std::vector<std::pair<double, std::uint32_t>>& errors) {
@@ -154,129 +440,15 @@ ErrorFigures error_figures(const std::vector<std::pair<double, std::uint32_t>>& 
   return figures;
 }
 
+double expected_p95(const FitReport& report) {
+  if (!report.sampling) return 0.0;
+  return Eigen::Vector3d(report.sampling->p95, report.left_out.p95, report.normal.p95).norm();
+}
+
 FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std::int32_t, 3>>& triangles,
                               const std::vector<std::uint32_t>& tool_vertices, const JournalContent& journal,
                               const FitSettings& settings, const PairSources& sources) {
-  FittedResponses result;
-  FitReport& report = result.report;
-  report.planned = check_finished(plan, journal, sources);
-  check_given(plan, sources, settings.friction);
-  std::vector<const std::vector<Sample>*> all, exact;
-  for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
-    const std::vector<Sample>* samples = samples_of(pair, journal, sources);
-    if (samples == nullptr) continue;
-    const auto given = sources.given.find(pair);
-    const bool noisy = given != sources.given.end() && given->second.measured;
-    all.push_back(samples);
-    if (!noisy) exact.push_back(samples);
-    report.bias = report.bias || (noisy ? has_steady_bias(*samples, settings.bias_threshold)
-                                        : has_bias(*samples, settings.bias_threshold));
-  }
-  result.scales = make_scales(all, settings);
-  report.friction = settings.friction;
-  std::vector<std::uint32_t> first(tool_vertices.size() + 1, 0);
-  std::partial_sum(tool_vertices.begin(), tool_vertices.end(), first.begin() + 1);
-
-  std::vector<SiteRow> rows(first.back(), SiteRow(plan.sites.size()));
-  std::vector<std::vector<std::uint32_t>> flags(
-      rows.size(), std::vector<std::uint32_t>(plan.sites.size(), layout::response_filled));
-  std::vector<std::pair<double, std::uint32_t>> normal, tangential, paths, grasped, turned, laws;
-  std::vector<RefusedPair> refused;
-  const fit::DegreeChoice choice = choose_degrees(plan, sources, exact, result.scales, report.bias, settings);
-  result.scales.degrees = choice.degrees;
-  result.scales.bits = choice.bits;
-  report.bias = choice.degrees.bias > 0;
-  report.held_out = choice.held_out;
-  for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
-    const PairPlan& planned = plan.pairs[pair];
-    const std::uint32_t row = first[planned.tool] + planned.tool_vertex;
-    if (const auto given = sources.given.find(pair); given != sources.given.end()) {
-      rows[row][planned.site] = fit_given(plan, pair, given->second, result.scales, report, laws);
-      flags[row][planned.site] = given->second.measured ? layout::response_measured : layout::response_analytic;
-      continue;
-    }
-    if (!sources.solved(pair)) continue;
-    const JournalPair& solved = *solved_pair(journal, pair);
-    if (!solved.outcome->accepted) {
-      refused.push_back({pair, solved.outcome->cause});
-      continue;
-    }
-    PairResponse response;
-    std::optional<fit::GraspCurves> grasp;
-    std::optional<fit::TurnCurves> turn;
-    try {
-      response = fit::fit_pair(solved.samples, result.scales, "fit");
-      if (planned.tool < settings.grasps.size() && settings.grasps[planned.tool]) {
-        grasp = fit::fit_grasp(solved.samples, result.scales.depth, "fit");
-        if (planned.tool < settings.turns.size() && settings.turns[planned.tool]) {
-          turn = fit::fit_turns(solved.samples, *grasp, result.scales.depth, "fit");
-        }
-      }
-    } catch (const Error& error) {  // filled from neighbours like a refused pair
-      refused.push_back({pair, error.what()});
-      continue;
-    }
-    const fit::FitErrors errors = fit::fit_errors(response, result.scales, solved.samples);
-    const PairFigures figures = pair_figures(pair, errors);
-    if (!(figures.worst <= settings.max_residual)) {
-      refused.push_back({pair, residual_cause(figures.worst, settings.max_residual)});
-      continue;
-    }
-    ++report.accepted;
-    if (!solved.outcome->cause.empty()) ++report.shortened;
-    for (const double e : errors.normal) normal.emplace_back(e, pair);
-    for (const double e : errors.tangential) tangential.emplace_back(e, pair);
-    for (const double e : errors.paths) paths.emplace_back(e, pair);
-    if (grasp) {
-      const std::vector<double> own = fit::grasp_errors(*grasp, result.scales.depth, solved.samples);
-      for (const double e : own) grasped.emplace_back(e, pair);
-      report.grasp = true;
-    }
-    if (turn) {
-      for (const double e : fit::turn_errors(*grasp, *turn, result.scales.depth, solved.samples)) {
-        turned.emplace_back(e, pair);
-      }
-      report.turn = true;
-    }
-    report.pairs.push_back(figures);
-    report.softenings.push_back(response.softening);
-    rows[row][planned.site] = SiteResponse{std::move(response), planned.depth, std::move(grasp), std::move(turn)};
-    flags[row][planned.site] = layout::response_solved;
-  }
-  check_refused(plan, report.planned, refused, settings.max_refused);
-  report.refused = refused.size();
-  std::sort(report.softenings.begin(), report.softenings.end());
-  if (report.softenings.empty() || !(report.softenings.back() > 0)) report.softenings.clear();
-  report.normal = error_figures(normal);
-  report.tangential = error_figures(tangential);
-  report.paths = error_figures(paths);
-  report.grasped = error_figures(grasped);
-  report.turned = error_figures(turned);
-  report.laws = error_figures(laws);
-  for (const SkippedPair& pair : plan.skipped) {
-    ++(pair.reason == SkipReason::support       ? report.support
-       : pair.reason == SkipReason::unreachable ? report.unreachable
-                                                : report.outside);
-  }
-
-  std::vector<ContactFrame> frames;
-  std::vector<double> depths;
-  for (const PlanSite& site : plan.sites) {
-    frames.push_back(site.frame);
-    depths.push_back(site.depth);
-  }
-  const fit::SiteGraph graph = fit::site_graph(plan.sites.size(), triangles);
-  result.responses.resize(plan.sites.size() * rows.size());
-  for (std::size_t vertex = 0; vertex < rows.size(); ++vertex) {
-    SiteRow& row = rows[vertex];
-    fit::fill_from_neighbours(graph, frames, depths, result.scales, row, "tool vertex " + std::to_string(vertex));
-    for (std::size_t site = 0; site < row.size(); ++site) {
-      result.responses[site * rows.size() + vertex] =
-          to_response(*row[site], flags[vertex][site], report, result.scales);
-      report.filled += flags[vertex][site] == layout::response_filled ? 1 : 0;
-    }
-  }
-  return result;
+  return PlanFit(plan, triangles, tool_vertices, journal, settings, sources).run();
 }
 
 }  // namespace palpate

@@ -12,9 +12,11 @@
 #include "formats/journal.hpp"
 #include "formats/response.hpp"
 #include "precompute/bake/plan.hpp"
+#include "precompute/bake/sampling_estimate.hpp"
 #include "precompute/fit/given_pairs.hpp"
 #include "precompute/fit/pair_fit.hpp"
 #include "precompute/fit/potential_degrees.hpp"
+#include "precompute/fit/refusals.hpp"
 #include "precompute/solve/pair.hpp"
 
 namespace palpate {
@@ -22,13 +24,12 @@ namespace palpate {
 struct FitSettings {
   double depth_scale = 0.0;                ///< m, Z: the scene's depth
   bool friction = false;                   ///< the scene has friction
-  double max_refused = 0.03;               ///< share of the planned pairs, [0, 0.5]
   double max_residual = 1;                 ///< relative error of a force beyond which its pair is refused
   double bias_threshold = 0.01;            ///< of the peak force: smaller tangential biases are left out
   double tolerance = 0.05;                 ///< requested relative force error, by which the degrees are chosen
   std::vector<bool> grasps;                ///< per tool, whether it bonds; empty: none does
   std::vector<bool> turns;                 ///< per tool that bonds, whether it is rotated; empty: none is
-  /// The path of a bake to a depth (m); required for recordings.
+  /// The path of a bake to a depth (m); required for recordings and straight pushes.
   std::function<PairPath(double depth)> path;
 };
 
@@ -57,6 +58,8 @@ struct RecordedFigures {
 struct FitReport {
   std::size_t planned = 0, accepted = 0;                  ///< of the pairs to be solved
   std::size_t refused = 0;                                ///< by the solver or by the fit
+  std::vector<Refusals> refusals;                         ///< these, by cause
+  std::size_t full = 0, carried = 0;                      ///< responses solved in full, carried to straight pushes
   std::size_t shortened = 0;                              ///< of the accepted: a sideways push ended early
   std::size_t filled = 0;                                 ///< responses from neighbours: refused and skipped ones
   std::size_t analytic = 0;                               ///< responses by a closed form; the measured ones: recorded
@@ -67,11 +70,17 @@ struct FitReport {
   ErrorFigures grasped;                   ///< of tools that bond
   ErrorFigures turned;                    ///< of the torques of rotated tools
   ErrorFigures laws;                      ///< of the fits to closed forms
-  std::vector<RecordedFigures> recorded;  ///< by pair
+  ErrorFigures left_out, left_out_sideways;  ///< of responses carried to sites that were solved in full
+  std::vector<RecordedFigures> recorded;     ///< by pair
+  std::optional<SamplingEstimate> sampling;  ///< of automatic sampling; filled by pipeline::fit_file
   fit::HeldOutFigures held_out;           ///< of samples left out, by which the degrees were chosen
   std::vector<double> softenings;         ///< of accepted pairs (slip_softening), ascending; empty where all are 0
   std::vector<PairFigures> pairs;         ///< by pair
 };
+
+/// The 95th percentile that normal forces at other contacts are expected to have: those of interpolation, of carrying
+/// and of the fit are independent, and add as squares. 0 without automatic sampling.
+double expected_p95(const FitReport& report);
 
 struct FittedResponses {
   fit::ResponseScales scales;
@@ -82,10 +91,11 @@ struct FittedResponses {
 /// Median, 95th percentile (nearest rank) and worst of `errors`; all zero when there are none.
 ErrorFigures error_figures(const std::vector<std::pair<double, std::uint32_t>>& errors);
 
-/// Fits every pair and fills the rest. `triangles`: patches of the haptic mesh; `tool_vertices`: their number per tool; `sources`: recordings
-/// and closed forms in place of the journal. Throws Error(bad_input) when a pair to be solved has no outcome (the bake is not
-/// finished) and as fit_recorded, Error(numerical) when too many were refused by the solver or could not be fitted
-/// (with the causes).
+/// Fits every pair that was solved in full, carries these responses to sites that were pushed straight alone, and fills
+/// the rest, whatever was refused. `triangles`: patches of the haptic mesh; `tool_vertices`: their number per tool;
+/// `sources`: recordings and closed forms in place of the journal. Throws Error(bad_input) when a pair to be solved has
+/// no outcome (the bake is not finished) and as fit_recorded, Error(numerical) with the causes when no pair at all was
+/// solved in full.
 FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std::int32_t, 3>>& triangles,
                               const std::vector<std::uint32_t>& tool_vertices, const JournalContent& journal,
                               const FitSettings& settings, const PairSources& sources = {});

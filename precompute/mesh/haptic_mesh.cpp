@@ -184,9 +184,78 @@ void check_place(const Body& body) {
   throw Error(ExitCode::bad_input, text);
 }
 
+// Appends a site at a point of the surface.
+void add_site(const Scene& scene, const Body& body, const Vector3d& point, HapticMesh& mesh) {
+  const SamplingScene& sampling = scene.sampling;
+  const Vector3d normal = body.query->normal(point, normal_radius(scene));
+  mesh.points.push_back(point);
+  mesh.normals.push_back(normal);
+  mesh.tangents.push_back(tangent_of(normal));
+  mesh.thickness.push_back(body.query->thickness(point, normal));
+  mesh.depth.push_back(
+      std::min(sampling.depth, sampling.depth_fraction * room(body, point, normal, mesh.thickness.back())));
+  mesh.held.push_back(body.held(point) ? 1 : 0);
+  const auto& box = sampling.within_box;
+  const bool inside =
+      !box || ((point.array() >= box->first.array()).all() && (point.array() <= box->second.array()).all());
+  mesh.selected.push_back(inside && !body.in_cavity(point) ? 1 : 0);
+}
+
+SiteEdge edge_of(const std::array<std::int32_t, 3>& patch, int k) {
+  const std::int32_t a = patch[k], b = patch[(k + 1) % 3];
+  return {std::min(a, b), std::max(a, b)};
+}
+
+// The edge of a patch that is longest; of equal ones the same from either side.
+int longest_edge(const HapticMesh& mesh, const std::array<std::int32_t, 3>& patch) {
+  const auto rank = [&](int k) {
+    const SiteEdge e = edge_of(patch, k);
+    return std::pair{(mesh.points[e[0]] - mesh.points[e[1]]).squaredNorm(), e};
+  };
+  int best = 0;
+  for (int k = 1; k < 3; ++k) {
+    if (rank(k) > rank(best)) best = k;
+  }
+  return best;
+}
+
+// A patch with sites on some of its edges (-1: none), the longest among them where there are any, in two to four.
+void split_patch(const HapticMesh& mesh, const std::array<std::int32_t, 3>& patch,
+                 const std::map<SiteEdge, std::int32_t>& middles, std::vector<std::array<std::int32_t, 3>>& out) {
+  const auto middle = [&](int k) {
+    const auto at = middles.find(edge_of(patch, k));
+    return at == middles.end() ? -1 : at->second;
+  };
+  const int longest = longest_edge(mesh, patch);
+  const std::int32_t m = middle(longest);
+  if (m < 0) return out.push_back(patch);
+  const std::int32_t a = patch[longest], b = patch[(longest + 1) % 3], c = patch[(longest + 2) % 3];
+  const std::int32_t on_bc = middle((longest + 1) % 3), on_ca = middle((longest + 2) % 3);
+  if (on_ca < 0) {
+    out.push_back({a, m, c});
+  } else {
+    out.push_back({a, m, on_ca});
+    out.push_back({on_ca, m, c});
+  }
+  if (on_bc < 0) {
+    out.push_back({m, b, c});
+  } else {
+    out.push_back({m, b, on_bc});
+    out.push_back({m, on_bc, c});
+  }
+}
+
 }  // namespace
 
-HapticMesh make_haptic_mesh(const Scene& scene, const Body& body) {
+double normal_radius(const Scene& scene) {
+  double radius = scene.sampling.spacing / 3;
+  for (const ToolScene& tool : scene.tools) {
+    if (tool.shape != ToolScene::Shape::mesh) radius = std::min(radius, tool.radius);
+  }
+  return radius;
+}
+
+HapticMesh place_sites(const Scene& scene, const Body& body) {
   check_place(body);
   const SamplingScene& sampling = scene.sampling;
   AdaptOptions options;
@@ -200,28 +269,48 @@ HapticMesh make_haptic_mesh(const Scene& scene, const Body& body) {
                                          " m leaves fewer than four sites, allowed below " +
                                          std::to_string(body.diagonal / 3) + " m" + size_of(body));
   }
-  for (const Vector3d& v : adapted.surface.vertices) {
-    const Vector3d point = body.query->closest(v).point;
-    const Vector3d normal = body.query->normal(point, sampling.spacing / 3);
-    mesh.points.push_back(point);
-    mesh.normals.push_back(normal);
-    mesh.tangents.push_back(tangent_of(normal));
-    mesh.thickness.push_back(body.query->thickness(point, normal));
-    mesh.depth.push_back(
-        std::min(sampling.depth, sampling.depth_fraction * room(body, point, normal, mesh.thickness.back())));
-    mesh.held.push_back(body.held(point) ? 1 : 0);
-    const auto& box = sampling.within_box;
-    const bool inside =
-        !box || ((point.array() >= box->first.array()).all() && (point.array() <= box->second.array()).all());
-    mesh.selected.push_back(inside && !body.in_cavity(point) ? 1 : 0);
-  }
+  for (const Vector3d& v : adapted.surface.vertices) add_site(scene, body, body.query->closest(v).point, mesh);
   mesh.edges = edge_lengths(mesh);
+  return mesh;
+}
+
+void make_contact_surface(const Body& body, HapticMesh& mesh) {
   const double tolerance = chord_tolerance(mesh);
   for (int k = 1; k <= kMostSubdivisions; ++k) {
     subdivide(body, k, mesh);
     if (mesh.chordal_error <= tolerance) break;
   }
+}
+
+HapticMesh make_haptic_mesh(const Scene& scene, const Body& body) {
+  HapticMesh mesh = place_sites(scene, body);
+  make_contact_surface(body, mesh);
   return mesh;
+}
+
+void split_edges(const Scene& scene, const Body& body, const std::vector<SiteEdge>& edges, HapticMesh& mesh) {
+  std::map<SiteEdge, std::int32_t> middles;
+  for (const SiteEdge& edge : edges) middles.emplace(edge, -1);
+  for (bool grown = true; grown;) {
+    grown = false;
+    for (const auto& patch : mesh.triangles) {
+      if (middles.count(edge_of(patch, 0)) + middles.count(edge_of(patch, 1)) + middles.count(edge_of(patch, 2)) == 0) {
+        continue;
+      }
+      grown = middles.emplace(edge_of(patch, longest_edge(mesh, patch)), -1).second || grown;
+    }
+  }
+  for (auto& [edge, site] : middles) {
+    const Vector3d flat = 0.5 * (mesh.points[edge[0]] + mesh.points[edge[1]]);
+    const Vector3d normal = (mesh.normals[edge[0]] + mesh.normals[edge[1]]).normalized();
+    const double reach = 0.5 * (mesh.points[edge[0]] - mesh.points[edge[1]]).norm();
+    site = static_cast<std::int32_t>(mesh.points.size());
+    add_site(scene, body, body.query->closest(place(body, flat, normal, reach)).point, mesh);
+  }
+  std::vector<std::array<std::int32_t, 3>> patches;
+  for (const auto& patch : mesh.triangles) split_patch(mesh, patch, middles, patches);
+  mesh.triangles = std::move(patches);
+  mesh.edges = edge_lengths(mesh);
 }
 
 }  // namespace palpate

@@ -43,11 +43,29 @@ struct HapticMesh {
   EdgeLengths edges;                         ///< of the coarse mesh
 };
 
+/// Radius (m) over which the normals of sites are averaged: a third of sampling.spacing, and no more than the radius of
+/// the smallest round tool.
+double normal_radius(const Scene& scene);
+
 /// Places sites about sampling.spacing apart, down to margin_spacing where the body is sharply curved or thinner
 /// than 1.5 times the spacing; then chooses the smallest k in [1, 8] with a chordal error of at most 2 % of the
 /// depth that all but 5 % of the selected sites reach (8 where none is fine enough). Deterministic.
-/// Throws Error(bad_input) where the spacing leaves fewer than four sites or asks for more triangles than adapt_surface
+/// The spacing has to be above 0. Throws Error(bad_input) where it leaves fewer than four sites or asks for more triangles than adapt_surface
 /// makes, Error(numerical) as that.
 HapticMesh make_haptic_mesh(const Scene& scene, const Body& body);
+
+/// The same without the surface of contact.
+HapticMesh place_sites(const Scene& scene, const Body& body);
+
+/// Makes the surface of contact of the patches.
+void make_contact_surface(const Body& body, HapticMesh& mesh);
+
+/// Two sites of a patch, the lower first.
+using SiteEdge = std::array<std::int32_t, 2>;
+
+/// Puts a site on the body at the middle of each edge, and of the longest edge of every patch that one of them belongs
+/// to, and splits the patches there, so that the mesh stays conforming and no angle shrinks beyond half. Earlier sites
+/// keep their numbers. The surface of contact has to be made anew.
+void split_edges(const Scene& scene, const Body& body, const std::vector<SiteEdge>& edges, HapticMesh& mesh);
 
 }  // namespace palpate

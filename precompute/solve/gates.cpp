@@ -52,9 +52,10 @@ std::optional<std::string> failed_contact(const GateState& s, const GateLimits& 
   return std::nullopt;
 }
 
-std::optional<std::string> failed_answer(const char* name, const GateState& s, double answer,
+// `most` (N, N m): an answer below it opposes the move, or has no sign.
+std::optional<std::string> failed_answer(const char* name, const GateState& s, double answer, double most,
                                          const GateLimits& limits) {
-  if (!(answer < 0)) return say(name, answer, 0.0, s.depth);
+  if (!(answer < most)) return say(name, answer, most, s.depth);
   if (s.contact.points < limits.resolved_points) {
     return say("contact resolution (points)", s.contact.points, limits.resolved_points, s.depth);
   }
@@ -82,7 +83,7 @@ std::optional<std::string> failed_gate(const GateState& s, const GateLimits& lim
 
 std::optional<std::string> failed_sideways_gate(const GateState& s, double answer, const GateLimits& limits) {
   if (auto failed = failed_contact(s, limits)) return failed;
-  return failed_answer("sideways answer (N)", s, answer, limits);
+  return failed_answer("sideways answer (N)", s, answer, limits.sideways_answer * s.force, limits);
 }
 
 std::optional<std::string> failed_sticking_gate(const GateState& s, double answer, const GateLimits& limits) {
@@ -95,7 +96,7 @@ std::optional<std::string> failed_grasp_gate(const GateState& s, double answer, 
   const double give = s.contact.bond_give.norm() / s.contact_radius, gap = s.contact.bond_gap / s.contact_radius;
   if (give > limits.bond_give) return say("give of the bond over contact radius", give, limits.bond_give, s.depth);
   if (gap > limits.bond_gap) return say("gap of the bond over contact radius", gap, limits.bond_gap, s.depth);
-  if (auto failed = failed_answer("answer of the grasp (N, N m)", s, answer, limits)) return failed;
+  if (auto failed = failed_answer("answer of the grasp (N, N m)", s, answer, 0.0, limits)) return failed;
   return failed_balance(s, s.stored - s.work, s.work, limits);
 }
 

@@ -16,6 +16,8 @@ struct GateLimits {
   double bond_gap = 0.2;               ///< of the contact radius, at a point: tension at the rim of a bond is singular
   double min_jacobian = 0.0;           ///< an element turned inside out at a quadrature point is refused
   double force_drop = 0.9;             ///< smallest ratio of the normal force to the one before
+  double sideways_answer = 1e-3;       ///< of the normal force: a sideways answer below has no sign of its own, because
+                                       ///< it is less than what the solve's tolerance leaves in a force
   double energy_balance = 0.06;        ///< of the tool's work, and a hundredth of the energy scale of the whole push
   double finer_mesh = 0.1;             ///< relative difference of the force to a finer mesh, see PairCheck
   std::size_t curve_points = 3;        ///< resolved depths of a normal curve (all, where fewer were asked for)
@@ -41,7 +43,7 @@ bool sinks_into_held(const GateState& state, const GateLimits& limits);
 /// Empty when the state may be believed; else the name of the gate, the figure and its limit.
 std::optional<std::string> failed_gate(const GateState& state, const GateLimits& limits);
 
-/// failed_gate for a sideways push: `answer` (N) is the change of the force along the push, which must oppose it.
+/// failed_gate for a sideways push: `answer` (N) is the change of the force along the push, which must oppose it but for limits.sideways_answer.
 /// Growth and work are not asked for, a resolved contact is: a contact that peels ends in a few points.
 std::optional<std::string> failed_sideways_gate(const GateState& state, double answer, const GateLimits& limits);
 

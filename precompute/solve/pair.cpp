@@ -19,7 +19,8 @@ const Body& stress_free(const Body& body) { return body.stress_free ? *body.stre
 
 struct Attempt {
   PairResult result;
-  bool contact_failed = false;  // see PairRun
+  std::vector<Sample> straight;  // of a push that passed, whatever came after it
+  bool contact_failed = false;   // see PairRun
   double lost = 0.0;            // see PairOptions
 };
 
@@ -35,10 +36,13 @@ Attempt attempt(const Body& body, const Tool& tool, const ToolVertex& vertex, co
     PairRun run{body, tool, vertex, frame, path, options, mesh, last, push, result};
     if (!push.held_anywhere()) {
       run.refuse("support: no node of the mesh is held");
-    } else if (approach(run) && straight_push(run) && sticking_pushes(run) && grasped_pulls(run)) {
-      slipping_pushes(run);
-      side_paths(run);
-      result.outcome.accepted = true;
+    } else if (approach(run) && straight_push(run)) {
+      made.straight = result.samples;
+      if (sticking_pushes(run) && grasped_pulls(run)) {
+        slipping_pushes(run);
+        side_paths(run);
+        result.outcome.accepted = true;
+      }
     }
     made.contact_failed = run.contact_failed;
     result.outcome.factorisations = push.factorisations();
@@ -103,12 +107,15 @@ PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vert
                       const PairPath& path, const PairOptions& options, const SampleSink& sink) {
   PairResult result;
   std::string causes;
+  PairResult straight;  // the last that passed of a pair that was not accepted
   bool contact_failed = false;
   double lost = 0.0;
   const auto lost_too_much = [&] { return lost > options.most_lost; };
   const auto solve = [&](const TetMesh& mesh, const PairOptions& with, double scale, bool last) {
     Attempt made = attempt(body, tool, vertex, frame, path, with, mesh, last);
     result = std::move(made.result);
+    if (result.outcome.accepted) straight = {};  // a check may refuse all of it yet
+    if (!result.outcome.accepted && !made.straight.empty()) straight = {result.outcome, std::move(made.straight), {}};
     contact_failed = made.contact_failed;
     lost += made.lost;
     if (!result.outcome.accepted || !options.check) return;
@@ -151,6 +158,11 @@ PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vert
       char text[80];
       std::snprintf(text, sizeof text, "%.3g nodes times factorisations without an equilibrium", lost);
       add_cause(causes, "given up", text);
+    }
+    if (!straight.samples.empty()) {
+      result = std::move(straight);
+      result.outcome.accepted = true;
+      causes = "stopped short: " + causes;
     }
     result.outcome.cause = causes;
   }

@@ -58,6 +58,11 @@ struct PairPath {
 /// The path the bake uses for a pair of this scene: depths evenly spaced in sqrt(depth).
 PairPath bake_path(const Scene& scene, double depth);
 
+/// The path of a pair of role straight: the push alone, at kStraightPoints depths spaced as those of the bake, sticking
+/// where the scene has friction.
+PairPath straight_path(const Scene& scene, double depth);
+inline constexpr int kStraightPoints = 4;
+
 /// Adds the grasp of a tool that holds on: its grasp depth (all of `depth` where that is less) among the normal ones,
 /// its bonded contact evenly from as far out as `depth` is deep to the bottom; turned about x, y and n, both ways, by
 /// the tool's angle.
@@ -95,6 +100,10 @@ struct PairOptions {
 
 PairOptions pair_options(const Scene& scene);
 
+/// For a pair of role straight: elements kCoarser times as large at the contact, that grow as fast.
+PairOptions coarser_options(PairOptions options);
+inline constexpr double kCoarser = 1.5;
+
 /// For a check: elements `refine` times as large at the contact, that grow slower and stay smaller far away.
 PairOptions finer_options(PairOptions options, const Body& body, double refine);
 
@@ -103,10 +112,11 @@ using SampleSink = std::function<void(const Sample&)>;
 
 /// Part of a plan's identity: raise it whenever the same inputs give other samples, so that a journal never mixes
 /// solves of two programs.
-inline constexpr int kSolverRevision = 16;
+inline constexpr int kSolverRevision = 17;
 
 /// Solves `plan` along `path`. What fails a gate or finds no equilibrium is tried again on finer meshes, then on the
-/// finest with a stiffer penalty, with multipliers and with a log barrier, as long as not too much was lost. Never
+/// finest with a stiffer penalty, with multipliers and with a log barrier, as long as not too much was lost. Where the
+/// straight push passed and only what followed did not, the last such push is accepted alone, "stopped short". Never
 /// throws for a numerical failure: the outcome names the cause of every attempt. Deterministic: the same inputs give
 /// the same bits.
 PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,

@@ -34,6 +34,15 @@ PairPath bake_path(const Scene& scene, double depth) {
   return path;
 }
 
+PairPath straight_path(const Scene& scene, double depth) {
+  PairPath path;
+  for (int k = 1; k <= kStraightPoints; ++k) {
+    path.normal_depths.push_back(depth * k * k / (static_cast<double>(kStraightPoints) * kStraightPoints));
+  }
+  path.friction = scene.friction;
+  return path;
+}
+
 void add_grasp(PairPath& path, const Scene& scene, const ToolScene& tool, double depth) {
   if (!(tool.grasp_depth > 0)) return;
   path.grasp_depth = std::min(tool.grasp_depth, depth);
@@ -77,6 +86,12 @@ PairOptions pair_options(const Scene& scene) {
   options.max_size = scene.solver.max_size;
   options.rim_size = scene.solver.rim_size;
   options.mesh.time_limit = scene.solver.time_limit;
+  return options;
+}
+
+PairOptions coarser_options(PairOptions options) {
+  options.refine *= kCoarser;
+  options.check = false;
   return options;
 }
 

@@ -52,7 +52,8 @@ std::optional<std::string> go(PairRun& run, const CurvePoint& from, WayEnergy& w
   const GateState gate = run.sideways_gate(point.depth, s, way);
   if (const auto failed = failed_sticking_gate(gate, pull, GateLimits{})) return *failed + where;
   // Of the anchors, under what the side load alone stores in them.
-  const double give = 2 * std::max(gate.contact.tangential_energy - straight.tangential_energy, 0.0) / -pull;
+  const double sheared = std::max(gate.contact.tangential_energy - straight.tangential_energy, 0.0);
+  const double give = pull < 0 ? 2 * sheared / -pull : 0.0;
   s.deflection = (point.sideways - std::min(give, 0.1 * point.sideways)) * local + Vector3d(0, 0, straight.depth);
   s.error_estimate =
       run.sample_of(from).error_estimate +

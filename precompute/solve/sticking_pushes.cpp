@@ -73,7 +73,9 @@ private:
     const GateState gate = run_.sideways_gate(at.depth, s, way);
     if (const auto failed = failed_sticking_gate(gate, pull, GateLimits{})) return *failed + where;
     // The anchors' own compliance, at a constant contact area: 2 E / Q, E without what the straight push had sheared.
-    const double give = 2 * std::max(gate.contact.tangential_energy - at.contact.tangential_energy, 0.0) / -pull;
+    // An answer without a sign (GateLimits::sideways_answer) tells no give.
+    const double sheared = std::max(gate.contact.tangential_energy - at.contact.tangential_energy, 0.0);
+    const double give = pull < 0 ? 2 * sheared / -pull : 0.0;
     s.deflection = (reach - std::min(give, 0.1 * reach)) * local + Vector3d(0, 0, base.deflection.z());
     s.error_estimate = base.error_estimate + error_estimate({gate.contact.force.norm(), reach, give, step.energy_error,
                                                              run_.push.state().penalty * gate.contact.area,

@@ -174,6 +174,38 @@ TEST(Sites, ShallowSitesThatAreFewOrUntouchedDoNotRefine) {
   EXPECT_LE(make_haptic_mesh(scene, body).subdivision, 3) << "outside";
 }
 
+TEST(Sites, SplitEdgesKeepTheMeshConformingAndItsSites) {
+  const Body block = test::block_body(0.01);
+  Scene scene = scene_with(0.03, 0.002);
+  HapticMesh m = place_sites(scene, block);
+  const HapticMesh before = m;
+  const auto least_angle = [](const HapticMesh& mesh) {
+    double least = 4;
+    for (const auto& t : mesh.triangles) {
+      for (int k = 0; k < 3; ++k) {
+        const Vector3d a = mesh.points[t[(k + 1) % 3]] - mesh.points[t[k]], b = mesh.points[t[(k + 2) % 3]] - mesh.points[t[k]];
+        least = std::min(least, std::acos(a.normalized().dot(b.normalized())));
+      }
+    }
+    return least;
+  };
+  for (int round = 0; round < 4; ++round) {  // again and again the edges round one site
+    std::vector<SiteEdge> edges;
+    for (const auto& t : m.triangles) {
+      for (int k = 0; k < 3; ++k) {
+        const std::int32_t a = std::min(t[k], t[(k + 1) % 3]), b = std::max(t[k], t[(k + 1) % 3]);
+        if (a == 0) edges.push_back({a, b});
+      }
+    }
+    split_edges(scene, block, edges, m);
+  }
+  EXPECT_GT(m.points.size(), before.points.size() + 10);
+  for (std::size_t k = 0; k < before.points.size(); ++k) EXPECT_EQ(m.points[k], before.points[k]);
+  EXPECT_GT(least_angle(m), 0.4 * least_angle(before));
+  make_contact_surface(block, m);
+  expect_sound(m, block);
+}
+
 TEST(Sites, SameSitesEveryTime) {
   const Body ball = test::body_of(test::sphere_surface({0, 0, 0}, 0.05, 4), 0.006);
   const Scene scene = scene_with(0.012, 0.004);

@@ -84,6 +84,13 @@ INSTANTIATE_TEST_SUITE_P(
                       Fault{"energy balance", [](GateState& s) { s.stored = 1.2e-5; }, false},
                       Fault{"energy balance", [](GateState& s) { s.stored = 2.1e-5; }, false}));
 
+TEST(SidewaysGates, AnAnswerTooSmallForASignPasses) {
+  const double small = 0.9 * GateLimits{}.sideways_answer * good().force;
+  EXPECT_EQ(failed_sideways_gate(good(), small, {}), std::nullopt);
+  EXPECT_EQ(failed_sticking_gate(good(), small, {}), std::nullopt);
+  EXPECT_TRUE(failed_sideways_gate(good(), 1.2 * small, {}).has_value());
+}
+
 TEST(SidewaysGates, AnAnswerAlongThePushAndAPeeledContactAreRefused) {
   EXPECT_EQ(failed_sideways_gate(good(), 0.001, {})->rfind("sideways answer", 0), 0U);
   EXPECT_TRUE(failed_sideways_gate(good(), kNan, {}).has_value());

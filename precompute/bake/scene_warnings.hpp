@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What of a scene can be solved but is seldom meant.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "formats/scene.hpp"
+#include "precompute/body.hpp"
+
+namespace palpate {
+
+/// One line each, with the figures and the key that changes it: units, a push deeper than the walls allow, supports that
+/// leave a long body standing on a small foot.
+std::vector<std::string> scene_warnings(const Scene& scene, const Body& body);
+
+}  // namespace palpate

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The full response of a site that was pushed straight alone, carried from sites where all was solved.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "precompute/fit/fill.hpp"
+#include "precompute/solve/pair.hpp"
+
+namespace palpate::fit {
+
+/// Force of a straight push on a tool over depth, between the solved depths: each component divided by the depth is
+/// linear in the root of the depth. Both are nearly so for a contact that grows.
+class StraightCurve {
+public:
+  /// Throws Error(numerical) where fewer than two normal samples have a depth and a force above 0.
+  explicit StraightCurve(const std::vector<Sample>& samples);
+
+  /// N, components (x, y, n), at a depth > 0 (m); beyond the deepest sample along the last segment.
+  [[nodiscard]] Eigen::Vector3d force(double depth) const;
+  [[nodiscard]] double deepest() const { return points_.back().first; }  ///< m
+
+private:
+  std::vector<std::pair<double, Eigen::Vector3d>> points_;  // depth (m), force (N), ascending
+};
+
+/// A site that was solved in full and, by the same straight push as the other, on the same kind of mesh.
+struct CarrySource {
+  const ContactFrame* frame = nullptr;
+  const SiteResponse* full = nullptr;
+  const StraightCurve* straight = nullptr;
+  double weight = 0.0;  ///< relative to the others
+};
+
+/// Samples of `path` at a site with its straight push. Each source's response is stretched from its depth to the site's
+/// and multiplied by the ratio of the straight pushes at the same share of the depth; the forces are averaged. The
+/// tangential force of the straight push is the site's own.
+///
+///     F(e, z) = own_t(z) + sum_i w_i g_i(z) [ F_i(l_i e, l_i z) - n-free part of F_i(0, l_i z) ],
+///     l_i = depth_i / depth,  g_i(z) = own_n(z) / straight_i,n(l_i z)
+///
+/// The similarity is exact for a power law of the depth. `depth`: m, of the site.
+std::vector<Sample> carried_samples(const ContactFrame& frame, double depth, const StraightCurve& own,
+                                    const PairPath& path, const std::vector<CarrySource>& sources,
+                                    const ResponseScales& scales);
+
+/// The nearest sources by position among those whose normal is within 78 degrees of the site's, at most six, weighted
+/// by the inverse square of the distance; the nearest of all where no normal is. `skip`: one to leave out.
+std::vector<CarrySource> near_sources(const ContactFrame& frame, const std::vector<CarrySource>& all,
+                                      const CarrySource* skip = nullptr);
+
+}  // namespace palpate::fit
