@@ -159,8 +159,8 @@ const Keys<SamplingScene>& sampling_keys() {
              "Edge length of the body's patches, everywhere the same and solved in full; 0: begins with patches as large "
              "as the body allows and adds sites, most with a straight push alone, until the error at hidden contacts is "
              "within response.tolerance."),
-      integer("most_sites", &S::most_sites, {8, 1000000, false, ""},
-              "Without a spacing: most sites that are sampled, whatever the error is then."),
+      affecting(Affects::file, integer("most_sites", &S::most_sites, {8, 1000000, false, ""},
+                                       "Without a spacing: no more sites are added once there are so many.")),
       number("margin_spacing", &S::margin_spacing, {0, 1, false, "m"},
              "Edge length at sharp margins, at most spacing, and only with one; 0: spacing / 2."),
       number("depth", &S::depth, {0, 1, true, "m"}, "Deepest push."),

@@ -134,7 +134,7 @@ HeldOutSet solve_contacts(const VerifyArguments& options, const Globals& globals
 }
 
 std::string solved_text(const HeldOutSet& set, const VerifyStatistics& s, const PairCounts& pairs, const Costs& cost,
-                        double bake, double tolerance) {
+                        double bake, double tolerance, double expected) {
   char text[512];
   std::snprintf(text, sizeof text,
                 "pairs: %zu planned, %zu accepted, %zu refused; held-out contacts: %zu solved, %zu refused "
@@ -147,6 +147,10 @@ std::string solved_text(const HeldOutSet& set, const VerifyStatistics& s, const 
                 s.normal.p95 <= tolerance ? "meet" : "do not meet", 100 * s.normal.p95, 100 * tolerance, cost.tick,
                 cost.response, bake);
   out += text;
+  if (expected > 0) {
+    std::snprintf(text, sizeof text, "the bake expected a 95th percentile of %.2f %%\n", 100 * expected);
+    out += text;
+  }
   for (std::size_t k = 0; k < set.contacts.size(); ++k) {
     if (!set.contacts[k].accepted) out += "refused: contact " + std::to_string(k) + ": " + set.contacts[k].cause + "\n";
   }
@@ -177,7 +181,7 @@ void solve(const VerifyArguments& options, const Globals& globals) {
 
   const HeldOutSet set = solve_contacts(options, globals, p, input.view());
   const VerifyStatistics s = summarise(set.contacts);
-  const double tolerance = p.scene.response.tolerance;
+  const double tolerance = p.scene.response.tolerance, expected = expected_error(input.view());
   publish(options, globals,
           {{"file", p.paths.response.string()},
            {"scene", options.input},
@@ -191,6 +195,7 @@ void solve(const VerifyArguments& options, const Globals& globals) {
            {"error_turned", to_json(s.turned, set.contacts)},
            {"error_spins", to_json(s.spins, set.contacts)},
            {"tolerance", tolerance},
+           {"expected_p95", expected},
            {"within_tolerance", s.normal.count > 0 && s.normal.p95 <= tolerance},
            {"tick_ns", cost.tick},
            {"bytes_per_response", cost.response},
@@ -199,7 +204,7 @@ void solve(const VerifyArguments& options, const Globals& globals) {
            {"contacts", contacts_json(s)},
            {"untouchable_share", set.untouchable_share},
            {"held_out", to_json(set.contacts)}},
-          solved_text(set, s, pairs, cost, bake, tolerance));
+          solved_text(set, s, pairs, cost, bake, tolerance, expected));
   if (s.normal.count == 0) {
     throw Error(ExitCode::numerical, "every held-out solve was refused; the first: " + set.contacts.front().cause);
   }

@@ -40,6 +40,12 @@ void check_same_plan(const pipeline::Pipeline& p, const runtime::View& view) {
                                        " (scene, surfaces or tools have changed since); run palpate fit or build");
 }
 
+double expected_error(const runtime::View& view) {
+  const auto provenance =
+      nlohmann::json::parse(view.provenance, view.provenance + view.provenance_size, nullptr, false);
+  return provenance.is_object() ? provenance.value(nlohmann::json::json_pointer("/sampling/expected_p95"), 0.0) : 0.0;
+}
+
 PairCounts count_pairs(const pipeline::Pipeline& p) {
   PairCounts counts;
   for (std::uint32_t k = 0; k < p.plan.pairs.size(); ++k) counts.planned += p.sources.solved(k) ? 1 : 0;

@@ -155,7 +155,7 @@ PairSolver contact_solver(const Pipeline& p) {
     const Tool& tool = p.tools[pair.tool];
     if (pair.role != PairRole::full) {
       return solve_pair(p.body, tool, tool.vertices[pair.tool_vertex], pair.frame, straight_path(p.scene, pair.depth),
-                        coarser_options(scene_options), sink);
+                        scene_options, sink);
     }
     PairOptions options = scene_options;
     options.check = checked.count(name(pair)) != 0;

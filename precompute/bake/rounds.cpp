@@ -326,6 +326,12 @@ double first_spacing(const Scene& scene, const Body& body) {
 
 Plan first_round(const Sampled& sampled, const HapticMesh& mesh) {
   Plan plan = make_plan(sampled.scene, sampled.body, mesh, sampled.tools, PairRole::straight);
+  plan.inputs.scene = Hasher()
+                          .text(canonical_text(sampled.scene, CanonicalScope::solves))
+                          .number(std::int64_t{kRoundsRevision})
+                          .number(sampled.scene.response.tolerance)
+                          .number(std::int64_t{sampled.scene.sampling.most_sites})
+                          .digest();
   std::set<std::uint32_t> pushed;
   for (const PairPlan& p : plan.pairs) pushed.insert(p.site);
   add_full(sampled, pushed, plan);

@@ -21,6 +21,9 @@ struct Sampled {
   const std::vector<Tool>& tools;
 };
 
+/// Part of a plan's identity: raise it whenever the same outcomes give another next round.
+inline constexpr int kRoundsRevision = 1;
+
 /// Numbers of automatic sampling.
 struct RoundLimits {
   double first_sites = 60;     ///< in the first round, on a body without margins or thin walls
@@ -39,8 +42,8 @@ struct RoundLimits {
 /// of the smallest tool's radius.
 double first_spacing(const Scene& scene, const Body& body);
 
-/// The first round: a straight push at every site, all at sites spread evenly, hidden pushes at places drawn evenly over
-/// the area that the tools can touch. Throws as make_plan.
+/// The first round: a straight push at every site, all that the scene asks for at sites spread evenly, hidden pushes
+/// at places drawn evenly over the area that the tools can touch. Its inputs include what later rounds depend on. Throws as make_plan.
 Plan first_round(const Sampled& sampled, const HapticMesh& mesh);
 
 /// Compares the hidden pushes of a plan whose pairs all have an outcome with what the sites predict.

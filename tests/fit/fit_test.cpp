@@ -178,7 +178,7 @@ PairPath sampled_path(double depth) {
   return path;
 }
 
-/// A grid whose sites beside the middle column are pushed straight alone, by a coarse mesh that is 4 % too stiff.
+/// A grid whose sites beside the middle column are pushed straight alone, by pushes that are 4 % too stiff.
 GridPlan grid_with_straight_pushes(const std::function<AnalyticPair(int)>& pair_at) {
   GridPlan grid = grid_plan(7, Z, 0.3, pair_at);
   const GridPlan all = grid;
