@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "precompute/bake/rounds.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -10,8 +9,7 @@
 #include <tuple>
 
 #include "precompute/bake/reach.hpp"
-#include "precompute/fit/carry.hpp"
-#include "precompute/fit/fill.hpp"
+#include "precompute/fit/push_field.hpp"
 #include "precompute/geometry/feature_normals.hpp"
 #include "precompute/solve/pair.hpp"
 
@@ -36,61 +34,16 @@ const JournalPair* accepted(const JournalContent& journal, std::uint32_t pair) {
   return &at->second;
 }
 
-/// Straight pushes of one tool vertex over the sites. Sites without one are blends of their neighbours, as in the fit.
-class PushField {
-public:
-  PushField(const Plan& plan, const fit::SiteGraph& graph, const JournalContent& journal, const Row& row)
-      : curves_(plan.sites.size()), blends_(plan.sites.size()) {
-    for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
-      const PairPlan& p = plan.pairs[pair];
-      if (p.role != PairRole::straight || Row(p.tool, p.tool_vertex) != row) continue;
-      const JournalPair* solved = accepted(journal, pair);
-      if (solved == nullptr) continue;
-      curves_[p.site].emplace(solved->samples);
-      blends_[p.site] = {{p.site, 1.0}};
-    }
-    fill(plan, graph);
+std::map<std::uint32_t, fit::StraightCurve> curves_of(const Plan& plan, const JournalContent& journal,
+                                                     const Row& row) {
+  std::map<std::uint32_t, fit::StraightCurve> curves;
+  for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
+    const PairPlan& p = plan.pairs[pair];
+    if (p.role != PairRole::straight || Row(p.tool, p.tool_vertex) != row) continue;
+    if (const JournalPair* solved = accepted(journal, pair)) curves.emplace(p.site, solved->samples);
   }
-
-  [[nodiscard]] bool solved(std::uint32_t site) const { return curves_[site].has_value(); }
-  [[nodiscard]] bool known(std::uint32_t site) const { return !blends_[site].empty(); }
-  /// N along the normal, at a depth (m).
-  [[nodiscard]] double force(std::uint32_t site, double depth) const {
-    double force = 0;
-    for (const auto& [from, weight] : blends_[site]) force += weight * curves_[from]->force(depth).z();
-    return force;
-  }
-
-private:
-  void fill(const Plan& plan, const fit::SiteGraph& graph) {
-    for (bool grown = true; grown;) {
-      grown = false;
-      std::vector<std::pair<std::uint32_t, std::map<std::uint32_t, double>>> filled;
-      for (std::uint32_t site = 0; site < blends_.size(); ++site) {
-        if (known(site)) continue;
-        double total = 0;
-        std::map<std::uint32_t, double> blend;
-        for (const std::uint32_t near : graph[site]) {
-          if (!known(near)) continue;
-          const double weight =
-              1.0 / std::max((plan.sites[near].frame.origin - plan.sites[site].frame.origin).norm(), 1e-9);
-          total += weight;
-          for (const auto& [from, share] : blends_[near]) blend[from] += weight * share;
-        }
-        if (blend.empty()) continue;
-        for (auto& [from, share] : blend) share /= total;
-        filled.emplace_back(site, std::move(blend));
-      }
-      for (auto& [site, blend] : filled) {
-        blends_[site].assign(blend.begin(), blend.end());
-        grown = true;
-      }
-    }
-  }
-
-  std::vector<std::optional<fit::StraightCurve>> curves_;
-  std::vector<std::vector<std::pair<std::uint32_t, double>>> blends_;
-};
+  return curves;
+}
 
 /// What a hidden push says: where it is in the mesh, how far off the prediction was at each depth.
 struct HiddenError {
@@ -107,7 +60,8 @@ public:
       : sampled_(sampled), mesh_(mesh), plan_(plan), graph_(fit::site_graph(plan.sites.size(), mesh.triangles)) {
     for (std::uint32_t tool = 0; tool < sampled.tools.size(); ++tool) {
       for (std::uint32_t vertex = 0; vertex < sampled.tools[tool].vertices.size(); ++vertex) {
-        fields_.emplace(Row(tool, vertex), PushField(plan, graph_, journal, {tool, vertex}));
+        const Row row(tool, vertex);
+        fields_.emplace(row, fit::PushField(plan.sites, graph_, curves_of(plan, journal, row)));
       }
     }
     compare(journal);
@@ -169,7 +123,7 @@ private:
       h.patch = query.closest(h.at).triangle;
       const auto& t = mesh_.triangles[h.patch];
       h.weights = closest_on_triangle(h.at, mesh_.points[t[0]], mesh_.points[t[1]], mesh_.points[t[2]]).weights;
-      const PushField& field = fields_.at({p.tool, p.tool_vertex});
+      const fit::PushField& field = fields_.at({p.tool, p.tool_vertex});
       if (!(field.known(t[0]) && field.known(t[1]) && field.known(t[2]))) continue;
       double peak = 0;
       for (const Sample& s : solved->samples) peak = std::max(peak, s.force.z());
@@ -182,30 +136,17 @@ private:
     }
   }
 
-  /// Gradient of ln F over the surface at a site, by least squares over its edges, at the least depth among them.
-  [[nodiscard]] Vector3d gradient(const PushField& field, std::uint32_t site) const {
+  /// At the least depth of the sites round it.
+  [[nodiscard]] Vector3d slope(const fit::PushField& field, std::uint32_t site) const {
     double depth = plan_.sites[site].depth;
     for (const std::uint32_t near : graph_[site]) depth = std::min(depth, plan_.sites[near].depth);
-    const double here = std::log(field.force(site, depth));
-    const ContactFrame& frame = plan_.sites[site].frame;
-    Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
-    Eigen::Vector2d right = Eigen::Vector2d::Zero();
-    for (const std::uint32_t near : graph_[site]) {
-      if (!field.solved(near)) continue;
-      const Eigen::Vector2d d = frame.to_local(plan_.sites[near].frame.origin - frame.origin).head<2>();
-      const double weight = 1.0 / std::max(d.squaredNorm(), 1e-18);
-      normal += weight * d * d.transpose();
-      right += weight * (std::log(field.force(near, depth)) - here) * d;
-    }
-    normal.diagonal().array() += 1e-6 * std::max(normal.trace(), 1e-12);
-    const Eigen::Vector2d g = normal.ldlt().solve(right);
-    return g.x() * frame.x + g.y() * frame.y;
+    return field.slope(site, depth);
   }
 
-  void add_edges(const PushField& field, std::map<SiteEdge, double>& errors) const {
-    std::vector<Vector3d> gradients(plan_.sites.size(), Vector3d::Zero());
-    for (std::uint32_t site = 0; site < gradients.size(); ++site) {
-      if (field.solved(site)) gradients[site] = gradient(field, site);
+  void add_edges(const fit::PushField& field, std::map<SiteEdge, double>& errors) const {
+    std::vector<Vector3d> slopes(plan_.sites.size(), Vector3d::Zero());
+    for (std::uint32_t site = 0; site < slopes.size(); ++site) {
+      if (field.solved(site)) slopes[site] = slope(field, site);
     }
     for (std::uint32_t a = 0; a < graph_.size(); ++a) {
       for (const std::uint32_t b : graph_[a]) {
@@ -213,10 +154,10 @@ private:
           continue;
         }
         const Vector3d d = plan_.sites[b].frame.origin - plan_.sites[a].frame.origin;
-        const double first = gradients[a].dot(d), last = gradients[b].dot(d);
-        // A cubic with these slopes is as far from the line between its ends; half a slope where one end is filled.
-        const double error = field.solved(a) && field.solved(b) ? std::abs(last - first) / 8
-                                                                : std::abs(first + last) / 2;
+        const double first = slopes[a].dot(d), last = slopes[b].dot(d);
+        // A cubic with these slopes is as far from the line between its ends. The slope of an end that was extrapolated
+        // is not known: that of the other may change by a quarter.
+        const double error = std::abs(field.solved(a) && field.solved(b) ? last - first : (first + last) / 4) / 8;
         double& known = errors[{static_cast<std::int32_t>(a), static_cast<std::int32_t>(b)}];
         known = std::max(known, error);
       }
@@ -227,7 +168,7 @@ private:
   const HapticMesh& mesh_;
   const Plan& plan_;
   fit::SiteGraph graph_;
-  std::map<Row, PushField> fields_;
+  std::map<Row, fit::PushField> fields_;
   std::vector<HiddenError> hidden_;
 };
 

@@ -16,6 +16,7 @@
 #include "precompute/fit/fill.hpp"
 #include "precompute/fit/given_pairs.hpp"
 #include "precompute/fit/potential_degrees.hpp"
+#include "precompute/fit/push_field.hpp"
 
 namespace palpate {
 namespace {
@@ -307,44 +308,59 @@ private:
     SiteRow carried(plan_.sites.size());
     for (const auto& [site, curve] : curves) {
       if (!wants(std::pair{site, pairs.at(site)})) continue;
-      carried[site] = carried_to(pairs.at(site), curve, fit::near_sources(plan_.sites[site].frame, sources));
+      try {
+        carried[site] = carried_to(site, curve, sources);
+        flags_[row][site] = layout::response_solved;
+        ++report_.carried;
+      } catch (const Error& error) {
+        refused_.push_back({pairs.at(site), error.what()});
+      }
     }
+    if (plan_.pairs[pairs.begin()->second].role == PairRole::straight) extrapolate(curves, sources, carried);
     for (std::size_t site = 0; site < carried.size(); ++site) {
-      if (!carried[site]) continue;
-      rows_[row][site] = std::move(carried[site]);
-      flags_[row][site] = layout::response_solved;
-      ++report_.carried;
+      if (carried[site]) rows_[row][site] = std::move(carried[site]);
     }
   }
 
-  [[nodiscard]] std::vector<Sample> samples_carried(const PairPlan& at, const fit::StraightCurve& own,
+  /// Fills sites beside those with a straight push.
+  void extrapolate(const std::map<std::uint32_t, fit::StraightCurve>& curves,
+                   const std::vector<fit::CarrySource>& sources, SiteRow& carried) const {
+    const fit::SiteGraph graph = fit::site_graph(plan_.sites.size(), triangles_);
+    const fit::PushField field(plan_.sites, graph, curves);
+    for (const auto& [site, curve] : field.extrapolated()) {
+      try {
+        carried[site] = carried_to(site, curve, sources);
+      } catch (const Error&) {  // filled from its neighbours with the others
+      }
+    }
+  }
+
+  [[nodiscard]] std::vector<Sample> samples_carried(std::uint32_t site, const fit::StraightCurve& own,
                                                     const std::vector<fit::CarrySource>& sources) const {
+    const PlanSite& at = plan_.sites[site];
     return fit::carried_samples(at.frame, at.depth, own, settings_.path(at.depth), sources, result_.scales);
   }
 
-  std::optional<SiteResponse> carried_to(std::uint32_t pair, const fit::StraightCurve& own,
-                                         const std::vector<fit::CarrySource>& sources) {
-    const PairPlan& at = plan_.pairs[pair];
-    try {
-      std::vector<fit::FillSource> blended;
-      for (const fit::CarrySource& source : sources) blended.push_back({source.frame, source.full, source.weight});
-      SiteResponse site = fit::blend_sites(at.frame, at.depth, blended, result_.scales);
-      const double softening = site.response.softening;
-      site.response = fit::fit_pair(samples_carried(at, own, sources), result_.scales, "carried");
-      site.response.softening = softening;
-      site.depth = at.depth;
-      return site;
-    } catch (const Error& error) {
-      refused_.push_back({pair, error.what()});
-      return std::nullopt;
-    }
+  /// Throws Error(numerical) where the carried samples cannot be fitted.
+  [[nodiscard]] SiteResponse carried_to(std::uint32_t site, const fit::StraightCurve& own,
+                                        const std::vector<fit::CarrySource>& all) const {
+    const PlanSite& at = plan_.sites[site];
+    const std::vector<fit::CarrySource> sources = fit::near_sources(at.frame, all);
+    std::vector<fit::FillSource> blended;
+    for (const fit::CarrySource& source : sources) blended.push_back({source.frame, source.full, source.weight});
+    SiteResponse carried = fit::blend_sites(at.frame, at.depth, blended, result_.scales);
+    const double softening = carried.response.softening;
+    carried.response = fit::fit_pair(samples_carried(site, own, sources), result_.scales, "carried");
+    carried.response.softening = softening;
+    carried.depth = at.depth;
+    return carried;
   }
 
   /// Errors of what would have been carried to a site that was solved in full.
   void test_carried(std::uint32_t pair, const fit::StraightCurve& own, const SiteResponse& full,
                     const std::vector<fit::CarrySource>& sources) {
     const fit::Potential law(full.response.coefs, result_.scales);
-    const std::vector<Sample> carried = samples_carried(plan_.pairs[pair], own, sources);
+    const std::vector<Sample> carried = samples_carried(plan_.pairs[pair].site, own, sources);
     double peak = 0;
     for (const Sample& s : carried) peak = std::max(peak, law.force(s.deflection).norm());
     for (const Sample& s : carried) {

@@ -66,7 +66,7 @@ std::vector<Case> cases() {
       bad("contact", "friction", "-0.1", "0 <= x <= 2"),
       bad("contact", "friction", "2.5", "0 <= x <= 2"),
       bad("sampling", "spacing", "-1", "0 <= x <= 1 m"),
-      bad("sampling", "most_sites", "7", "8 <= x <= 1000000"),
+      bad("sampling", "most_sites", "7", "8 <= x <= 1e+06"),
       bad("sampling", "margin_spacing", "-1", "0 <= x <= 1 m"),
       bad("sampling", "depth", "0", "0 < x <= 1 m"),
       bad("sampling", "depth", "-0.0", "0 < x <= 1 m"),
