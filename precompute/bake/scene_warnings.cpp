@@ -9,8 +9,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kLargest = 0.6, kSmallest = 0.004;  // m across: beyond the human organs
-constexpr double kSlender = 2.5;                     // farthest point over the width of what is held
+constexpr double kSlender = 2.5;  // farthest point over the width of what is held
 
 template <class... Values>
 std::string line(const char* format, Values... values) {
@@ -37,10 +36,6 @@ double slenderness(const Body& body) {
 
 std::vector<std::string> scene_warnings(const Scene& scene, const Body& body) {
   std::vector<std::string> warnings;
-  if (body.diagonal > kLargest || body.diagonal < kSmallest) {
-    warnings.push_back(line("the body measures %.3g m across; allowed, but is body.units right? Organs measure %g to %g m",
-                            body.diagonal, kSmallest, kLargest));
-  }
   const double wall = body.report.thickness_median, most = scene.sampling.depth_fraction * wall;
   if (wall > 0 && scene.sampling.depth > most) {
     warnings.push_back(

@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// One line each, with the figures and the key that changes it: units, a push deeper than the walls allow, supports that
+/// One line each, with the figures and the key that changes it: a push deeper than the walls allow, supports that
 /// leave a long body standing on a small foot.
 std::vector<std::string> scene_warnings(const Scene& scene, const Body& body);
 

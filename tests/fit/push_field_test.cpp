@@ -9,17 +9,17 @@
 namespace palpate::test {
 namespace {
 
-constexpr double Z = 0.005;
+constexpr double kDeepest = 0.005;  // m
 
 /// Grows by a factor e in `length` (m) along x, and more slowly along y.
-double stiffness(const Eigen::Vector3d& at, double length) { return 400 * std::exp((at.x() + 0.3 * at.y()) / length); }
+double growing_stiffness(const Eigen::Vector3d& at, double length) { return 400 * std::exp((at.x() + 0.3 * at.y()) / length); }
 
 class ColumnsMissing : public testing::Test {
 protected:
   /// A grid of 7 x 7 sites, 1 cm apart, whose last `missing` columns have no push.
   explicit ColumnsMissing(int missing = 2) {
-    grid_ = grid_plan(7, Z, 0.3, [this](int k) {
-      return power_law(stiffness({0.01 * (k % 7), 0.01 * (k / 7), 0}, kLength), 1.5);
+    grid_ = grid_plan(7, kDeepest, 0.3, [this](int k) {
+      return power_law(growing_stiffness({0.01 * (k % 7), 0.01 * (k / 7), 0}, kLength), 1.5);
     });
     graph_ = fit::site_graph(49, grid_.triangles);
     for (std::uint32_t k = 0; k < 49; ++k) {
@@ -38,8 +38,8 @@ TEST_F(ColumnsMissing, SitesBesideSolvedOnesAreExtrapolated) {
     ASSERT_TRUE(field.known(site));
     EXPECT_EQ(field.solved(site), site % 7 < 5);
     EXPECT_EQ(field.extrapolated().count(site), site % 7 == 5 ? 1U : 0U);
-    const double truth = stiffness(grid_.plan.sites[site].frame.origin, kLength);
-    for (const double depth : {0.1 * Z, 0.5 * Z, Z}) {
+    const double truth = growing_stiffness(grid_.plan.sites[site].frame.origin, kLength);
+    for (const double depth : {0.1 * kDeepest, 0.5 * kDeepest, kDeepest}) {
       const double ratio = field.force(site, depth) / (truth * std::pow(depth, 1.5));
       if (site % 7 <= 5) {
         EXPECT_NEAR(ratio, 1, 0.01) << site;
@@ -53,7 +53,7 @@ TEST_F(ColumnsMissing, SitesBesideSolvedOnesAreExtrapolated) {
 TEST_F(ColumnsMissing, TheSlopeIsThatOfTheLogarithm) {
   const fit::PushField field(grid_.plan.sites, graph_, curves_);
   for (const std::uint32_t site : {8U, 24U, 32U, 30U}) {
-    EXPECT_LT((field.slope(site, Z) - Eigen::Vector3d(1, 0.3, 0) / kLength).norm(), 0.1) << site;
+    EXPECT_LT((field.slope(site, kDeepest) - Eigen::Vector3d(1, 0.3, 0) / kLength).norm(), 0.1) << site;
   }
 }
 
