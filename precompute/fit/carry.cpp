@@ -11,14 +11,17 @@ namespace palpate::fit {
 namespace {
 
 constexpr std::size_t kSources = 6;
-constexpr double kSameSide = 0.2;  // cosine of the angle between normals
+constexpr double kSameSide = 0.2;        // cosine of the angle between normals
+constexpr double kSheared = 0.25;        // of the depth: from there on a straight push has its tangential force
+constexpr double kNoTangential = 1e-3;   // of the normal force: smaller tangential forces have no factor
 
 /// The source's response as a law in the frame and to the depth of another site.
 class CarriedLaw {
 public:
   CarriedLaw(const ContactFrame& frame, double depth, const StraightCurve& own, const CarrySource& source,
              const ResponseScales& scales)
-      : law_(blend_sites(frame, depth, {{source.frame, source.full, 1.0}}, scales).response.coefs, scales),
+      : own_law_(source.full->response.coefs, scales),
+        law_(blend_sites(frame, depth, {{source.frame, source.full, 1.0}}, scales).response.coefs, scales),
         own_(own),
         straight_(*source.straight),
         stretch_(source.full->depth / depth) {}
@@ -31,10 +34,18 @@ public:
     force.head<2>() -= law_.force({0, 0, there.z()}).head<2>();
     return ratio * force;
   }
+  /// Adds to the sums of the factor of tangential forces, see carried_samples.
+  void add_tangential(double depth, double least, double weight, double& product, double& square) const {
+    const double there = stretch_ * depth, reference = std::max(there, stretch_ * least);
+    const Eigen::Vector3d straight = straight_.force(reference);
+    const double none = kNoTangential * kNoTangential * straight.z() * straight.z();
+    product += weight * (own_law_.force({0, 0, there}).head<2>().dot(straight.head<2>()) + none);
+    square += weight * (straight.head<2>().squaredNorm() + none);
+  }
   [[nodiscard]] double friction(double depth) const { return law_.friction(stretch_ * depth); }
 
 private:
-  Potential law_;
+  Potential own_law_, law_;  // in the source's frame, in the site's
   const StraightCurve& own_;
   const StraightCurve& straight_;
   double stretch_;
@@ -77,7 +88,9 @@ std::vector<Sample> carried_samples(const ContactFrame& frame, double depth, con
     total += source.weight;
   }
   std::vector<Sample> samples = sample_along(path, [&](const Eigen::Vector3d& deflection) {
-    Eigen::Vector3d force = own.force(deflection.z());
+    double product = 0, square = 0;
+    for (const auto& [weight, law] : laws) law.add_tangential(deflection.z(), kSheared * depth, weight, product, square);
+    Eigen::Vector3d force = product / square * own.force(std::max(deflection.z(), kSheared * depth));
     force.z() = 0;
     for (const auto& [weight, law] : laws) force += weight / total * law.force(deflection);
     return force;

@@ -25,7 +25,7 @@ private:
   std::vector<std::pair<double, Eigen::Vector3d>> points_;  // depth (m), force (N), ascending
 };
 
-/// A site that was solved in full and, by the same straight push as the other, on the same kind of mesh.
+/// A site that was solved in full and, by the same straight push as the other.
 struct CarrySource {
   const ContactFrame* frame = nullptr;
   const SiteResponse* full = nullptr;
@@ -35,11 +35,14 @@ struct CarrySource {
 
 /// Samples of `path` at a site with its straight push. Each source's response is stretched from its depth to the site's
 /// and multiplied by the ratio of the straight pushes at the same share of the depth; the forces are averaged. The
-/// tangential force of the straight push is the site's own.
+/// tangential force of the push is the site's own times a factor that the sources share, because a contact that sticks
+/// where it lands shears more the more steps a push has.
 ///
-///     F(e, z) = own_t(z) + sum_i w_i g_i(z) [ F_i(l_i e, l_i z) - n-free part of F_i(0, l_i z) ],
-///     l_i = depth_i / depth,  g_i(z) = own_n(z) / straight_i,n(l_i z)
+///     F(e, z) = a(z) own_t(z) + sum_i w_i g_i(z) [ F_i(l_i e, l_i z) - F_i,t(0, l_i z) ],
+///     l_i = depth_i / depth,  g_i(z) = own_n(z) / straight_i,n(l_i z),
+///     a(z): least squares of sum_i w_i | F_i,t(0, l_i z) - a straight_i,t(l_i z) |^2
 ///
+/// Below a quarter of the depth own_t and straight_i,t are those at a quarter: a push of few steps has none before.
 /// The similarity is exact for a power law of the depth. `depth`: m, of the site.
 std::vector<Sample> carried_samples(const ContactFrame& frame, double depth, const StraightCurve& own,
                                     const PairPath& path, const std::vector<CarrySource>& sources,

@@ -264,7 +264,7 @@ private:
     flags_[row][planned.site] = layout::response_solved;
   }
 
-  /// The straight pushes of a tool vertex on one kind of mesh, by site: the pairs planned for it or, where there are
+  /// The straight pushes of a tool vertex in as many steps, by site: the pairs planned for it or, where there are
   /// none, the pushes of the pairs that were to be solved in full.
   [[nodiscard]] std::map<std::uint32_t, std::uint32_t> straight_pairs(std::uint32_t row) const {
     const auto pairs_of = [&](PairRole role) {

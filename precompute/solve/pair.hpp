@@ -100,10 +100,6 @@ struct PairOptions {
 
 PairOptions pair_options(const Scene& scene);
 
-/// For a pair of role straight: elements kCoarser times as large at the contact, that grow as fast.
-PairOptions coarser_options(PairOptions options);
-inline constexpr double kCoarser = 1.5;
-
 /// For a check: elements `refine` times as large at the contact, that grow slower and stay smaller far away.
 PairOptions finer_options(PairOptions options, const Body& body, double refine);
 

@@ -89,12 +89,6 @@ PairOptions pair_options(const Scene& scene) {
   return options;
 }
 
-PairOptions coarser_options(PairOptions options) {
-  options.refine *= kCoarser;
-  options.check = false;
-  return options;
-}
-
 PairOptions finer_options(PairOptions options, const Body& body, double refine) {
   options.refine *= refine;
   options.growth *= std::pow(refine, 0.7);
