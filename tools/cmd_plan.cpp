@@ -30,11 +30,12 @@ std::string costs_text(const pipeline::PlanCosts& costs, const pipeline::Pipelin
   for (std::size_t role = 0; role < costs.roles.size(); ++role) {
     const pipeline::RoleCost& cost = costs.roles[role];
     if (cost.pairs == 0) continue;
-    std::snprintf(line, sizeof line, "%-8s %5zu pairs, %zu open, %.2f s of a processor each\n", kRoles[role], cost.pairs,
-                  cost.open, cost.seconds);
+    std::snprintf(line, sizeof line, "%-8s %5zu pairs, %zu open, %.2f s of a processor each\n", kRoles[role],
+                  cost.pairs, cost.open, cost.seconds);
     text += line;
   }
-  std::snprintf(line, sizeof line, "%s: %s on %d threads, %.0f MB of memory and more for every further thread, file %.0f kB\n",
+  std::snprintf(line, sizeof line,
+                "%s: %s on %d threads, %.0f MB of memory and more for every further thread, file %.0f kB\n",
                 p.automatic ? "this round" : "bake", duration_text(costs.processor_seconds / threads).c_str(), threads,
                 1e-6 * costs.peak_bytes, 1e-3 * costs.file_bytes);
   text += line;

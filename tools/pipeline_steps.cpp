@@ -72,8 +72,8 @@ std::string sampling_text(const SamplingEstimate& estimate, double tolerance) {
                 "round %d: %zu hidden pushes are missed by %.2f %% at the median, %.2f %% at the 95th percentile (aim "
                 "%.2f %%), %.1f %% at worst at (%.4g, %.4g, %.4g) m",
                 estimate.rounds, estimate.places, 100 * estimate.median, 100 * estimate.p95,
-                100 * RoundLimits{}.aim * tolerance, 100 * estimate.worst, estimate.worst_at.x(),
-                estimate.worst_at.y(), estimate.worst_at.z());
+                100 * RoundLimits{}.aim * tolerance, 100 * estimate.worst, estimate.worst_at.x(), estimate.worst_at.y(),
+                estimate.worst_at.z());
   return text;
 }
 
@@ -239,7 +239,8 @@ std::string fit_text(const pipeline::Pipeline& p, const FitReport& report) {
   std::string text = std::to_string(report.accepted) + " pairs fitted, " + std::to_string(report.filled) +
                      " responses filled from neighbours (" + std::to_string(report.refused) + " refused, " +
                      std::to_string(report.support) + " at supports, " + std::to_string(report.unreachable) +
-                     " in narrow folds, " + std::to_string(report.outside) + " outside the region)\n" + to_text(report.refusals);
+                     " in narrow folds, " + std::to_string(report.outside) + " outside the region)\n" +
+                     to_text(report.refusals);
   if (report.sampling) {
     text += sampling_text(*report.sampling, p.scene.response.tolerance) + "\n";
     char line[120];

@@ -53,7 +53,7 @@ double path_draw(const PairPlan& pair) {
 constexpr double kFacetOverDepth = 0.0014;
 constexpr std::size_t kMostSmoothed = 120000;  // triangles: a body of more takes long to search
 
-/// Where a scene leaves sampling and smoothing to Palpate: rounds of smoothing after which a tip feels no facets.
+/// Smooths the body until a tip feels no facets, for a scene that leaves sampling and smoothing to Palpate.
 void smooth_facets(Scene& scene, Body& body) {
   double facet = body.report.facet_depth;
   std::size_t triangles = body.report.triangles;

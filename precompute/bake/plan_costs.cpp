@@ -13,7 +13,7 @@ namespace {
 constexpr double kResponseBytes = 64;  // of 24 coefficients of 16 bits with their head
 constexpr double kProvenance = 4096;
 
-/// Of this process and the children that it waited for.
+/// Processor time of this process and of the children that it waited for.
 double processor_seconds() {
   double seconds = 0;
   for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
@@ -42,7 +42,8 @@ double file_bytes(const Pipeline& p) {
   std::size_t vertices = 0;
   for (const Tool& tool : p.tools) vertices += tool.vertices.size();
   return kProvenance +
-         static_cast<double>(mesh.points.size()) * (sizeof(layout::Site) + kResponseBytes * static_cast<double>(vertices)) +
+         static_cast<double>(mesh.points.size()) *
+             (sizeof(layout::Site) + kResponseBytes * static_cast<double>(vertices)) +
          static_cast<double>(mesh.fine_points.size()) * sizeof(layout::Point) +
          static_cast<double>(mesh.fine_triangles.size()) * sizeof(layout::SurfaceTriangle);
 }

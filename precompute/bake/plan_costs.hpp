@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a plan will cost, from a timed pair of each role.
+// Costs of a plan, from a timed pair of each role.
 #pragma once
 
 #include <array>

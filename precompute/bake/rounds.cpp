@@ -34,8 +34,7 @@ const JournalPair* accepted(const JournalContent& journal, std::uint32_t pair) {
   return &at->second;
 }
 
-std::map<std::uint32_t, fit::StraightCurve> curves_of(const Plan& plan, const JournalContent& journal,
-                                                     const Row& row) {
+std::map<std::uint32_t, fit::StraightCurve> curves_of(const Plan& plan, const JournalContent& journal, const Row& row) {
   std::map<std::uint32_t, fit::StraightCurve> curves;
   for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
     const PairPlan& p = plan.pairs[pair];
@@ -45,7 +44,7 @@ std::map<std::uint32_t, fit::StraightCurve> curves_of(const Plan& plan, const Jo
   return curves;
 }
 
-/// What a hidden push says: where it is in the mesh, how far off the prediction was at each depth.
+/// A hidden push: its place in the mesh, and how far off the prediction was at each depth.
 struct HiddenError {
   std::int32_t patch = 0;
   Vector3d at{0, 0, 0}, weights{0, 0, 0};
@@ -97,7 +96,7 @@ private:
     return {std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])};
   }
 
-  /// Of linear interpolation in a patch from that in the middle of its edges: sum of 4 w_a w_b e_ab.
+  /// Error of linear interpolation in a patch, from those in the middle of its edges: sum of 4 w_a w_b e_ab.
   [[nodiscard]] double in_patch(const std::map<SiteEdge, double>& errors, const HiddenError& h) const {
     double sum = 0;
     for (int k = 0; k < 3; ++k) {
@@ -178,13 +177,13 @@ void add_full(const Sampled& sampled, const std::set<std::uint32_t>& pushed, Pla
   for (const PairPlan& p : plan.pairs) {
     if (p.role == PairRole::full) full.insert(p.site);
   }
-  const auto wanted = std::max(kLimits.least_full, static_cast<std::size_t>(std::ceil(
-                                                       kLimits.full_share * static_cast<double>(plan.sites.size()))));
+  const auto wanted =
+      std::max(kLimits.least_full,
+               static_cast<std::size_t>(std::ceil(kLimits.full_share * static_cast<double>(plan.sites.size()))));
   std::vector<double> far(plan.sites.size(), HUGE_VAL);
   const auto approach = [&](std::uint32_t site) {
     for (const std::uint32_t other : pushed) {
-      far[other] =
-          std::min(far[other], (plan.sites[other].frame.origin - plan.sites[site].frame.origin).squaredNorm());
+      far[other] = std::min(far[other], (plan.sites[other].frame.origin - plan.sites[site].frame.origin).squaredNorm());
     }
   };
   for (const std::uint32_t site : full) approach(site);
@@ -235,8 +234,8 @@ void add_hidden(const Sampled& sampled, std::size_t count, Plan& plan) {
     pair.site = number + placed;
     pair.role = PairRole::hidden;
     std::tie(pair.tool, pair.tool_vertex) = rows[(number + placed) % rows.size()];
-    pair.frame.origin = (1 - r) * surface.vertices[t[0]] + r * (1 - s) * surface.vertices[t[1]] +
-                        r * s * surface.vertices[t[2]];
+    pair.frame.origin =
+        (1 - r) * surface.vertices[t[0]] + r * (1 - s) * surface.vertices[t[1]] + r * s * surface.vertices[t[2]];
     const Vector3d& o = pair.frame.origin;
     if (sampled.body.in_cavity(o) ||
         (sampling.within_box && !((o.array() >= sampling.within_box->first.array()).all() &&

@@ -14,7 +14,7 @@
 
 namespace palpate {
 
-/// What sampling is about.
+/// A scene and the bodies made from it.
 struct Sampled {
   const Scene& scene;
   const Body& body;
@@ -43,15 +43,16 @@ struct RoundLimits {
 double first_spacing(const Scene& scene, const Body& body);
 
 /// The first round: a straight push at every site, all that the scene asks for at sites spread evenly, hidden pushes
-/// at places drawn evenly over the area that the tools can touch. Its inputs include what later rounds depend on. Throws as make_plan.
+/// at places drawn evenly over the area that the tools can touch. Its inputs include what later rounds depend on.
+/// Throws as make_plan.
 Plan first_round(const Sampled& sampled, const HapticMesh& mesh);
 
 /// Compares the hidden pushes of a plan whose pairs all have an outcome with what the sites predict.
 SamplingEstimate judge(const Sampled& sampled, const HapticMesh& mesh, const Plan& plan, const JournalContent& journal);
 
 /// Adds the next round: splits edges over which the second difference of the force is largest, and those of patches in
-/// which a hidden push was missed. False, with nothing changed, where sampling.most_sites are reached or every such edge
-/// is as short as edges become.
+/// which a hidden push was missed. False, with nothing changed, where sampling.most_sites are reached or every such
+/// edge is as short as edges become.
 bool add_round(const Sampled& sampled, const JournalContent& journal, HapticMesh& mesh, Plan& plan);
 
 }  // namespace palpate

@@ -38,18 +38,19 @@ std::vector<std::string> scene_warnings(const Scene& scene, const Body& body) {
   std::vector<std::string> warnings;
   const double wall = body.report.thickness_median, most = scene.sampling.depth_fraction * wall;
   if (wall > 0 && scene.sampling.depth > most) {
-    warnings.push_back(
-        line("sampling.depth is %.3g mm, more than %g of the median thickness of %.3g mm: most pushes end at %.3g mm or "
-             "less; set sampling.depth to what the tool will do",
-             1e3 * scene.sampling.depth, scene.sampling.depth_fraction, 1e3 * wall, 1e3 * most));
+    warnings.push_back(line(
+        "sampling.depth is %.3g mm, more than %g of the median thickness of %.3g mm: most pushes end at %.3g mm or "
+        "less; set sampling.depth to what the tool will do",
+        1e3 * scene.sampling.depth, scene.sampling.depth_fraction, 1e3 * wall, 1e3 * most));
   }
   if (const double slender = slenderness(body); slender > kSlender) {
-    warnings.push_back(line("the body reaches %.1f times as far from what holds it as that is wide, and will bend as a "
-                            "beam where it is pushed%s",
-                            slender,
-                            scene.supports.empty() ? "; no [[support]] is given, so its lowest tenth along z is held: name "
-                                                     "what holds it (half_space, box, mesh, distance, a spring bed)"
-                                                   : "; is [[support]] as meant?"));
+    warnings.push_back(
+        line("the body reaches %.1f times as far from what holds it as that is wide, and will bend as a "
+             "beam where it is pushed%s",
+             slender,
+             scene.supports.empty() ? "; no [[support]] is given, so its lowest tenth along z is held: name "
+                                      "what holds it (half_space, box, mesh, distance, a spring bed)"
+                                    : "; is [[support]] as meant?"));
   }
   return warnings;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What of a scene can be solved but is seldom meant.
+// Warnings of a scene that can be solved but is seldom meant.
 #pragma once
 
 #include <string>

@@ -11,9 +11,9 @@ namespace palpate::fit {
 namespace {
 
 constexpr std::size_t kSources = 6;
-constexpr double kSameSide = 0.2;        // cosine of the angle between normals
-constexpr double kSheared = 0.25;        // of the depth: from there on a straight push has its tangential force
-constexpr double kNoTangential = 1e-3;   // of the normal force: smaller tangential forces have no factor
+constexpr double kSameSide = 0.2;       // cosine of the angle between normals
+constexpr double kSheared = 0.25;       // of the depth: from there on a straight push has its tangential force
+constexpr double kNoTangential = 1e-3;  // of the normal force: smaller tangential forces have no factor
 
 /// The source's response as a law in the frame and to the depth of another site.
 class CarriedLaw {
@@ -61,8 +61,8 @@ StraightCurve::StraightCurve(const std::vector<Sample>& samples) {
   }
   std::sort(points_.begin(), points_.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   if (points_.size() < 2) {
-    throw Error(ExitCode::numerical, "a straight push needs two depths with a force; there are " +
-                                         std::to_string(points_.size()));
+    throw Error(ExitCode::numerical,
+                "a straight push needs two depths with a force; there are " + std::to_string(points_.size()));
   }
 }
 
@@ -89,7 +89,8 @@ std::vector<Sample> carried_samples(const ContactFrame& frame, double depth, con
   }
   std::vector<Sample> samples = sample_along(path, [&](const Eigen::Vector3d& deflection) {
     double product = 0, square = 0;
-    for (const auto& [weight, law] : laws) law.add_tangential(deflection.z(), kSheared * depth, weight, product, square);
+    for (const auto& [weight, law] : laws)
+      law.add_tangential(deflection.z(), kSheared * depth, weight, product, square);
     Eigen::Vector3d force = product / square * own.force(std::max(deflection.z(), kSheared * depth));
     force.z() = 0;
     for (const auto& [weight, law] : laws) force += weight / total * law.force(deflection);

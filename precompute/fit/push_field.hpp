@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The straight pushes of one tool vertex over the sites, and what they say of sites without one.
+// The straight pushes of one tool vertex over the sites, and predictions at sites without one.
 #pragma once
 
 #include <map>

@@ -12,7 +12,9 @@ namespace {
 constexpr double kDeepest = 0.005;  // m
 
 /// Grows by a factor e in `length` (m) along x, and more slowly along y.
-double growing_stiffness(const Eigen::Vector3d& at, double length) { return 400 * std::exp((at.x() + 0.3 * at.y()) / length); }
+double growing_stiffness(const Eigen::Vector3d& at, double length) {
+  return 400 * std::exp((at.x() + 0.3 * at.y()) / length);
+}
 
 class ColumnsMissing : public testing::Test {
 protected:
