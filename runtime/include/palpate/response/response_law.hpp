@@ -100,12 +100,14 @@ public:
 
   /// F, dF/dz and W alone, at a depth z > 0.
   void set_normal(double z, ResponseAtDepth& r) const {
+    constexpr double kReciprocal[response::kMaxDegree + 3] = {0,       1,       1.0 / 2, 1.0 / 3, 1.0 / 4,
+                                                              1.0 / 5, 1.0 / 6, 1.0 / 7, 1.0 / 8};
     const double s = abscissa(z), further = beyond(z);
     // W = integral of F 2 Z s ds: the power k of F gives 2 Z s^(k + 2) / (k + 2).
     double force = 0, slope = 0, work = 0;
     for (int k = degrees_.normal; k >= 2; --k) {
       const double c = normal_[k - 2][0];
-      work = work * s + c / (k + 2);
+      work = work * s + kReciprocal[k + 2] * c;
       slope = slope * s + k * c;
       force = force * s + c;
     }
