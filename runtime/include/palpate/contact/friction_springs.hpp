@@ -42,7 +42,7 @@ public:
     if (!law.has_friction()) return;
     ResponseAtDepth r;
     for (int k = 1; k < kCount; ++k) {
-      law.set_normal(start(k), r);
+      law.set_normal_within(kLayerAbscissa[k], r);
       slope_[k] = r.normal_slope;
       force_[k] = r.normal_force - r.normal_slope * start(k);
       work_[k] = r.work - start(k) * (r.normal_force - 0.5 * start(k) * r.normal_slope);
