@@ -341,8 +341,8 @@ private:
     const double rise = factor > state_.factor ? 1 - state_.factor / factor : 0;
     const double least = larger(kept - most - rise * state_.counted_depth, 0);
     double depth = z, limit = 0;
-    const bool paid = paid_for >= before.work * (1 - EnergyConstants::kRounding);
-    const bool owed = !paid || state_.counted_depth < last || deepened < z - last;
+    const double slack = smaller(EnergyConstants::kRounding * view_->meta->depth_scale, motion.moved);  // m
+    const bool owed = paid_for < before.work - slack * before.normal_force || kept < z - slack;
     if (owed) {
       response_.law().set_normal(z, full);
       const double counted =
@@ -351,6 +351,8 @@ private:
       limit = EnergyTank::recovery_limit(before.work > 0 ? paid_for / before.work : 0, full.normal_force);
       before = ResponseAtDepth{};
       if (state_.counted_depth > 0) response_.law().set_normal(state_.counted_depth, before);
+    } else {
+      state_.counted_depth = last;  // but for rounding it was
     }
     const SpringState springs = state_.springs;
     Trial trial;
