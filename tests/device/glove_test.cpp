@@ -59,7 +59,7 @@ Miss miss(SimHandOptions options, std::uint64_t hands) {
   return miss;
 }
 
-// What noise and whole counts of the sensors leave (a count is about 0.7 degrees): a hand of the typical shape.
+// Errors from noise and whole counts of the sensors (a count is about 0.7 degrees), for a hand of the typical shape.
 TEST(HandCalibration, FindsTheFingertipsOfHandsOfAnySize) {
   for (const double size : {0.7, 1.0, 1.4}) {
     SimHandOptions options;
