@@ -97,7 +97,7 @@ private:
     return places;
   }
 
-  // Where equilibrium is sought: small steps until all slips, so that the transition and its energy are seen.
+  // The positions of equilibria: small steps until all slips, so that the transition and its energy are resolved.
   std::vector<double> stations() const {
     std::vector<double> all;
     const double length = path_.radii * radius_, even = path_.step * radius_;

@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 struct Press {
-  std::string cause;  // empty: forces are to be believed
+  std::string cause;  // empty: the forces are valid
   Vector3d first{0, 0, 0}, second{0, 0, 0};
 };
 

@@ -86,7 +86,7 @@ if(NOT tolerance EQUAL 0.05 OR NOT within STREQUAL truly)
 endif()
 run(0 ${PALPATE} verify slab.palp --samples report.json --max-p95 0.12)
 run(5 ${PALPATE} verify slab.palp --samples report.json --max-p95 1e-9)
-if(NOT err MATCHES "normal force error is [0-9.e-]+, asked 1e-09")
+if(NOT err MATCHES "normal force error is [0-9.e-]+, required 1e-09")
   message(FATAL_ERROR "the broken limit is not named:\n${err}")
 endif()
 run(5 ${PALPATE} verify slab.palp --samples report.json --max-p95-sideways 1)  # nothing sideways was solved
@@ -144,6 +144,6 @@ run(0 ${CMAKE_COMMAND} -S ${CONSUMER} -B consumer -DFOLDER=${FOLDER} -Dpalpate_D
     -Dpalpate_EXECUTABLE=${PALPATE})
 run(0 ${CMAKE_CTEST_COMMAND} --test-dir consumer -R loose --output-on-failure)
 run(8 ${CMAKE_CTEST_COMMAND} --test-dir consumer -R strict --output-on-failure)  # ctest's code for a failed test
-if(NOT out MATCHES "normal force error is [0-9.e-]+, asked 1e-09")
+if(NOT out MATCHES "normal force error is [0-9.e-]+, required 1e-09")
   message(FATAL_ERROR "the strict test failed for another reason than its limit:\n${out}")
 endif()
