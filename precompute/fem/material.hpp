@@ -22,7 +22,8 @@ struct Material {
   double mu = 0.0;                               ///< Pa; what is left out of `laws`, for it costs next to nothing
   std::vector<std::shared_ptr<const Law>> laws;  ///< evaluated at every quadrature point
   Eigen::Vector3d fibre{0, 0, 0};                ///< unit direction in the stress-free state; 0: none
-  /// The same at a place (m) of the stress-free state, asked once an element in its middle; empty: `fibre` everywhere.
+  /// The same at a place (m) of the stress-free state, evaluated once an element in its middle; empty: `fibre`
+  /// everywhere.
   std::function<Eigen::Vector3d(const Eigen::Vector3d&)> fibre_at;
   double slope = 0.0;  ///< Pa
   double bulk = 0.0;   ///< Pa
@@ -42,7 +43,7 @@ struct Material {
   [[nodiscard]] double deviatoric(const Eigen::Matrix3d& f) const;
   /// Energy; sets the stress dW/dF (Pa) of everything but the volume term.
   double stress(const Eigen::Matrix3d& f, Eigen::Matrix3d& stress) const;
-  /// Of the laws alone.
+  /// The tangent of the laws alone.
   [[nodiscard]] Tangent law_tangent(const Eigen::Matrix3d& f) const;
 
   [[nodiscard]] double volumetric(double j) const { return slope * (j - 1) + 0.5 * bulk * (j - 1) * (j - 1); }
