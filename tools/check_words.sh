@@ -6,8 +6,8 @@
 # Usage: tools/check_words.sh [--root FOLDER] [PATH...]
 # Without PATH it compares every finding in the tracked files with the accepted ones in check_words.accepted, one a line as
 # "path: text of the line". It fails on a finding that is not accepted, and on an accepted line that is no longer found.
-# Public headers, README files and string literals cannot be accepted. With PATH it lists the findings there.
-# Exit codes: 0 no fault, 1 usage, 5 faults.
+# README files, string literals and the headers of formats cannot be accepted. With PATH it lists the findings there.
+# Exit codes: 0 no fault, 1 usage, 5 faults, else the failure of git or perl.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 if [ "${1:-}" = --root ]; then
@@ -23,10 +23,8 @@ use strict;
 use warnings;
 my $opener = qr/(?:Of|What|Whatever|Where|Wherever|Nor)(?= [a-z`(])/;
 my $opens = qr/(?:^|[.:;!?|] |^[-*>#]+ |^\d+\. )$opener/;
-my $base = "ask|tell|owe|pay|know|believe|bear|foretell|give way";
-my $verb = qr/\b(?:asks|asked|asking|tells|told|telling|owes|owed|owing|pays|paid|paying|knows|knew|knowing|believes|believed|bears|bore
-                |borne|bearing(?= the|\ a)|gives\ way|gave\ way|foretells|foretold
-                |(?:not|need|needs\ to|cannot|must|can|may|to)\ (?:$base))\b/x;
+my $verb = qr/\b(?:ask(?:s|ed|ing)?|tells?|told|telling|owe[sd]?|owing|pays?|paid|paying|knows?|knew|knowing
+                |believe[sd]?|believing|bears?|bore|borne|foretell(?:s|ing)?|foretold|(?:give|gives|gave|giving)\ way)\b/x;
 my $person = qr/\b(?:user|users|reader|readers|operator|surgeon|person|people|you|who|we|nobody|author)\s+(?:\w+\s+)?$/i;
 
 # The pieces of a file that people read, as [line number, kind, text].
@@ -77,7 +75,7 @@ sub pieces {
 my (%found, @order, %strict);
 for my $path (split /\0/, do { local $/; <STDIN> // "" }) {
   next unless $path =~ /(?:\.(?:hpp|cpp|h|md|sh|cmake|py)|CMakeLists\.txt)$/ && -f $path;
-  next if $path =~ m{tools/check_words\.sh$|tests/tools/check_words};
+  next if $path =~ m{^tools/check_words\.sh$|^tests/tools/check_words_test\.cmake$};  # they quote the words
   open my $file, "<", $path or die "$path: $!";
   my $text = do { local $/; <$file> };
   my @lines = split /\n/, $text, -1;
@@ -95,7 +93,7 @@ for my $path (split /\0/, do { local $/; <STDIN> // "" }) {
     my $place = "$path: $shown";
     next if $found{$place};
     $found{$place} = "$path:$line: $fault: $shown";
-    $strict{$place} = 1 if $kind eq "string" || $path =~ m{/include/|(?:^|/)README\.md$};
+    $strict{$place} = 1 if $kind eq "string" || ($path =~ m{/include/|(?:^|/)README\.md$} && $path !~ m{^runtime/include/});
     push @order, $place;
   }
 }

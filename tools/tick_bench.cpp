@@ -84,7 +84,7 @@ std::vector<double> blocks(std::size_t calls, int count, const Once& once, std::
   return collector.nanoseconds;
 }
 
-// After how many calls a row has been everywhere it goes, or at as many random places as tell their mean.
+// After how many calls a row has been everywhere it goes, or at enough random places for their mean.
 constexpr std::size_t kRound = 256, kRandomRound = 1U << 13;
 
 // Times once(i, k) over the indices i = 0 .. count - 1, each for k = 0, 1, ...: in blocks of whole rounds, long beside

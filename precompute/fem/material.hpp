@@ -14,10 +14,10 @@ namespace palpate {
 /// Energy per volume of the stress-free state,
 ///   psi(F) = mu/2 (F:F - 3) + sum of laws(F) + slope (j - 1) + bulk/2 (j - 1)^2 + local/2 (det F - j)^2,
 /// where j is the mean of det F over an element (no volumetric locking) and the slope makes F = I free of stress. The
-/// last term is for changes of volume that have no mean: the other terms would pay for them with a negative energy,
-/// -mu/6 of their square for the neo-Hookean solid, and elements at free surfaces take that offer. With it they cost
-/// nothing. Defined for inverted elements too. Without laws it is the compressible neo-Hookean solid of Smith, de Goes
-/// and Kim (2018, equation 14, up to a constant).
+/// last term is for changes of volume that have no mean: the other terms give them a negative energy,
+/// -mu/6 of their square for the neo-Hookean solid, so that elements at free surfaces would develop them. With it their
+/// energy is zero. Defined for inverted elements too. Without laws it is the compressible neo-Hookean solid of Smith,
+/// de Goes and Kim (2018, equation 14, up to a constant).
 struct Material {
   double mu = 0.0;                               ///< Pa; what is left out of `laws`, for it costs next to nothing
   std::vector<std::shared_ptr<const Law>> laws;  ///< evaluated at every quadrature point

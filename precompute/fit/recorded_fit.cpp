@@ -210,7 +210,7 @@ void check_rows(const std::vector<Sample>& samples, const Marks& kept, double de
   if (friction) check_sides(samples, kept, what);
 }
 
-/// Weights of rows count beside each other: priors and residuals know none.
+/// Only the ratios of the rows' weights matter: priors and residuals have no weight.
 std::vector<Sample> with_mean_weight_of_one(std::vector<Sample> samples) {
   double sum = 0;
   for (const Sample& sample : samples) sum += sample.weight;

@@ -34,7 +34,7 @@ public:
   [[nodiscard]] const std::vector<char>& fixed() const { return fixed_; }
   [[nodiscard]] bool held_anywhere() const;
   [[nodiscard]] double min_jacobian(const Eigen::VectorXd& x) const { return elastic_.min_jacobian(x); }
-  /// Enclosed by the walls that bear pressure (m^3).
+  /// Volume enclosed by the walls under pressure (m^3).
   [[nodiscard]] double cavity_volume(const Eigen::VectorXd& x) const { return pressure_.volume(x); }
   /// Displacement of the nodes (3 N, m) by the whole prescribed stretch if it were unhindered; empty without one.
   [[nodiscard]] const Eigen::VectorXd& stretch_motion() const { return motion_; }

@@ -28,7 +28,7 @@ struct ContactReport {
   Eigen::Vector3d bond_give{0, 0, 0};  ///< m, mean way of bonded points from where they were bonded, body frame
 };
 
-/// An integration point of a face: what friction and bonds act on. They know a penalty without multipliers.
+/// An integration point of a face, on which friction and bonds act. They use a penalty without multipliers.
 struct ContactPoint {
   std::size_t index = 0;  ///< of all the contact's points
   std::array<std::int32_t, 6> nodes{};
@@ -79,7 +79,7 @@ public:
   /// Lets go of anchored points that have left the contact, unless they are bonded. True when any did.
   bool release(const Eigen::VectorXd& x);
   /// Bonds every point in contact, with the anchor that it has or is given where it stands: from then on it answers a
-  /// gap as it does an overlap, and is not released. Bonds know a penalty alone, without multipliers or barrier.
+  /// gap as it does an overlap, and is not released. Bonds use a penalty alone, without multipliers or barrier.
   void bond(const Eigen::VectorXd& x);
 
   /// The points that overlap the tool, by index.

@@ -50,7 +50,7 @@ public:
   }
 
   SlideResult run(const std::function<bool()>& stop) {
-    if (body_.prestress.any()) return refuse("prestress: slides are solved of bodies that bear none");
+    if (body_.prestress.any()) return refuse("prestress: slides are solved of bodies without prestress only");
     const std::vector<Vector3d> places = places_on_the_way();
     if (!result_.cause.empty()) return result_;
     const SizeField size = contact_size(body_, tool_, vertex_, frame_, path_.depth, options_.refine, options_, places);

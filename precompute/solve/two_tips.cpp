@@ -109,7 +109,7 @@ TwoTipsResult solve_two_tips(const Body& body, const Tool& tool, const ToolVerte
   }
   TwoTipsResult result;
   if (body.prestress.any()) {
-    result.cause = "prestress: two tips are solved of bodies that bear none";
+    result.cause = "prestress: two tips are solved of bodies without prestress only";
     return result;
   }
   const Vector3d over = frame.origin + path.spacing * (std::cos(path.angle) * frame.x + std::sin(path.angle) * frame.y);

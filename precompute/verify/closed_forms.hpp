@@ -35,7 +35,7 @@ std::vector<ClosedForm> closed_forms();
 
 struct LawCheck {
   std::string cause;                            ///< empty: usable
-  std::vector<LawValue> small, large, endless;  ///< endless: what both sizes foretell
+  std::vector<LawValue> small, large, endless;  ///< endless: extrapolated from both sizes
   /// Solved, and the larger and the endless body's values are within their tolerances; the sizes differ by no more.
   [[nodiscard]] bool holds() const;
   /// The value farthest from 1, counted in tolerances, of all on the larger and on the endless body.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where interior points lie: inside, clear of every surface, as close as asked, and only where it is fine.
+// Places of interior points: inside, clear of every surface, spaced by the size field, and only where it is fine.
 #include "precompute/mesh/interior_points.hpp"
 
 #include <gtest/gtest.h>

@@ -315,7 +315,7 @@ public:
   Terminal(const Terminal&) = delete;
   Terminal& operator=(const Terminal&) = delete;
 
-  /// In the child: standard input, output and error, and, where told, the terminal that its session's jobs share.
+  /// In the child: standard input, output and error, and with `session` the terminal that its session's jobs share.
   void take(bool session) const {
     if (session && (::setsid() < 0 || ::ioctl(theirs_, TIOCSCTTY, 0) != 0)) ::_exit(125);
     for (const int descriptor : {0, 1, 2}) ::dup2(theirs_, descriptor);

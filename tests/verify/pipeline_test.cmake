@@ -44,7 +44,7 @@ if(NOT sections MATCHES "\"SEARCH\"")
   message(FATAL_ERROR "frictionless slab: a search of its hundreds of triangles goes through all:\n${sections}")
 endif()
 
-# What cannot end well is refused before anything is solved, and leaves nothing behind.
+# Wrong usage is refused before anything is solved, and leaves no file behind.
 function(refuse code says)
   run(${code} ${PALPATE} verify ${ARGN})
   if(NOT err MATCHES "${says}" OR err MATCHES "held-out solves")
@@ -128,7 +128,7 @@ run(0 ${PALPATE} inspect rough.palp --json)
 string(JSON sections GET "${out}" sections)
 string(JSON features GET "${out}" features)
 if(NOT features MATCHES "\"friction\"" OR sections MATCHES "\"(TOOL_PATCHES|SEARCH)\"")
-  message(FATAL_ERROR "rough slab: expected friction, no TOOL_PATCHES and, as it asks, no SEARCH:\n${sections}")
+  message(FATAL_ERROR "rough slab: expected friction, no TOOL_PATCHES and, as its scene says, no SEARCH:\n${sections}")
 endif()
 refuse(2 "old.palp: was not made from the plan in .*rough.work" rough.toml --response old.palp)
 run(0 ${PALPATE} verify rough.toml --count 4 --max-p95 0.12 --max-p95-sideways 0.4 --report rough.json --json)
