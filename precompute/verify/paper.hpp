@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Figures 2 and 4 of Hayward and Mahvash (2004), solved, and what the paper says of them as figures with limits.
+// Figures 2 and 4 of Mahvash and Hayward (2004), solved, and what the paper says of them as figures with limits.
 #pragma once
 
 #include "formats/scene.hpp"
