@@ -34,7 +34,7 @@ def options_of(command):
 
 
 def faults_of(words):
-    """What is wrong with a command, given as words."""
+    """The faults of a command, given as words."""
     program = words[0]
     if program == "palpate":
         command = words[1] if len(words) > 1 and not words[1].startswith("-") else ""
