@@ -51,7 +51,7 @@ private:
   struct Board {
     OpenLinkModel& model;
     std::uint32_t microseconds() const;
-    void measure(device::openlink::Measured& measured) const { measured = model.measured; }
+    void measure(device::openlink::Measured& into) const { into = model.measured; }
     void actuate(const float* force, const float* torque);
     std::size_t receive(std::uint8_t* bytes, std::size_t most);
     void send(const std::uint8_t* bytes, std::size_t size);
