@@ -179,7 +179,7 @@ void add_export(CLI::App& app, Globals& globals) {
       .shows_default();
   command
       .option("--field", options->field,
-              "What the colours show: stiffness (N/m), force (N), friction (N, mu times the normal force), filled "
+              "Quantity of the colours: stiffness (N/m), force (N), friction (N, mu times the normal force), filled "
               "(share filled from neighbours), error (where a file holds it)")
       .check(one_of({"stiffness", "force", "friction", "filled", "error"}))
       .named("FIELD")

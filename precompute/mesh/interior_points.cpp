@@ -47,7 +47,7 @@ std::vector<Vector3d> interior_points(const std::vector<const Surface*>& surface
   std::vector<Cell> stack{{box.center(), box.sizes().maxCoeff(), 1}};
   for (int cells = 0; !stack.empty(); ++cells) {
     if (cells > kMostCells) {
-      throw Error(ExitCode::numerical, "the size field asks for more than " + std::to_string(kMostCells) +
+      throw Error(ExitCode::numerical, "the size field needs more than " + std::to_string(kMostCells) +
                                            " octree cells: elements of " + std::to_string(1e3 * size(box.center())) +
                                            " mm in the middle of the body");
     }

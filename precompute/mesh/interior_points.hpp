@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Points inside a body as close as a size field asks, for a mesher that otherwise knows the sizes on surfaces only.
+// Points inside a body, spaced by a size field, for a mesher that otherwise uses the sizes on surfaces only.
 #pragma once
 
 #include "formats/surface.hpp"

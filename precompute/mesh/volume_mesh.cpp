@@ -24,7 +24,7 @@ namespace {
 using Eigen::Vector3d;
 using Backend = VolumeMeshOptions::Backend;
 
-// One rung: how the surfaces are adapted and what TetGen is asked for.
+// One rung: the adaptation of the surfaces and the options of TetGen.
 struct Rung {
   double scale;         // of every size
   double cap;           // longest edge over the body's diagonal
