@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -164,6 +165,18 @@ void Journal::append(std::uint32_t pair, const PairCheck& check) { write_record(
 void Journal::write_record(const Bytes& record) {
   const std::lock_guard lock(mutex_);
   if (failed_) throw Error(ExitCode::io, "the journal " + file_.string() + " takes no more: an earlier write failed");
+  // A record behind a hole, or in a file without a name, would be lost.
+  struct stat now = {};
+  if (::fstat(descriptor_, &now) != 0) refuse(file_, "cannot look at the journal", errno);
+  if (now.st_nlink == 0 || static_cast<std::uint64_t>(now.st_size) != size_) {
+    failed_ = true;
+    throw Error(ExitCode::io, file_.string() + ": another program " +
+                                  (now.st_nlink == 0
+                                       ? "removed the journal"
+                                       : "changed the journal's length from " + std::to_string(size_) + " to " +
+                                             std::to_string(now.st_size) + " bytes") +
+                                  " during the bake; run the same command again to solve what is lost");
+  }
   try {
     write_fully(descriptor_, record, file_);
   } catch (const Error& error) {
