@@ -5,7 +5,7 @@
 #include "formats/image/gzip.hpp"
 #include "formats/image/voxel_values.hpp"
 
-#include <nifti/nifti1_io.h>
+#include <nifti1_io.h>
 
 #include <memory>
 

@@ -27,7 +27,7 @@ elseif(NAME STREQUAL "image")
     list(APPEND libraries ${part}-${version})
   endforeach()
   list(TRANSFORM libraries PREPEND "-l")
-  set(options -std=c++20 -isystem /usr/include/eigen3)
+  set(options -std=c++20 -isystem /usr/include/eigen3 -isystem /usr/include/nifti)
   # Debian's ITK knows GCC alone. What is compiled by it is not watched by the sanitizers.
   file(MAKE_DIRECTORY ${FOLDER})
   execute_process(COMMAND g++ -std=c++20 -O1 -g -I${SOURCE} -isystem ${itk} -c ${SOURCE}/formats/image/itk_reader.cpp
