@@ -266,19 +266,30 @@ void check_nifti(const std::filesystem::path& file) {
   if (gzread(stream.get(), head.data(), unsigned(head.size())) != int(head.size())) {
     refuse("not a NIfTI file, or cut short: its header takes 348 bytes");
   }
+  std::string ending = file.filename().string();
+  ending = ending.substr(lower(ending).rfind(".nii"));
+  const auto holds = [&](int (*kind)(int)) {
+    return std::any_of(ending.begin(), ending.end(), [&](unsigned char c) { return kind(c) != 0; });
+  };
+  if (holds(std::isupper) && holds(std::islower)) {
+    refuse("its name ends in '" + ending + "'; allowed: .nii and .nii.gz, in letters of one case");
+  }
   std::int32_t size = 0;
   std::memcpy(&size, head.data(), 4);
   const bool swapped = size == 0x5C010000;
   if (size == 540 || size == 0x1C020000) refuse("is a NIfTI-2 file; allowed: NIfTI-1");
   if (size != 348 && !swapped) refuse("not a NIfTI file: its header does not begin with 348");
   if (std::memcmp(head.data() + 344, "n+1", 3) != 0) refuse("is no single NIfTI file; allowed: .nii and .nii.gz");
+  const auto real = [&](std::size_t at) {
+    std::array<unsigned char, 4> raw{head[at], head[at + 1], head[at + 2], head[at + 3]};
+    if (swapped) std::reverse(raw.begin(), raw.end());
+    float number = 0;
+    std::memcpy(&number, raw.data(), 4);
+    return number;
+  };
   const auto check = [&](const char* name, std::size_t from, std::size_t count) {
     for (std::size_t at = from; at < from + 4 * count; at += 4) {
-      std::array<unsigned char, 4> raw{head[at], head[at + 1], head[at + 2], head[at + 3]};
-      if (swapped) std::reverse(raw.begin(), raw.end());
-      float number = 0;
-      std::memcpy(&number, raw.data(), 4);
-      if (!(std::abs(number) < kLargestNumber)) refuse(std::string(name) + " is not finite or beyond 1e12");
+      if (!(std::abs(real(at)) < kLargestNumber)) refuse(std::string(name) + " is not finite or beyond 1e12");
     }
   };
   if (gzdirect(stream.get()) == 0 && lower(file.extension().string()) != ".gz") {
@@ -296,7 +307,12 @@ void check_nifti(const std::filesystem::path& file) {
     if (dim(k) < 1) refuse("dim[" + std::to_string(k) + "]: got " + std::to_string(dim(k)) + "; allowed: 1 to 32767");
   }
   check("pixdim", 76, 8);
-  check("vox_offset", 108, 1);
+  constexpr float kFirstVoxel = 352, kLastVoxel = 1 << 30;  // bytes
+  if (const float offset = real(108); !(offset >= kFirstVoxel && offset <= kLastVoxel)) {
+    std::ostringstream text;
+    text << "vox_offset: got " << offset << "; allowed: 352 to 2^30";
+    refuse(text.str());
+  }
   check("scl_slope", 112, 2);
   check("its quaternion", 256, 6);
   check("its srow matrix", 280, 12);

@@ -72,8 +72,8 @@ private:
   std::string file_;
 };
 
-constexpr std::size_t kDim = 40, kType = 70, kBits = 72, kPixdim = 76, kSlope = 112, kIntercept = 116, kUnits = 123,
-                      kQformCode = 252, kSformCode = 254, kQuatern = 256, kOffset = 268, kSrow = 280;
+constexpr std::size_t kDim = 40, kType = 70, kBits = 72, kPixdim = 76, kVoxels = 108, kSlope = 112, kIntercept = 116,
+                      kUnits = 123, kQformCode = 252, kSformCode = 254, kQuatern = 256, kOffset = 268, kSrow = 280;
 
 // nibabel, and with it TotalSegmentator, writes an sform alone. Its numbers have single precision.
 TEST(LabelImage, NiftiIsReadAtEveryTurnPlaceAndSpacing) {
@@ -360,7 +360,10 @@ TEST(LabelImage, HostileHeadersAreRefused) {
       {"many.nii",
        NiftiHeader(nifti).set(kDim, std::int16_t{4}).set(kDim + 8, std::int16_t{2}).bytes(),
        {"three dimensions"}},
-      {"far.nii", NiftiHeader(nifti).set(kSlope - 4, 1e9F).bytes(), {"far.nii"}},
+      {"before.nii", NiftiHeader(nifti).set(kVoxels, 0.0F).bytes(), {"vox_offset: got 0"}},
+      {"far.nii", NiftiHeader(nifti).set(kVoxels, 1e9F).bytes(), {"far.nii", "cut short"}},
+      {"farther.nii", NiftiHeader(nifti).set(kVoxels, 3e9F).bytes(), {"vox_offset: got 3e+09"}},
+      {"mixed.Nii", nifti, {"mixed.Nii", "one case"}},
       {"packed.nii", test::nifti(small_image(), true), {"packed.nii", "end in .nii.gz"}},
       {"text.nii", "this is no image", {"text.nii"}},
       {"image.png", "x", {"unknown image format '.png'", ".nii.gz"}},
