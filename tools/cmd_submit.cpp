@@ -7,6 +7,7 @@
 #include "formats/error.hpp"
 #include "formats/file.hpp"
 #include "precompute/mesh/child_process.hpp"
+#include "tools/blas.hpp"
 #include "tools/command.hpp"
 #include "tools/commands.hpp"
 #include "tools/output.hpp"
@@ -38,6 +39,24 @@ std::string quoted(const std::string& word) {
   return text + "'";
 }
 
+/// sbatch hands our environment to every node; its processors may be others.
+std::string script_head() {
+  const std::string names = variables_set_here();
+  return names.empty() ? "#!/bin/sh\n" : "#!/bin/sh\nunset " + names + "\n";
+}
+
+/// "1-3,5": ascending numbers as sbatch takes them.
+std::string ranges(const std::set<std::uint32_t>& numbers) {
+  std::string text;
+  for (auto at = numbers.begin(); at != numbers.end();) {
+    const std::uint32_t first = *at;
+    std::uint32_t last = first;
+    while (++at != numbers.end() && *at == last + 1) ++last;
+    text += (text.empty() ? "" : ",") + std::to_string(first) + (last > first ? "-" + std::to_string(last) : "");
+  }
+  return text;
+}
+
 /// "palpate COMMAND SCENE --work FOLDER" with paths that hold on every node.
 std::string command_line(const pipeline::Pipeline& p, const SubmitArguments& options, const std::string& command) {
   return quoted(fs::read_symlink("/proc/self/exe").string()) + " " + command + " " +
@@ -58,7 +77,7 @@ Job array_job(const pipeline::Pipeline& p, const SubmitArguments& options, const
       "--open-mode=append",      log_file(p, "shard-%a.log"), "--cpus-per-task=" + std::to_string(options.cpus)};
   job.options.insert(job.options.end(), options.sbatch.begin(), options.sbatch.end());
   job.script =
-      "#!/bin/sh\nfor attempt in 1 2 3 4 5; do\n  " + command_line(p, options, "bake") +
+      script_head() + "for attempt in 1 2 3 4 5; do\n  " + command_line(p, options, "bake") +
       " --shard \"$SLURM_ARRAY_TASK_ID/" + std::to_string(options.shards) + "\" --threads " +
       std::to_string(options.cpus) +
       " && exit 0\n  code=$?\n  [ $code -ge 1 ] && [ $code -le 3 ] && exit $code\n  sleep 2\ndone\nexit $code\n";
@@ -71,7 +90,7 @@ Job merge_job(const pipeline::Pipeline& p, const SubmitArguments& options, const
   job.options = {"--job-name=palpate-merge", "--open-mode=append", log_file(p, "merge.log")};
   if (!array.empty()) job.options.push_back("--dependency=afterany:" + array);
   job.options.insert(job.options.end(), options.sbatch.begin(), options.sbatch.end());
-  job.script = "#!/bin/sh\n" + command_line(p, options, "merge") + " || exit $?\nexec " +
+  job.script = script_head() + command_line(p, options, "merge") + " || exit $?\nexec " +
                command_line(p, options, "fit") + " --output " + quoted(fs::absolute(p.paths.response).string()) + "\n";
   return job;
 }
@@ -103,14 +122,12 @@ void run_submit(const SubmitArguments& options, const Globals& globals) {
   const pipeline::MergeReport merged = pipeline::merge(p);  // an earlier array may have had another number of shards
   std::set<std::uint32_t> open;
   for (const std::uint32_t pair : merged.missing) open.insert(pair % options.shards + 1);
-  std::string indices;
-  for (const std::uint32_t shard : open) indices += (indices.empty() ? "" : ",") + std::to_string(shard);
   if (options.print) {
-    print((open.empty() ? "" : text(array_job(p, options, indices))) +
+    print((open.empty() ? "" : text(array_job(p, options, ranges(open)))) +
           text(merge_job(p, options, open.empty() ? "" : "ARRAY")));
     return;
   }
-  const std::string array = open.empty() ? "" : hand_over(array_job(p, options, indices));
+  const std::string array = open.empty() ? "" : hand_over(array_job(p, options, ranges(open)));
   const std::string merge = hand_over(merge_job(p, options, array));
   if (globals.json) {
     print_json({{"pairs_open", merged.missing.size()},
