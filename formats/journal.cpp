@@ -39,7 +39,11 @@ bool check_header(const Bytes& bytes, const Hash128& manifest, const std::filesy
   const Bytes expected = journal::encode_header(manifest);
   std::uint64_t sum = 0;
   std::memcpy(&sum, bytes.data() + 56, sizeof sum);
-  if (sum != checksum::of(bytes.data(), 56)) fail_input(file, "offset 0: the journal's header is damaged");
+  if (sum != checksum::of(bytes.data(), 56)) {
+    fail_input(file,
+               "offset 0: the journal's header is damaged, which says the plan of its records; without this file "
+               "everything is solved again");
+  }
   if (std::memcmp(bytes.data() + 8, expected.data() + 8, 8) != 0) {
     std::uint32_t version = 0;
     std::memcpy(&version, bytes.data() + 8, sizeof version);
@@ -171,10 +175,9 @@ void Journal::write_record(const Bytes& record) {
   if (now.st_nlink == 0 || static_cast<std::uint64_t>(now.st_size) != size_) {
     failed_ = true;
     throw Error(ExitCode::io, file_.string() + ": another program " +
-                                  (now.st_nlink == 0
-                                       ? "removed the journal"
-                                       : "changed the journal's length from " + std::to_string(size_) + " to " +
-                                             std::to_string(now.st_size) + " bytes") +
+                                  (now.st_nlink == 0 ? "removed the journal"
+                                                     : "changed the journal's length from " + std::to_string(size_) +
+                                                           " to " + std::to_string(now.st_size) + " bytes") +
                                   " during the bake; run the same command again to solve what is lost");
   }
   try {
