@@ -124,7 +124,7 @@ void require_whole(const std::filesystem::path& file, const itk::ImageIOBase& re
                    const VoxelPlace& voxels) {
   if (kind == ImageKind::nrrd && !voxels.gzip) return;  // ITK counts
   const auto needed = std::size_t(reader.GetImageSizeInBytes());
-  const std::size_t there = whole_size(voxels.file, voxels.offset, voxels.zlib);
+  const std::size_t there = whole_size(voxels.file, voxels.offset, voxels.zlib, needed);
   if (there >= needed) return;
   refuse(file,
          "is cut short: its voxels need " + std::to_string(needed) + " bytes, there are " + std::to_string(there));

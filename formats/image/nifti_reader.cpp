@@ -102,7 +102,7 @@ ImageFile read_nifti(const std::filesystem::path& file) {
   read_size(file, *nifti, image);
   read_frame(*nifti, image);
   const std::size_t needed = std::size_t(std::max(nifti->iname_offset, 0)) + nifti->nvox * std::size_t(nifti->nbyper);
-  const std::size_t there = whole_size(file, 0, false);
+  const std::size_t there = whole_size(file, 0, false, needed);
   if (there < needed || nifti->nvox != image.values.size()) {
     refuse(file,
            "is cut short: its voxels need " + std::to_string(needed) + " bytes, there are " + std::to_string(there));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Label images of every format hold the same voxels at the same places; damaged and hostile ones end with a message.
 #include "formats/image/label_image.hpp"
+#include "formats/image/gzip.hpp"
 
 #include "tests/image/label_files.hpp"
 #include "tests/surface_io/scratch.hpp"
@@ -318,6 +319,18 @@ TEST(LabelImage, EveryTruncationIsRefused) {
     const auto file = scratch.write(name, bytes.substr(0, bytes.size() - 9));
     SCOPED_TRACE(name + " less nine bytes");
     expect_error([&] { read_label_image(file, 0); }, ExitCode::bad_input, {name});
+  }
+}
+
+TEST(Gzip, NoMoreThanEnoughIsExpanded) {
+  const Scratch scratch;
+  constexpr std::size_t kWhole = std::size_t{64} << 20U;
+  for (const bool gzip : {false, true}) {
+    const auto file = scratch.write("zeros", test::deflated(std::string(kWhole, '\0'), gzip));
+    EXPECT_EQ(detail::whole_size(file, 0, !gzip, kWhole), kWhole);
+    const std::size_t some = detail::whole_size(file, 0, !gzip, 1000);
+    EXPECT_GT(some, 1000U);
+    EXPECT_LT(some, std::size_t{1} << 20U);
   }
 }
 
