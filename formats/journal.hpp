@@ -26,6 +26,12 @@ struct JournalContent {
   std::map<std::uint32_t, JournalPair> pairs;  ///< by index into the manifest's pairs
   std::uint64_t records = 0;                   ///< whole records read
   std::uint64_t torn_bytes = 0;                ///< of a torn tail, ignored (reading) or cut off (writing)
+
+  /// Whether the pair has an outcome.
+  [[nodiscard]] bool finished(std::uint32_t pair) const {
+    const auto at = pairs.find(pair);
+    return at != pairs.end() && at->second.outcome.has_value();
+  }
 };
 
 /// True when two samples, two checks agree in every bit.
@@ -50,7 +56,8 @@ public:
   [[nodiscard]] const JournalContent& content() const noexcept { return content_; }
 
   /// Appends one record by one write. Throws Error(io) when the system refuses (disk full): what was appended
-  /// before stays, the part of this record that was written is taken back, and the journal takes no more.
+  /// before stays, the part of this record that was written is taken back, and the journal takes no more. The same
+  /// where another program removed the file or changed its length.
   void append(std::uint32_t pair, const Sample& sample);
   void append(std::uint32_t pair, const PairOutcome& outcome);
   void append(std::uint32_t pair, const PairCheck& check);

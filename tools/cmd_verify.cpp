@@ -169,7 +169,7 @@ void solve(const VerifyArguments& options, const Globals& globals) {
   check_baked(p);
   pipeline::write_manifest(p);
   const PairCounts pairs = count_pairs(p);
-  const double bake = seconds_of_bake(p);
+  const double bake = pipeline::bake_seconds(p);
   const ResponseInput input(p.paths.response);
   check_same_plan(p, input.view());
   const Costs cost = costs(input.view());

@@ -2,7 +2,6 @@
 // Progress and reports of bake and fit.
 #include "tools/pipeline_steps.hpp"
 
-#include "formats/error.hpp"
 #include "precompute/bake/progress.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/output.hpp"
@@ -46,17 +45,8 @@ std::string recorded_text(const RecordedFigures& f, const Plan& plan) {
 
 }  // namespace
 
-double seconds_of_bake(const pipeline::Pipeline& p) {
-  try {
-    return pipeline::bake_seconds(p);
-  } catch (const nlohmann::json::exception& error) {
-    throw Error(ExitCode::bad_input, p.paths.bake.string() + ": not an account of a bake: " + error.what() +
-                                         "; removing it loses the time spent, and nothing else");
-  }
-}
-
 BakeReport bake_with_progress(const pipeline::Pipeline& p, const Globals& globals) {
-  seconds_of_bake(p);  // a damaged account is found before the first solve
+  pipeline::bake_seconds(p);  // a damaged account is found before the first solve
   const InterruptPolling polling;
   ProgressPrinter printer(stderr);
   BakeOptions bake;
@@ -94,7 +84,7 @@ nlohmann::ordered_json bake_json(const pipeline::Pipeline& p, const BakeReport& 
                               {"tangential_solves", report.tangential_solves},
                               {"factorisations", report.factorisations},
                               {"torn_bytes", report.torn_bytes},
-                              {"bake_seconds", seconds_of_bake(p)},
+                              {"bake_seconds", pipeline::bake_seconds(p)},
                               {"journal", p.paths.journal.string()},
                               {"refused", nlohmann::ordered_json::array()}};
   for (const RefusedPair& refused : report.refused) {
@@ -111,7 +101,7 @@ std::string bake_text(const pipeline::Pipeline& p, const BakeReport& report) {
   std::string text = std::to_string(report.accepted) + " of " + std::to_string(report.total) + " pairs accepted, " +
                      std::to_string(report.refused.size()) + " refused, " + std::to_string(report.normal_solves) +
                      " normal and " + std::to_string(report.tangential_solves) + " tangential solves, " +
-                     duration_text(seconds_of_bake(p)) + " in all\n";
+                     duration_text(pipeline::bake_seconds(p)) + " in all\n";
   for (const RefusedPair& refused : report.refused) {
     text += "refused: " + describe(refused.pair, p.plan.pairs[refused.pair]) + ": " + refused.cause + "\n";
   }

@@ -13,9 +13,6 @@ namespace palpate::cli {
 /// Bakes with progress on standard error until done or interrupted. Throws Interrupted when stopped early.
 BakeReport bake_with_progress(const pipeline::Pipeline& pipeline, const Globals& globals);
 
-/// Seconds that all bakes of this plan took. Throws Error(bad_input) where bake.json is damaged.
-double seconds_of_bake(const pipeline::Pipeline& pipeline);
-
 nlohmann::ordered_json bake_json(const pipeline::Pipeline& pipeline, const BakeReport& report);
 std::string bake_text(const pipeline::Pipeline& pipeline, const BakeReport& report);
 nlohmann::ordered_json fit_json(const pipeline::Pipeline& pipeline, const FitReport& report);

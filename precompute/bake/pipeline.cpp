@@ -32,12 +32,44 @@ std::string file_name(const Scene& scene) {
 /// Share of the pairs that are also solved along paths which only test.
 double path_share(const Scene& scene) { return scene.friction > 0 ? scene.response.path_share : 0.0; }
 
+/// Seconds in an account of the time spent; 0 without one. Throws Error(bad_input) where it is damaged.
+double seconds_in(const std::filesystem::path& account, const Hash128& manifest) {
+  if (!std::filesystem::exists(account)) return 0.0;
+  try {
+    const auto json = nlohmann::json::parse(read_file(account, "bake account", 65536));
+    const auto seconds = json.at("seconds").get<double>();
+    return json.at("manifest").get<std::string>() == to_hex(manifest) ? seconds : 0.0;
+  } catch (const nlohmann::json::exception& error) {
+    throw Error(ExitCode::bad_input, account.string() + ": not an account of a bake: " + error.what() +
+                                         "; removing it loses the time spent, and nothing else");
+  }
+}
+
+/// Whether anything has been solved for the manifest that the work folder holds.
+bool has_samples(const Paths& paths) {
+  if (std::filesystem::exists(paths.samples)) return true;
+  if (!std::filesystem::exists(paths.shards)) return false;
+  const std::filesystem::directory_iterator files(paths.shards);
+  return std::any_of(begin(files), end(files), [](const auto& f) { return f.path().extension() == ".journal"; });
+}
+
+/// A damaged manifest is no other plan, and is written anew from the scene.
+void check_manifest(const std::string& text, const std::filesystem::path& file) {
+  try {
+    static_cast<void>(parse_manifest(text, file.string()));
+  } catch (const Error& error) {
+    throw Error(ExitCode::bad_input, std::string(error.what()) +
+                                         "; removing this file loses nothing: the same command "
+                                         "writes it again");
+  }
+}
+
 /// Throws where a file of the work folder or the result would be written over a file that the scene is made of.
 void check_outputs(const Pipeline& p, const std::filesystem::path& scene_file) {
   std::vector<std::filesystem::path> inputs = files_of(p.scene);
   inputs.push_back(scene_file);
   for (const MeasuredScene& measured : p.scene_sources.measured) inputs.push_back(measured.file);
-  refuse_same({p.paths.manifest, p.paths.journal, p.paths.bake, p.paths.response}, inputs);
+  refuse_same({p.paths.manifest, p.paths.samples, p.paths.bake, p.paths.response}, inputs);
 }
 
 /// In [0, 1), the same for a pair whatever else is planned (the mixing of splitmix64, Steele et al. 2014).
@@ -63,8 +95,11 @@ Pipeline prepare(const std::filesystem::path& scene_file, const Options& options
   p.paths.work = options.work.empty() ? beside / (file_name(p.scene) + ".work") : options.work;
   p.paths.response = options.response.empty() ? beside / (file_name(p.scene) + ".palp") : options.response;
   p.paths.manifest = p.paths.work / "manifest.json";
-  p.paths.journal = p.paths.work / "samples.journal";
-  p.paths.bake = p.paths.work / "bake.json";
+  p.paths.samples = p.paths.work / "samples.journal";
+  p.paths.shards = p.paths.work / "shards";
+  p.shard = options.shard;
+  p.paths.journal = p.shard ? p.paths.shards / (p.shard->name() + ".journal") : p.paths.samples;
+  p.paths.bake = p.shard ? p.paths.shards / (p.shard->name() + ".json") : p.paths.work / "bake.json";
   for (const std::filesystem::path& file : options.measured) p.scene_sources.measured.push_back({file, {}, 0.0});
   check_outputs(p, scene_file);
   for (const ToolScene& tool : p.scene.tools) p.tools.push_back(make_tool(tool));
@@ -94,7 +129,8 @@ void write_manifest(Pipeline& p) {
       p.manifest = manifest_hash(old);
       return;
     }
-    if (std::filesystem::exists(p.paths.journal)) {
+    if (has_samples(p.paths)) {
+      check_manifest(old, p.paths.manifest);
       throw Error(ExitCode::bad_input, p.paths.work.string() +
                                            ": holds samples of another plan (scene, surfaces or tools have changed "
                                            "since); remove this folder or choose another one by --work");
@@ -131,12 +167,18 @@ PairSolver contact_solver(const Pipeline& p) {
 }
 
 BakeReport bake(const Pipeline& p, const BakeOptions& options, const PairSolver& solver) {
+  make_folder(p.paths.journal.parent_path());
   Journal journal(p.paths.journal, p.manifest);
-  const double before = bake_seconds(p);
+  const double before = seconds_in(p.paths.bake, p.manifest);
   double saved = 0;
   BakeOptions saving = options;
+  // Pairs that are merged already; the samples of a whole bake are its own journal.
+  const JournalContent merged = p.shard && std::filesystem::exists(p.paths.samples)
+                                    ? read_journal(p.paths.samples, p.manifest)
+                                    : JournalContent{};
   saving.wanted = [&](std::uint32_t pair) {
-    return p.sources.solved(pair) && (!options.wanted || options.wanted(pair));
+    if (!p.sources.solved(pair) || (options.wanted && !options.wanted(pair))) return false;
+    return !p.shard || (p.shard->holds(pair) && !merged.finished(pair));
   };
   saving.progress = [&](const BakeProgress& progress) {
     // A kill then loses at most the last seconds of the account, and no sample.
@@ -151,11 +193,35 @@ BakeReport bake(const Pipeline& p, const BakeOptions& options, const PairSolver&
   return report;
 }
 
+MergeReport merge(const Pipeline& p) {
+  MergeReport report;
+  const JournalContent shards = read_shards(p.paths.shards, p.manifest);
+  std::set<std::uint32_t> there;
+  for (const auto& [pair, content] : shards.pairs) there.insert(pair);
+  // An empty journal would tie the work folder to this plan.
+  if (!there.empty() || std::filesystem::exists(p.paths.samples)) {
+    Journal journal(p.paths.samples, p.manifest);
+    for (const auto& [pair, content] : journal.content().pairs) {
+      if (content.outcome) there.insert(pair);
+    }
+    BakeOptions options;
+    options.threads = 1;
+    options.wanted = [&](std::uint32_t pair) { return p.sources.solved(pair) && there.count(pair) != 0; };
+    report.bake = bake_pairs(p.plan.pairs, recorded_solver(p.plan.pairs, shards), journal, options);
+  }
+  for (std::uint32_t pair = 0; pair < p.plan.pairs.size(); ++pair) {
+    if (p.sources.solved(pair) && there.count(pair) == 0) report.missing.push_back(pair);
+  }
+  return report;
+}
+
 double bake_seconds(const Pipeline& p) {
-  if (!std::filesystem::exists(p.paths.bake)) return 0.0;
-  const auto json = nlohmann::json::parse(read_file(p.paths.bake, "bake account", 65536), nullptr, false);
-  if (!json.is_object() || json.value("manifest", "") != to_hex(p.manifest)) return 0.0;
-  return json.value("seconds", 0.0);
+  double seconds = seconds_in(p.paths.work / "bake.json", p.manifest);
+  if (!std::filesystem::exists(p.paths.shards)) return seconds;
+  for (const auto& entry : std::filesystem::directory_iterator(p.paths.shards)) {
+    if (entry.path().extension() == ".json") seconds += seconds_in(entry.path(), p.manifest);
+  }
+  return seconds;
 }
 
 FitSettings fit_settings(const Scene& scene) {
@@ -174,13 +240,13 @@ FitSettings fit_settings(const Scene& scene) {
 }
 
 JournalContent samples(const Pipeline& p) {
-  if (!std::filesystem::exists(p.paths.journal)) {
+  if (!std::filesystem::exists(p.paths.samples)) {
     if (!p.sources.solves_any(p.plan.pairs.size())) return {};
     const char* const other =
         p.sources.given.empty() ? "" : ", or take the other sites from their neighbours: [sources] rest = \"covered\"";
-    throw Error(ExitCode::io, p.paths.journal.string() + ": there is no journal; run palpate bake first" + other);
+    throw Error(ExitCode::io, p.paths.samples.string() + ": there is no journal; run palpate bake first" + other);
   }
-  return read_journal(p.paths.journal, p.manifest);
+  return read_journal(p.paths.samples, p.manifest);
 }
 
 FittedFile fit_file(const Pipeline& p, const JournalContent& journal, const FitSettings& settings) {

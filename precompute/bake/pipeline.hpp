@@ -3,12 +3,14 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "formats/scene.hpp"
 #include "formats/scene_sources.hpp"
 #include "precompute/bake/bake.hpp"
 #include "precompute/bake/plan.hpp"
+#include "precompute/bake/shard.hpp"
 #include "precompute/body.hpp"
 #include "precompute/fit/fit.hpp"
 #include "precompute/fit/given_pairs.hpp"
@@ -20,8 +22,10 @@ namespace palpate::pipeline {
 struct Paths {
   std::filesystem::path work;      ///< folder, NAME.work beside the scene unless given
   std::filesystem::path manifest;  ///< work/manifest.json
-  std::filesystem::path journal;   ///< work/samples.journal
-  std::filesystem::path bake;      ///< work/bake.json: time spent, by all runs
+  std::filesystem::path samples;   ///< work/samples.journal: what is fitted
+  std::filesystem::path shards;    ///< work/shards: a journal and an account of each shard
+  std::filesystem::path journal;   ///< what bake() writes: the samples, or a shard's work/shards/3-of-8.journal
+  std::filesystem::path bake;      ///< time spent by all of its runs: work/bake.json, or a shard's 3-of-8.json
   std::filesystem::path response;  ///< NAME.palp beside the scene unless given
 };
 
@@ -29,11 +33,13 @@ struct Options {
   std::filesystem::path work;                     ///< empty: NAME.work beside the scene
   std::filesystem::path response;                 ///< empty: NAME.palp beside the scene
   std::vector<std::filesystem::path> measured{};  ///< recordings beside those of the scene
+  std::optional<Shard> shard{};                   ///< bake() solves this part of the pairs; empty: all
 };
 
 /// A scene and everything that follows from it before the first solve; immutable afterwards.
 struct Pipeline {
   Paths paths;
+  std::optional<Shard> shard;
   Scene scene;
   SceneSources scene_sources;
   Body body;  ///< as its prestress leaves it
@@ -61,10 +67,21 @@ void plan(Pipeline& pipeline);
 /// The solver the bake uses: bake_path, add_grasp, pair_options, solve_pair. `pipeline` must outlive it.
 PairSolver contact_solver(const Pipeline& pipeline);
 
-/// Solves what is open, with `solver` or the contact solver. Needs plan(). The time spent is added to bake.json.
+/// Solves what is open, with `solver` or the contact solver. Needs plan(). A shard leaves out what the merged samples
+/// hold. The time spent is added to paths.bake.
 BakeReport bake(const Pipeline& pipeline, const BakeOptions& options, const PairSolver& solver = {});
 
-/// Seconds that all bakes of this manifest took together; 0 when there was none.
+struct MergeReport {
+  BakeReport bake;                     ///< of all pairs; `resumed`: those that were merged before
+  std::vector<std::uint32_t> missing;  ///< pairs to be solved that no journal holds, ascending
+};
+
+/// Adds the finished pairs of all shards to the samples. Needs plan() without a shard. May run again at any time, and
+/// while shards run. Throws as read_journal does, and Error(numerical) where a shard differs from the samples.
+MergeReport merge(const Pipeline& pipeline);
+
+/// Seconds that all bakes of this manifest took together, those of shards added up; 0 when there was none. Throws
+/// Error(bad_input) where an account is damaged.
 double bake_seconds(const Pipeline& pipeline);
 
 /// The settings of the scene's fit.

@@ -22,8 +22,8 @@ TEST_F(Frame, HelpAndVersion) {
 
 TEST_F(Frame, EveryCommandHasHelp) {
   const std::set<std::string> commands = listed_commands();
-  const std::set<std::string> expected{"build",   "scene", "mesh",  "plan",    "bake",   "fit",   "verify",
-                                       "inspect", "play",  "drive", "compare", "export", "bench", "synth"};
+  const std::set<std::string> expected{"build",  "scene",   "mesh", "plan",  "bake",    "merge",  "submit", "fit",
+                                       "verify", "inspect", "play", "drive", "compare", "export", "bench",  "synth"};
   EXPECT_EQ(commands, expected);
   for (const std::string& command : commands) {
     const RunResult help = run({command, "--help"});

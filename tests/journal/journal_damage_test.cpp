@@ -135,6 +135,27 @@ int fill_the_disk(const std::filesystem::path& file, const Hash128& manifest) {
   return 0;
 }
 
+TEST_F(JournalFiles, CutOrRemovedByAnotherProgramTakesNoMore) {
+  for (const bool removed : {false, true}) {
+    std::filesystem::remove(file_);
+    Journal journal(file_, manifest_);
+    for (unsigned k = 0; k < 3; ++k) journal.append(0, make_sample(0, k));
+    const auto size = std::filesystem::file_size(file_) - 50;
+    removed ? static_cast<void>(std::filesystem::remove(file_)) : std::filesystem::resize_file(file_, size);
+    for (int again = 0; again < 2; ++again) {
+      try {
+        journal.append(0, make_sample(0, 3));
+        FAIL() << "a record that no reader would find was accepted";
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ExitCode::io);
+        EXPECT_NE(std::string(error.what()).find("samples.journal"), std::string::npos) << error.what();
+      }
+    }
+    if (removed) continue;
+    EXPECT_EQ(read_journal(file_, manifest_).records, 2U);
+  }
+}
+
 TEST_F(JournalFiles, FullDiskLeavesAWholeJournal) {
   EXPECT_EXIT(std::_Exit(fill_the_disk(file_, manifest_)), testing::ExitedWithCode(0), "bytes before are safe");
   const JournalContent content = read_journal(file_, manifest_);
