@@ -179,7 +179,7 @@ private:
         if (!buffer["uri"].is_string()) fail(where + ": uri is not a text");
         auto uri = buffer["uri"].get<std::string>();
         if (uri.rfind("data:", 0) == 0) {
-          // Any media type, or none; the loader knows a few by name.
+          // Any media type, or none; the loader accepts a few names alone.
           const auto data = uri.find(";base64,");
           if (data == std::string::npos) fail(where + ": uri has embedded data that are not base64");
           uri.replace(0, data, "data:application/octet-stream");

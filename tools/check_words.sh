@@ -6,7 +6,7 @@
 # Usage: tools/check_words.sh [--root FOLDER] [PATH...]
 # Without PATH it compares every finding in the tracked files with the accepted ones in check_words.accepted, one a line as
 # "path: text of the line". It fails on a finding that is not accepted, and on an accepted line that is no longer found.
-# README files, string literals and the headers of formats cannot be accepted. With PATH it lists the findings there.
+# README files, string literals and public headers cannot be accepted. With PATH it lists the findings there.
 # Exit codes: 0 no fault, 1 usage, 5 faults, else the failure of git or perl.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -93,7 +93,7 @@ for my $path (split /\0/, do { local $/; <STDIN> // "" }) {
     my $place = "$path: $shown";
     next if $found{$place};
     $found{$place} = "$path:$line: $fault: $shown";
-    $strict{$place} = 1 if $kind eq "string" || ($path =~ m{/include/|(?:^|/)README\.md$} && $path !~ m{^runtime/include/});
+    $strict{$place} = 1 if $kind eq "string" || ($path =~ m{/include/|(?:^|/)README\.md$});
     push @order, $place;
   }
 }

@@ -256,7 +256,7 @@ StatedSpace check_meta(const Header& header) {
   return stated;
 }
 
-// What libnifti takes as it is: places that are no numbers, dimensions out of range, gzip data under a name without
+// Refuses headers that libnifti accepts: places that are no numbers, dimensions out of range, gzip data under a name without
 // .gz.
 void check_nifti(const std::filesystem::path& file) {
   const auto refuse = [&](const std::string& what) { throw Error(ExitCode::bad_input, file.string() + ": " + what); };

@@ -82,7 +82,7 @@ MesherAnswer mesh_by_tetgen(const AdaptedBody& adapted, const SizeField& size, c
   std::vector<const Surface*> surfaces{&adapted.outer};
   for (const Surface& s : adapted.inner) surfaces.push_back(&s);
   // TetGen interpolates sizes between surfaces. Without points inside, tetrahedra under a contact are several times as
-  // large as the field asks: a force is 2 to 5 % too large where the contact's radius is 1/130 of the thickness.
+  // large as the field says: a force is 2 to 5 % too large where the contact's radius is 1/130 of the thickness.
   const std::vector<Vector3d> interior = interior_points(surfaces, size);
   input.vertices.insert(input.vertices.end(), interior.begin(), interior.end());
   for (const Vector3d& v : input.vertices) input.sizes.push_back(size(v));

@@ -167,7 +167,7 @@ def damaged_record(bakes, count, randomly):
             expect(done.returncode != 0 and "no outcome" in done.stderr, f"byte {at}: {done.returncode} {done.stderr}")
             torn += 1
         bakes.ends_as_expected("damaged")
-    return f"{cut} bits refused by offset and mended as told, {torn} in the last record"
+    return f"{cut} bits refused by offset and mended by the command in the message, {torn} in the last record"
 
 
 def damaged_files(bakes, randomly):
@@ -179,7 +179,7 @@ def damaged_files(bakes, randomly):
         bakes.build("cut", code=2, says=["cut/" + name, "remov"])
         file.unlink()
         bakes.ends_as_expected("cut")
-    return "manifest.json and bake.json: refused, removed as told"
+    return "manifest.json and bake.json: refused, removed as the message says"
 
 
 def clock(bakes, randomly):

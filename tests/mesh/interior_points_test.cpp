@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where interior points lie: inside, clear of every surface, as close as asked.
+// Places of interior points: inside, clear of every surface, spaced by the size field.
 #include "precompute/mesh/interior_points.hpp"
 
 #include <gtest/gtest.h>

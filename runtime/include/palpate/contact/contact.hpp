@@ -322,14 +322,14 @@ private:
   ///
   ///     d = z - z_0 + the depth at which W + energy beside W = E,
   ///
-  /// for the tick's own work deepens d as it deepens z (by at most the tool's way). Where the force at d would take more
+  /// for the tick's own work deepens d as it deepens z (by at most the tool's way). If the force at d would take more
   /// than E holds, as in one long step, d falls further. Corrections are bounded by the way of the tool and of c in this
   /// tick; the rest is made in the next ones.
   template <class Body>
   Tick answer(const Pose& tool, double z, const TickMotion& motion, const Body& body) {
     const double wanted = body.factor(state_.place.body_point.at), step = body.factor_step();
     const double factor = smaller(larger(wanted, state_.factor - step), state_.factor + step);
-    const double last = state_.indentation, paid_for = factor > 0 ? state_.energy.energy() / factor - state_.other : 0;
+    const double last = state_.indentation, covered_work = factor > 0 ? state_.energy.energy() / factor - state_.other : 0;
     ResponseAtDepth before, full;
     if (last > 0) response_.law().set_normal(last, before);
     // An indentation that grows by more than the tool's way was found, not made.
@@ -342,13 +342,13 @@ private:
     const double least = larger(kept - most - rise * state_.counted_depth, 0);
     double depth = z, limit = 0;
     const double slack = smaller(EnergyConstants::kRounding * view_->meta->depth_scale, motion.moved);  // m
-    const bool owed = paid_for < before.work - slack * before.normal_force || kept < z - slack;
-    if (owed) {
+    const bool deficit = covered_work < before.work - slack * before.normal_force || kept < z - slack;
+    if (deficit) {
       response_.law().set_normal(z, full);
       const double counted =
-          EnergyTank::counted_depth(response_.law(), paid_for, last, before.work, state_.counted_depth);
+          EnergyTank::counted_depth(response_.law(), covered_work, last, before.work, state_.counted_depth);
       depth = smaller(clamped(counted + deepened, least, kept + most), z);
-      limit = EnergyTank::recovery_limit(before.work > 0 ? paid_for / before.work : 0, full.normal_force);
+      limit = EnergyTank::recovery_limit(before.work > 0 ? covered_work / before.work : 0, full.normal_force);
       before = ResponseAtDepth{};
       if (state_.counted_depth > 0) response_.law().set_normal(state_.counted_depth, before);
     } else {
@@ -360,7 +360,7 @@ private:
     for (int round = 0;; ++round) {
       try_depth(depth, z, full.normal_slope, limit, motion, springs, trial);
       energy = energy_after(depth, before, factor, motion, trial);
-      if (!owed && round == 0) full = trial.response;
+      if (!deficit && round == 0) full = trial.response;
       const double spare = factor > 0 ? energy / factor - trial.other : 0;
       const bool covered = spare >= trial.response.work - EnergyConstants::kMissing * full.work;
       if (covered || round == EnergyConstants::kRounds || !(depth > least)) break;
