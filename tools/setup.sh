@@ -13,6 +13,14 @@ palpate_packages=(
   libusb-1.0-0-dev umockdev libumockdev-dev libgtest-dev libbenchmark-dev python3
 )
 
+# For the page of `palpate report`: without these everything else is built. A node that did not come from Debian brings
+# its own npm.
+palpate_install_page() {
+  local packages=(clang lld wasi-libc libc++-dev-wasm32 libclang-rt-dev-wasm32)
+  command -v npm >/dev/null || packages+=(nodejs npm)
+  palpate_install "${packages[@]}" || echo "palpate: palpate report is built without its page" >&2
+}
+
 # palpate_install [PACKAGE...]: installs those of them (or of all that the build needs) that are missing, or says exactly
 # which are and how to get them. Returns 1 when some stay missing.
 palpate_install() {

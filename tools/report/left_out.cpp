@@ -146,37 +146,28 @@ Json hints(const CostInput& input, const Json& organ, const Json& cost) {
     list.push_back(sentence("response.tolerance = %.3g is finer than a hand tells apart (%.0f %%): %.2g would do.",
                             tolerance, 100 * kNoticeable, kNoticeable / 2));
   }
+  const Json& own = cost["files"][0];
+  const double measured = own.contains("error") ? own["error"]["p95"].get<double>() : 0;
   for (const Json& tool : organ["tools"]) {
     std::vector<double> errors;
     for (const Json& e : tool["error_neighbours"]) {
       if (e.is_number()) errors.push_back(e.get<double>());
     }
     if (errors.empty()) continue;
-    const double p95 = quantile(errors, 0.95);
-    // The error grows as the square of the distance.
-    const double coarser = std::sqrt(kNoticeable / std::max(p95, 1e-6));
-    const std::string name = tool["name"].get<std::string>();
     const auto share = double(std::count_if(errors.begin(), errors.end(), [](double e) { return 4 * e < kNoticeable; })) /
                        double(errors.size());
     list.push_back(sentence("Tool '%s': %.0f %% of the solved sites differ from their neighbours by less than a hand "
                             "tells apart (%.0f %%).",
-                            name.c_str(), 100 * share, 100 * kNoticeable));
-    if (coarser > 1.25) {
-      list.push_back(sentence("Tool '%s': sites %.2g times as far apart would keep 95 %% of the places within %.0f %%: "
-                              "sampling.spacing = %.2g instead of %.2g.",
-                              name.c_str(), coarser, 100 * kNoticeable, coarser * scene.sampling.spacing,
-                              scene.sampling.spacing));
-    } else if (coarser < 0.8) {
-      list.push_back(sentence("Tool '%s': the sites lie too far apart for %.0f %% at 95 %% of the places: "
-                              "sampling.spacing = %.2g instead of %.2g.",
-                              name.c_str(), 100 * kNoticeable, coarser * scene.sampling.spacing, scene.sampling.spacing));
-    }
+                            tool["name"].get_ref<const std::string&>().c_str(), 100 * share, 100 * kNoticeable));
   }
-  const Json& own = cost["files"][0];
-  if (own.contains("error") && own["error"]["p95"].get<double>() > kNoticeable) {
-    list.push_back(sentence("One force in twenty is off by more than a hand tells apart: the 95th percentile at held-out "
-                            "contacts is %.1f %%.",
-                            100 * own["error"]["p95"].get<double>()));
+  if (measured > 0) {
+    // The error between sites grows as the square of their distance.
+    const double factor = std::sqrt(kNoticeable / measured), spacing = scene.sampling.spacing;
+    list.push_back(sentence("At held-out contacts one force in twenty is off by more than %.1f %%. sampling.spacing = %.2g "
+                            "instead of %.2g would bring that %s what a hand tells apart (%.0f %%), with %.2g times the "
+                            "sites.",
+                            100 * measured, factor * spacing, spacing, factor < 1 ? "down to" : "up to",
+                            100 * kNoticeable, 1 / (factor * factor)));
   }
   return list;
 }

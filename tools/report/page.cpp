@@ -58,10 +58,11 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
+/// Replaces every `mark` by `by`, which does not contain it.
 void replace(std::string& text, std::string_view mark, const std::string& by) {
-  const std::size_t at = text.find(mark);
+  std::size_t at = text.find(mark);
   if (at == std::string::npos) throw Error(ExitCode::io, "the page's template has no " + std::string(mark));
-  text.replace(at, mark.size(), by);
+  for (; at != std::string::npos; at = text.find(mark, at + by.size())) text.replace(at, mark.size(), by);
 }
 
 }  // namespace

@@ -63,7 +63,8 @@ Json make_report(const ReportInput& input, const pipeline::Pipeline& p, const cl
   const JournalContent journal = pipeline::samples(p);
   cli::note(globals, "fitting the samples");
   const pipeline::FittedFile fitted = pipeline::fit_file(p, journal, pipeline::fit_settings(p.scene));
-  const std::vector<HeldOut> held_out = input.verify.empty() ? std::vector<HeldOut>() : read_recorded(input.verify);
+  std::vector<HeldOut> held_out = input.verify.empty() ? std::vector<HeldOut>() : read_recorded(input.verify);
+  compare_with_file(view, held_out);
 
   Json report{{"title", p.scene.name}, {"command", command_line(input)}};
   const std::filesystem::path folder = std::filesystem::absolute(p.scene.file).parent_path().filename();

@@ -15,6 +15,6 @@ namespace palpate::report {
 /// `tool`: name; empty: the run's, or the file's first. Throws as read_motion and read_run do; Error(bad_input) for a
 /// glove's run.
 nlohmann::ordered_json played_run(const std::string& file, const cli::ResponseInput& response, const std::string& tool,
-                                  std::size_t most = 4000);
+                                  std::size_t most = 1500);
 
 }  // namespace palpate::report

@@ -5,7 +5,7 @@ export function number(value, digits = 3) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
   if (value === 0) return "0";
   const size = Math.abs(value);
-  if (size >= 1e5 || size < 1e-3) return value.toExponential(digits - 1).replace("e+", "e");
+  if (size >= 1e7 || size < 1e-3) return value.toExponential(digits - 1).replace("e+", "e");
   return String(Number(value.toPrecision(digits))).replace(/\B(?=(\d{3})+(?!\d)(?<!\.\d*))/g, "\u202f");
 }
 export const percent = (share, digits = 3) => (Number.isFinite(share) ? number(100 * share, digits) + " %" : "–");

@@ -152,10 +152,10 @@ async function main() {
   if (numbers.live) follow(playback, numbers.live);
   Object.assign(page, { view, views, poke, playback, hovering, css });
 
-  const frame = () => {
+  const frame = (now) => {
     poke.draw();
     playback.draw();
-    for (const each of views) each.draw();
+    for (const each of views) each.draw(now);
     requestAnimationFrame(frame);
   };
   requestAnimationFrame(frame);

@@ -8,7 +8,9 @@ import {
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { NEUTRAL, parse, sequential } from "./colour.js";
 
-const MOST_TRIANGLES = 60000;
+const MOST_TRIANGLES = 20000; // that are split into four
+const SLOW = 34, FAST = 14; // ms between frames, beyond which the resolution of moving pictures falls or rises
+const STILL = 250; // ms without a change, after which the picture is drawn finely
 
 /** Splits every triangle into four. */
 function subdivide({ position, normal, index, sites, weights }) {
@@ -57,6 +59,7 @@ vec2 dent(vec3 p) {
   float r = length(d - below * dentNormal);
   float a = sqrt(dentRadius * dentDepth);
   float q = r / a;
+  if (q > 9.0 || below < -6.0 * a) return vec2(0.0);
   float u, slope;
   if (q <= 1.0) {
     u = 1.0 - 0.5 * q * q; slope = -q;
@@ -166,11 +169,12 @@ export class OrganView {
   constructor(canvas, palp, organ, heldOut = []) {
     this.canvas = canvas;
     this.organ = organ;
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
+    this.renderer = new WebGLRenderer({ canvas, alpha: true, preserveDrawingBuffer: true });
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(32, 1, 0.001, 10);
     this.caster = new Raycaster();
-    this.frames = { count: 0, since: performance.now() };
+    this.frames = 0;
+    this.moving = { ratio: 1, interval: 20, last: -Infinity, going: false };
 
     const coarse = {
       position: palp.positions(), normal: palp.normals(), index: palp.triangles(),
@@ -274,8 +278,6 @@ export class OrganView {
   #resize() {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     if (!width || !height) return;
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
-    this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     this.invalidate();
@@ -372,13 +374,38 @@ export class OrganView {
   invalidate() {
     this.stale = true;
   }
-  /** Draws where something changed; whether it did. */
-  draw() {
-    if (!this.stale) return false;
-    this.stale = false;
+  #render(ratio) {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    if (!width || !height) return;
+    const pixels = [Math.floor(width * ratio), Math.floor(height * ratio)];
+    if (this.canvas.width !== pixels[0] || this.canvas.height !== pixels[1]) {
+      this.renderer.setPixelRatio(ratio);
+      this.renderer.setSize(width, height, false);
+    }
     this.renderer.render(this.scene, this.camera);
-    this.frames.count++;
-    return true;
+    this.frames++;
+  }
+
+  /** Draws where something changed, `now` (ms). Moving pictures have the resolution that this machine draws smoothly; a
+   *  picture that rests is drawn at twice the display's resolution, which smooths its edges. */
+  draw(now) {
+    const { moving } = this;
+    if (!this.stale) {
+      if (moving.going && now - moving.last > STILL) {
+        moving.going = false;
+        this.#render(Math.min(2 * devicePixelRatio, 3));
+      }
+      return;
+    }
+    this.stale = false;
+    if (moving.going) {
+      moving.interval += 0.2 * (Math.min(now - moving.last, 200) - moving.interval);
+      if (moving.interval > SLOW && moving.ratio > 0.35) [moving.ratio, moving.interval] = [0.85 * moving.ratio, 22];
+      if (moving.interval < FAST && moving.ratio < devicePixelRatio) [moving.ratio, moving.interval] = [1.1 * moving.ratio, 22];
+    }
+    moving.going = true;
+    moving.last = now;
+    this.#render(moving.ratio);
   }
 }
 

@@ -36,9 +36,11 @@ function pareto(rows, { x, label, unit = "", noticeable, width = 380 }) {
       Plot.ruleY([100 * noticeable], { stroke: "currentColor", strokeDasharray: "2 3", strokeOpacity: 0.7 }),
       Plot.text([[0, 0]], { frameAnchor: "right", y: () => 100 * noticeable, text: () => "a hand notices", dy: -7, fontSize: 10.5, fillOpacity: 0.75, fill: "currentColor" }),
       Plot.link(shown, { x1: x, x2: x, y1: (r) => value(r, "median"), y2: (r) => value(r, "worst"), stroke: (r) => KINDS[r.kind], strokeWidth: 1.2, strokeOpacity: 0.6 }),
-      Plot.tickY(shown, { x, y: (r) => value(r, "worst"), stroke: (r) => KINDS[r.kind], strokeWidth: 1.2, insetLeft: -4, insetRight: -4 }),
+      Plot.dot(shown, { x, y: (r) => value(r, "worst"), r: 2.5, symbol: "times", stroke: (r) => KINDS[r.kind], strokeWidth: 1.2 }),
       Plot.dot(shown, { x, y: (r) => value(r, "median"), r: 3, stroke: (r) => KINDS[r.kind], fill: "var(--paper)", strokeWidth: 1.5 }),
-      Plot.dot(shown, { x, y: (r) => value(r, "p95"), r: (r) => (r.chosen ? 7 : 4.5), fill: (r) => KINDS[r.kind], symbol: (r) => (r.chosen ? "star" : "circle"), title, tip: true, className: "p95" }),
+      Plot.dot(shown.filter((r) => !r.chosen), { x, y: (r) => value(r, "p95"), r: 4.5, fill: (r) => KINDS[r.kind] }),
+      Plot.dot(shown.filter((r) => r.chosen), { x, y: (r) => value(r, "p95"), r: 7, fill: (r) => KINDS[r.kind], symbol: "star" }),
+      Plot.tip(shown, Plot.pointer({ x, y: (r) => value(r, "p95"), title, fill: "var(--sheet)" })),
       Plot.text(shown, { x, y: (r) => value(r, "p95"), text: "short", dx: 9, textAnchor: "start", fontSize: 10.5, fill: "currentColor" }),
     ],
   });
@@ -67,7 +69,7 @@ export function errorTimePlots(errorTime) {
     if (rows.filter((r) => Number.isFinite(r[x]) && r.error?.count > 0).length < 1) return;
     plots.push(framed(title, text, pareto(rows, { x, label, unit, noticeable }), `error-${x}-${rows[0].kind === "law" ? "laws" : "files"}`));
   };
-  const bars = "Ring: median. Dot: 95th percentile. Bar: to the worst.";
+  const bars = "Ring: median. Dot: 95th percentile. Cross: worst.";
   add(laws, "tick_ns", "time of one force, ns", "ns", "Response laws, by time", `Samples left out of each site's fit. ${bars}`);
   add(laws, "bytes_per_response", "bytes of a response", "bytes", "Response laws, by memory", `The same errors. ★ is the law of the runtime.`);
   add(files, "tick_ns", "time of a tick, ns", "ns", "Whole files, by time", `Held-out contacts between the sites. ${bars}`);

@@ -130,7 +130,7 @@ export function provenance(numbers) {
       ["program", `palpate ${p.program}, file version ${p.file_version}`], ["machine", p.machine], ["made", p.made], ["plan", p.manifest],
     ], [["", (f) => f[0]], ["", (f) => f[1]]]),
     make("h3", {}, "Inputs"),
-    table(p.inputs, [["file", (i) => i.file], ["bytes", (i) => number(i.bytes, 6), true], ["XXH3, 128 bits", (i) => make("code", {}, i.hash)]]),
+    table(p.inputs, [["file", (i) => i.file], ["bytes", (i) => number(i.bytes, 9), true], ["XXH3, 128 bits", (i) => make("code", {}, i.hash)]]),
     make("h3", {}, "Commands"),
     table([["everything on this page", p.command], ["held-out errors", numbers.held_out.command], ["solved curves", numbers.curves.command], ["contents", numbers.contents.command]],
       [["", (c) => c[0]], ["", (c) => make("code", {}, c[1])]]),

@@ -74,4 +74,6 @@ const actions = {
   },
 };
 
-onmessage = ({ data }) => actions[data.type](data);
+// In the order of arrival: opening takes a while.
+let before = Promise.resolve();
+onmessage = ({ data }) => (before = before.then(() => actions[data.type](data)));
