@@ -20,7 +20,7 @@ namespace {
 struct ReportArguments {
   report::ReportInput input;
   std::string work, response, page, numbers;
-  bool numbers_only = false, quick = false;
+  bool quick = false;
 };
 
 /// NAME.report.html or .json beside the scene.
@@ -29,10 +29,6 @@ std::string beside(const pipeline::Pipeline& p, const char* extension) {
 }
 
 void run_report(ReportArguments options, const Globals& globals) {
-  if (const std::string missing = report::missing_for_page(); !options.numbers_only && !missing.empty()) {
-    throw Error(ExitCode::usage, "this program was built without the report's page: " + missing +
-                                     "; --numbers-only writes the JSON alone");
-  }
   options.input.laws = !options.quick;
   pipeline::Pipeline p = pipeline::prepare(options.input.scene, {options.work, options.response});
   if (options.numbers.empty()) options.numbers = beside(p, ".report.json");
@@ -41,7 +37,8 @@ void run_report(ReportArguments options, const Globals& globals) {
   refuse_same({options.numbers, options.page},
               {options.input.verify, options.input.battery, options.input.compared, options.input.run});
   check_writable(options.numbers);
-  if (!options.numbers_only) check_writable(options.page);
+  const std::string missing = report::missing_for_page();
+  if (missing.empty()) check_writable(options.page);
   pipeline::find_pairs(p);
   check_baked(p);
   pipeline::write_manifest(p);
@@ -50,7 +47,9 @@ void run_report(ReportArguments options, const Globals& globals) {
   const nlohmann::ordered_json numbers = report::make_report(options.input, p, response, globals);
   write_report(options.numbers, numbers);
   std::string html;
-  if (!options.numbers_only) {
+  if (!missing.empty()) {
+    warn("there is no page, only its numbers: this program was built without it: " + missing);
+  } else {
     const auto bytes = [](const ResponseInput& file) {
       return std::span(reinterpret_cast<const std::byte*>(file.view().bytes), file.view().size);
     };
@@ -65,11 +64,11 @@ void run_report(ReportArguments options, const Globals& globals) {
   }
   if (globals.json) {
     nlohmann::ordered_json result{{"numbers", options.numbers}};
-    if (!options.numbers_only) result.update({{"page", options.page}, {"page_bytes", html.size()}});
+    if (missing.empty()) result.update({{"page", options.page}, {"page_bytes", html.size()}});
     return print_json(result);
   }
   print(options.numbers + "\n" +
-        (options.numbers_only ? "" : options.page + ", " + std::to_string(html.size()) + " bytes\n"));
+        (html.empty() ? "" : options.page + ", " + std::to_string(html.size()) + " bytes\n"));
 }
 
 }  // namespace
@@ -90,7 +89,6 @@ void add_report(CLI::App& app, Globals& globals) {
       .check(whole_in(1, 10000))
       .shows_default();
   command.flag("--quick", options->quick, "Without other response laws, tolerances and costs of features");
-  command.flag("--numbers-only", options->numbers_only, "Write the JSON, no page");
   command.option("--page", options->page, "HTML file (default: NAME.report.html beside the response file)");
   command.option("--numbers", options->numbers, "JSON file (default: NAME.report.json beside the response file)");
   command.option("--work", options->work, "Work folder (default: NAME.work beside the scene)");

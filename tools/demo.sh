@@ -17,8 +17,7 @@ palpate=$palpate_root/build/release/bin/palpate
 "$palpate" build "$folder/scene.toml"
 "$palpate" verify "$folder/scene.toml" --count 10 --report "$folder/verify.json"
 "$palpate" play "$folder/scene.palp" "$folder/motion.csv" --out "$folder/forces.csv" --plot "$folder/forces.svg"
-"$palpate" report "$folder/scene.toml" --verify "$folder/verify.json" --run "$folder/motion.csv" ||
-  "$palpate" report "$folder/scene.toml" --verify "$folder/verify.json" --run "$folder/motion.csv" --numbers-only
+"$palpate" report "$folder/scene.toml" --verify "$folder/verify.json" --run "$folder/motion.csv"
 
 cat <<END
 

@@ -71,10 +71,7 @@ std::string missing_for_page() { return std::string(page_template().missing); }
 
 std::string page(const nlohmann::ordered_json& numbers, const std::vector<std::span<const std::byte>>& responses) {
   const PageTemplate from = page_template();
-  if (!from.missing.empty()) {
-    throw Error(ExitCode::usage, "this program was built without the report's page: " + std::string(from.missing) +
-                                     "; --numbers-only writes the JSON alone");
-  }
+  if (!from.missing.empty()) throw Error(ExitCode::usage, "there is no page: " + std::string(from.missing));
   const std::string json = numbers.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
   std::string data = data_block("palpate-numbers", packed(reinterpret_cast<const unsigned char*>(json.data()), json.size()));
   for (std::size_t k = 0; k < responses.size(); ++k) {

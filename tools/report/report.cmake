@@ -2,7 +2,6 @@
 # The report and its page. The page needs node, npm and a clang for wasm32; without them everything else builds, and
 # `palpate report` says what is missing.
 option(PALPATE_REPORT_PAGE "Bundle the page of palpate report (node, npm, clang for wasm32)" ON)
-find_package(ZLIB REQUIRED)
 
 set(page_source ${CMAKE_CURRENT_LIST_DIR})
 set(page_build ${CMAKE_CURRENT_BINARY_DIR}/report)

@@ -107,11 +107,20 @@ function toggles(view) {
 async function main() {
   const numbers = JSON.parse(new TextDecoder().decode(await unpack("palpate-numbers")));
   const page = (globalThis.palpateReport = { numbers });
-  element("tiles").replaceChildren(...sections.tiles(numbers));
-  element("error-time-body").replaceChildren(...sections.errorTime(numbers));
-  element("stability-body").replaceChildren(...sections.stability(numbers));
-  element("left-out-body").replaceChildren(...sections.leftOut(numbers));
-  element("provenance-body").replaceChildren(...sections.provenance(numbers));
+  numbers.curves ??= { pairs: [] };
+  numbers.held_out ??= { places: [] };
+  if (numbers.error_time) element("tiles").replaceChildren(...sections.tiles(numbers));
+  else element("tiles").hidden = true;
+  const parts = { "error-time": ["error_time", sections.errorTime], stability: ["stability", sections.stability], "left-out": ["left_out", sections.leftOut], provenance: ["provenance", sections.provenance] };
+  for (const [id, [name, build]] of Object.entries(parts)) {
+    if (numbers[name]) {
+      element(id + "-body").replaceChildren(...build(numbers));
+      continue;
+    }
+    // The page of a response file alone has no bake.
+    element(id).remove();
+    document.querySelector(`.contents a[href="#${id}"]`).remove();
+  }
   for (const place of document.querySelectorAll("[data-source]")) {
     place.append("Made by ", make("code", {}, numbers[place.dataset.source].command));
   }

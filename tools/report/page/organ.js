@@ -110,7 +110,7 @@ function surfaceMaterial() {
         vec3 tint = vTint;
         float stripe = step(0.5, fract((gl_FragCoord.x + gl_FragCoord.y) / 9.0));
         tint = mix(tint, mix(vec3(0.62), vec3(0.52), stripe), clamp(vSupport * 1.3, 0.0, 0.85));
-        vec3 c = tint * (0.42 + 0.55 * key + 0.16 * fill) + 0.10 * gloss + mix(-0.10, 0.16, dark) * rim;
+        vec3 c = tint * (0.5 + 0.48 * key + 0.16 * fill) + 0.10 * gloss + mix(-0.10, 0.16, dark) * rim;
         gl_FragColor = vec4(c, opacity);
       }`,
     transparent: true,
