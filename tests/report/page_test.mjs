@@ -2,32 +2,16 @@
 // The page in headless Chromium with software rendering.
 import assert from "node:assert/strict";
 import { statSync } from "node:fs";
-import { createRequire } from "node:module";
-import path from "node:path";
 import test, { after, before } from "node:test";
-import { at, chromium, json, pageBuild, played, pressDragLift } from "./folder.mjs";
+import { needChromium, openBrowser, openPage } from "./browser.mjs";
+import { at, json, played, pressDragLift } from "./folder.mjs";
 
-if (!chromium) {
-  console.log("skipped: no chromium");
-  process.exit(0);
-}
-const puppeteer = createRequire(path.join(pageBuild, "package.json"))("puppeteer-core");
+needChromium();
 const report = json("scene.report.json");
-let browser, page;
-const problems = [], requests = [];
-
+let browser, page, problems, requests;
 before(async () => {
-  browser = await puppeteer.launch({
-    executablePath: chromium,
-    args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"],
-  });
-  page = await browser.newPage();
-  page.on("console", (message) => ["error", "warn"].includes(message.type()) && problems.push(message.text()));
-  page.on("pageerror", (error) => problems.push(error.message));
-  page.on("request", (request) => /^(file|blob|data):/.test(request.url()) || requests.push(request.url()));
-  await page.setViewport({ width: 1100, height: 800 });
-  await page.goto("file://" + at("scene.report.html"));
-  await page.waitForFunction("globalThis.palpateReport?.ready", { timeout: 30000 });
+  ({ browser, page, problems, requests } = await openBrowser());
+  await openPage(page, "file://" + at("scene.report.html"));
 });
 after(() => browser?.close());
 
