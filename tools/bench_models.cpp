@@ -30,6 +30,7 @@ struct Row {
   fit::HeldOutFigures error;
   std::optional<ErrorFigures> paths;
   double stick = 0;  // ns
+  double force = 0;  // ns, of the force at one place alone
   std::optional<double> slide;
 };
 
@@ -55,6 +56,7 @@ Row measure_potential(const pipeline::Pipeline& p, const JournalContent& journal
           fit::held_out_figures(accepted_pairs(journal), scales),
           file.fitted.report.paths,
           bench.press.quantile(0.5),
+          bench.field.quantile(0.5),
           bench.slide.quantile(0.5)};
 }
 
@@ -97,7 +99,7 @@ Row measure_baseline(const std::string& name, double bytes, const JournalContent
   row.bytes = bytes;
   row.error = fit::held_out_figures(pairs, fitter);
   row.paths = path_figures(pairs, fitter);
-  row.stick = evaluation_time(fitter(*pairs.at(0)), scales);
+  row.stick = row.force = evaluation_time(fitter(*pairs.at(0)), scales);
   return row;
 }
 
@@ -132,7 +134,8 @@ Json as_json(const Row& row) {
   Json json{{"model", row.model},
             {"bytes_per_response", row.bytes},
             {"error", figures(row.error.samples, row.error.median, row.error.p95, row.error.worst)},
-            {"tick_ns", row.stick}};
+            {"tick_ns", row.stick},
+            {"force_ns", row.force}};
   if (row.paths) json["error_paths"] = figures(row.paths->samples, row.paths->median, row.paths->p95, row.paths->worst);
   if (row.slide) json["slide_ns"] = *row.slide;
   return json;

@@ -16,7 +16,8 @@ struct ModelBenchCommand {
   int contacts = 40;  ///< that are timed
 };
 
-/// The rows of that table as JSON: {model, bytes_per_response, error, tick_ns, error_paths, slide_ns}. Empty for a
+/// The rows of that table as JSON: {model, bytes_per_response, error, tick_ns, force_ns, error_paths, slide_ns}, force_ns without
+/// the rest of a tick. Empty for a
 /// frictionless scene and where nothing was solved, because the laws are compared by tangential samples. Needs plan().
 nlohmann::ordered_json model_rows_json(const pipeline::Pipeline& pipeline, const JournalContent& journal, int contacts,
                                        const Globals& globals);

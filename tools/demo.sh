@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# From nothing to a force trace: installs what is missing, builds the command line, makes a small synthetic liver, bakes
-# and verifies it, plays a probing motion on it, and writes a
-# page to look at and poke.   tools/demo.sh [FOLDER]     (default: build/demo)
+# From nothing to a page: installs what is missing, builds the command line, makes a small synthetic liver, bakes and
+# verifies it, plays a probing motion on it, and reports.   tools/demo.sh [FOLDER]     (default: build/demo)
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 

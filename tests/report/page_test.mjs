@@ -39,7 +39,7 @@ test("plots hold the data of the numbers", async () => {
       assert.ok(holds("error-bytes_per_response-files", file.bytes_per_response, 100 * file.error[part]), `${file.label} ${part}`);
     }
   }
-  for (const law of report.error_time.laws) assert.ok(holds("error-tick_ns-laws", law.tick_ns, 100 * law.error.p95), law.model);
+  for (const law of report.error_time.laws) assert.ok(holds("error-force_ns-laws", law.force_ns, 100 * law.error.p95), law.model);
 });
 
 test("tables print the numbers", async () => {

@@ -27,7 +27,7 @@ struct CostInput {
   bool laws = true;                      ///< other response laws are fitted, too
 };
 
-/// {noticeable, laws: [{model, bytes_per_response, tick_ns, error, error_paths}], solve: {ns, error},
+/// {noticeable, laws: [{model, bytes_per_response, tick_ns, force_ns, error, error_paths}], solve: {ns, error},
 ///  files: [{label, chosen, tolerance, spacing_m, coefficient_bits, degrees, coefficients, bytes,
 ///           bytes_per_response, tick_ns, bake_hours,
 ///           error, error_sideways}]}

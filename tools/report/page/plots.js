@@ -22,15 +22,41 @@ export function framed(title, text, plot, name) {
   return make("div", { class: "plot", "data-plot": name }, make("h3", {}, title), make("p", {}, text, " ", save), plot);
 }
 
+/** Nanoseconds as ns, µs, ms or s. */
+function time(ns) {
+  const [unit, size] = [["s", 1e9], ["ms", 1e6], ["µs", 1e3]].find(([, size]) => ns >= size) ?? ["ns", 1];
+  return `${number(ns / size)} ${unit}`;
+}
+
+/** 1, 2 and 5 times powers of ten; powers alone where there are many. */
+function ticks(values) {
+  const [low, high] = [Math.floor(Math.log10(Math.min(...values))), Math.ceil(Math.log10(Math.max(...values)))];
+  const steps = high - low <= 2 ? [1, 2, 5] : [1];
+  const every = Math.max(1, Math.ceil((high - low) / 5));
+  const list = [];
+  for (let k = low; k <= high; k += every) for (const step of steps) list.push(step * 10 ** k);
+  return list;
+}
+
+/** Rows whose labels do not cover another's, the chosen one first. */
+function labelled(rows, x, y) {
+  const kept = [];
+  for (const row of [...rows].sort((a, b) => b.chosen - a.chosen)) {
+    const near = (a, b, factor) => Math.abs(Math.log(a / b)) < Math.log(factor);
+    if (!kept.some((other) => near(row[x], other[x], 1.8) && near(y(row), y(other), 1.25))) kept.push(row);
+  }
+  return kept;
+}
+
 /** Error (median, 95th percentile and worst as one bar) of rows against one of their costs. */
-function pareto(rows, { x, label, unit = "", noticeable, width = 380 }) {
+function pareto(rows, { x, label, unit = "", noticeable, width = 380, format = number }) {
   const shown = rows.filter((row) => Number.isFinite(row[x]) && row[x] > 0 && row.error?.count > 0);
   const value = (row, part) => Math.max(100 * row.error[part], 1e-2);
   const title = (row) =>
     `${row.label}\n${number(row[x])} ${unit}\nmedian ${percent(row.error.median)}\n95th percentile ${percent(row.error.p95)}\nworst ${percent(row.error.worst)}`;
   return Plot.plot({
     style, width, height: 290, marginLeft: 52, marginBottom: 42, marginRight: 24,
-    x: { type: "log", label: `${label} →`, labelAnchor: "right", nice: true, ticks: 5, tickFormat: (v) => number(v), grid: true, insetLeft: 14, insetRight: 34 },
+    x: { type: "log", label: `${label} →`, labelAnchor: "right", nice: true, ticks: ticks(shown.map((r) => r[x])), tickFormat: (v) => format(v), grid: true, insetLeft: 14, insetRight: 34 },
     y: { type: "log", label: "↑ force error, %", nice: true, ticks: 5, tickFormat: (v) => number(v), grid: true },
     marks: [
       Plot.ruleY([100 * noticeable], { stroke: "currentColor", strokeDasharray: "2 3", strokeOpacity: 0.7 }),
@@ -41,7 +67,7 @@ function pareto(rows, { x, label, unit = "", noticeable, width = 380 }) {
       Plot.dot(shown.filter((r) => !r.chosen), { x, y: (r) => value(r, "p95"), r: 4.5, fill: (r) => KINDS[r.kind] }),
       Plot.dot(shown.filter((r) => r.chosen), { x, y: (r) => value(r, "p95"), r: 7, fill: (r) => KINDS[r.kind], symbol: "star" }),
       Plot.tip(shown, Plot.pointer({ x, y: (r) => value(r, "p95"), title, fill: "var(--sheet)" })),
-      Plot.text(shown, { x, y: (r) => value(r, "p95"), text: "short", dx: 9, textAnchor: "start", fontSize: 10.5, fill: "currentColor" }),
+      Plot.text(labelled(shown, x, (r) => value(r, "p95")), { x, y: (r) => value(r, "p95"), text: "short", dx: 9, textAnchor: "start", fontSize: 10.5, fill: "currentColor" }),
     ],
   });
 }
@@ -54,7 +80,7 @@ export function lawRows(errorTime) {
     ...law, kind: "law", chosen: law.model === "quadratic potential", label: law.model, short: LAW_NAMES[law.model] ?? law.model,
   }));
   if (errorTime.solve && rows.length) {
-    rows.push({ label: "plain solve (its own estimated error)", short: "plain solve", kind: "solve", chosen: false, tick_ns: errorTime.solve.ns, error: errorTime.solve.error });
+    rows.push({ label: "plain solve (its own estimated error)", short: "plain solve", kind: "solve", chosen: false, force_ns: errorTime.solve.ns, error: errorTime.solve.error });
   }
   return rows;
 }
@@ -65,14 +91,14 @@ export function errorTimePlots(errorTime) {
   const { noticeable } = errorTime;
   const laws = lawRows(errorTime), files = fileRows(errorTime);
   const plots = [];
-  const add = (rows, x, label, unit, title, text) => {
+  const add = (rows, x, label, unit, title, text, format) => {
     if (rows.filter((r) => Number.isFinite(r[x]) && r.error?.count > 0).length < 1) return;
-    plots.push(framed(title, text, pareto(rows, { x, label, unit, noticeable }), `error-${x}-${rows[0].kind === "law" ? "laws" : "files"}`));
+    plots.push(framed(title, text, pareto(rows, { x, label, unit, noticeable, format }), `error-${x}-${rows[0].kind === "law" ? "laws" : "files"}`));
   };
   const bars = "Ring: median. Dot: 95th percentile. Cross: worst.";
-  add(laws, "tick_ns", "time of one force, ns", "ns", "Response laws, by time", `Samples left out of each site's fit. ${bars}`);
+  add(laws, "force_ns", "time of one force", "ns", "Response laws, by time", `Samples left out of each site's fit. ${bars} The runtime blends sites once a contact; the others are evaluated at three.`, time);
   add(laws, "bytes_per_response", "bytes of a response", "bytes", "Response laws, by memory", `The same errors. ★ is the law of the runtime.`);
-  add(files, "tick_ns", "time of a tick, ns", "ns", "Whole files, by time", `Held-out contacts between the sites. ${bars}`);
+  add(files, "tick_ns", "time of a tick", "ns", "Whole files, by time", `Held-out contacts between the sites. ${bars}`, time);
   add(files, "bytes_per_response", "bytes of a response", "bytes", "Whole files, by memory", "The same samples fitted to other tolerances: each chooses degrees and coefficient widths. ★ is this file.");
   if (new Set(files.map((f) => f.bake_hours)).size > 1) {
     add(files, "bake_seconds", "time of the bake, s", "s", "Whole files, by bake", "Other site spacings of the same organ, at the same held-out contacts.");

@@ -37,13 +37,14 @@ export function errorTime(numbers) {
     ["median", (r) => percent(r.error?.median), true],
     ["95th", (r) => percent(r.error?.p95), true],
     ["worst", (r) => percent(r.error?.worst), true],
-    ["ns", (r) => number(r.tick_ns), true],
+    ["ns of a force", (r) => number(r.force_ns), true],
+    ["ns of a tick", (r) => number(r.tick_ns), true],
     ["bytes a response", (r) => number(r.bytes_per_response), true],
   ];
   const laws = lawRows(cost);
-  if (laws.length) parts.push(make("h3", {}, "Response laws at the samples left out"), table(laws, row, (r) => (r.chosen ? "chosen" : null)));
+  if (laws.length) parts.push(make("h3", {}, "Response laws at the samples left out"), table(laws, row.filter(([title]) => title !== "ns of a tick"), (r) => (r.chosen ? "chosen" : null)));
   parts.push(make("h3", {}, "Files at the held-out contacts"), table(fileRows(cost), [
-    ...row,
+    ...row.filter(([title]) => title !== "ns of a force"),
     ["bits", (r) => String(r.coefficient_bits), true],
     ["degrees F, g, K, mu", (r) => r.degrees.join(", ")],
     ["spacing", (r) => mm(r.spacing_m), true],
