@@ -59,6 +59,30 @@ std::vector<double> neighbour_errors(const runtime::View& view, const std::vecto
   return errors;
 }
 
+/// Tangential pushes along one direction at each depth: the first that was solved.
+Json sideways_rays(const std::vector<Sample>& samples) {
+  constexpr double kSame = 1e-6;  // of the depth, and of a unit direction
+  Json rays = Json::array();
+  double depth = -1;
+  Eigen::Vector2d direction(0, 0);
+  for (const Sample& s : samples) {
+    if (s.kind != SampleKind::tangential) continue;
+    const Eigen::Vector2d aside = s.deflection.head<2>();
+    const double z = s.deflection.z(), way = aside.norm();
+    if (!(way > 0)) continue;
+    if (std::abs(z - depth) > kSame * z) {
+      depth = z;
+      direction = aside / way;
+      rays.push_back({{"depth_m", rounded(z)},
+                      {"direction", {rounded(direction.x()), rounded(direction.y())}},
+                      {"push_m_N", Json::array()}});
+    }
+    if ((aside / way - direction).norm() > kSame) continue;
+    rays.back()["push_m_N"].push_back({rounded(way), rounded(-s.force.head<2>().dot(direction))});
+  }
+  return rays;
+}
+
 }  // namespace
 
 Json organ_of_file(const runtime::View& view) {
@@ -150,15 +174,11 @@ Json solved_curves(const pipeline::Pipeline& p, const JournalContent& journal) {
       json["refused"] = content.outcome->cause;
     } else {
       json["normal_m_N"] = Json::array();
-      json["sideways_m_N"] = Json::array();
-      for (const Sample& s : content.samples) {
-        if (s.kind == SampleKind::normal) {
-          json["normal_m_N"].push_back({rounded(s.deflection.z()), rounded(s.force.z())});
-        } else if (s.kind == SampleKind::tangential) {
-          json["sideways_m_N"].push_back({rounded(s.deflection.x()), rounded(s.deflection.y()), rounded(s.deflection.z()),
-                                          rounded(s.force.x()), rounded(s.force.y())});
-        }
+      for (const Sample& sample : content.samples) {
+        if (sample.kind != SampleKind::normal) continue;
+        json["normal_m_N"].push_back({rounded(sample.deflection.z()), rounded(sample.force.z())});
       }
+      json["sideways"] = sideways_rays(content.samples);
     }
     pairs.push_back(json);
   }

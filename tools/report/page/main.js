@@ -145,6 +145,8 @@ async function main() {
     const other = await Palp.open(wasm, fromPlanes(await unpack("palpate-response-1")));
     views.push(new OrganView(element("canvas-compared"), other, numbers.compared));
     views[1].takeTool(0);
+    element("names").hidden = false;
+    element("names").replaceChildren(make("span", {}, numbers.title), make("span", {}, numbers.compared.file));
   }
   const depth = element("depth");
   const depthText = () => (element("depth-text").textContent = mm(depth.value * numbers.organ.depth_scale_m, 2));

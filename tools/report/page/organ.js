@@ -6,8 +6,10 @@ import {
   Raycaster, Scene, ShaderMaterial, SphereGeometry, CapsuleGeometry, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { acceleratedRaycast, MeshBVH } from "three-mesh-bvh";
 import { NEUTRAL, parse, sequential } from "./colour.js";
 
+const FIELD = 32; // degrees, vertical angle of view
 const MOST_TRIANGLES = 20000; // that are split into four
 const SLOW = 34, FAST = 14; // ms between frames, beyond which the resolution of moving pictures falls or rises
 const STILL = 250; // ms without a change, after which the picture is drawn finely
@@ -171,7 +173,7 @@ export class OrganView {
     this.organ = organ;
     this.renderer = new WebGLRenderer({ canvas, alpha: true, preserveDrawingBuffer: true });
     this.scene = new Scene();
-    this.camera = new PerspectiveCamera(32, 1, 0.001, 10);
+    this.camera = new PerspectiveCamera(FIELD, 1, 0.001, 10);
     this.caster = new Raycaster();
     this.frames = 0;
     this.moving = { ratio: 1, interval: 20, last: -Infinity, going: false };
@@ -182,6 +184,9 @@ export class OrganView {
     };
     this.coarse = coarse;
     this.pickable = new Mesh(this.#geometry(coarse), new MeshBasicMaterial());
+    this.pickable.raycast = acceleratedRaycast;
+    this.pickable.geometry.boundsTree = new MeshBVH(this.pickable.geometry);
+    this.caster.firstHitOnly = true;
     const fine = coarse.index.length / 3 * 4 <= MOST_TRIANGLES ? subdivide(coarse) : coarse;
     this.fine = fine;
     this.geometry = this.#geometry(fine);
@@ -279,6 +284,8 @@ export class OrganView {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     if (!width || !height) return;
     this.camera.aspect = width / height;
+    // A narrow picture still has the whole width of the organ.
+    this.camera.fov = (360 / Math.PI) * Math.atan(Math.tan((FIELD * Math.PI) / 360) * Math.max(1, 1.2 / this.camera.aspect));
     this.camera.updateProjectionMatrix();
     this.invalidate();
   }

@@ -145,22 +145,15 @@ export function siteCurves(palp, organ, pairs, site, toolVertex) {
       ],
     }),
   ];
-  const sideways = pair?.sideways_m_N ?? [];
-  if (sideways.length) {
-    // The first direction of each depth: its deflections lie on one ray.
-    const groups = Map.groupBy ? Map.groupBy(sideways, (s) => s[2]) : new Map([[sideways[0][2], sideways]]);
+  const rays = (pair?.sideways ?? []).filter((ray) => ray.push_m_N.length);
+  if (rays.length) {
     const lines = [], dots = [];
-    for (const [z, all] of groups) {
-      const [x0, y0] = all[0];
-      const length = Math.hypot(x0, y0);
-      if (!(length > 0)) continue;
-      const direction = [x0 / length, y0 / length];
-      const along = all.filter(([x, y]) => Math.abs(x * direction[1] - y * direction[0]) < 1e-6 && x * direction[0] + y * direction[1] > 0);
-      const far = Math.max(...along.map(([x, y]) => Math.hypot(x, y)));
-      const at = Float32Array.from({ length: 12 }, (_, k) => (far * k) / 11);
+    for (const { depth_m: z, direction, push_m_N: pushes } of rays) {
       const name = `${number(1e3 * z, 2)} mm deep`;
+      const far = Math.max(...pushes.map(([way]) => way));
+      const at = Float32Array.from({ length: 12 }, (_, k) => (far * k) / 11);
       [...palp.sidewaysForces(site, toolVertex, z, direction, at)].forEach((force, k) => lines.push({ name, e: 1e3 * at[k], force: -force }));
-      along.forEach(([x, y, , fx, fy]) => dots.push({ name, e: 1e3 * Math.hypot(x, y), force: -(fx * direction[0] + fy * direction[1]) }));
+      pushes.forEach(([way, force]) => dots.push({ name, e: 1e3 * way, force }));
     }
     charts.push(Plot.plot({
       ...small,
