@@ -74,5 +74,5 @@ else()
 endif()
 set_source_files_properties(${template} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)
 
-set(report_files cost left_out organ page page_template provenance report run stability)
+set(report_files cost files left_out organ page page_template provenance report run stability)
 list(TRANSFORM report_files REPLACE "(.+)" "report/\\1.cpp")

@@ -310,6 +310,7 @@ export class OrganView {
     if (this.tool) this.scene.remove(this.tool);
     this.tool = toolMesh(this.organ.tools[index], this.size);
     this.tool.visible = false;
+    this.shown = null;
     this.scene.add(this.tool);
     this.material.uniforms.dentRadius.value = Math.max(this.organ.tools[index].probe_radius_m || this.organ.tools[index].radius_m, 1e-4);
     this.invalidate();
@@ -317,6 +318,10 @@ export class OrganView {
 
   /** The tool at a pose [x, y, z, w, x, y, z] with a tick of it; null: no tool. */
   show(pose, tick, newtonsPerRadius) {
+    // A tool that rests leaves the picture as it is.
+    const shown = pose ? [...pose, tick?.depth ?? 0, ...(tick?.force ?? [])] : null;
+    if (shown && this.shown?.every((x, k) => Math.abs(x - shown[k]) < 1e-7)) return;
+    this.shown = shown;
     this.tool.visible = Boolean(pose);
     const touching = pose && tick && (tick.state === 1 || tick.state === 2);
     if (pose) {

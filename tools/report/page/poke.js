@@ -143,7 +143,7 @@ export class Poke {
     const normal = tick.force.reduce((sum, f, k) => sum + f * tick.normal[k], 0);
     const across = Math.sqrt(Math.max(0, force ** 2 - normal ** 2));
     const state = STATES[tick.state];
-    const limit = Number.isFinite(tick.frictionLimit) && tick.frictionLimit > 0 ? `, ${Math.round((100 * across) / tick.frictionLimit)} % of the friction limit` : "";
+    const limit = Number.isFinite(tick.frictionLimit) && tick.frictionLimit > 0 ? `, friction limit ${number(tick.frictionLimit, 2)} N` : "";
     const warn = tick.extrapolated ? "deeper than was sampled" : tick.filledShare > 0.5 ? "filled from neighbours" : "";
     readout.innerHTML = `<b>${number(force)} N</b><span class="state-${state}">${state}</span>, ${number(1e3 * tick.depth)} mm deep<br>tangential ${number(across, 2)} N${limit}<br>${warn}`;
   }
