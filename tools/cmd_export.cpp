@@ -169,16 +169,23 @@ void run_export(const ExportArguments& options, const Globals& globals) {
 
 void add_export(CLI::App& app, Globals& globals) {
   auto options = std::make_shared<ExportArguments>();
-  Command command(app, "export",
-                  "Writes a response file's curves as CSV, its body with a field as GLB, .vtu or PNG, a solved contact");
+  Command command(
+      app, "export",
+      "Writes a response file's curves as CSV, its body with a field as GLB, .vtu or PNG, a solved contact");
   command.option("file", options->file, "Response file (.palp), or with --solved a scene").required();
   command.option("--curves", options->curves, "CSV: force and friction limit of every response along pushes");
   command.option("--glb", options->glb, "GLB: the body, coloured, with the fields as vertex attributes");
   command.option("--vtu", options->vtu, "VTK unstructured grid: the body with the fields as point data");
   command.option("--png", options->png, "PNG: a picture of the body, coloured, drawn without a display");
   PictureOptions& picture = options->picture;
-  command.option("--width", picture.width, "Of the picture (pixels)").check(whole_in(64, 8192)).needs("--png").shows_default();
-  command.option("--height", picture.height, "Of the picture (pixels)").check(whole_in(64, 8192)).needs("--png").shows_default();
+  command.option("--width", picture.width, "Of the picture (pixels)")
+      .check(whole_in(64, 8192))
+      .needs("--png")
+      .shows_default();
+  command.option("--height", picture.height, "Of the picture (pixels)")
+      .check(whole_in(64, 8192))
+      .needs("--png")
+      .shows_default();
   command.option("--azimuth", picture.azimuth, "Of the camera about +z from +x (degrees)")
       .check(number_in(-360, 360))
       .needs("--png")

@@ -101,7 +101,8 @@ Json contents_of(const runtime::View& v, const std::string& file) {
   Json json{{"file", file}, {"bytes", v.size}, {"version", v.header().version}};
   json["features"] = Json::array();
   json["left_out"] = Json::array();
-  for (const FeatureName& f : feature_names()) json[(v.features & f.bit) != 0 ? "features" : "left_out"].push_back(f.name);
+  for (const FeatureName& f : feature_names())
+    json[(v.features & f.bit) != 0 ? "features" : "left_out"].push_back(f.name);
   json["sections"] = Json::array();
   for (std::uint32_t i = 0; i < v.header().section_count; ++i) {
     const layout::SectionEntry& e = v.sections()[i];
@@ -170,8 +171,7 @@ std::string as_text(const runtime::View& v, const Json& json) {
   append(text, "%d coefficients of %u bits; degrees: normal %u, bias %u, stiffness %u, friction %u\n",
          response::count(response::degrees(m)), m.coef_bits, m.normal_degree, m.bias_degree, m.stiffness_degree,
          m.friction_degree);
-  append(text, "depth scale %.4g mm, tangential scale %.4g mm\n", 1e3 * m.depth_scale,
-         1e3 * m.tangential_scale);
+  append(text, "depth scale %.4g mm, tangential scale %.4g mm\n", 1e3 * m.depth_scale, 1e3 * m.tangential_scale);
   for (std::uint32_t i = 0; i < m.tool_count; ++i) {
     const layout::ToolRecord& t = v.tools[i];
     const ToolPoints counted = count_points(v, t);

@@ -53,8 +53,8 @@ void run_view(const ViewArguments& options, const Globals& globals) {
   }
   report::PageServerOptions server;
   server.port = options.port;
-  server.page = report::page(
-      numbers, {std::span(reinterpret_cast<const std::byte*>(input.view().bytes), input.view().size)});
+  server.page =
+      report::page(numbers, {std::span(reinterpret_cast<const std::byte*>(input.view().bytes), input.view().size)});
   server.run = [&] {
     if (options.run.empty()) throw Error(ExitCode::usage, "palpate view was given no run");
     return report::played_run(options.run, input, options.tool).dump();

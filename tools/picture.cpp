@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/picture.hpp"
 
+#include <zlib.h>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -8,7 +9,6 @@
 #include <cstdlib>
 #include <limits>
 #include <numbers>
-#include <zlib.h>
 
 #include "formats/error.hpp"
 
@@ -42,9 +42,9 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kOver = 3;  ///< samples along each axis of a pixel
+constexpr int kOver = 3;                                ///< samples along each axis of a pixel
 constexpr double kField = 32 * std::numbers::pi / 180;  ///< rad, vertical angle of view
-constexpr double kInk = 0.13;  ///< grey of text
+constexpr double kInk = 0.13;                           ///< grey of text
 
 /// Linear light to sRGB (IEC 61966-2-1), both in [0, 1].
 double encoded(double linear) {
@@ -62,7 +62,9 @@ struct Canvas {
   std::vector<Vector3d> colours;
   std::vector<double> depths;
   Canvas(int w, int h)
-      : width(w), height(h), colours(std::size_t(w) * std::size_t(h), Vector3d::Ones()),
+      : width(w),
+        height(h),
+        colours(std::size_t(w) * std::size_t(h), Vector3d::Ones()),
         depths(colours.size(), std::numeric_limits<double>::infinity()) {}
   [[nodiscard]] std::size_t at(int x, int y) const { return std::size_t(y) * std::size_t(width) + std::size_t(x); }
   void fill(double x0, double y0, double x1, double y1, const Vector3d& colour) {
@@ -82,8 +84,8 @@ struct Projected {
 
 struct Camera {
   Vector3d right, up, back, eye;
-  double focus = 1;                ///< samples
-  Vector2d centre = {0, 0};        ///< samples, where the view's axis meets the canvas
+  double focus = 1;          ///< samples
+  Vector2d centre = {0, 0};  ///< samples, where the view's axis meets the canvas
   [[nodiscard]] Projected project(const Vector3d& p) const {
     const Vector3d d = p - eye;
     const double depth = -d.dot(back);
@@ -163,11 +165,12 @@ void draw_text(Canvas& canvas, double x, double y, double size, std::string text
     unsigned char colour[4];
   };
   std::vector<Corner> corners(4 * 60 * (text.size() + 1));
-  const int quads = stb_easy_font_print(0, 0, text.data(), nullptr, corners.data(), int(corners.size() * sizeof(Corner)));
+  const int quads =
+      stb_easy_font_print(0, 0, text.data(), nullptr, corners.data(), int(corners.size() * sizeof(Corner)));
   for (int q = 0; q < quads; ++q) {
     const Corner &low = corners[std::size_t(4 * q)], &high = corners[std::size_t(4 * q + 2)];
-    canvas.fill(x + size * double{low.x}, y + size * double{low.y}, x + size * double{high.x}, y + size * double{high.y},
-                Vector3d::Constant(kInk));
+    canvas.fill(x + size * double{low.x}, y + size * double{low.y}, x + size * double{high.x},
+                y + size * double{high.y}, Vector3d::Constant(kInk));
   }
 }
 double text_width(std::string text, double size) { return size * stb_easy_font_width(text.data()); }
@@ -189,7 +192,8 @@ void draw_bar(Canvas& canvas, const SurfaceField& field, double low, double high
 
 std::optional<std::string> PictureOptions::validate() const {
   if (width < 64 || width > 8192 || height < 64 || height > 8192) {
-    return "a picture of " + std::to_string(width) + " x " + std::to_string(height) + " pixels; allowed: 64 to 8192 each";
+    return "a picture of " + std::to_string(width) + " x " + std::to_string(height) +
+           " pixels; allowed: 64 to 8192 each";
   }
   if (!std::isfinite(azimuth) || !(std::abs(elevation) <= 90)) return "elevation is outside [-90, 90] degrees";
   return {};
@@ -218,7 +222,8 @@ Picture draw_surface(const SurfaceFields& surface, const std::string& shown, con
   for (int y = 0; y < options.height; ++y) {
     for (int x = 0; x < options.width; ++x) {
       Vector3d sum = Vector3d::Zero();
-      for (int k = 0; k < kOver * kOver; ++k) sum += canvas.colours[canvas.at(kOver * x + k % kOver, kOver * y + k / kOver)];
+      for (int k = 0; k < kOver * kOver; ++k)
+        sum += canvas.colours[canvas.at(kOver * x + k % kOver, kOver * y + k / kOver)];
       for (const double c : sum / (kOver * kOver)) {
         picture.rgb.push_back(static_cast<std::uint8_t>(std::lround(255 * std::clamp(c, 0.0, 1.0))));
       }
@@ -232,7 +237,8 @@ std::string png_bytes(const Picture& picture) {
   const auto append = [](void* to, void* data, int size) {
     static_cast<std::string*>(to)->append(static_cast<const char*>(data), std::size_t(size));
   };
-  if (stbi_write_png_to_func(append, &bytes, picture.width, picture.height, 3, picture.rgb.data(), 3 * picture.width) == 0) {
+  if (stbi_write_png_to_func(append, &bytes, picture.width, picture.height, 3, picture.rgb.data(), 3 * picture.width) ==
+      0) {
     throw Error(ExitCode::io, "the picture cannot be written as PNG");
   }
   return bytes;

@@ -13,8 +13,8 @@ namespace palpate::cli {
 
 struct PictureOptions {
   int width = 960, height = 640;  ///< pixels, [64, 8192]
-  double azimuth = -59;            ///< degrees, of the camera about +z from +x, any
-  double elevation = 30;           ///< degrees, of the camera above the xy plane, [-90, 90]
+  double azimuth = -59;           ///< degrees, of the camera about +z from +x, any
+  double elevation = 30;          ///< degrees, of the camera above the xy plane, [-90, 90]
   std::optional<std::string> validate() const;
 };
 

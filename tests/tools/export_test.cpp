@@ -73,8 +73,8 @@ double number(const std::map<std::string, std::string>& row, const char* name) {
 double polynomial(const Response& r, int begin, int stride, int first, int degree, double s, double unit) {
   double sum = 0;
   for (int k = first; k <= degree; ++k) {
-    sum += unit * r.coefficients[static_cast<std::size_t>(begin + stride * (k - first))] * response::binomial(degree, k) *
-           std::pow(s, k) * std::pow(1 - s, degree - k);
+    sum += unit * r.coefficients[static_cast<std::size_t>(begin + stride * (k - first))] *
+           response::binomial(degree, k) * std::pow(s, k) * std::pow(1 - s, degree - k);
   }
   return sum;
 }
@@ -130,7 +130,9 @@ TEST_F(Export, CurvesAreTheFilesCoefficients) {
 struct Pixels {
   int width = 0, height = 0;
   std::vector<unsigned char> rgb;
-  [[nodiscard]] const unsigned char* at(int x, int y) const { return &rgb[3 * (std::size_t(y) * std::size_t(width) + std::size_t(x))]; }
+  [[nodiscard]] const unsigned char* at(int x, int y) const {
+    return &rgb[3 * (std::size_t(y) * std::size_t(width) + std::size_t(x))];
+  }
 };
 
 Pixels read_png(const std::string& bytes) {
@@ -145,15 +147,16 @@ Pixels read_png(const std::string& bytes) {
   }
   pixels.width = image.width;
   pixels.height = image.height;
-  for (std::size_t k = 0; k < image.image.size(); k += 4) pixels.rgb.insert(pixels.rgb.end(), &image.image[k], &image.image[k] + 3);
+  for (std::size_t k = 0; k < image.image.size(); k += 4)
+    pixels.rgb.insert(pixels.rgb.end(), &image.image[k], &image.image[k] + 3);
   return pixels;
 }
 
 // Seen from above: the box's square top fills the picture's middle, its corners lie level.
 TEST_F(Export, PictureShowsTheBodyFromTheCamera) {
   use(box_content({}));
-  const std::vector<std::string> arguments{"export", "box.palp", "--png", "top.png", "--width", "300", "--height", "240",
-                                           "--elevation", "90", "--azimuth", "-90"};
+  const std::vector<std::string> arguments{"export",   "box.palp", "--png",       "top.png", "--width",   "300",
+                                           "--height", "240",      "--elevation", "90",      "--azimuth", "-90"};
   const RunResult result = run(arguments);
   ASSERT_EQ(result.exit_code, 0) << result.error;
   const std::string bytes = file_content(folder() / "top.png");
@@ -277,8 +280,9 @@ TEST_F(Export, BodyIsTheContactSurfaceWithTheRuntimesForces) {
   runtime::ToolPoint second;  // the rod's second vertex begins its second segment
   second.patch = 2;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const runtime::Location found = closest_point(view_, {static_cast<double>(points[i][0]), static_cast<double>(points[i][1]),
-                                                   static_cast<double>(points[i][2])});
+    const runtime::Location found = closest_point(
+        view_,
+        {static_cast<double>(points[i][0]), static_cast<double>(points[i][1]), static_cast<double>(points[i][2])});
     ASSERT_LT(std::abs(found.signed_distance), 1e-9);
     runtime::BlendedResponse<> response;
     response.blend(view_, 1, found.at, second, {1, 0, 0}, nullptr);
@@ -361,7 +365,8 @@ TEST_F(Export, BadInputsEndWithTheirCodeAndCause) {
     arguments.insert(arguments.end(), bad.arguments.begin(), bad.arguments.end());
     SCOPED_TRACE(testing::PrintToString(arguments));
     expect_failure(run(arguments), bad.code, bad.cause);
-    for (const char* file : {"c.csv", "b.glb", "b.vtu", "b.png"}) EXPECT_FALSE(std::filesystem::exists(folder() / file));
+    for (const char* file : {"c.csv", "b.glb", "b.vtu", "b.png"})
+      EXPECT_FALSE(std::filesystem::exists(folder() / file));
   }
   expect_failure(run({"export", "box.palp", "--curves", "c.csv"}, {.output = "/dev/full"}), 4, {"standard output"});
 }

@@ -63,7 +63,10 @@ void add_tolerances(Json& files, const CostInput& input, const cli::Globals& glo
     const pipeline::FittedFile file = pipeline::fit_file(p, input.journal, settings);
     const runtime::OpenResult opened = runtime::View::open(file.bytes.data(), file.bytes.size());
     if (!opened || !seen.insert(form_of(*opened.view.meta)).second) continue;
-    Json row{{"label", "tolerance " + percent(tolerance)}, {"chosen", false}, {"kind", "tolerance"}, {"tolerance", tolerance}};
+    Json row{{"label", "tolerance " + percent(tolerance)},
+             {"chosen", false},
+             {"kind", "tolerance"},
+             {"tolerance", tolerance}};
     row.update(file_row(opened.view, input));
     row["spacing_m"] = p.scene.sampling.spacing;
     row["bake_hours"] = rounded(pipeline::bake_seconds(p) / 3600);
@@ -77,7 +80,11 @@ void add_beside(Json& files, const CostInput& input, const std::string& scene) {
   const cli::ResponseInput response(p.paths.response);
   char label[64];
   std::snprintf(label, sizeof label, "spacing %.3g mm", 1e3 * p.scene.sampling.spacing);
-  Json row{{"label", label}, {"chosen", false}, {"kind", "scene"}, {"scene", scene}, {"tolerance", p.scene.response.tolerance}};
+  Json row{{"label", label},
+           {"chosen", false},
+           {"kind", "scene"},
+           {"scene", scene},
+           {"tolerance", p.scene.response.tolerance}};
   row.update(file_row(response.view(), input));
   row["spacing_m"] = p.scene.sampling.spacing;
   row["bake_hours"] = rounded(pipeline::bake_seconds(p) / 3600);
@@ -97,10 +104,11 @@ Json solve_row(const CostInput& input) {
   if (equilibria == 0) return nullptr;
   return {{"equilibria", equilibria},
           {"ns", rounded(1e9 * pipeline::bake_seconds(input.pipeline) / static_cast<double>(equilibria))},
-          {"error", {{"count", errors.size()},
-                     {"median", rounded(quantile(errors, 0.5))},
-                     {"p95", rounded(quantile(errors, 0.95))},
-                     {"worst", rounded(quantile(errors, 1))}}}};
+          {"error",
+           {{"count", errors.size()},
+            {"median", rounded(quantile(errors, 0.5))},
+            {"p95", rounded(quantile(errors, 0.95))},
+            {"worst", rounded(quantile(errors, 1))}}}};
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ struct ReportFiles {
 };
 
 struct WrittenReport {
-  std::string numbers, page;   ///< names; no page where the program has none
+  std::string numbers, page;  ///< names; no page where the program has none
   std::size_t page_bytes = 0;
 };
 

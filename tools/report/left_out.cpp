@@ -23,7 +23,8 @@ double feature_bytes(const layout::Meta& m, layout::Feature feature) {
   constexpr std::uint32_t kUsualDegree = 3, kUsualBonded = fit::kGraspCoefs;
   layout::Meta with = m, without = m;
   if (feature == layout::feature_friction) {
-    if (!(m.tangential_scale > 0)) with.tangential_scale = 1, with.stiffness_degree = with.friction_degree = kUsualDegree;
+    if (!(m.tangential_scale > 0))
+      with.tangential_scale = 1, with.stiffness_degree = with.friction_degree = kUsualDegree;
     without.tangential_scale = 0;
   } else if (feature == layout::feature_tangential_bias) {
     if (m.bias_degree == 0) with.bias_degree = kUsualDegree;
@@ -154,20 +155,23 @@ Json hints(const CostInput& input, const Json& organ, const Json& cost) {
       if (e.is_number()) errors.push_back(e.get<double>());
     }
     if (errors.empty()) continue;
-    const auto share = double(std::count_if(errors.begin(), errors.end(), [](double e) { return 4 * e < kNoticeable; })) /
-                       double(errors.size());
-    list.push_back(sentence("Tool '%s': %.0f %% of the solved sites differ from their neighbours by less than a hand "
-                            "tells apart (%.0f %%).",
-                            tool["name"].get_ref<const std::string&>().c_str(), 100 * share, 100 * kNoticeable));
+    const auto share =
+        double(std::count_if(errors.begin(), errors.end(), [](double e) { return 4 * e < kNoticeable; })) /
+        double(errors.size());
+    list.push_back(
+        sentence("Tool '%s': %.0f %% of the solved sites differ from their neighbours by less than a hand "
+                 "tells apart (%.0f %%).",
+                 tool["name"].get_ref<const std::string&>().c_str(), 100 * share, 100 * kNoticeable));
   }
   if (measured > 0) {
     // The error between sites grows as the square of their distance.
     const double factor = std::sqrt(kNoticeable / measured), spacing = scene.sampling.spacing;
-    list.push_back(sentence("At held-out contacts one force in twenty is off by more than %.1f %%. sampling.spacing = %.2g "
-                            "instead of %.2g would bring that %s what a hand tells apart (%.0f %%), with %.2g times the "
-                            "sites.",
-                            100 * measured, factor * spacing, spacing, factor < 1 ? "down to" : "up to",
-                            100 * kNoticeable, 1 / (factor * factor)));
+    list.push_back(
+        sentence("At held-out contacts one force in twenty is off by more than %.1f %%. sampling.spacing = %.2g "
+                 "instead of %.2g would bring that %s what a hand tells apart (%.0f %%), with %.2g times the "
+                 "sites.",
+                 100 * measured, factor * spacing, spacing, factor < 1 ? "down to" : "up to", 100 * kNoticeable,
+                 1 / (factor * factor)));
   }
   return list;
 }

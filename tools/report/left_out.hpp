@@ -10,9 +10,9 @@
 
 namespace palpate::report {
 
-/// {features: [{name, present, without, bytes_per_response, bytes, solves, tick_ns, cause}]}. Bytes follow from the file's
-/// layout, solves from the scene's paths. tick_ns: the press of this file less that of the same samples fitted without
-/// the feature; absent where no such fit exists, with the cause.
+/// {features: [{name, present, without, bytes_per_response, bytes, solves, tick_ns, cause}]}. Bytes follow from the
+/// file's layout, solves from the scene's paths. tick_ns: the press of this file less that of the same samples fitted
+/// without the feature; absent where no such fit exists, with the cause.
 nlohmann::ordered_json left_out(const CostInput& input, double tick_ns, const cli::Globals& globals);
 
 /// Sentences: settings that are finer than perception, or coarser than they may be. `organ`, `cost`: those sections.

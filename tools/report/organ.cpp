@@ -35,8 +35,8 @@ std::vector<std::set<std::uint32_t>> neighbours(const runtime::View& view) {
   return near;
 }
 
-/// Estimated interpolation error midway between sites: a quarter of how far each solved site's stiffness is off the mean
-/// of its neighbours, because that error grows as the square of the distance. NaN where a site was not solved.
+/// Estimated interpolation error midway between sites: a quarter of how far each solved site's stiffness is off the
+/// mean of its neighbours, because that error grows as the square of the distance. NaN where a site was not solved.
 std::vector<double> neighbour_errors(const runtime::View& view, const std::vector<double>& stiffness,
                                      std::uint32_t tool_vertex) {
   std::vector<double> errors(stiffness.size(), std::numeric_limits<double>::quiet_NaN());
@@ -48,7 +48,8 @@ std::vector<double> neighbour_errors(const runtime::View& view, const std::vecto
     double sum = 0, weight = 0;
     for (const std::uint32_t other : near[site]) {
       if (filled(other)) continue;
-      const double away = length(runtime::to_vec(view.sites[other].position) - runtime::to_vec(view.sites[site].position));
+      const double away =
+          length(runtime::to_vec(view.sites[other].position) - runtime::to_vec(view.sites[site].position));
       if (!(away > 0)) continue;
       sum += stiffness[other] / away;
       weight += 1 / away;
@@ -199,7 +200,8 @@ Json held_out_places(const std::vector<HeldOut>& contacts) {
       if (f.kind == SampleKind::normal) {
         normal = std::max(normal, f.error);
         place["normal_m_N_N"].push_back({rounded(-f.deflection.dot(contact.frame.n)),
-                                         rounded(f.solved.dot(contact.frame.n)), rounded(f.baked.dot(contact.frame.n))});
+                                         rounded(f.solved.dot(contact.frame.n)),
+                                         rounded(f.baked.dot(contact.frame.n))});
       } else if (f.kind == SampleKind::tangential) {
         sideways = std::max(sideways, f.error);
       }

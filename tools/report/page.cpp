@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/report/page.hpp"
 
+#include <zlib.h>
 #include <nlohmann/json.hpp>
 #include <string_view>
-#include <zlib.h>
 
 #include "formats/error.hpp"
 #include "tools/report/page_template.hpp"
@@ -73,7 +73,8 @@ std::string page(const nlohmann::ordered_json& numbers, const std::vector<std::s
   const PageTemplate from = page_template();
   if (!from.missing.empty()) throw Error(ExitCode::usage, "there is no page: " + std::string(from.missing));
   const std::string json = numbers.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-  std::string data = data_block("palpate-numbers", packed(reinterpret_cast<const unsigned char*>(json.data()), json.size()));
+  std::string data =
+      data_block("palpate-numbers", packed(reinterpret_cast<const unsigned char*>(json.data()), json.size()));
   for (std::size_t k = 0; k < responses.size(); ++k) {
     const std::vector<unsigned char> sorted = planes(responses[k]);
     data += data_block("palpate-response-" + std::to_string(k), packed(sorted.data(), sorted.size()));

@@ -26,12 +26,8 @@ std::string utc_now() {
 
 Json provenance(const pipeline::Pipeline& p, const runtime::View& view,
                 const std::vector<std::filesystem::path>& inputs) {
-  Json json{{"program", PALPATE_VERSION},
-            {"file_version", view.header().version},
-            {"machine", cli::machine_name()},
-            {"made", utc_now()},
-            {"manifest", to_hex(p.manifest)},
-            {"inputs", Json::array()}};
+  Json json{{"program", PALPATE_VERSION}, {"file_version", view.header().version}, {"machine", cli::machine_name()},
+            {"made", utc_now()},          {"manifest", to_hex(p.manifest)},        {"inputs", Json::array()}};
   std::vector<std::filesystem::path> files = files_of(p.scene);
   files.insert(files.begin(), p.scene.file);
   files.push_back(p.paths.response);

@@ -32,8 +32,8 @@ Json quaternion(const runtime::Pose& pose) {
 }
 
 Json columns(const std::vector<Row>& rows, std::size_t most) {
-  Json json{{"rows", rows.size()},          {"time_s", Json::array()},  {"position_m", Json::array()},
-            {"quaternion", Json::array()},  {"force_N", Json::array()}, {"depth_m", Json::array()},
+  Json json{{"rows", rows.size()},         {"time_s", Json::array()},  {"position_m", Json::array()},
+            {"quaternion", Json::array()}, {"force_N", Json::array()}, {"depth_m", Json::array()},
             {"state", Json::array()}};
   const std::size_t step = std::max<std::size_t>(1, (rows.size() + most - 1) / most);
   for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -51,7 +51,8 @@ Json columns(const std::vector<Row>& rows, std::size_t most) {
 
 }  // namespace
 
-Json played_run(const std::string& file, const cli::ResponseInput& response, const std::string& tool, std::size_t most) {
+Json played_run(const std::string& file, const cli::ResponseInput& response, const std::string& tool,
+                std::size_t most) {
   std::vector<Row> rows;
 #ifdef PALPATE_DRIVE
   if (cli::is_run(file)) {

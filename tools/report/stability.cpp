@@ -97,22 +97,22 @@ Json battery_stability(const Json& battery, const std::string& source, const Sce
     const double radius = made.tools.at(0).radius, e = small_strain_young(made.material);
     const char* result = "refused";
     if (cell.value("converged", false)) {
-      result = !cell.contains("difference")                ? "converged"
+      result = !cell.contains("difference")                   ? "converged"
                : cell["difference"].get<double>() > tolerance ? "wrong"
                                                               : "verified";
     }
-    json["cells"].push_back({{"family", at->second.family},
-                             {"cell", at->second.name},
-                             {"core", at->second.core},
-                             {"result", result},
-                             {"cause", cell.value("cause", "")},
-                             {"seconds", rounded(cell.value("seconds", 0.0))},
-                             {"young_Pa", rounded(e)},
-                             {"poisson", made.material.poisson},
-                             {"depth_over_radius", rounded(at->second.depth / radius)},
-                             {"near", within_factor(e, young, 10) &&
-                                          std::abs(made.material.poisson - scene.material.poisson) <= 0.05 &&
-                                          within_factor(at->second.depth / radius, ratio, 2)}});
+    json["cells"].push_back(
+        {{"family", at->second.family},
+         {"cell", at->second.name},
+         {"core", at->second.core},
+         {"result", result},
+         {"cause", cell.value("cause", "")},
+         {"seconds", rounded(cell.value("seconds", 0.0))},
+         {"young_Pa", rounded(e)},
+         {"poisson", made.material.poisson},
+         {"depth_over_radius", rounded(at->second.depth / radius)},
+         {"near", within_factor(e, young, 10) && std::abs(made.material.poisson - scene.material.poisson) <= 0.05 &&
+                      within_factor(at->second.depth / radius, ratio, 2)}});
   }
   return json;
 }
@@ -128,7 +128,7 @@ Json device_stability([[maybe_unused]] const runtime::View& view) {
                        {"onset_N_per_m", rounded(s.onset.stiffness)},
                        {"onset_Hz", rounded(s.onset.frequency)},
                        {"largest_scale", rounded(s.largest_scale)},
-                       {"verdict", !s.settles()                ? "oscillates in a usual grip"
+                       {"verdict", !s.settles()               ? "oscillates in a usual grip"
                                    : s.passive_for_any_hand() ? "safe in any hand"
                                                               : "settles in a usual grip, not in every hand"}});
   }

@@ -162,7 +162,7 @@ export class Poke {
     const unit = 10 ** Math.floor(Math.log10(most));
     const top = [1, 2, 5, 10].map((k) => k * unit).find((x) => x >= most * 0.999);
     const x = (k) => left + ((shown - this.history.length + k) / shown) * (width - left);
-    const y = (f) => 4 + (1 - f / top) * (height - bottom - 4);
+    const y = (f) => 8 + (1 - f / top) * (height - bottom - 8);
     context.font = "10px system-ui, sans-serif";
     context.fillStyle = style.getPropertyValue("--soft");
     context.strokeStyle = style.getPropertyValue("--faint");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The runtime as a WebAssembly module: opens the bytes of a response file, shows its surface and curves, and ticks a tool.
-// Every function is an export; a caller reads results from the module's memory. The module imports nothing.
+// The runtime as a WebAssembly module: opens the bytes of a response file, shows its surface and curves, and ticks a
+// tool. Every function is an export; a caller reads results from the module's memory. The module imports nothing.
 #include <cstddef>
 #include <cstdint>
 #include <memory>
