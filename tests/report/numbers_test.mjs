@@ -94,3 +94,21 @@ test("the files and models lie on the plots' axes", () => {
   for (const model of ["quadratic potential", "linear spring", "separable"]) assert.ok(models.includes(model), model);
   assert.ok(report.error_time.solve.ns > 1e3 * report.error_time.files[0].tick_ns);
 });
+
+test("cells of the battery are judged, and those near the scene are marked", () => {
+  const { cells } = report.stability.battery;
+  assert.deepEqual(cells.map((cell) => cell.result), ["verified", "wrong", "converged", "refused"]);
+  // The scene: 5 kPa, 0.45, 0.6 radii deep.
+  assert.deepEqual(cells.map((cell) => cell.near), [true, false, false, false]);
+  assert.deepEqual(cells.map((cell) => cell.young_Pa), [1e3, 1e9, 1e3, 1e3]);
+  assert.deepEqual(cells.map((cell) => cell.depth_over_radius), [1, 1, 1, 0.2]);
+  assert.throws(() => palpate("report", "scene.toml", "--battery", "verify.json", "--quick", "--quiet", "--numbers", "n.json", "--page", "n.html"), /no report of palpate verify --battery/);
+});
+
+test("wrong inputs are refused with their cause", () => {
+  const report = (...args) => palpate("report", "scene.toml", "--quick", "--quiet", ...args);
+  assert.throws(() => report("--verify", "scene.toml"), /scene\.toml/);
+  assert.throws(() => report("--compare", "verify.json"), /verify\.json/);
+  assert.throws(() => report("--page", "verify.json", "--verify", "verify.json"), /verify\.json/);
+  assert.throws(() => report("--numbers", "scene.palp"), /scene\.palp/);
+});

@@ -51,6 +51,12 @@ test("tables print the numbers", async () => {
   ]) assert.ok(text.includes(printed), printed);
 });
 
+test("each cell of the battery is a square with its cause", async () => {
+  const cells = await page.evaluate(() => [...document.querySelectorAll("#stability .cells i")].map((i) => [i.className, i.title]));
+  assert.deepEqual(cells.map(([name]) => name), ["result-verified near", "result-wrong", "result-converged", "result-refused"]);
+  assert.match(cells[3][1], /a gate/);
+});
+
 const client = (point) => page.evaluate((p) => palpateReport.view.project(p), point);
 
 test("hovering a site shows its solved and baked curves", async () => {

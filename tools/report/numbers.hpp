@@ -13,9 +13,9 @@ using Json = nlohmann::ordered_json;
 inline Json rounded(double value) {
   if (!std::isfinite(value)) return nullptr;
   if (value == 0) return 0;
-  const double unit = std::pow(10.0, 4 - std::floor(std::log10(std::abs(value))));
-  // Both ways of scaling are exact only where the scale is a whole number.
-  return unit >= 1 ? std::round(value * unit) / unit : std::round(value / (1 / unit)) * (1 / unit);
+  const double places = 4 - std::floor(std::log10(std::abs(value))), scale = std::pow(10.0, std::abs(places));
+  // A whole number as scale keeps both ways exact.
+  return places >= 0 ? std::round(value * scale) / scale : std::round(value / scale) * scale;
 }
 
 }  // namespace palpate::report
