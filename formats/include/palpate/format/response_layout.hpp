@@ -265,8 +265,8 @@ inline constexpr std::uint32_t coefficients_size(const Meta& m) { return coeffic
 inline constexpr std::uint32_t response_size(const Meta& m) { return response_head_size(m) + coefficients_size(m); }
 
 /// Reads all coefficients that follow the unit at `law`.
-template <class Integer>
-inline void unpack_coefficients(const unsigned char* law, const response::Offsets& o, std::uint32_t bits, Integer* to) {
+template <class Number>
+inline void unpack_coefficients(const unsigned char* law, const response::Offsets& o, std::uint32_t bits, Number* to) {
   response::unpack(law + 4, bits, o.friction, to);
   response::unpack(law + friction_offset(o, bits), 16, o.end - o.friction, to + o.friction);
 }
