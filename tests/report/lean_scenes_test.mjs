@@ -17,8 +17,9 @@ const liver = ["liver", "--seed", "1", "--scale", "0.6", ...common];
 function make(name, synth, tool = "") {
   palpate("synth", ...synth, "--out", name);
   const scene = path.join(folder, name, "scene.toml");
-  const text = readFileSync(scene, "utf8").replace("[contact]", tool + "[contact]").replace("[sampling]", "[sampling]\nwithin_box = {min = [-0.024, -0.016, 0], max = [0.024, 0.016, 1]}");
-  writeFileSync(scene, text + "\n[response]\nmax_residual = 1000\n");
+  const text = readFileSync(scene, "utf8").replace("[contact]", tool + "[contact]").replace("[sampling]", "[sampling]\nwithin_box = {min = [-0.014, -0.01, 0], max = [0.014, 0.01, 1]}");
+  // Coarse solves: their number counts.
+  writeFileSync(scene, text + "\n[response]\nmax_residual = 1000\npath_share = 0\n[solver]\nmesh_size = 0.6\ncheck_share = 0\n");
 }
 
 /** Costs of a scene; of the bake the processor's seconds, which other work on the machine does not change. */
@@ -40,7 +41,8 @@ function measure(name) {
     slide_ns: bench.tick_ns.slide.median,
     pairs: bake.pairs_planned,
     solves: bake.normal_solves + bake.tangential_solves,
-    bake_processor_s: 60 * minutes + Number(seconds),
+    bake_s: 60 * minutes + Number(seconds),
+    bake_s_a_site: (60 * minutes + Number(seconds)) / (bake.pairs_planned / (responses.count / contents.sites)),
   };
 }
 
@@ -55,7 +57,7 @@ test("each scene costs more than the leaner one before it", (t) => {
   t.diagnostic("| " + columns.join(" | ") + " |");
   for (const row of rows) t.diagnostic("| " + columns.map((c) => (typeof row[c] === "number" ? Number(row[c].toPrecision(4)) : row[c])).join(" | ") + " |");
   for (let k = 1; k < rows.length; k++) {
-    for (const cost of ["bytes_a_site", "press_ns", "bake_processor_s"]) {
+    for (const cost of ["bytes_a_site", "press_ns", "bake_s_a_site"]) {
       assert.ok(rows[k - 1][cost] < rows[k][cost], `${cost}: ${rows[k - 1].scene} ${rows[k - 1][cost]}, ${rows[k].scene} ${rows[k][cost]}`);
     }
   }
