@@ -35,7 +35,7 @@ function ticks(values) {
   const every = Math.max(1, Math.ceil((high - low) / 5));
   const list = [];
   for (let k = low; k <= high; k += every) for (const step of steps) list.push(step * 10 ** k);
-  return list;
+  return list.filter((value) => value <= 10 ** high);
 }
 
 /** Rows whose labels do not cover another's, the chosen one first. */
