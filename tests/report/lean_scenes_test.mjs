@@ -4,7 +4,7 @@
 // sites near the top are solved. PALPATE_SCENES: folder to write to.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { mkdirSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
 import path from "node:path";
 import test from "node:test";
 
@@ -61,4 +61,10 @@ test("each scene costs more than the leaner one before it", (t) => {
       assert.ok(rows[k - 1][cost] < rows[k][cost], `${cost}: ${rows[k - 1].scene} ${rows[k - 1][cost]}, ${rows[k].scene} ${rows[k][cost]}`);
     }
   }
+});
+
+test("build --report ends with the report", () => {
+  const { report } = JSON.parse(palpate("build", "lean/scene.toml", "--report", "--json", "--quiet"));
+  assert.equal(JSON.parse(readFileSync(path.join(folder, report.numbers), "utf8")).held_out.figures, null);
+  assert.equal(statSync(path.join(folder, report.page)).size, report.page_bytes);
 });

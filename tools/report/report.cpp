@@ -60,12 +60,24 @@ Json make_report(const ReportInput& input, const pipeline::Pipeline& p, const cl
                  const cli::Globals& globals) {
   const runtime::View& view = response.view();
   const std::string file = p.paths.response.string();
+  // What is wrong with an input is found before the first fit.
+  std::vector<HeldOut> held_out = input.verify.empty() ? std::vector<HeldOut>() : read_recorded(input.verify);
+  compare_with_file(view, held_out);
+  const Json verified = input.verify.empty() ? Json() : verify_figures(input.verify);
+  const Json battery =
+      input.battery.empty() ? Json() : battery_stability(read_json(input.battery), input.battery, p.scene);
+  Json compared, run;
+  if (!input.compared.empty()) {
+    const cli::ResponseInput other(input.compared);
+    compared = organ_of_file(other.view());
+    compared["file"] = base_name(input.compared);
+    compared["command"] = "palpate compare " + file + " " + input.compared;
+  }
+  if (!input.run.empty()) run = played_run(input.run, response, input.tool);
+
   const JournalContent journal = pipeline::samples(p);
   cli::note(globals, "fitting the samples");
   const pipeline::FittedFile fitted = pipeline::fit_file(p, journal, pipeline::fit_settings(p.scene));
-  std::vector<HeldOut> held_out = input.verify.empty() ? std::vector<HeldOut>() : read_recorded(input.verify);
-  compare_with_file(view, held_out);
-
   Json report{{"title", p.scene.name}, {"command", command_line(input)}};
   const std::filesystem::path folder = std::filesystem::absolute(p.scene.file).parent_path().filename();
   if (!folder.empty()) report["title"] = folder.string() + " / " + p.scene.name;
@@ -80,7 +92,7 @@ Json make_report(const ReportInput& input, const pipeline::Pipeline& p, const cl
   const std::string verify_command =
       "palpate verify " + input.scene + " --report " + (input.verify.empty() ? "verify.json" : input.verify);
   report["held_out"] = {{"command", verify_command}, {"places", held_out_places(held_out)}};
-  report["held_out"]["figures"] = input.verify.empty() ? Json() : verify_figures(input.verify);
+  report["held_out"]["figures"] = verified;
 
   const CostInput cost{p, journal, response, held_out, input.beside, input.contacts, input.laws};
   report["error_time"] = error_against_time(cost, globals);
@@ -91,8 +103,7 @@ Json make_report(const ReportInput& input, const pipeline::Pipeline& p, const cl
   Json& stability = report["stability"];
   stability["bake"] = bake_stability(p, journal);
   stability["bake"]["command"] = "palpate build " + input.scene + " --json";
-  stability["battery"] =
-      input.battery.empty() ? Json() : battery_stability(read_json(input.battery), input.battery, p.scene);
+  stability["battery"] = battery;
   stability["battery_command"] =
       "palpate verify --battery stiff --report " + (input.battery.empty() ? "battery.json" : input.battery);
   stability["devices"] = device_stability(view);
@@ -101,13 +112,8 @@ Json make_report(const ReportInput& input, const pipeline::Pipeline& p, const cl
   report["left_out"] = left_out(cost, report["error_time"]["files"][0]["tick_ns"].get<double>(), globals);
   report["left_out"]["command"] = "palpate inspect " + file + "; palpate bench " + file;
   report["hints"] = hints(cost, organ, report["error_time"]);
-  if (!input.compared.empty()) {
-    const cli::ResponseInput other(input.compared);
-    report["compared"] = organ_of_file(other.view());
-    report["compared"]["file"] = base_name(input.compared);
-    report["compared"]["command"] = "palpate compare " + file + " " + input.compared;
-  }
-  if (!input.run.empty()) report["run"] = played_run(input.run, response, input.tool);
+  if (!compared.is_null()) report["compared"] = compared;
+  if (!run.is_null()) report["run"] = run;
   std::vector<std::filesystem::path> read;
   for (const std::string& used : {input.verify, input.battery, input.compared, input.run}) {
     if (!used.empty()) read.emplace_back(used);
