@@ -5,20 +5,26 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "formats/file.hpp"
+#include "formats/same_file.hpp"
 #include "precompute/bake/pipeline.hpp"
 #include "tools/command.hpp"
 #include "tools/commands.hpp"
 #include "tools/output.hpp"
+#include "tools/plot.hpp"
 
 namespace palpate::cli {
 namespace {
 
 struct PlanArguments {
-  std::string scene, work;
+  std::string scene, work, plot;
 };
 
 void run_plan(const PlanArguments& options, const Globals& globals) {
   pipeline::Pipeline p = pipeline::prepare(options.scene, {options.work, {}});
+  std::vector<std::filesystem::path> inputs = files_of(p.scene);
+  inputs.emplace_back(options.scene);
+  refuse_same({options.plot}, inputs);
   pipeline::plan(p);
   const Plan& plan = p.plan;
   std::size_t support = 0, unreachable = 0;
@@ -29,6 +35,12 @@ void run_plan(const PlanArguments& options, const Globals& globals) {
   std::vector<double> depths;
   for (const PairPlan& pair : plan.pairs) depths.push_back(pair.depth);
   std::sort(depths.begin(), depths.end());
+  if (!options.plot.empty()) {
+    std::vector<PlotSeries> series;
+    for (const Tool& tool : p.tools) series.push_back({tool.scene.name, {}});
+    for (const PairPlan& pair : plan.pairs) series[pair.tool].values.push_back(1e3 * pair.depth);
+    write_file(options.plot, distribution_svg("Deepest pushes of " + p.scene.name, "depth (mm)", series));
+  }
   std::size_t solved = 0;
   for (std::uint32_t k = 0; k < plan.pairs.size(); ++k) solved += p.sources.solved(k) ? 1 : 0;
   const GivenCounts given = count_given(p.sources);
@@ -76,6 +88,7 @@ void add_plan(CLI::App& app, Globals& globals) {
   Command command(app, "plan", "Lists every pair to be solved (NAME.work/manifest.json)");
   command.option("scene", options->scene, "Scene file").required();
   command.option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
+  command.option("--plot", options->plot, "Write a plot of the pairs' depths here (SVG)");
   command.runs([options, &globals] { run_plan(*options, globals); });
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // `palpate verify`: baked against solved forces, with what a tick, a response and the bake cost.
 #include "formats/error.hpp"
+#include "formats/file.hpp"
 #include "formats/same_file.hpp"
 #include "precompute/bake/reach.hpp"
 #include "precompute/verify/limits.hpp"
@@ -11,6 +12,7 @@
 #include "tools/interrupt.hpp"
 #include "tools/output.hpp"
 #include "tools/pipeline_steps.hpp"
+#include "tools/plot.hpp"
 #include "tools/response_input.hpp"
 #include "tools/tick_bench.hpp"
 #include "tools/verify_battery.hpp"
@@ -74,6 +76,19 @@ std::string table(const VerifyStatistics& s) {
          line("turned", s.turned) + line("limit", s.limit) + line("spins", s.spins);
 }
 
+/// Errors (%) of each kind of push.
+void write_plot(const std::string& file, const std::vector<HeldOut>& contacts) {
+  if (file.empty()) return;
+  std::vector<PlotSeries> series{{"normal", {}}, {"sideways", {}}, {"paths", {}}};
+  for (const HeldOut& contact : contacts) {
+    for (const ForcePair& f : contact.forces) {
+      const std::size_t kind = f.kind == SampleKind::normal ? 0 : f.kind == SampleKind::tangential ? 1 : 2;
+      if (kind < 2 || f.kind == SampleKind::path) series[kind].values.push_back(100 * f.error);
+    }
+  }
+  write_file(file, distribution_svg("Forces at held-out contacts", "error (%)", series));
+}
+
 Json contacts_json(const VerifyStatistics& s) { return {{"solved", s.accepted}, {"refused", s.refused}}; }
 
 void check_limits(const VerifyArguments& options, const VerifyStatistics& s) {
@@ -96,6 +111,7 @@ void compare(const VerifyArguments& options, const Globals& globals) {
   compare_with_file(input.view(), contacts);
   const VerifyStatistics s = summarise(contacts);
   if (s.normal.count == 0) throw Error(ExitCode::bad_input, options.samples + ": no solved normal push in it");
+  write_plot(options.plot, contacts);
   publish(options, globals,
           {{"file", options.input},
            {"samples", options.samples},
@@ -177,6 +193,7 @@ void solve(const VerifyArguments& options, const Globals& globals) {
   const HeldOutSet set = solve_contacts(options, globals, p, input.view());
   const VerifyStatistics s = summarise(set.contacts);
   const double tolerance = p.scene.response.tolerance;
+  write_plot(options.plot, set.contacts);
   publish(options, globals,
           {{"file", p.paths.response.string()},
            {"scene", options.input},
@@ -264,7 +281,10 @@ void check_usage(const VerifyArguments& options) {
   if (!options.cases.empty() && options.other.empty() && options.battery.empty()) {
     throw Error(ExitCode::usage, "--case belongs to --battery and --compare");
   }
-  if (!options.plot.empty() && !options.strokes) throw Error(ExitCode::usage, "--plot belongs to --strokes");
+  const bool held_out = chosen == nullptr || !options.samples.empty();
+  if (!options.plot.empty() && !options.strokes && !held_out) {
+    throw Error(ExitCode::usage, std::string("--plot shows held-out contacts and --strokes, not ") + chosen);
+  }
   if (options.device.empty() && (options.rate != 1000 || options.scale != 1)) {
     throw Error(ExitCode::usage, "--rate and --scale belong to --device");
   }
@@ -327,7 +347,7 @@ void add_verify(CLI::App& app, Globals& globals) {
   command.flag("--slide", options->slide, "Slides the tool over a few contacts of the scene, or over a block");
   command.flag("--strokes", options->strokes,
                "Draws the tool through whole motions at a few contacts of a baked scene, solved and played");
-  command.option("--plot", options->plot, "Of --strokes: draw those of the first contact (SVG)");
+  command.option("--plot", options->plot, "Plot (SVG) of the errors at held-out contacts; with --strokes those of the first contact");
   command.flag("--two-tips", options->two_tips, "Two tips at once at a few contacts of the scene, or on a block");
   command
       .option("--contacts", options->contacts,

@@ -158,4 +158,24 @@ std::string line_plot_svg(const std::string& title, const std::string& x_label, 
   return svg + "</svg>\n";
 }
 
+std::string distribution_svg(const std::string& title, const std::string& label,
+                             const std::vector<PlotSeries>& series) {
+  constexpr int kSteps = 400;
+  std::vector<double> shares;
+  for (int k = 0; k <= kSteps; ++k) shares.push_back(100.0 * k / kSteps);
+  PlotPanel panel{label, {}};
+  for (const PlotSeries& one : series) {
+    if (one.values.empty()) continue;
+    std::vector<double> sorted = one.values;
+    std::sort(sorted.begin(), sorted.end());
+    panel.series.push_back({one.name + " (" + std::to_string(sorted.size()) + ")", {}});
+    for (int k = 0; k <= kSteps; ++k) {
+      const std::size_t count =
+          (sorted.size() * std::size_t(k) + kSteps - 1) / kSteps;  // this share of all, rounded up
+      panel.series.back().values.push_back(sorted[count > 0 ? count - 1 : 0]);
+    }
+  }
+  return line_plot_svg(title, "share of all (%)", shares, {panel});
+}
+
 }  // namespace palpate::cli
