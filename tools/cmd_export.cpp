@@ -178,19 +178,19 @@ void add_export(CLI::App& app, Globals& globals) {
   command.option("--vtu", options->vtu, "VTK unstructured grid: the body with the fields as point data");
   command.option("--png", options->png, "PNG: a picture of the body, coloured, drawn without a display");
   PictureOptions& picture = options->picture;
-  command.option("--width", picture.width, "Of the picture (pixels)")
+  command.option("--width", picture.width, "Size of the picture (pixels)")
       .check(whole_in(64, 8192))
       .needs("--png")
       .shows_default();
-  command.option("--height", picture.height, "Of the picture (pixels)")
+  command.option("--height", picture.height, "Size of the picture (pixels)")
       .check(whole_in(64, 8192))
       .needs("--png")
       .shows_default();
-  command.option("--azimuth", picture.azimuth, "Of the camera about +z from +x (degrees)")
+  command.option("--azimuth", picture.azimuth, "Turn of the camera about +z from +x (degrees)")
       .check(number_in(-360, 360))
       .needs("--png")
       .shows_default();
-  command.option("--elevation", picture.elevation, "Of the camera above the xy plane (degrees)")
+  command.option("--elevation", picture.elevation, "Angle of the camera above the xy plane (degrees)")
       .check(number_in(-90, 90))
       .needs("--png")
       .shows_default();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What `palpate inspect` lists, for other commands.
+// The list of `palpate inspect`, for other commands.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

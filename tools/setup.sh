@@ -7,13 +7,8 @@ palpate_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 palpate_packages=(
   g++ cmake ninja-build ccache pkg-config
-<<<<<<< HEAD
-  libeigen3-dev libcgal-dev libtet1.5-dev libopenmesh-dev libtinygltf-dev nlohmann-json3-dev
-  libinsighttoolkit5-dev libnifti-dev zlib1g-dev
-=======
   libeigen3-dev libcgal-dev libtet1.5-dev libopenmesh-dev libtinygltf-dev libstb-dev libcpp-httplib-dev nlohmann-json3-dev
-  libinsighttoolkit5-dev zlib1g-dev
->>>>>>> report50
+  libinsighttoolkit5-dev libnifti-dev zlib1g-dev
   libsuitesparse-dev libopenblas-dev libceres-dev libxxhash-dev libfmt-dev libtomlplusplus-dev libcli11-dev
   libusb-1.0-0-dev umockdev libumockdev-dev libgtest-dev libbenchmark-dev python3
 )

@@ -144,7 +144,7 @@ Json hints(const CostInput& input, const Json& organ, const Json& cost) {
   const double tolerance = scene.response.tolerance;
   Json list = Json::array();
   if (tolerance < kNoticeable / 2) {
-    list.push_back(sentence("response.tolerance = %.3g is finer than a hand tells apart (%.0f %%): %.2g would do.",
+    list.push_back(sentence("response.tolerance = %.3g is finer than a hand can distinguish (%.0f %%): %.2g would do.",
                             tolerance, 100 * kNoticeable, kNoticeable / 2));
   }
   const Json& own = cost["files"][0];
@@ -160,7 +160,7 @@ Json hints(const CostInput& input, const Json& organ, const Json& cost) {
         double(errors.size());
     list.push_back(
         sentence("Tool '%s': %.0f %% of the solved sites differ from their neighbours by less than a hand "
-                 "tells apart (%.0f %%).",
+                 "can distinguish (%.0f %%).",
                  tool["name"].get_ref<const std::string&>().c_str(), 100 * share, 100 * kNoticeable));
   }
   if (measured > 0) {
@@ -168,7 +168,7 @@ Json hints(const CostInput& input, const Json& organ, const Json& cost) {
     const double factor = std::sqrt(kNoticeable / measured), spacing = scene.sampling.spacing;
     list.push_back(
         sentence("At held-out contacts one force in twenty is off by more than %.1f %%. sampling.spacing = %.2g "
-                 "instead of %.2g would bring that %s what a hand tells apart (%.0f %%), with %.2g times the "
+                 "instead of %.2g would bring that %s what a hand can distinguish (%.0f %%), with %.2g times the "
                  "sites.",
                  100 * measured, factor * spacing, spacing, factor < 1 ? "down to" : "up to", 100 * kNoticeable,
                  1 / (factor * factor)));
