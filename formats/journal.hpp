@@ -14,14 +14,14 @@
 
 namespace palpate {
 
-/// What a journal holds of one pair.
+/// The records of one pair in a journal.
 struct JournalPair {
   std::vector<Sample> samples;  ///< sorted by (kind, index), each once
   std::optional<PairCheck> check;
   std::optional<PairOutcome> outcome;  ///< absent: not finished
 };
 
-/// What a journal holds, independent of the order in which it was written.
+/// The content of a journal, independent of the order in which it was written.
 struct JournalContent {
   std::map<std::uint32_t, JournalPair> pairs;  ///< by index into the manifest's pairs
   std::uint64_t records = 0;                   ///< whole records read
@@ -46,7 +46,7 @@ public:
   Journal(const Journal&) = delete;
   Journal& operator=(const Journal&) = delete;
 
-  /// What the file held when it was opened.
+  /// The content of the file when it was opened.
   [[nodiscard]] const JournalContent& content() const noexcept { return content_; }
 
   /// Appends one record by one write. Throws Error(io) when the system refuses (disk full): what was appended

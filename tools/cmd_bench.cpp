@@ -236,16 +236,18 @@ void add_bench(CLI::App& app, Globals& globals) {
   command.option("--plot", options->plot, "Write a plot of the contacts' times here (SVG)");
   command
       .option("--contacts", options->bench.contacts,
-              "Random contacts; with --solver (8 unless told) spread evenly over the scene's plan")
+              "Random contacts; with --solver (default 8) spread evenly over the scene's plan")
       .check(whole_in(1, 10000))
       .shows_default();
-  command.option("--seed", options->bench.seed, "Of the random contacts").shows_default();
-  command.option("--ticks", options->ticks, "Of strokes, each timed alone").check(number_in(1000, 1e9)).shows_default();
+  command.option("--seed", options->bench.seed, "Seed of the random contacts").shows_default();
+  command.option("--ticks", options->ticks, "Ticks of strokes, each timed alone")
+      .check(number_in(1000, 1e9))
+      .shows_default();
   command.option("--seconds", options->bench.seconds, "Measured for each contact and state")
       .check(number_in(0.001, 10.0))
       .shows_default();
   command.runs([options, command, &globals] {
-    constexpr int kSolved = 8;  // of a solve of seconds fewer are asked for than of a tick of nanoseconds
+    constexpr int kSolved = 8;  // fewer by default, because a solve takes seconds and a tick nanoseconds
     if (options->solver && !command.given("--contacts")) options->bench.contacts = kSolved;
     run_bench(*options, globals);
   });

@@ -178,19 +178,19 @@ void add_export(CLI::App& app, Globals& globals) {
   command.option("--vtu", options->vtu, "VTK unstructured grid: the body with the fields as point data");
   command.option("--png", options->png, "PNG: a picture of the body, coloured, drawn without a display");
   PictureOptions& picture = options->picture;
-  command.option("--width", picture.width, "Of the picture (pixels)")
+  command.option("--width", picture.width, "Pixels of the picture")
       .check(whole_in(64, 8192))
       .needs("--png")
       .shows_default();
-  command.option("--height", picture.height, "Of the picture (pixels)")
+  command.option("--height", picture.height, "Pixels of the picture")
       .check(whole_in(64, 8192))
       .needs("--png")
       .shows_default();
-  command.option("--azimuth", picture.azimuth, "Of the camera about +z from +x (degrees)")
+  command.option("--azimuth", picture.azimuth, "Angle of the camera about +z from +x (degrees)")
       .check(number_in(-360, 360))
       .needs("--png")
       .shows_default();
-  command.option("--elevation", picture.elevation, "Of the camera above the xy plane (degrees)")
+  command.option("--elevation", picture.elevation, "Angle of the camera above the xy plane (degrees)")
       .check(number_in(-90, 90))
       .needs("--png")
       .shows_default();
@@ -203,7 +203,7 @@ void add_export(CLI::App& app, Globals& globals) {
       .shows_default();
   command
       .option("--field", options->field,
-              "What the colours show: stiffness (N/m), force (N), friction (N, mu times the normal force), filled "
+              "Quantity of the colours: stiffness (N/m), force (N), friction (N, mu times the normal force), filled "
               "(share filled from neighbours), error (where a file holds it)")
       .check(one_of({"stiffness", "force", "friction", "filled", "error"}))
       .named("FIELD")

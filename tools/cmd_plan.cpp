@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// palpate plan: which pairs a scene asks for, written as the manifest.
+// palpate plan: the pairs that a scene needs, written as the manifest.
 #include <algorithm>
 #include <cstdio>
 #include <memory>

@@ -158,7 +158,7 @@ std::string solved_text(const HeldOutSet& set, const VerifyStatistics& s, const 
                 pairs.planned, pairs.accepted, pairs.refused, s.accepted, s.refused, 100 * set.untouchable_share);
   std::string out = text + table(s) + to_text(pairs.checks);
   std::snprintf(text, sizeof text,
-                "normal pushes %s the scene's tolerance: 95th percentile %.2f %%, asked %.2f %%\n"
+                "normal pushes %s the scene's tolerance: 95th percentile %.2f %%, required %.2f %%\n"
                 "run time: %.0f ns a tick, %.0f bytes a response, %.0f s of bake\n",
                 s.normal.p95 <= tolerance ? "meet" : "do not meet", 100 * s.normal.p95, 100 * tolerance, cost.tick,
                 cost.response, bake);
@@ -170,7 +170,7 @@ std::string solved_text(const HeldOutSet& set, const VerifyStatistics& s, const 
 }
 
 void solve(const VerifyArguments& options, const Globals& globals) {
-  // Whatever can fail for another reason than a solve fails before the first one.
+  // Every failure that is not of a solve comes before the first solve.
   if (!options.report.empty()) check_writable(options.report);
   pipeline::Pipeline p = pipeline::prepare(options.input, {options.work, options.response});
   check_reports(p, {options.report});
@@ -246,7 +246,7 @@ void run_loops(const VerifyArguments& options, const Globals& globals) {
   }
 }
 
-// What is verified, one thing at a time; keys that belong to another are errors.
+// Checks that one kind of verification is chosen, and that no option belongs to another kind.
 void check_usage(const VerifyArguments& options) {
   const std::pair<const char*, bool> kinds[] = {{"--battery", !options.battery.empty()},
                                                 {"--closed-forms", options.closed_forms},
@@ -342,7 +342,7 @@ void add_verify(CLI::App& app, Globals& globals) {
   command.option("--case", options->cases, "Only the cells or cases with this in their name");
   command.flag(
       "--loops", options->loops,
-      "Of a response file of the coupled model: 100 000 random closed motions of contacts that stick, and searches "
+      "Check a response file of the coupled model: 100 000 random closed motions of contacts that stick, and searches "
       "for the worst; exit code 5 where the hand gets work back");
   command.flag("--slide", options->slide, "Slides the tool over a few contacts of the scene, or over a block");
   command.flag("--strokes", options->strokes,
@@ -379,8 +379,10 @@ void add_verify(CLI::App& app, Globals& globals) {
   command.option("--report", options->report, "Also write the JSON report to this file (usable as --samples)");
 #ifdef PALPATE_DEVICES
   command.option("--device", options->device,
-                 "Of a response file: is it safe to touch with this device (sim, woody, falcon, ...)");
-  command.option("--rate", options->rate, "Of --device: Hz of the force loop").check(number_in(1, 1e5)).shows_default();
+                 "Check whether a response file is safe to touch with this device (sim, woody, falcon, ...)");
+  command.option("--rate", options->rate, "Rate of the force loop for --device (Hz)")
+      .check(number_in(1, 1e5))
+      .shows_default();
   command.option("--scale", options->scale, "Of --device: N/m in the hand per N/m of the scene")
       .check(number_in(1e-6, 1e6))
       .shows_default();

@@ -74,7 +74,7 @@ struct Canvas {
   }
 };
 
-/// What a vertex is on the canvas.
+/// A vertex on the canvas.
 struct Projected {
   Vector2d place;      ///< samples
   double inverse = 0;  ///< 1 / depth, which is linear over the canvas

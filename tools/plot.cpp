@@ -10,7 +10,7 @@ namespace palpate::cli {
 namespace {
 
 constexpr double kWidth = 960, kLeft = 80, kRight = 130, kTop = 44, kPanel = 230, kGap = 26, kBottom = 52;
-// Told apart by people who do not tell red from green, too.
+// Colours that red-green colour-blind readers can distinguish too.
 constexpr const char* kColours[] = {"#0072b2", "#d55e00", "#009e73", "#222222", "#cc79a7"};
 
 std::string number(double value, const char* format = "%.2f") {

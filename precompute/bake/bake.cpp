@@ -135,7 +135,7 @@ private:
     if (!result.outcome.accepted) ++refused_;
   }
 
-  /// Waits for the workers, tells progress, passes the stop flag on.
+  /// Waits for the workers, reports progress, passes the stop flag on.
   void watch() {
     double told = 0;
     std::unique_lock lock(mutex_);

@@ -32,7 +32,7 @@ std::string file_name(const Scene& scene) {
 /// Share of the pairs that are also solved along paths which only test.
 double path_share(const Scene& scene) { return scene.friction > 0 ? scene.response.path_share : 0.0; }
 
-/// What a work folder keeps is not to be written over what a scene is made of, nor a result over either.
+/// Throws where a file of the work folder or the result would be written over a file that the scene is made of.
 void check_outputs(const Pipeline& p, const std::filesystem::path& scene_file) {
   std::vector<std::filesystem::path> inputs = files_of(p.scene);
   inputs.push_back(scene_file);

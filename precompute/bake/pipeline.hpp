@@ -51,8 +51,8 @@ Pipeline prepare(const std::filesystem::path& scene_file, const Options& options
 /// Makes the plan and finds which of its pairs are recorded or follow a law (find_sources); nothing is written.
 void find_pairs(Pipeline& pipeline);
 
-/// Writes the manifest of the plan (creating the work folder). Where a manifest of other inputs is there and samples
-/// have been solved for it, throws Error(bad_input) instead of orphaning them.
+/// Writes the manifest of the plan (creating the work folder). Throws Error(bad_input) if the folder has a manifest of
+/// other inputs for which samples have been solved, instead of orphaning them.
 void write_manifest(Pipeline& pipeline);
 
 /// Both.
@@ -67,7 +67,7 @@ BakeReport bake(const Pipeline& pipeline, const BakeOptions& options, const Pair
 /// Seconds that all bakes of this manifest took together; 0 when there was none.
 double bake_seconds(const Pipeline& pipeline);
 
-/// What the scene asks of its fit.
+/// The settings of the scene's fit.
 FitSettings fit_settings(const Scene& scene);
 
 /// The journal. Needs plan(). Throws Error(io) when there is none and a pair has to be solved.

@@ -68,7 +68,7 @@ Json figures(const ErrorFigures& f) {
       {"samples", f.samples}, {"median", f.median}, {"p95", f.p95}, {"worst", f.worst}, {"worst_pair", f.worst_pair}};
 }
 
-/// Of a scene in which not everything is solved.
+/// Adds the sources of responses of a scene in which not everything is solved.
 void add_sources(Json& json, const Plan& plan, const FitReport& report, const PairSources& sources) {
   if (sources.given.empty()) return;
   Json& to = json["sources"];

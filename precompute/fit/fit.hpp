@@ -44,7 +44,7 @@ struct PairFigures {
   double median = 0.0, p95 = 0.0, worst = 0.0;  ///< over all samples of the pair
 };
 
-/// What came of the recorded rows of a pair.
+/// Counts of the recorded rows of a pair.
 struct RecordedFigures {
   std::uint32_t pair = 0;
   std::size_t rows = 0;               ///< that it is made of, outliers among them

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sites by surface adaptation; what a site needs to know of the body; the subdivided contact surface.
+// Sites by surface adaptation; the body's properties at a site; the subdivided contact surface.
 #include "precompute/mesh/haptic_mesh.hpp"
 
 #include "formats/error.hpp"
@@ -57,7 +57,7 @@ Vector3d place(const Body& body, const Vector3d& flat, const Vector3d& normal, d
 }
 
 // How far in there is something that a push could squeeze: the wall, and behind the wall of a cavity the cavity with
-// it, which gives way until its walls meet.
+// it, which collapses until its walls meet.
 double room(const Body& body, const Vector3d& point, const Vector3d& normal, double thickness) {
   const Vector3d behind = point - thickness * normal;
   if (!body.in_cavity(behind)) return thickness;

@@ -46,7 +46,7 @@ struct HapticMesh {
 /// Places sites about sampling.spacing apart, down to margin_spacing where the body is sharply curved or thinner
 /// than 1.5 times the spacing; then chooses the smallest k in [1, 8] with a chordal error of at most 2 % of the
 /// depth that all but 5 % of the selected sites reach (8 where none is fine enough). Deterministic.
-/// Throws Error(bad_input) where the spacing leaves fewer than four sites or asks for more triangles than adapt_surface
+/// Throws Error(bad_input) where the spacing leaves fewer than four sites or needs more triangles than adapt_surface
 /// makes, Error(numerical) as that.
 HapticMesh make_haptic_mesh(const Scene& scene, const Body& body);
 

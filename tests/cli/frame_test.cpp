@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What every command shares: help, version, usage errors, output, the choice of BLAS kernels.
+// Shared behaviour of all commands: help, version, usage errors, output, the choice of BLAS kernels.
 #include "tests/cli/palpate_program.hpp"
 #include "tools/blas.hpp"
 

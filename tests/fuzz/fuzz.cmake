@@ -10,7 +10,7 @@ if(NOT clang)
   return()
 endif()
 if(NAME STREQUAL "device")
-  # Without libusb, which no language knows.
+  # Without libusb, which no protocol needs.
   file(GLOB sources ${SOURCE}/runtime/device/*_codec.cpp ${SOURCE}/runtime/device/*_kinematics.cpp
        ${SOURCE}/runtime/device/*_protocol.cpp ${SOURCE}/runtime/device/*_boot.cpp)
   set(seeds ${SOURCE}/tests/fuzz/device_corpus)
@@ -28,7 +28,7 @@ elseif(NAME STREQUAL "image")
   endforeach()
   list(TRANSFORM libraries PREPEND "-l")
   set(options -std=c++20 -isystem /usr/include/eigen3)
-  # Debian's ITK knows GCC alone. What is compiled by it is not watched by the sanitizers.
+  # Debian's ITK supports GCC alone. Code that GCC compiles is not watched by the sanitizers.
   file(MAKE_DIRECTORY ${FOLDER})
   execute_process(COMMAND g++ -std=c++20 -O1 -g -I${SOURCE} -isystem ${itk} -c ${SOURCE}/formats/image/itk_reader.cpp
                           -o ${FOLDER}/itk_reader.o RESULT_VARIABLE code)

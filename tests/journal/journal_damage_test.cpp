@@ -46,7 +46,7 @@ TEST_F(JournalFiles, TornAtEveryByte) {
       EXPECT_EQ(journal.content().records, records) << "cut at " << cut;
       journal.append(7, make_sample(7, 0));
     }
-    // What was whole is kept to the byte, and what is appended after the cut is found.
+    // Whole records are kept to the byte, and records appended after the cut are found.
     const std::size_t base = std::max(kept, header);
     EXPECT_EQ(bytes().substr(0, base), whole.substr(0, base));
     const JournalContent after = read_journal(file_, manifest_);
@@ -77,7 +77,7 @@ TEST_F(JournalFiles, FlippedBytesAreFoundOrCut) {
       damaged[at] = static_cast<char>(damaged[at] ^ mask);
       write_bytes(damaged);
       if (at >= last) {
-        // The last record cannot be told from a torn one.
+        // The last record cannot be distinguished from a torn one.
         const JournalContent content = read_journal(file_, manifest_);
         EXPECT_EQ(content.records, 4U);
         EXPECT_EQ(content.torn_bytes, whole.size() - last);

@@ -159,7 +159,7 @@ TEST(Sites, ShallowSitesThatAreFewOrUntouchedDoNotRefine) {
   EXPECT_LT(shallow, whole.points.size() / 20);
   EXPECT_LE(whole.subdivision, 3);
 
-  // Of a cap of the ball and the wafer, the wafer is more than a twentieth.
+  // The wafer is more than a twentieth of the cap of the ball and the wafer together.
   scene.sampling.within_box = {{Vector3d(0.08, -1, -1), Vector3d(1, 1, 1)}};
   EXPECT_GT(make_haptic_mesh(scene, body).subdivision, 3);
   SupportScene clamp;
