@@ -178,15 +178,15 @@ void add_export(CLI::App& app, Globals& globals) {
   command.option("--vtu", options->vtu, "VTK unstructured grid: the body with the fields as point data");
   command.option("--png", options->png, "PNG: a picture of the body, coloured, drawn without a display");
   PictureOptions& picture = options->picture;
-  command.option("--width", picture.width, "Size of the picture (pixels)")
+  command.option("--width", picture.width, "Pixels of the picture")
       .check(whole_in(64, 8192))
       .needs("--png")
       .shows_default();
-  command.option("--height", picture.height, "Size of the picture (pixels)")
+  command.option("--height", picture.height, "Pixels of the picture")
       .check(whole_in(64, 8192))
       .needs("--png")
       .shows_default();
-  command.option("--azimuth", picture.azimuth, "Turn of the camera about +z from +x (degrees)")
+  command.option("--azimuth", picture.azimuth, "Angle of the camera about +z from +x (degrees)")
       .check(number_in(-360, 360))
       .needs("--png")
       .shows_default();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The list of `palpate inspect`, for other commands.
+// The contents of a response file as `palpate inspect` lists them.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -139,7 +139,7 @@ Pixels read_png(const std::string& bytes) {
   tinygltf::Image image;
   std::string error, warning;
   Pixels pixels;
-  // The glTF reader gives four channels.
+  // The reader of glTF gives four channels.
   if (!tinygltf::LoadImageData(&image, 0, &error, &warning, 0, 0, reinterpret_cast<const unsigned char*>(bytes.data()),
                                static_cast<int>(bytes.size()), nullptr)) {
     ADD_FAILURE() << error;

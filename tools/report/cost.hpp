@@ -14,7 +14,7 @@
 
 namespace palpate::report {
 
-/// Relative difference of two forces that a hand just notices (Tan, Srinivasan, Eberman and Cheng 1994).
+/// Relative difference of two forces that is just noticeable (Tan, Srinivasan, Eberman and Cheng 1994).
 inline constexpr double kNoticeable = 0.07;
 
 struct CostInput {

@@ -144,8 +144,9 @@ Json hints(const CostInput& input, const Json& organ, const Json& cost) {
   const double tolerance = scene.response.tolerance;
   Json list = Json::array();
   if (tolerance < kNoticeable / 2) {
-    list.push_back(sentence("response.tolerance = %.3g is finer than a hand can distinguish (%.0f %%): %.2g would do.",
-                            tolerance, 100 * kNoticeable, kNoticeable / 2));
+    list.push_back(
+        sentence("response.tolerance = %.3g is finer than the just noticeable difference (%.0f %%): %.2g would do.",
+                 tolerance, 100 * kNoticeable, kNoticeable / 2));
   }
   const Json& own = cost["files"][0];
   const double measured = own.contains("error") ? own["error"]["p95"].get<double>() : 0;
@@ -159,8 +160,8 @@ Json hints(const CostInput& input, const Json& organ, const Json& cost) {
         double(std::count_if(errors.begin(), errors.end(), [](double e) { return 4 * e < kNoticeable; })) /
         double(errors.size());
     list.push_back(
-        sentence("Tool '%s': %.0f %% of the solved sites differ from their neighbours by less than a hand "
-                 "can distinguish (%.0f %%).",
+        sentence("Tool '%s': %.0f %% of the solved sites differ from their neighbours by less than the "
+                 "just noticeable difference (%.0f %%).",
                  tool["name"].get_ref<const std::string&>().c_str(), 100 * share, 100 * kNoticeable));
   }
   if (measured > 0) {
@@ -168,7 +169,7 @@ Json hints(const CostInput& input, const Json& organ, const Json& cost) {
     const double factor = std::sqrt(kNoticeable / measured), spacing = scene.sampling.spacing;
     list.push_back(
         sentence("At held-out contacts one force in twenty is off by more than %.1f %%. sampling.spacing = %.2g "
-                 "instead of %.2g would bring that %s what a hand can distinguish (%.0f %%), with %.2g times the "
+                 "instead of %.2g would bring that %s the just noticeable difference (%.0f %%), with %.2g times the "
                  "sites.",
                  100 * measured, factor * spacing, spacing, factor < 1 ? "down to" : "up to", 100 * kNoticeable,
                  1 / (factor * factor)));

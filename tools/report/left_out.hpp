@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Features that a file leaves out, the cost of those it has, and hints for a leaner scene.
+// Features that a file leaves out, the cost of those that it uses, and hints for a leaner scene.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

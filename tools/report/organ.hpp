@@ -11,11 +11,11 @@
 
 namespace palpate::report {
 
-/// Content of the response file alone: per site position (m), depth (m), support; per tool (its first vertex, pressed
+/// Numbers of the response file alone: per site position (m), depth (m), support; per tool (its first vertex, pressed
 /// straight in to half of the depth scale) stiffness (N/m), force (N), friction coefficient and source of the response.
 nlohmann::ordered_json organ_of_file(const runtime::View& view);
 
-/// Adds the content of the scene and its bake: thickness (m) and errors (shares) of every site, regions, refusals.
+/// Adds numbers of the scene and its bake: thickness (m) and errors (shares) of every site, regions, refusals.
 void add_bake(nlohmann::ordered_json& organ, const runtime::View& view, const pipeline::Pipeline& pipeline,
               const JournalContent& journal, const FitReport& fit);
 

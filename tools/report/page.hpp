@@ -10,7 +10,7 @@
 
 namespace palpate::report {
 
-/// The parts that the build lacked for the page, as text for a message; empty where the program contains the page.
+/// Parts that the build lacked for the page, as text for a message; empty where the program contains the page.
 std::string missing_for_page();
 
 /// The page. `numbers` and each response file are compressed (zlib) and written as base64; the bytes of a response file

@@ -60,7 +60,7 @@ Json make_report(const ReportInput& input, const pipeline::Pipeline& p, const cl
                  const cli::Globals& globals) {
   const runtime::View& view = response.view();
   const std::string file = p.paths.response.string();
-  // Faults of an input are found before the first fit.
+  // A wrong input is found before the first fit.
   std::vector<HeldOut> held_out = input.verify.empty() ? std::vector<HeldOut>() : read_recorded(input.verify);
   compare_with_file(view, held_out);
   const Json verified = input.verify.empty() ? Json() : verify_figures(input.verify);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the organ can be coloured by: a number or a category a site.
+// Numbers and categories of the sites that colour the organ.
 import { CATEGORIES } from "./colour.js";
 
 const finite = (list) => list?.some((x) => Number.isFinite(x));
