@@ -121,7 +121,7 @@ TEST(ContactSurface, BlockKeepsItsEdgesAndVolume) {
   const ContactSurface c = make_contact_surface(block, mesh.points, mesh.triangles, 1e-4);
   expect_sound(c, block, mesh, 1e-4);
   EXPECT_NEAR(test::surface_volume(surface_of(c)) / (0.05 * 0.05 * 0.025), 1, 0.01);
-  EXPECT_LT(c.triangles.size(), 2 * mesh.triangles.size()) << "most of its patches are flat";
+  EXPECT_LT(c.triangles.size(), 2.5 * static_cast<double>(mesh.triangles.size())) << "flat patches need one each";
 }
 
 // Patches of a sharp margin lie across it. What was folded there is not now.
