@@ -205,7 +205,11 @@ const Keys<ResponseScene>& response_keys() {
           Affects::file,
           number("max_residual", &R::max_residual, {0.01, 1000, false, ""},
                  "Relative error of a solved force beyond which its pair's fit is refused: the response is filled "
-                 "from neighbours."))};
+                 "from neighbours.")),
+      affecting(Affects::file,
+                number("surface_tolerance", &R::surface_tolerance, kLengthOrAuto,
+                       "Largest distance between the contact surface and the body's surface. A coarser contact surface "
+                       "makes a smaller file; 0: 1/40 of the smallest tool radius."))};
   return keys;
 }
 

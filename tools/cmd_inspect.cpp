@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // palpate inspect: what a response file holds, what was left out, and what each part costs in bytes.
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 
 #include "tools/command.hpp"
@@ -66,6 +68,15 @@ ToolPoints count_points(const runtime::View& v, const layout::ToolRecord& tool) 
   return counted;
 }
 
+std::size_t count_patches(const runtime::View& v) {
+  std::set<std::array<std::uint32_t, 3>> patches;
+  for (std::uint32_t t = 0; t < v.meta->triangle_count; ++t) {
+    const auto& site = v.triangles[t].site;
+    patches.insert({site[0], site[1], site[2]});
+  }
+  return patches.size();
+}
+
 Json tools_json(const runtime::View& v) {
   Json tools = Json::array();
   for (std::uint32_t i = 0; i < v.meta->tool_count; ++i) {
@@ -113,8 +124,8 @@ Json contents_of(const runtime::View& v, const std::string& file) {
   json["sites"] = m.site_count;
   json["sites_held"] = s.held;
   json["sites_outside"] = s.outside;
-  json["patches"] = m.triangle_count / (m.subdivision * m.subdivision);
-  json["subdivision"] = m.subdivision;
+  json["patches"] = count_patches(v);
+  json["weight_steps"] = m.subdivision;
   json["surface_vertices"] = m.vertex_count;
   json["surface_triangles"] = m.triangle_count;
   json["tools"] = tools_json(v);
@@ -160,9 +171,8 @@ std::string as_text(const runtime::View& v, const Json& json) {
     append(text, "%-16s %s%s%s\n", f.name, there ? "present" : "left out: ", there ? "" : f.without, "");
   }
   const Shares s = count_shares(v);
-  append(text, "\n%u sites (%zu held, %zu outside the sampled region), %u patches, %u contact triangles (%u a side)\n",
-         m.site_count, s.held, s.outside, m.triangle_count / (m.subdivision * m.subdivision), m.triangle_count,
-         m.subdivision);
+  append(text, "\n%u sites (%zu held, %zu outside the sampled region), %zu patches, %u contact triangles\n",
+         m.site_count, s.held, s.outside, json["patches"].get<std::size_t>(), m.triangle_count);
   append(text,
          "%u responses of %.0f bytes: %zu solved, %zu measured, %zu analytic, %zu filled from neighbours (%.2f %%)\n",
          m.response_count, bytes_per_response(v), s.of(layout::response_solved), s.of(layout::response_measured),

@@ -127,6 +127,11 @@ nlohmann::ordered_json fit_json(const pipeline::Pipeline& p, const FitReport& re
                               {"friction", report.friction},
                               {"bonded", report.grasp},
                               {"bonded_torque", report.turn},
+                              {"contact_surface",
+                               {{"triangles", report.surface.triangles},
+                                {"tolerance_m", report.surface.tolerance},
+                                {"distance_m", report.surface.distance},
+                                {"fault", report.surface.fault}}},
                               {"file", p.paths.response.string()},
                               {"bytes", std::filesystem::file_size(p.paths.response)},
                               {"pairs", nlohmann::ordered_json::array()}};
@@ -176,6 +181,12 @@ std::string fit_text(const pipeline::Pipeline& p, const FitReport& report) {
                   report.held_out.samples, 100 * report.held_out.median, 100 * report.held_out.p95);
     text += line;
   }
+  const SurfaceFigures& surface = report.surface;
+  char line[160];
+  std::snprintf(line, sizeof line, "contact surface: %zu triangles, at most %.3g mm from the body's (asked: %.3g mm)\n",
+                surface.triangles, 1e3 * surface.distance, 1e3 * surface.tolerance);
+  text += line;
+  if (!surface.fault.empty()) text += surface.fault + "; the patches themselves stand for the body's surface\n";
   return text + p.paths.response.string() + ", " + std::to_string(std::filesystem::file_size(p.paths.response)) +
          " bytes\n";
 }

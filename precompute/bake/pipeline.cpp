@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <set>
@@ -14,6 +15,7 @@
 #include "precompute/bake/sources.hpp"
 #include "precompute/draw.hpp"
 #include "precompute/fit/assemble.hpp"
+#include "precompute/mesh/contact_surface.hpp"
 #include "precompute/solve/prestress.hpp"
 
 namespace palpate::pipeline {
@@ -80,6 +82,15 @@ double path_draw(const PairPlan& pair) {
   return static_cast<double>((x ^ (x >> 31U)) >> 11U) * 0x1.0p-53;
 }
 
+/// Facets of that size beside the tool are not felt.
+double surface_tolerance(const Scene& scene) {
+  constexpr double kOfRadius = 0.025;
+  if (scene.response.surface_tolerance > 0) return scene.response.surface_tolerance;
+  double radius = std::numeric_limits<double>::infinity();
+  for (const ToolScene& tool : scene.tools) radius = std::min(radius, tool.radius);
+  return kOfRadius * radius;
+}
+
 void save_seconds(const Pipeline& pipeline, double seconds) {
   const nlohmann::ordered_json json{{"manifest", to_hex(pipeline.manifest)}, {"seconds", seconds}};
   write_file(pipeline.paths.bake, json.dump(1) + "\n");
@@ -120,9 +131,14 @@ void write_manifest(Pipeline& p) {
   if (std::filesystem::exists(p.paths.manifest)) {
     const std::string old = read_file(p.paths.manifest, "manifest", kLargestManifest);
     if (old == text) return;
-    // A folder that an earlier program baked has the same pairs, and a scene's text with other defaults.
-    for (const std::string& scene : earlier_canonical_texts(p.scene)) {
+    // A folder that an earlier program baked has the same pairs, another hash of their mesh (a solve depends on its pair
+    // alone), and a scene's text with other defaults.
+    const Hash128 mesh = parse_manifest(old, p.paths.manifest.string()).inputs.haptic_mesh;
+    std::vector<std::string> scenes = earlier_canonical_texts(p.scene);
+    scenes.insert(scenes.begin(), canonical_text(p.scene, CanonicalScope::solves));
+    for (const std::string& scene : scenes) {
       Plan earlier = p.plan;
+      earlier.inputs.haptic_mesh = mesh;
       earlier.inputs.scene = hash128(scene);
       if (manifest_text(earlier) != old) continue;
       p.plan = std::move(earlier);
@@ -254,7 +270,11 @@ FittedFile fit_file(const Pipeline& p, const JournalContent& journal, const FitS
   for (const Tool& tool : p.tools) tool_vertices.push_back(static_cast<std::uint32_t>(tool.vertices.size()));
   FittedFile file;
   file.fitted = fit_responses(p.plan, p.mesh.triangles, tool_vertices, journal, settings, p.sources);
-  file.bytes = encode(assemble_response(p.scene, p.tools, p.mesh, p.plan, p.manifest, file.fitted, p.sources));
+  const double tolerance = surface_tolerance(p.scene);
+  const ContactSurface contact =
+      make_contact_surface(p.body.query->surface(), p.mesh.points, p.mesh.triangles, tolerance);
+  file.fitted.report.surface = {contact.triangles.size(), tolerance, contact.distance, contact.fault};
+  file.bytes = encode(assemble_response(p.scene, p.tools, contact, p.plan, p.manifest, file.fitted, p.sources));
   return file;
 }
 

@@ -54,6 +54,13 @@ struct RecordedFigures {
   Passed passed;                      ///< rows that are not among `rows`
 };
 
+/// The contact surface of the file.
+struct SurfaceFigures {
+  std::size_t triangles = 0;
+  double tolerance = 0.0, distance = 0.0;  ///< m, asked and found, to the body's surface
+  std::string fault;                       ///< why it is the mesh of patches itself; empty: it is not
+};
+
 struct FitReport {
   std::size_t planned = 0, accepted = 0;                  ///< of the pairs to be solved
   std::size_t refused = 0;                                ///< by the solver or by the fit
@@ -71,6 +78,7 @@ struct FitReport {
   fit::HeldOutFigures held_out;           ///< of samples left out, by which the degrees were chosen
   std::vector<double> softenings;         ///< of accepted pairs (slip_softening), ascending; empty where all are 0
   std::vector<PairFigures> pairs;         ///< by pair
+  SurfaceFigures surface;                 ///< set with the file
 };
 
 struct FittedResponses {

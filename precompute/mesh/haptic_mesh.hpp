@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The sites of a body: a coarse triangle mesh whose vertices carry responses, and the fine surface of contact.
+// The sites of a body: a coarse triangle mesh whose vertices carry responses.
 #pragma once
 
 #include "formats/scene.hpp"
@@ -12,19 +12,11 @@
 
 namespace palpate {
 
-/// A triangle of the contact surface.
-struct FineTriangle {
-  std::array<std::int32_t, 3> vertices{};              ///< of fine_points, counter-clockwise from outside
-  std::int32_t patch = 0;                              ///< coarse triangle
-  std::array<std::array<std::uint16_t, 2>, 3> grid{};  ///< per corner: subdivision times its weights of the
-                                                       ///< patch's first two corners
-};
-
 struct EdgeLengths {
   double shortest = 0.0, median = 0.0, mean = 0.0, longest = 0.0;  ///< m
 };
 
-/// Arrays from points to selected have one entry a site. Closed and manifold, as is the fine surface.
+/// Arrays from points to selected have one entry a site. Closed and manifold.
 struct HapticMesh {
   std::vector<Eigen::Vector3d> points;    ///< m, on the body's surface
   std::vector<Eigen::Vector3d> normals;   ///< unit, outward, averaged over a third of the spacing
@@ -35,17 +27,11 @@ struct HapticMesh {
   std::vector<std::uint8_t> selected;     ///< inside sampling.within_box (or no box given) and not in a cavity
   std::vector<std::array<std::int32_t, 3>> triangles;
 
-  std::int32_t subdivision = 1;              ///< k in [1, 8]
-  std::vector<Eigen::Vector3d> fine_points;  ///< m, on the body's surface; the sites come first
-  std::vector<FineTriangle> fine_triangles;  ///< k * k a patch
-  double chordal_error = 0.0;                ///< m, largest distance of a fine triangle's middle to the body's surface,
-                                             ///< over the patches with a site that is selected and not held
   EdgeLengths edges;                         ///< of the coarse mesh
 };
 
 /// Places sites about sampling.spacing apart, down to margin_spacing where the body is sharply curved or thinner
-/// than 1.5 times the spacing; then chooses the smallest k in [1, 8] with a chordal error of at most 2 % of the
-/// depth that all but 5 % of the selected sites reach (8 where none is fine enough). Deterministic.
+/// than 1.5 times the spacing. Deterministic.
 /// Throws Error(bad_input) where the spacing leaves fewer than four sites or needs more triangles than adapt_surface
 /// makes, Error(numerical) as that.
 HapticMesh make_haptic_mesh(const Scene& scene, const Body& body);

@@ -33,8 +33,8 @@ constexpr double kPieces = 64;
 // Calls use(a, b, c) for pieces of a triangle of the body's surface.
 template <class Use>
 void for_each_piece(const Body& body, const Surface& surface, const std::array<std::int32_t, 3>& t, const Use& use) {
-  for_each_piece(surface.vertices[std::size_t(t[0])], surface.vertices[std::size_t(t[1])],
-                 surface.vertices[std::size_t(t[2])], body.diagonal / kPieces, use);
+  palpate::for_each_piece(surface.vertices[std::size_t(t[0])], surface.vertices[std::size_t(t[1])],
+                          surface.vertices[std::size_t(t[2])], body.diagonal / kPieces, use);
 }
 
 Eigen::AlignedBox3d bounds(const Surface& surface) {

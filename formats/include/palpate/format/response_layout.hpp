@@ -138,7 +138,7 @@ struct Meta {
   std::uint32_t site_count, vertex_count, triangle_count;
   std::uint32_t tool_count, tool_vertex_count, tool_patch_count;
   std::uint32_t response_count;  ///< site_count * tool_vertex_count
-  std::uint32_t subdivision;     ///< k: each patch is k * k triangles of the contact surface
+  std::uint32_t subdivision;     ///< k: weights of sites are multiples of 1 / k
   std::uint32_t bonded_coefs;    ///< of each curve of BONDED and BONDED_TORQUE; 0 when no tool bonds
   std::uint32_t search_nodes;
   std::uint32_t normal_degree, bias_degree, stiffness_degree, friction_degree;  ///< response::Degrees
