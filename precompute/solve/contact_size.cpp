@@ -32,14 +32,8 @@ struct Source {
   double size;
 };
 
-/// Part of the body's surface that the deepest tool would cover.
-struct Footprint {
-  std::vector<Vector3d> points;  ///< on a grid in the tangent plane, and the contact's origin
-  double overlap = 0;            ///< m^3, of the tool and the undeformed body
-  double on_flat = 0;            ///< m^3, of the tool and the tangent plane
-};
-
-Footprint footprint(const Body& body, const Tool& tool, const Eigen::Isometry3d& deepest,
+// Points of the body's surface that the deepest tool would cover, on a grid in the tangent plane.
+std::vector<Vector3d> footprint(const Body& body, const Tool& tool, const Eigen::Isometry3d& deepest,
                                 const ContactFrame& frame, double radius) {
   const Eigen::AlignedBox3d box = tool.shape->bounds();
   double lo[2] = {0, 0}, hi[2] = {0, 0};
@@ -51,7 +45,7 @@ Footprint footprint(const Body& body, const Tool& tool, const Eigen::Isometry3d&
       hi[k] = std::max(hi[k], local[k]);
     }
   }
-  Footprint covered;
+  std::vector<Vector3d> points;
   // The tool's box may be far wider than what it covers: a coarse pass bounds the footprint for the fine one.
   for (const bool fine : {false, true}) {
     const double step = std::max(radius / 4, std::max(hi[0] - lo[0], hi[1] - lo[1]) / 40);
@@ -61,13 +55,8 @@ Footprint footprint(const Body& body, const Tool& tool, const Eigen::Isometry3d&
         const Vector3d over = frame.origin + i * step * frame.x + j * step * frame.y;
         const Vector3d on = body.query->closest(over).point;
         const double inside = tool.shape->distance(deepest.inverse() * on).value;
-        const double in_plane = tool.shape->distance(deepest.inverse() * over).value;
-        if (std::min(inside, in_plane) >= (fine ? 0.0 : step)) continue;
-        if (fine) {
-          if (inside < 0) covered.points.push_back(on);
-          covered.overlap += std::max(-inside, 0.0) * step * step;
-          covered.on_flat += std::max(-in_plane, 0.0) * step * step;
-        }
+        if (inside >= (fine ? 0.0 : step)) continue;
+        if (fine) points.push_back(on);
         const double at[2] = {i * step, j * step};
         for (int k = 0; k < 2; ++k) {
           next_lo[k] = std::min(next_lo[k], at[k] - step);
@@ -78,14 +67,8 @@ Footprint footprint(const Body& body, const Tool& tool, const Eigen::Isometry3d&
     std::copy_n(next_lo, 2, lo);
     std::copy_n(next_hi, 2, hi);
   }
-  covered.points.push_back(frame.origin);
-  return covered;
-}
-
-// m. A sphere's overlap grows like a^2 d, with Hertz's a^2 = R d and 1/R the sum of both curvatures. On a convex body the
-// contact is smaller than `on_flat`.
-double contact_radius_on(const Footprint& covered, double on_flat) {
-  return on_flat * std::sqrt(std::min(1.0, covered.overlap / covered.on_flat));
+  points.push_back(frame.origin);
+  return points;
 }
 
 // The reduced size of an element at this point of the surface, where the body is a wedge thinner than `over` elements.
@@ -108,19 +91,13 @@ double longest_edge(const Body& body, const PairOptions& options) {
 
 SizeField contact_size(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
                        double depth, double scale, const PairOptions& options, const std::vector<Vector3d>& further) {
-  const auto covered_at = [&](const ContactFrame& here) {
-    Eigen::Isometry3d deepest = touching_pose(vertex, here);
-    deepest.translation() -= depth * here.n;
-    return footprint(body, tool, deepest, here, contact_radius(vertex, depth));
-  };
-  const bool curved = vertex.flat_radius == 0;
-  const double radius = contact_radius_on(covered_at(frame), contact_radius(vertex, depth));
+  const double radius = contact_radius(vertex, depth);
   const double size = options.mesh_size * scale * radius;
   const double largest = longest_edge(body, options) * std::sqrt(scale);
 
   std::vector<Source> sources;
   // A curved tool's overlap is wider than the contact it makes (by sqrt 2 in Hertz' limit): shrink it.
-  const double shrink = curved ? 0.75 : 1.0;
+  const double shrink = vertex.flat_radius > 0 ? 1.0 : 0.75;
   std::vector<Vector3d> places{Vector3d::Zero()};
   places.insert(places.end(), further.begin(), further.end());
   for (const Vector3d& place : places) {
@@ -129,7 +106,7 @@ SizeField contact_size(const Body& body, const Tool& tool, const ToolVertex& ver
     const Eigen::Isometry3d touching = touching_pose(vertex, here);
     Eigen::Isometry3d deepest = touching;
     deepest.translation() -= depth * here.n;
-    for (const Vector3d& p : covered_at(here).points) {
+    for (const Vector3d& p : footprint(body, tool, deepest, here, radius)) {
       const Vector3d at = here.origin + shrink * (p - here.origin);
       sources.push_back({at, on_wedge(*body.query, body.query->closest(at).point, size, kOverWedge)});
     }
@@ -157,7 +134,7 @@ SizeField contact_size(const Body& body, const Tool& tool, const ToolVertex& ver
     }
   }
   // A curved tool touches at a point first: the shallow contact needs elements of its own scale.
-  if (curved && further.empty()) sources.push_back({frame.origin, kTouch * size});
+  if (vertex.flat_radius == 0 && further.empty()) sources.push_back({frame.origin, kTouch * size});
 
   if (body.stress_free) {
     // The mesh is made free of stress: where prestress stretches it there are finer elements before.
