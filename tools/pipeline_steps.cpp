@@ -183,7 +183,7 @@ std::string fit_text(const pipeline::Pipeline& p, const FitReport& report) {
   }
   const SurfaceFigures& surface = report.surface;
   char line[160];
-  std::snprintf(line, sizeof line, "contact surface: %zu triangles, at most %.3g mm from the body's (asked: %.3g mm)\n",
+  std::snprintf(line, sizeof line, "contact surface: %zu triangles, at most %.3g mm from the body's (allowed: %.3g mm)\n",
                 surface.triangles, 1e3 * surface.distance, 1e3 * surface.tolerance);
   text += line;
   if (!surface.fault.empty()) text += surface.fault + "; the patches themselves stand for the body's surface\n";

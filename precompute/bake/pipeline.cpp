@@ -55,10 +55,10 @@ bool has_samples(const Paths& paths) {
   return std::any_of(begin(files), end(files), [](const auto& f) { return f.path().extension() == ".journal"; });
 }
 
-/// A damaged manifest is no other plan, and is written anew from the scene.
-void check_manifest(const std::string& text, const std::filesystem::path& file) {
+/// The manifest that the work folder holds. A damaged one is no other plan.
+Manifest kept_manifest(const std::string& text, const std::filesystem::path& file) {
   try {
-    static_cast<void>(parse_manifest(text, file.string()));
+    return parse_manifest(text, file.string());
   } catch (const Error& error) {
     throw Error(ExitCode::bad_input, std::string(error.what()) +
                                          "; removing this file loses nothing: the same command "
@@ -133,7 +133,7 @@ void write_manifest(Pipeline& p) {
     if (old == text) return;
     // A folder that an earlier program baked has the same pairs, another hash of their mesh (a solve depends on its pair
     // alone), and a scene's text with other defaults.
-    const Hash128 mesh = parse_manifest(old, p.paths.manifest.string()).inputs.haptic_mesh;
+    const Hash128 mesh = kept_manifest(old, p.paths.manifest).inputs.haptic_mesh;
     std::vector<std::string> scenes = earlier_canonical_texts(p.scene);
     scenes.insert(scenes.begin(), canonical_text(p.scene, CanonicalScope::solves));
     for (const std::string& scene : scenes) {
@@ -146,7 +146,6 @@ void write_manifest(Pipeline& p) {
       return;
     }
     if (has_samples(p.paths)) {
-      check_manifest(old, p.paths.manifest);
       throw Error(ExitCode::bad_input, p.paths.work.string() +
                                            ": holds samples of another plan (scene, surfaces or tools have changed "
                                            "since); remove this folder or choose another one by --work");

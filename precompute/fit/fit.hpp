@@ -57,7 +57,7 @@ struct RecordedFigures {
 /// The contact surface of the file.
 struct SurfaceFigures {
   std::size_t triangles = 0;
-  double tolerance = 0.0, distance = 0.0;  ///< m, asked and found, to the body's surface
+  double tolerance = 0.0, distance = 0.0;  ///< m, allowed and found, to the body's surface
   std::string fault;                       ///< why it is the mesh of patches itself; empty: it is not
 };
 

@@ -31,7 +31,7 @@ struct ContactSurface {
 };
 
 /// The contact surface of `body` (closed, manifold, without crossings) that is nowhere farther than `tolerance` (m, >
-/// 0) from it. `sites` are points on the body (m), `patches` a closed manifold mesh of them. Where patches cannot be
+/// 0) from it. `sites` are points on the body (m), `patches` a closed manifold mesh of them. If patches cannot be
 /// laid out on the body's surface, the result is the mesh of patches itself, with the fault. Deterministic. Throws
 /// Error(numerical) where that mesh crosses itself too.
 ContactSurface make_contact_surface(const Surface& body, const std::vector<Eigen::Vector3d>& sites,

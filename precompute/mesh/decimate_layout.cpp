@@ -95,7 +95,7 @@ public:
   }
 
 private:
-  // What a collapse of its halfedge would do.
+  // Effect of a collapse of its halfedge.
   struct Collapse {
     Vector3d target;
     std::vector<Face> faces;                                // that stay, with a corner at the target
@@ -131,7 +131,7 @@ private:
     q.add(plane(across.normalized(), start, kSidePull * q.a.trace()));
   }
 
-  // Where the end of `h` moves to.
+  // New place of the end of `h`.
   [[nodiscard]] Vector3d target(Halfedge h) const {
     const Vertex from = mesh_.from_vertex_handle(h), to = mesh_.to_vertex_handle(h);
     const Vector3d& end = mesh_.point(to);

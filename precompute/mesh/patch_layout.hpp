@@ -14,7 +14,7 @@ namespace palpate {
 /// A side of a patch: its sites, lower first.
 using PatchSide = std::array<std::int32_t, 2>;
 
-/// Where a point of the surface lies among the paths: at a site, or on the path of a side between its sites, or on
+/// Place of a point of the surface among the paths: at a site, or on the path of a side between its sites, or on
 /// none.
 struct PathPlace {
   std::int32_t site = -1, side = -1;

@@ -23,7 +23,8 @@ TEST_F(Frame, HelpAndVersion) {
 TEST_F(Frame, EveryCommandHasHelp) {
   const std::set<std::string> commands = listed_commands();
   const std::set<std::string> expected{"build",  "scene",   "mesh", "plan",  "bake",    "merge",  "submit", "fit",
-                                       "verify", "inspect", "play", "drive", "compare", "export", "bench",  "synth"};
+                                       "verify", "inspect", "play", "drive", "compare", "export", "bench",  "synth",
+                                       "report", "view"};
   EXPECT_EQ(commands, expected);
   for (const std::string& command : commands) {
     const RunResult help = run({command, "--help"});
@@ -69,7 +70,7 @@ TEST_F(Frame, WrongUsageEndsWithOne) {
     expect_failure(run(arguments), 1, {"no limits to set", "--samples"});
   }
   expect_failure(run({"verify", "--strokes"}), 1, {"needs a scene"});
-  expect_failure(run({"verify", "x.toml", "--plot", "x.svg"}), 1, {"--plot", "--strokes"});
+  expect_failure(run({"verify", "x.palp", "--loops", "--plot", "x.svg"}), 1, {"--plot", "--strokes"});
   expect_failure(run({"verify", "--slide", "--radii", "nan"}), 1, {"--radii", "got nan; allowed [0.1, 100]"});
   expect_failure(run({"bench", "x.palp", "--seconds", "nan"}), 1, {"--seconds", "got nan; allowed [0.001, 10]"});
 }

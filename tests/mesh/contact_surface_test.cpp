@@ -59,7 +59,7 @@ Surface ring(double radius, double thickness, int around, int across) {
   return s;
 }
 
-// What holds for every contact surface that follows its body.
+// Properties of every contact surface that follows its body.
 void expect_sound(const ContactSurface& c, const Surface& body, const HapticMesh& mesh, double tolerance) {
   const Surface s = surface_of(c);
   EXPECT_TRUE(c.fault.empty()) << c.fault;
@@ -124,7 +124,7 @@ TEST(ContactSurface, BlockKeepsItsEdgesAndVolume) {
   EXPECT_LT(c.triangles.size(), 2.5 * static_cast<double>(mesh.triangles.size())) << "flat patches need one each";
 }
 
-// Patches of a sharp margin lie across it. What was folded there is not now.
+// Patches of a sharp margin lie across it. The surface does not fold there.
 TEST(ContactSurface, SharpMarginIsNotCutOff) {
   const Surface body = lens(0.05, 0.08);
   const HapticMesh mesh = haptic_mesh(body, 0.015);

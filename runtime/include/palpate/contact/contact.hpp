@@ -314,7 +314,7 @@ private:
     const BlendedResponse<kFeatures> old = response_;
     response_.blend(*view_, tool_, place.body_point.at, place.tool_point.at, turned(place.axis, place.normal, n), &tool);
     if (share < 1) response_.mix(old, 1 - share);
-    layers_.set(response_.law(), response_.softening());
+    if constexpr ((kFeatures & layout::feature_friction) != 0) layers_.set(response_.law(), response_.softening());
   }
 
   /// The force at the indentation z (m). The counted depth d is z where the hand has put in what the contact stored at the
