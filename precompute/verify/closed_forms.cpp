@@ -193,9 +193,9 @@ double in_tolerances(const LawValue& v) { return std::abs(v.over_law - 1) / v.to
 
 std::vector<ClosedForm> closed_forms() {
   return {
-      {"Hertz", "sphere, d = 0.01 R: F = 4/3 E* sqrt(R) d^1.5, a = sqrt(R d)", 20, 40, laws::hertz},
+      {"Hertz", "sphere, d = 0.01 R: F = 4/3 E* sqrt(R) d^1.5, a = sqrt(R d)", 30, 60, laws::hertz},
       {"Sneddon, punch", "edge radius 0.01 of its own: F = 2 E* a d", 40, 80, laws::flat_punch},
-      {"Sneddon, cone", "half angle 80 degrees: F = 2/pi E* tan(theta) d^2", 20, 40, laws::blunt_cone},
+      {"Sneddon, cone", "half angle 80 degrees: F = 2/pi E* tan(theta) d^2", 30, 60, laws::blunt_cone},
       {"Dimitriadis", "sphere on a bonded layer, nu 0.4999: the series below sqrt(R d)/h = 0.35, exact to 1", 6, 8,
        laws::layer},
       {"Mindlin", "stuck sphere, d = 0.001 R, sideways: k = 8 G a / (2 - nu)", 40, 80, laws::mindlin},
