@@ -38,7 +38,7 @@ double BladderShape::rise(double young, double pressure) const {
   double low = 1, high = std::pow(7, 1.0 / 6);
   if (!(pressure < held(high))) {
     throw Error(ExitCode::usage, "pressure: got " + std::to_string(pressure) +
-                                     " Pa; a wall of that modulus bears about " + std::to_string(held(high)));
+                                     " Pa; a wall of that modulus holds up to about " + std::to_string(held(high)));
   }
   for (int k = 0; k < 50; ++k) {
     const double middle = (low + high) / 2;

@@ -14,7 +14,7 @@ enum class Organ { slab, ball, liver, kidney, bladder };
 enum class Instrument { sphere, punch, capsule, stylus };
 enum class MotionKind { probe, scan };
 
-/// Every length in m. What is not set is chosen to fit the organ.
+/// Every length in m. A value that is not set is chosen to fit the organ.
 struct DatasetOptions {
   Organ organ = Organ::slab;
   std::uint64_t seed = 1;       ///< varies the liver's shape and the place that is probed
@@ -29,7 +29,7 @@ struct DatasetOptions {
   double inclusion_young = 5e4;
   bool tumour = false;  ///< liver with an inclusion: both with published stiffnesses
 
-  double pressure = 0.0;  ///< Pa inside a bladder, below what its wall can bear
+  double pressure = 0.0;  ///< Pa inside a bladder, below the limit of its wall
 
   Instrument instrument = Instrument::sphere;
   bool instrument_as_mesh = false;  ///< write the tool as a closed mesh (a stylus always is one)

@@ -12,7 +12,7 @@ namespace palpate::synth {
 
 namespace {
 
-/// Where the ray from the origin leaves an ellipsoid that holds the origin.
+/// Distance at which a ray from the origin leaves an ellipsoid around the origin.
 double exit_distance(const Eigen::Vector3d& direction, const Eigen::Vector3d& centre,
                      const Eigen::Vector3d& semi_axes) {
   const Eigen::Vector3d d = direction.cwiseQuotient(semi_axes);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The samples of figures 2 and 4 of Hayward and Mahvash (2004) as scenes.
+// The samples of figures 2 and 4 of Mahvash and Hayward (2004) as scenes.
 #pragma once
 
 #include <filesystem>

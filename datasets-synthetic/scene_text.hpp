@@ -18,7 +18,7 @@ struct EllipsoidFacts {
   double young = 0.0;  ///< Pa
 };
 
-/// What the scene needs to know of the organ that was made. Lengths in m.
+/// Properties of a synthetic organ that its scene needs. Lengths in m.
 struct SceneFacts {
   std::string organ_file;
   std::string inclusion_file;  ///< empty: none

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where a vertical line meets a surface from above: the places that the motions probe.
+// Points where a vertical line meets a surface from above: the places that the motions probe.
 #pragma once
 
 #include "formats/surface.hpp"

@@ -15,7 +15,7 @@ enum class ExitCode : int {
   bad_input = 2,  ///< a file's content is wrong: scene, surface, motion, journal, response
   numerical = 3,  ///< a solve, mesh or fit could not be brought to a result that passes its gates
   io = 4,         ///< the system refused: cannot open, write, rename; disk full
-  tolerance = 5,  ///< a result lies outside the asked tolerance
+  tolerance = 5,  ///< a result lies outside the required tolerance
 };
 
 /// An error that a user can act on: says what, where (file, line or element) and the allowed range.

@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -38,7 +39,11 @@ bool check_header(const Bytes& bytes, const Hash128& manifest, const std::filesy
   const Bytes expected = journal::encode_header(manifest);
   std::uint64_t sum = 0;
   std::memcpy(&sum, bytes.data() + 56, sizeof sum);
-  if (sum != checksum::of(bytes.data(), 56)) fail_input(file, "offset 0: the journal's header is damaged");
+  if (sum != checksum::of(bytes.data(), 56)) {
+    fail_input(file,
+               "offset 0: the journal's header is damaged, which says the plan of its records; without this file "
+               "everything is solved again");
+  }
   if (std::memcmp(bytes.data() + 8, expected.data() + 8, 8) != 0) {
     std::uint32_t version = 0;
     std::memcpy(&version, bytes.data() + 8, sizeof version);
@@ -164,6 +169,17 @@ void Journal::append(std::uint32_t pair, const PairCheck& check) { write_record(
 void Journal::write_record(const Bytes& record) {
   const std::lock_guard lock(mutex_);
   if (failed_) throw Error(ExitCode::io, "the journal " + file_.string() + " takes no more: an earlier write failed");
+  // A record behind a hole, or in a file without a name, would be lost.
+  struct stat now = {};
+  if (::fstat(descriptor_, &now) != 0) refuse(file_, "cannot look at the journal", errno);
+  if (now.st_nlink == 0 || static_cast<std::uint64_t>(now.st_size) != size_) {
+    failed_ = true;
+    throw Error(ExitCode::io, file_.string() + ": another program " +
+                                  (now.st_nlink == 0 ? "removed the journal"
+                                                     : "changed the journal's length from " + std::to_string(size_) +
+                                                           " to " + std::to_string(now.st_size) + " bytes") +
+                                  " during the bake; run the same command again to solve what is lost");
+  }
   try {
     write_fully(descriptor_, record, file_);
   } catch (const Error& error) {

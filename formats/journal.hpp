@@ -14,18 +14,24 @@
 
 namespace palpate {
 
-/// What a journal holds of one pair.
+/// The records of one pair in a journal.
 struct JournalPair {
   std::vector<Sample> samples;  ///< sorted by (kind, index), each once
   std::optional<PairCheck> check;
   std::optional<PairOutcome> outcome;  ///< absent: not finished
 };
 
-/// What a journal holds, independent of the order in which it was written.
+/// The content of a journal, independent of the order in which it was written.
 struct JournalContent {
   std::map<std::uint32_t, JournalPair> pairs;  ///< by index into the manifest's pairs
   std::uint64_t records = 0;                   ///< whole records read
   std::uint64_t torn_bytes = 0;                ///< of a torn tail, ignored (reading) or cut off (writing)
+
+  /// Whether the pair has an outcome.
+  [[nodiscard]] bool finished(std::uint32_t pair) const {
+    const auto at = pairs.find(pair);
+    return at != pairs.end() && at->second.outcome.has_value();
+  }
 };
 
 /// True when two samples, two checks agree in every bit.
@@ -46,11 +52,12 @@ public:
   Journal(const Journal&) = delete;
   Journal& operator=(const Journal&) = delete;
 
-  /// What the file held when it was opened.
+  /// The content of the file when it was opened.
   [[nodiscard]] const JournalContent& content() const noexcept { return content_; }
 
   /// Appends one record by one write. Throws Error(io) when the system refuses (disk full): what was appended
-  /// before stays, the part of this record that was written is taken back, and the journal takes no more.
+  /// before stays, the part of this record that was written is taken back, and the journal takes no more. The same
+  /// where another program removed the file or changed its length.
   void append(std::uint32_t pair, const Sample& sample);
   void append(std::uint32_t pair, const PairOutcome& outcome);
   void append(std::uint32_t pair, const PairCheck& check);

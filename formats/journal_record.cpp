@@ -25,7 +25,7 @@ void put(Bytes& bytes, T value) {
   std::memcpy(bytes.data() + at, &value, sizeof value);
 }
 
-/// Of the kinds whose rotation and torque are kept.
+/// True for the kinds of sample that have a rotation and a torque.
 constexpr bool has_torque(std::uint32_t kind) { return kind == static_cast<std::uint32_t>(SampleKind::grasped); }
 
 template <class T>

@@ -30,7 +30,7 @@ Bytes encode(std::uint32_t pair, const Sample& sample);
 Bytes encode(std::uint32_t pair, const PairOutcome& outcome);
 Bytes encode(std::uint32_t pair, const PairCheck& check);
 
-/// Where a whole record lies in a buffer.
+/// The position of a whole record in a buffer.
 struct RecordView {
   RecordType type = RecordType::sample;
   std::uint32_t pair = 0;

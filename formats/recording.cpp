@@ -99,7 +99,7 @@ private:
     }
     const bool point = has(x) && has(y) && has(z);
     if (point == has(site) || (has(site) && (has(x) || has(y) || has(z)))) {
-      fail("where the contact is has to be said either by the columns x, y, z or by the column site");
+      fail("the contact's place needs either the columns x, y, z or the column site");
     }
   }
 

@@ -87,7 +87,7 @@ struct ResponseFileContent {
 
   std::vector<ResponseSite> sites;
   std::vector<std::array<std::uint32_t, 3>> patches;  ///< of the haptic mesh; corners index sites
-  std::uint32_t subdivision = 1;                      ///< k
+  std::uint32_t subdivision = 1;                      ///< k: weights of sites are multiples of 1 / k
   std::vector<Triple> surface_vertices;               ///< contact surface, closed and manifold
   std::vector<ResponseTriangle> surface_triangles;
   std::vector<ResponseTool> tools;

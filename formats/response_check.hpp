@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// What a response file's content must satisfy before it is written.
+// Checks of a response file's content before it is written.
 #pragma once
 
 #include "formats/response.hpp"
 
 namespace palpate::detail {
 
-/// What the bytes could not show any more: names that are cut, counts that do not fit. Throws Error(bad_input).
+/// Checks what the encoded bytes cannot show: names that are cut, counts that do not fit. Throws Error(bad_input).
 void check_content(const ResponseFileContent& content);
 
 /// Opens what was encoded as every later command will. Throws Error with the reader's message: numerical where a

@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of two paths that are not empty. A path that cannot be looked at is refused where it is opened.
+/// True if two paths, neither empty, name the same file. A path without access is refused where it is opened.
 bool same(const fs::path& a, const fs::path& b) {
   std::error_code error;
   const fs::file_status status = fs::status(a, error);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the bake records: planned pairs, solved samples, outcomes. Stored by the journal (journal.hpp).
+// Records of the bake: planned pairs, solved samples, outcomes. Stored by the journal (journal.hpp).
 #pragma once
 
 #include <Eigen/Core>
@@ -50,7 +50,7 @@ struct Sample {
   Eigen::Vector3d deflection{0, 0, 0};
   Eigen::Vector3d force{0, 0, 0};    ///< N on the tool, components (x, y, n); a push answers with n > 0
   double friction_limit = 0.0;       ///< mu(depth): gross-slip tangential force over force.z; of normal samples
-                                     ///< foretold, of slipping ones solved (0 while a part still sticks)
+                                     ///< predicted, of slipping ones solved (0 while a part still sticks)
   double contact_area = 0.0;         ///< m^2, undeformed area of the surface in contact
   double penetration = 0.0;          ///< m, largest overlap of tool and tissue that the penalty left
   double min_jacobian = 1.0;         ///< smallest det F over the quadrature points

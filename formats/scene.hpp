@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a scene file says, with every default in one place. Read by read_scene (scene.cpp, toml++).
+// The content of a scene file, with every default in one place. Read by read_scene (scene.cpp, toml++).
 #pragma once
 
 #include "formats/frame.hpp"
@@ -102,7 +102,7 @@ struct SupportScene {
   double within = 0.0;                                 ///< m
 };
 
-/// Loads that the body bears before any tool touches it.
+/// Loads on the body before any tool touches it.
 struct PrestressScene {
   Eigen::Vector3d gravity{0, 0, 0};  ///< m/s^2, [-1000, 1000]
   double density = 1060.0;           ///< kg/m^3 of body and regions, stress-free, (0, 1e5]; gravity acts on it
@@ -155,6 +155,8 @@ struct ResponseScene {
   Search search = Search::automatic;
   double tolerance = 0.05;  ///< requested relative force error, (0, 1): it chooses the degrees of the responses
   double max_residual = 1;  ///< relative error beyond which a pair's fit is refused, [0.01, 1000]
+  /// m; largest distance between the contact surface and the body's; 0 chooses 1/40 of the smallest tool radius
+  double surface_tolerance = 0.0;
 };
 
 struct SolverScene {
@@ -163,7 +165,7 @@ struct SolverScene {
   double max_size = 0.0;    ///< m; longest edge far away; 0: 1/8 of the box's diagonal, or twice the median wall
   double rim_size = 0.0;    ///< element edge at the rim of the deepest contact, in contact radii, [0, 1]; 0: no ring
   double time_limit = 120;  ///< s for one pair's mesh; beyond it the pair is refused
-  /// Of the pairs, at least one, whose straight push is also solved on a finer mesh, [0, 1]; 0: none.
+  /// Share of the pairs, at least one, whose normal indentation is also solved on a finer mesh, [0, 1]; 0: none.
   double check_share = 0.01;
   int check_seed = 1;  ///< of the draw of these pairs
 };
@@ -203,7 +205,7 @@ enum class CanonicalScope { everything, solves };
 std::string canonical_text(const Scene& scene, CanonicalScope scope = CanonicalScope::everything);
 
 /// Texts that earlier programs gave the same scene with CanonicalScope::solves, for work folders that they baked.
-/// They had 2 tangential depths by default, and paths only in scenes that asked for them.
+/// They had 2 tangential depths by default, and paths only in scenes that requested them.
 std::vector<std::string> earlier_canonical_texts(const Scene& scene);
 
 /// Reference of every key with its help, default and allowed range: TOML that reads back as the defaults.

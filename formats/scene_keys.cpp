@@ -75,7 +75,7 @@ const Keys<BodyScene>& body_keys() {
         },
         kLabelsExample},
        choice("repair", &BodyScene::repair, {"auto", "none", "repair", "wrap"},
-              "What is done to a surface that is not closed, manifold and free of self-intersections; "
+              "Repair of a surface that is not closed, manifold and free of self-intersections; "
               "auto: the least that works."),
        number(
            "wrap_alpha", &BodyScene::wrap_alpha, kLengthOrAuto,
@@ -87,10 +87,11 @@ const Keys<BodyScene>& body_keys() {
                "Rounds of subdivision through the clean surface's vertices, for files whose facets a small tip would "
                "feel; sharp edges become round."),
        number("capsule_thickness", &BodyScene::capsule_thickness, kLengthOrAuto,
-              "Of a thin sheet on the outside (not in cavities) that stretches and does not bend (an organ's capsule); "
+              "Thickness of a thin sheet on the outside (not in cavities) that stretches and does not bend (an organ's "
+              "capsule); "
               "0: none."),
        number("capsule_young", &BodyScene::capsule_young, {0, 1e12, false, "Pa"},
-              "Of that sheet, incompressible neo-Hookean.")});
+              "Young's modulus of that sheet, incompressible neo-Hookean.")});
   return keys;
 }
 
@@ -210,7 +211,11 @@ const Keys<ResponseScene>& response_keys() {
           Affects::file,
           number("max_residual", &R::max_residual, {0.01, 1000, false, ""},
                  "Relative error of a solved force beyond which its pair's fit is refused: the response is filled "
-                 "from neighbours."))};
+                 "from neighbours.")),
+      affecting(Affects::file,
+                number("surface_tolerance", &R::surface_tolerance, kLengthOrAuto,
+                       "Largest distance between the contact surface and the body's surface. A coarser contact surface "
+                       "makes a smaller file; 0: 1/40 of the smallest tool radius."))};
   return keys;
 }
 

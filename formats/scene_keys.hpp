@@ -10,7 +10,7 @@
 
 namespace palpate::scene_io {
 
-/// What a key changes; canonical_text keeps some and leaves out others.
+/// The part of a bake that a key changes; canonical_text keeps some and leaves out others.
 enum class Affects {
   nothing,  ///< a name or a path
   solves,   ///< what is solved
@@ -51,13 +51,13 @@ const Keys<SceneSources>& sources_keys();
 const Keys<MeasuredScene>& measured_keys();  ///< with what their keys must meet together, in scene_sources.cpp
 const Keys<AnalyticScene>& analytic_keys();
 
-/// What a material's keys must meet together; sets `young` where the law has moduli of its own.
+/// Checks a material's keys together; sets `young` where the law has moduli of its own.
 void check_material(MaterialScene& material, const toml::table& table, const Place& place);
 
 /// Keys that would change nothing without another one are errors.
 void check_prestress(const PrestressScene& prestress, const toml::table& table, const Place& place);
 
-/// What a recording and a law need, and keys that a law has no use for.
+/// Checks that a recording and a law have the keys that they need, and none that they do not use.
 void check_measured(const toml::table& table, const Place& place);
 void check_analytic(const AnalyticScene& analytic, const toml::table& table, const Place& place);
 

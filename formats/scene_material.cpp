@@ -113,8 +113,8 @@ double shear_modulus(const M& m) {
   }
 }
 
-/// What is left for the volume term of the exponential law (Pa): the bulk modulus without what the exponential has of
-/// it already. Where it is none, a stretched body falls in sideways instead of finding a width.
+/// Modulus of the volume term of the exponential law (Pa): the bulk modulus minus the part of the exponential. Unless
+/// it is positive, the width of a stretched body has no equilibrium.
 double volume_modulus(const M& m) {
   const double bulk = 2 * shear_modulus(m) * (1 + m.poisson) / (3 * (1 - 2 * m.poisson));
   const double own = m.c1 * m.beta, c2 = m.c2.value_or(-0.5 * own);

@@ -57,7 +57,7 @@ const Keys<PrestressScene>& prestress_keys() {
             "\"NAME\""),
       where(has_stretch,
             vector("stretch", &P::stretch, kStretch,
-                   "Where supports hold the organ they are moved apart by these factors, about the centre of its "
+                   "Factors by which the supports of the organ are moved apart, about the centre of its "
                    "bounding box."),
             "[1.1, 1, 1]")};
   return keys;

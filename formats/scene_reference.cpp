@@ -48,28 +48,26 @@ std::string scene_reference() {
   append_reference(text, "[[region]]", "An inclusion with its own material; any number of them.", region_keys(), {},
                    false);
   append_reference(text, "[[cavity]]", "A hollow inside the organ; any number of them.", cavity_keys(), {}, false);
-  append_reference(
-      text, "[[support]]",
-      "Where and how the organ is held, exactly one place each; any number of them. None: the lowest tenth along z.",
-      support_keys(), {}, false);
+  append_reference(text, "[[support]]",
+                   "Supports of the organ, exactly one place each; any number of them. None: the lowest tenth along z.",
+                   support_keys(), {}, false);
   append_reference(text, "[prestress]",
-                   "Loads that the organ bears before an instrument touches it: they are solved first, and contact "
+                   "Loads on the organ before an instrument touches it: they are solved first, and contact "
                    "starts from there.",
                    prestress_keys(), scene.prestress, true);
   append_reference(text, "[[tool]]",
                    "An instrument; any number of them. Keys that do not belong to its shape are errors.", tool_keys(),
                    {}, false);
   append_reference(text, "[contact]", "Contact of instrument and organ.", contact_keys(), scene, true);
-  append_reference(text, "[sampling]", "Where and how deep it is solved.", sampling_keys(), scene.sampling, true);
-  append_reference(text, "[response]", "What is made of the solves.", response_keys(), scene.response, true);
+  append_reference(text, "[sampling]", "Sites and depths of the solves.", sampling_keys(), scene.sampling, true);
+  append_reference(text, "[response]", "The response fitted to the solves.", response_keys(), scene.response, true);
   append_reference(text, "[solver]", "Meshes and limits of the solves.", solver_keys(), scene.solver, true);
-  append_reference(text, "[sources]", "What answers where no recording and no law does.", sources_keys(),
+  append_reference(text, "[sources]", "Responses of sites without a recording and without a law.", sources_keys(),
                    SceneSources{}, true);
-  append_reference(
-      text, "[[measured]]",
-      "A recording with a real tool; any number of them. At the sites nearest to it, it stands in place of "
-      "what is solved.",
-      measured_keys(), {}, false);
+  append_reference(text, "[[measured]]",
+                   "A recording with a real tool; any number of them. At the sites nearest to it, it replaces "
+                   "the solves.",
+                   measured_keys(), {}, false);
   append_reference(text, "[[analytic]]",
                    "A closed form in place of solves; any number of them. It holds where all of within_box, mesh and "
                    "sites that are given do, left out: everywhere.",

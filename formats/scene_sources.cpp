@@ -101,7 +101,7 @@ const Keys<AnalyticScene>& analytic_keys() {
   static const Keys<A> keys{
       affecting(Affects::file,
                 choice("law", &A::law, laws(),
-                       "Required. Of a tool on a half-space: sphere (Hertz), flat punch, cone (Sneddon; sharp: for "
+                       "Required. A tool on a half-space: sphere (Hertz), flat punch, cone (Sneddon; sharp: for "
                        "depths from its tip's radius on); of a sphere on a thin bonded layer (Dimitriadis, "
                        "incompressible); a bed of springs under a sphere or punch; a spring.")),
       affecting(Affects::file,

@@ -29,21 +29,21 @@ struct AnalyticScene {
   std::optional<double> poisson;    ///< hertz, punch, cone, [0, 0.5]; none: the body's
   double thickness = 0.0;           ///< m; layer; 0: of the wall at the site
   double stiffness = 0.0;           ///< > 0; winkler: N/m^3, spring: N/m
-  double sideways_stiffness = 0.0;  ///< the same units, sideways; 0: as stiffness. Only friction asks for it
+  double sideways_stiffness = 0.0;  ///< the same units, sideways; 0: as stiffness. Used only with friction
   std::optional<std::pair<Eigen::Vector3d, Eigen::Vector3d>> within_box;  ///< m; the sites in it
   std::string mesh;        ///< the sites on the part of the surface that came from this mesh
   std::vector<int> sites;  ///< these numbers of the haptic mesh
 };
 
-/// Where the responses of a scene come from: apart from Scene, since no mesh and no solve depends on it.
+/// Sources of a scene's responses. Apart from Scene, because no mesh and no solve depends on it.
 struct SceneSources {
   enum class Rest { solved, covered };
-  Rest rest = Rest::solved;  ///< what answers where no recording and no law does: a solve, or the neighbours
+  Rest rest = Rest::solved;  ///< source of sites without recording and law: a solve, or the neighbours
   std::vector<MeasuredScene> measured;
   std::vector<AnalyticScene> analytic;
 };
 
-/// Of a scene file: [sources], [[measured]], [[analytic]]. Throws as read_scene.
+/// Reads [sources], [[measured]] and [[analytic]] of a scene file. Throws as read_scene.
 SceneSources read_sources(const std::filesystem::path& scene_file);
 
 /// Canonical text of all of them that changes a result, as that of a scene; empty where everything is solved. The

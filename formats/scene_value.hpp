@@ -14,7 +14,7 @@
 
 namespace palpate::scene_io {
 
-/// Where a value stands: for messages, and for paths relative to the scene file.
+/// The place of a value in a scene: for messages, and for paths relative to the scene file.
 struct Place {
   std::filesystem::path file;
   std::string key;  ///< full key, e.g. "sampling.depth"

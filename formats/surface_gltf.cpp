@@ -394,6 +394,8 @@ Surface read_gltf(const std::string& bytes, const std::filesystem::path& file, c
                                            reinterpret_cast<const unsigned char*>(screened.data()), length, folder)
              : loader.LoadASCIIFromString(&model, &error, &warning, screened.data(), length, folder);
   if (!done) {
+    constexpr std::size_t kLongest = 200;  // it may quote embedded data
+    error.resize(std::min(error.size(), kLongest));
     while (!error.empty() && error.back() == '\n') error.pop_back();
     throw Error(ExitCode::bad_input, file.string() + ": " + (error.empty() ? "tinygltf cannot read it" : error));
   }

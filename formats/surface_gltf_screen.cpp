@@ -177,15 +177,19 @@ private:
       Json entry = {{"byteLength", length}};
       if (buffer.contains("uri")) {
         if (!buffer["uri"].is_string()) fail(where + ": uri is not a text");
-        const auto uri = buffer["uri"].get<std::string>();
-        // An organ file may not name files elsewhere on this machine.
-        const auto name = decoded(uri);
-        if (uri.rfind("data:", 0) != 0 &&
-            (name.empty() || name.front() == '/' || name.find("..") != std::string::npos ||
-             name.find('\0') != std::string::npos || name.find(':') != std::string::npos)) {
+        auto uri = buffer["uri"].get<std::string>();
+        if (uri.rfind("data:", 0) == 0) {
+          // Any media type, or none; the loader accepts a few names alone.
+          const auto data = uri.find(";base64,");
+          if (data == std::string::npos) fail(where + ": uri has embedded data that are not base64");
+          uri.replace(0, data, "data:application/octet-stream");
+        } else if (const auto name = decoded(uri);
+                   name.empty() || name.front() == '/' || name.find("..") != std::string::npos ||
+                   name.find('\0') != std::string::npos || name.find(':') != std::string::npos) {
+          // An organ file may not name files elsewhere on this machine.
           fail(where + ": uri must be embedded data or a plain file name beside the file");
         }
-        entry["uri"] = uri;
+        entry["uri"] = std::move(uri);
       } else if (has_extension(buffer, "EXT_meshopt_compression")) {
         fail(where +
              " has its data under EXT_meshopt_compression alone, which is not supported: export the surface "

@@ -51,7 +51,7 @@ public:
   std::size_t n_faces() const override { return surface_.triangles.size(); }
   std::size_t n_edges() const override { return 0; }
   bool is_triangle_mesh() const override { return true; }
-  // The OBJ writer looks for texture properties in the kernel without asking whether there is one.
+  // The OBJ writer looks for texture properties in the kernel without a check that there is one.
   const om::BaseKernel* kernel() override { return &no_properties_; }
 
   om::Vec3f normal(VertexHandle) const override { return om::Vec3f(0, 0, 0); }

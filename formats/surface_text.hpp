@@ -16,7 +16,7 @@
 
 namespace palpate::detail {
 
-/// Walks over the words of a text, or over its lines, and knows the line it is on. Lines end by a line feed, a carriage
+/// Walks over the words of a text, or over its lines, and counts the lines. Lines end by a line feed, a carriage
 /// return or both; a byte-order mark of UTF-8 at the beginning is passed over.
 class TextScan {
 public:
@@ -76,7 +76,7 @@ public:
     return found;
   }
 
-  /// What is left of the current line, without the space around it.
+  /// The rest of the current line, without the space around it.
   std::string_view rest() {
     constexpr std::string_view space = " \t\r\v\f";
     const auto begin = current_.find_first_not_of(space);

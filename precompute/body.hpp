@@ -13,7 +13,7 @@
 
 namespace palpate {
 
-/// What surface preparation did and found, for the user to see before a bake.
+/// Results of surface preparation, for the user to see before a bake.
 struct SurfaceReport {
   std::string action;                 ///< "used as it is" | "repaired" | "wrapped", then ", smoothed"
   std::vector<std::string> findings;  ///< what validation found of the input, one line each
@@ -36,7 +36,7 @@ struct Inclusion {
   SurfaceReport report;
 };
 
-/// Where the held part of the surface ends, and the edge length (m) that resolves it; see support_rim.hpp.
+/// The edge of the held part of the surface, and the edge length (m) that resolves it; see support_rim.hpp.
 struct SupportRim {
   std::vector<Eigen::Vector3d> points;  ///< m
   double size = 0.0;
@@ -64,12 +64,12 @@ struct Body {
   SurfaceReport report;
   double diagonal = 0.0;  ///< m, of the bounding box
   PrestressScene prestress;
-  /// Of a body that bears its prestress: the same without it, of which volume meshes are made. `query` and `base` then
+  /// The same body without its prestress, of which volume meshes are made. `query` and `base` then
   /// are the surfaces as the loads leave them, triangle by triangle those of the stress-free body; inclusions, supports
   /// and their rim stay where that one has them. Null: the body is free of stress.
   std::shared_ptr<const Body> stress_free;
 
-  /// Where the closest point of the surface comes from; the point itself where the body is free of stress.
+  /// The closest point of the surface in the stress-free state; the point itself where the body is free of stress.
   [[nodiscard]] MaterialPoint material_point(const Eigen::Vector3d& point) const;
   /// The first support that holds a point on the body's surface; null where none does.
   [[nodiscard]] const SupportScene* support_at(const Eigen::Vector3d& surface_point) const;

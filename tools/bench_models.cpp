@@ -30,6 +30,7 @@ struct Row {
   fit::HeldOutFigures error;
   std::optional<ErrorFigures> paths;
   double stick = 0;  // ns
+  double force = 0;  // ns, of the force at one place alone
   std::optional<double> slide;
 };
 
@@ -55,6 +56,7 @@ Row measure_potential(const pipeline::Pipeline& p, const JournalContent& journal
           fit::held_out_figures(accepted_pairs(journal), scales),
           file.fitted.report.paths,
           bench.press.quantile(0.5),
+          bench.field.quantile(0.5),
           bench.slide.quantile(0.5)};
 }
 
@@ -97,7 +99,7 @@ Row measure_baseline(const std::string& name, double bytes, const JournalContent
   row.bytes = bytes;
   row.error = fit::held_out_figures(pairs, fitter);
   row.paths = path_figures(pairs, fitter);
-  row.stick = evaluation_time(fitter(*pairs.at(0)), scales);
+  row.stick = row.force = evaluation_time(fitter(*pairs.at(0)), scales);
   return row;
 }
 
@@ -132,34 +134,19 @@ Json as_json(const Row& row) {
   Json json{{"model", row.model},
             {"bytes_per_response", row.bytes},
             {"error", figures(row.error.samples, row.error.median, row.error.p95, row.error.worst)},
-            {"tick_ns", row.stick}};
+            {"tick_ns", row.stick},
+            {"force_ns", row.force}};
   if (row.paths) json["error_paths"] = figures(row.paths->samples, row.paths->median, row.paths->p95, row.paths->worst);
   if (row.slide) json["slide_ns"] = *row.slide;
   return json;
 }
 
-}  // namespace
-
-void run_model_bench(const ModelBenchCommand& command, const Globals& globals) {
-  pipeline::Pipeline p = pipeline::prepare(command.scene, {command.work, {}});
-  if (!(p.scene.friction > 0)) {
-    throw Error(ExitCode::bad_input, command.scene +
-                                         ": got [contact] friction = 0; allowed above 0: the models are compared by "
-                                         "tangential samples");
-  }
-  pipeline::find_pairs(p);
-  check_baked(p);
-  pipeline::write_manifest(p);
-  pipeline::resume(p);
-  const JournalContent journal = pipeline::samples(p);
-  if (accepted_pairs(journal).empty()) {
-    throw Error(ExitCode::bad_input,
-                command.scene + ": no pair of it was solved: the models are compared by solved samples");
-  }
+std::vector<Row> measure_models(const pipeline::Pipeline& p, const JournalContent& journal, int contacts,
+                                const Globals& globals) {
   std::vector<Row> rows;
   fit::ResponseScales scales;
   note(globals, "fitting and timing the quadratic potential");
-  rows.push_back(measure_potential(p, journal, command.contacts, scales));
+  rows.push_back(measure_potential(p, journal, contacts, scales));
   note(globals, "fitting and timing the baselines");
   fit::ResponseScales spring = scales;
   spring.degrees = response::kSpring;
@@ -184,6 +171,35 @@ void run_model_bench(const ModelBenchCommand& command, const Globals& globals) {
                      const Eigen::Vector3d& at) { return network.force(at); };
         }));
   }
+  return rows;
+}
+
+}  // namespace
+
+Json model_rows_json(const pipeline::Pipeline& p, const JournalContent& journal, int contacts, const Globals& globals) {
+  Json rows = Json::array();
+  if (!(p.scene.friction > 0) || accepted_pairs(journal).empty()) return rows;
+  for (const Row& row : measure_models(p, journal, contacts, globals)) rows.push_back(as_json(row));
+  return rows;
+}
+
+void run_model_bench(const ModelBenchCommand& command, const Globals& globals) {
+  pipeline::Pipeline p = pipeline::prepare(command.scene, {command.work, {}});
+  if (!(p.scene.friction > 0)) {
+    throw Error(ExitCode::bad_input, command.scene +
+                                         ": got [contact] friction = 0; allowed above 0: the models are compared by "
+                                         "tangential samples");
+  }
+  pipeline::find_pairs(p);
+  check_baked(p);
+  pipeline::write_manifest(p);
+  pipeline::resume(p);
+  const JournalContent journal = pipeline::samples(p);
+  if (accepted_pairs(journal).empty()) {
+    throw Error(ExitCode::bad_input,
+                command.scene + ": no pair of it was solved: the models are compared by solved samples");
+  }
+  const std::vector<Row> rows = measure_models(p, journal, command.contacts, globals);
   char line[200];
   std::snprintf(line, sizeof line, "%s; %zu forces left out, %zu along paths\n", machine_name().c_str(),
                 rows[0].error.samples, rows[0].paths->samples);

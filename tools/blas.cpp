@@ -12,7 +12,7 @@ namespace palpate::cli {
 
 namespace {
 
-// Set in the second start, so that there is never a third.
+// Names the variables that the first start has set. Set in the second, so that there is never a third.
 constexpr const char* kGuard = "PALPATE_BLAS_CHOSEN";
 
 #if defined(__x86_64__)
@@ -31,9 +31,10 @@ bool has_avx512() { return false; }
 
 #endif
 
-bool set_unless_given(const char* name, const char* value) {
-  if (std::getenv(name) != nullptr) return false;
-  return setenv(name, value, 0) == 0;
+/// Adds the name to `set` where it was not given.
+void set_unless_given(const char* name, const char* value, std::string& set) {
+  if (std::getenv(name) != nullptr || setenv(name, value, 0) != 0) return;
+  set += std::string(set.empty() ? "" : " ") + name;
 }
 
 }  // namespace
@@ -55,19 +56,25 @@ std::string blas_kernels() {
   return name == nullptr ? "" : name;
 }
 
+std::string variables_set_here() {
+  const char* names = std::getenv(kGuard);
+  return names == nullptr ? "" : names;
+}
+
 void use_right_blas_kernels(char** argv) {
   if (std::getenv(kGuard) != nullptr) return;
   // OpenBLAS and the OpenMP library read these only while they are loaded, before main.
   const bool loaded =
       dlsym(RTLD_DEFAULT, "openblas_get_corename") != nullptr || dlsym(RTLD_DEFAULT, "omp_get_max_threads") != nullptr;
-  bool changed = set_unless_given("OPENBLAS_NUM_THREADS", "1");
-  changed = set_unless_given("OMP_NUM_THREADS", "1") || changed;
+  std::string set;
+  set_unless_given("OPENBLAS_NUM_THREADS", "1", set);
+  set_unless_given("OMP_NUM_THREADS", "1", set);
   // CHOLMOD opens OpenMP regions with a thread count of its own: only the limit stops them.
-  changed = set_unless_given("OMP_THREAD_LIMIT", "1") || changed;
+  set_unless_given("OMP_THREAD_LIMIT", "1", set);
   const std::string kernels = blas_kernels();
   const char* core = kernels.empty() ? nullptr : better_core_type(kernels, has_avx2(), has_avx512());
-  if (core != nullptr) changed = set_unless_given("OPENBLAS_CORETYPE", core) || changed;
-  if (!loaded || !changed || setenv(kGuard, "1", 1) != 0) return;
+  if (core != nullptr) set_unless_given("OPENBLAS_CORETYPE", core, set);
+  if (set.empty() || setenv(kGuard, (set + " " + kGuard).c_str(), 1) != 0 || !loaded) return;
   execv("/proc/self/exe", argv);
   // Not possible here (no /proc): the right answer, only slower.
 }

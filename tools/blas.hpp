@@ -17,6 +17,10 @@ void use_right_blas_kernels(char** argv);
 /// the choice is good enough.
 const char* better_core_type(std::string_view chosen, bool avx2, bool avx512);
 
+/// Names, with blanks between, of the environment variables that use_right_blas_kernels has set: they are about this
+/// processor, and no others than our children on it should have them.
+std::string variables_set_here();
+
 /// Name of the kernel set that OpenBLAS runs; empty when OpenBLAS is not loaded.
 std::string blas_kernels();
 

@@ -61,16 +61,26 @@ MotionPlace random_place(const runtime::View& view, Draws& draw) {
   return place;
 }
 
-/// Least work of the hand over its gross work, along the legs and back out.
+// m. Deeper than the depth scale a response goes on linearly.
+double depth_of(const MotionLeg& leg, double scale) { return (leg.t < 1 ? leg.t * leg.t : 2 * leg.t - 1) * scale; }
+
+/// Work of the hand over its gross work, along the legs and back out. The work of a step is the mean of its two forces
+/// times the step; steps are a two-hundredth of the deepest indentation, so that this is the work of the way.
 double share(const runtime::View& view, const MotionPlace& place, const Legs& legs) {
   runtime::Contact contact(view, place.tool);
-  const double z = view.meta->depth_scale, step = 0.005 * z;
-  Vec3 at{0, 0, 0.05 * z}, force;  // m, the last is the height
+  const double z = view.meta->depth_scale;
+  double deepest = 0;
+  for (const MotionLeg& leg : legs) deepest = std::max(deepest, depth_of(leg, z));
+  const double step = 0.005 * std::min(deepest, z), clear = 0.05 * deepest;
+  Vec3 at{0, 0, clear}, force;  // m, the last is the height
+  bool touching = false;
   double work = 0, gross = 0;
   const auto tick = [&](const Vec3& to) {
     Pose pose = place.touching;
     pose.translation = pose.translation + to.x * place.x + to.y * place.y + to.z * place.normal;
-    const Vec3 now = contact.tick(pose).force, way = to - at, mean = 0.5 * (force + now);
+    const runtime::Tick answer = contact.tick(pose);
+    touching = answer.touches();
+    const Vec3 now = answer.force, way = to - at, mean = 0.5 * (force + now);
     const double w = -(way.x * dot(mean, place.x) + way.y * dot(mean, place.y) + way.z * dot(mean, place.normal));
     work += w;
     gross += std::abs(w);
@@ -83,11 +93,11 @@ double share(const runtime::View& view, const MotionPlace& place, const Legs& le
     for (int k = 1; k <= steps; ++k) tick(from + (static_cast<double>(k) / steps) * (to - from));
   };
   for (const MotionLeg& leg : legs) {
-    const double depth = leg.t < 1 ? leg.t * leg.t * z : (2 * leg.t - 1) * z;
     go({leg.x * z, leg.y * z, at.z});
-    go({leg.x * z, leg.y * z, -depth});
+    go({leg.x * z, leg.y * z, -depth_of(leg, z)});
   }
-  go({at.x, at.y, 2 * z});
+  do go({at.x, at.y, at.z + deepest});
+  while (touching && at.z < 10 * z);
   if (!std::isfinite(gross)) return -HUGE_VAL;  // a NaN must not pass for nothing given back
   return gross > 0 ? work / gross : 0;
 }

@@ -12,12 +12,14 @@ namespace palpate::cli {
 namespace {
 
 struct BakeArguments {
-  std::string scene, work;
+  std::string scene, work, shard;
   bool resume = true;
 };
 
 void run_bake(const BakeArguments& options, const Globals& globals) {
-  pipeline::Pipeline p = pipeline::prepare(options.scene, {options.work, {}});
+  pipeline::Options stages{options.work, {}};
+  if (!options.shard.empty()) stages.shard = parse_shard(options.shard);
+  pipeline::Pipeline p = pipeline::prepare(options.scene, stages);
   pipeline::plan(p);
   const BakeReport report = bake_with_progress(p, globals);
   if (globals.json) {
@@ -34,6 +36,11 @@ void add_bake(CLI::App& app, Globals& globals) {
   Command command(app, "bake", "Solves every open pair; goes on where an earlier bake stopped");
   command.option("scene", options->scene, "Scene file").required();
   command.option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
+  command
+      .option(
+          "--shard", options->shard,
+          "Solves only part I of N, into a journal of its own; `palpate merge` joins them (precompute/bake/README.md)")
+      .named("I/N");
   command.flag("--resume", options->resume, "Go on with what is there (always so; accepted for scripts)");
   command.runs([options, &globals] { run_bake(*options, globals); });
 }

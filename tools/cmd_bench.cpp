@@ -12,10 +12,13 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/error.hpp"
+#include "formats/file.hpp"
+#include "formats/same_file.hpp"
 #include "tools/command.hpp"
 #include "tools/commands.hpp"
 #include "tools/open_bench.hpp"
 #include "tools/output.hpp"
+#include "tools/plot.hpp"
 #include "tools/response_input.hpp"
 #include "tools/tick_bench.hpp"
 #ifdef PALPATE_SOLVER_BENCH
@@ -29,7 +32,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct BenchArguments {
-  std::string file, tool, work;
+  std::string file, tool, work, plot;
   bool solver = false, models = false, open = false;
   RepeatedSize repeated;
   TickBenchOptions bench;
@@ -149,6 +152,12 @@ void run_ticks(BenchArguments options, const Globals& globals) {
   const TickRow beside[] = {{"locate", bench.locate},    {"blend", latency.blend}, {"anew", latency.anew},
                             {"random", latency.random},  {"five", latency.five},   {"plain", latency.plain},
                             {"network", latency.network}};
+  if (!options.plot.empty()) {
+    std::vector<PlotSeries> series;
+    for (const TickRow& row : states) series.push_back({row.name, row.times.nanoseconds});
+    write_file(options.plot,
+               distribution_svg("Ticks of the tool '" + tool + "' on " + machine_name(), "time (ns)", series));
+  }
   if (globals.json) {
     Json ticks, others;
     for (const TickRow& row : states) ticks[row.name] = times_json(row.times);
@@ -194,6 +203,8 @@ void run_bench(BenchArguments options, const Globals& globals) {
   }
 #endif
   if (options.file.empty()) throw Error(ExitCode::usage, "bench needs a response file");
+  if (!options.plot.empty() && options.open) throw Error(ExitCode::usage, "--plot shows ticks; leave out --open");
+  refuse_same({options.plot}, {options.file});
   if (options.open) return run_open(options, globals);
   run_ticks(std::move(options), globals);
 }
@@ -222,18 +233,21 @@ void add_bench(CLI::App& app, Globals& globals) {
       .check(number_in(1, 4e9));
   command.option("--sites", options->repeated.sites, "The same, of at least so many sites").check(number_in(1, 1e8));
   command.option("--tool", options->tool, "Name of the tool; default: the file's first");
+  command.option("--plot", options->plot, "Write a plot of the contacts' times here (SVG)");
   command
       .option("--contacts", options->bench.contacts,
-              "Random contacts; with --solver (8 unless told) spread evenly over the scene's plan")
+              "Random contacts; with --solver (default 8) spread evenly over the scene's plan")
       .check(whole_in(1, 10000))
       .shows_default();
-  command.option("--seed", options->bench.seed, "Of the random contacts").shows_default();
-  command.option("--ticks", options->ticks, "Of strokes, each timed alone").check(number_in(1000, 1e9)).shows_default();
+  command.option("--seed", options->bench.seed, "Seed of the random contacts").shows_default();
+  command.option("--ticks", options->ticks, "Ticks of strokes, each timed alone")
+      .check(number_in(1000, 1e9))
+      .shows_default();
   command.option("--seconds", options->bench.seconds, "Measured for each contact and state")
       .check(number_in(0.001, 10.0))
       .shows_default();
   command.runs([options, command, &globals] {
-    constexpr int kSolved = 8;  // of a solve of seconds fewer are asked for than of a tick of nanoseconds
+    constexpr int kSolved = 8;  // fewer by default, because a solve takes seconds and a tick nanoseconds
     if (options->solver && !command.given("--contacts")) options->bench.contacts = kSolved;
     run_bench(*options, globals);
   });

@@ -6,6 +6,9 @@
 #include "tools/commands.hpp"
 #include "tools/output.hpp"
 #include "tools/pipeline_steps.hpp"
+#ifdef PALPATE_REPORT
+#include "tools/report/files.hpp"
+#endif
 
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -15,6 +18,7 @@ namespace {
 
 struct BuildArguments {
   std::string scene, work, output;
+  bool report = false;
 };
 
 void run_build(const BuildArguments& options, const Globals& globals) {
@@ -29,11 +33,18 @@ void run_build(const BuildArguments& options, const Globals& globals) {
   pipeline::plan(p);
   const BakeReport bake = bake_with_progress(p, globals);
   const FitReport fit = pipeline::fit(p);
-  if (globals.json) {
-    print_json({{"bake", bake_json(p, bake)}, {"fit", fit_json(p, fit)}});
-  } else {
-    print(bake_text(p, bake) + fit_text(p, fit));
+  nlohmann::ordered_json json{{"bake", bake_json(p, bake)}, {"fit", fit_json(p, fit)}};
+  std::string results = bake_text(p, bake) + fit_text(p, fit);
+#ifdef PALPATE_REPORT
+  if (options.report) {
+    report::ReportInput input;
+    input.scene = options.scene;
+    const report::WrittenReport written = write_report_files(input, {{}, {}, options.work, options.output}, globals);
+    json["report"] = to_json(written);
+    results += to_text(written);
   }
+#endif
+  globals.json ? print_json(json) : print(results);
   check_tolerance(p, fit);
 }
 
@@ -45,6 +56,9 @@ void add_build(CLI::App& app, Globals& globals) {
   command.option("scene", options->scene, "Scene file (TOML)").required();
   command.option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
   command.option("-o,--output", options->output, "Response file (default: NAME.palp beside the scene)");
+#ifdef PALPATE_REPORT
+  command.flag("--report", options->report, "Also write the page of 'palpate report'");
+#endif
   command.runs([options, &globals] { run_build(*options, globals); });
 }
 

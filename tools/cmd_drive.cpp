@@ -77,7 +77,7 @@ FrameOptions frame_options(const DriveArguments& options, const device::DeviceKi
   frame.device_up = options.device_up.empty() ? kind.up : axis("--device-up", options.device_up);
   frame.scale = options.scale;
   frame.force_scale = options.force_scale;
-  // What a hand reaches in both directions from the middle of the workspace.
+  // Within a hand's reach in both directions from the middle of the workspace.
   if (kind.workspace_radius > 0) frame.gap = std::min(frame.gap, 0.25 * kind.workspace_radius);
   if (!options.at.empty()) frame.at = point(options.at);
   return frame;
@@ -127,7 +127,7 @@ void watch(device::ForceLoop& loop, device::StopFlags& stop, const device::RunWr
   if (!globals.quiet) view.show(loop.report(), dropped());
 }
 
-/// What a run that did not end by a stop that was asked for ends with.
+/// Throws the cause of a run that did not end by a requested stop.
 void throw_cause(const LoopReport& report) {
   const std::string what = "the run ended: " + standing(report.out);
   switch (report.out.cause) {
@@ -285,7 +285,7 @@ void add_drive(CLI::App& app, Globals& globals) {
   command.option("--coupling-damping", options->coupling.damping, "Damping of the coupling (N s/m in the hand)")
       .check(number_in(0, 1e6))
       .needs("--coupling");
-  command.option("--at", options->at, "Where the device's origin is in the scene (m); default: over the body's top")
+  command.option("--at", options->at, "Position of the device's origin in the scene (m); default: over the body's top")
       .named("X,Y,Z");
   command.option("--up", options->up, "Upward axis of the scene: x, y, z, -x, -y or -z").shows_default().named("AXIS");
   command.option("--device-up", options->device_up, "Upward axis of the device; default: the kind's own").named("AXIS");

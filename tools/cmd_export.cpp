@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// palpate export: curves of a response file as CSV, its body with stiffness or friction on it as GLB and .vtu; one
+// palpate export: curves of a response file as CSV, its body with stiffness or friction on it as GLB, .vtu and PNG; one
 // solved contact of a scene with its stresses as .vtu.
 #include <algorithm>
 #include <cstdio>
@@ -16,6 +16,7 @@
 #include "tools/commands.hpp"
 #include "tools/export.hpp"
 #include "tools/output.hpp"
+#include "tools/picture.hpp"
 #include "tools/response_input.hpp"
 
 namespace palpate::cli {
@@ -24,7 +25,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct ExportArguments {
-  std::string file, curves, glb, vtu, solved, tool, field = "stiffness";
+  std::string file, curves, glb, vtu, png, solved, tool, field = "stiffness";
+  PictureOptions picture;
   std::uint32_t tool_vertex = 0;
   double depth = 0;  ///< m; 0: half the file's depth scale
   int points = 21, contact = 0;
@@ -95,15 +97,17 @@ void run_solved(const ExportArguments& options, const Globals& globals) {
 
 void run_export(const ExportArguments& options, const Globals& globals) {
   if (!options.solved.empty()) {
-    if (!options.curves.empty() || !options.glb.empty() || !options.vtu.empty()) {
+    if (!options.curves.empty() || !options.glb.empty() || !options.vtu.empty() || !options.png.empty()) {
       throw Error(ExitCode::usage, "--solved takes a scene, the others a response file: give one kind");
     }
     return run_solved(options, globals);
   }
-  if (options.curves.empty() && options.glb.empty() && options.vtu.empty()) {
-    throw Error(ExitCode::usage, "nothing to write: export takes --curves, --glb or --vtu, or --solved with a scene");
+  if (options.curves.empty() && options.glb.empty() && options.vtu.empty() && options.png.empty()) {
+    throw Error(ExitCode::usage,
+                "nothing to write: export takes --curves, --glb, --vtu or --png, or --solved with a scene");
   }
-  refuse_same({options.curves, options.glb, options.vtu}, {options.file});
+  if (const auto wrong = options.picture.validate()) throw Error(ExitCode::usage, "--png: " + *wrong);
+  refuse_same({options.curves, options.glb, options.vtu, options.png}, {options.file});
   const ResponseInput input(options.file);
   const runtime::View& view = input.view();
   const double scale = view.meta->depth_scale, depth = options.depth > 0 ? options.depth : scale / 2;
@@ -114,7 +118,7 @@ void run_export(const ExportArguments& options, const Globals& globals) {
   const std::uint32_t tool = input.tool(options.tool);  // one that is not there is wrong with --curves alone, too
   Json result{{"file", options.file}, {"depth_m", depth}, {"written", Json::array()}};
   std::string text;
-  if (!options.glb.empty() || !options.vtu.empty()) {
+  if (!options.glb.empty() || !options.vtu.empty() || !options.png.empty()) {
     const layout::ToolRecord& record = view.tools[tool];
     if (options.tool_vertex >= record.vertex_count) {
       throw Error(ExitCode::bad_input, options.file + ": the tool '" + record.name + "' has " +
@@ -128,6 +132,7 @@ void run_export(const ExportArguments& options, const Globals& globals) {
     }
     if (!options.glb.empty()) write_glb(surface, options.field, options.glb);
     if (!options.vtu.empty()) write_vtu(surface, options.field, options.vtu);
+    if (!options.png.empty()) write_file(options.png, png_bytes(draw_surface(surface, options.field, options.picture)));
     result["tool"] = record.name;
     result["tool_vertex"] = options.tool_vertex;
     result["vertices"] = surface.points.size();
@@ -137,7 +142,7 @@ void run_export(const ExportArguments& options, const Globals& globals) {
       const auto [low, high] = f.range();
       result["fields"][f.name] = {{"unit", f.unit}, {"least", low}, {"most", high}};
     }
-    for (const std::string& path : {options.glb, options.vtu}) {
+    for (const std::string& path : {options.glb, options.vtu, options.png}) {
       if (path.empty()) continue;
       result["written"].push_back(path);
       const Json& range = result["fields"][options.field];
@@ -164,12 +169,31 @@ void run_export(const ExportArguments& options, const Globals& globals) {
 
 void add_export(CLI::App& app, Globals& globals) {
   auto options = std::make_shared<ExportArguments>();
-  Command command(app, "export",
-                  "Writes a response file's curves as CSV, its body with a field as GLB or .vtu, a solved contact");
+  Command command(
+      app, "export",
+      "Writes a response file's curves as CSV, its body with a field as GLB, .vtu or PNG, a solved contact");
   command.option("file", options->file, "Response file (.palp), or with --solved a scene").required();
   command.option("--curves", options->curves, "CSV: force and friction limit of every response along pushes");
   command.option("--glb", options->glb, "GLB: the body, coloured, with the fields as vertex attributes");
   command.option("--vtu", options->vtu, "VTK unstructured grid: the body with the fields as point data");
+  command.option("--png", options->png, "PNG: a picture of the body, coloured, drawn without a display");
+  PictureOptions& picture = options->picture;
+  command.option("--width", picture.width, "Pixels of the picture")
+      .check(whole_in(64, 8192))
+      .needs("--png")
+      .shows_default();
+  command.option("--height", picture.height, "Pixels of the picture")
+      .check(whole_in(64, 8192))
+      .needs("--png")
+      .shows_default();
+  command.option("--azimuth", picture.azimuth, "Angle of the camera about +z from +x (degrees)")
+      .check(number_in(-360, 360))
+      .needs("--png")
+      .shows_default();
+  command.option("--elevation", picture.elevation, "Angle of the camera above the xy plane (degrees)")
+      .check(number_in(-90, 90))
+      .needs("--png")
+      .shows_default();
   command.option(
       "--solved", options->solved,
       "VTK unstructured grid: the volume mesh of one solved contact of a scene, with displacement and stress");
@@ -179,7 +203,7 @@ void add_export(CLI::App& app, Globals& globals) {
       .shows_default();
   command
       .option("--field", options->field,
-              "What the colours show: stiffness (N/m), force (N), friction (N, mu times the normal force), filled "
+              "Quantity of the colours: stiffness (N/m), force (N), friction (N, mu times the normal force), filled "
               "(share filled from neighbours), error (where a file holds it)")
       .check(one_of({"stiffness", "force", "friction", "filled", "error"}))
       .named("FIELD")

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // palpate inspect: what a response file holds, what was left out, and what each part costs in bytes.
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 
 #include "tools/command.hpp"
 #include "tools/commands.hpp"
+#include "tools/inspect.hpp"
 #include "tools/output.hpp"
 #include "tools/response_input.hpp"
 
@@ -16,21 +19,6 @@ namespace palpate::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-struct FeatureName {
-  std::uint32_t bit;
-  const char* name;
-  const char* without;  ///< what a file without it cannot do
-};
-constexpr FeatureName kFeatures[] = {
-    {layout::feature_tangential_bias, "tangential_bias", "a normal indentation has no tangential force"},
-    {layout::feature_friction, "friction", "frictionless: contacts slip without tangential force"},
-    {layout::feature_slip_softening, "slip_softening", "a contact that slips keeps its normal force"},
-    {layout::feature_tool_patches, "tool_patches", "each tool touches by one vertex only"},
-    {layout::feature_bonded, "bonded", "no tool bonds to the body: a pull ends the contact"},
-    {layout::feature_bonded_torque, "bonded_torque", "rotations of a bonded tool have no torque"},
-    {layout::feature_spin, "spin", "the rotation of a tool about the contact normal has no influence"},
-    {layout::feature_search, "search", "no search tree: the contact surface is searched triangle by triangle"}};
 
 /// The shape as a scene names it.
 const char* shape_name(const layout::ToolRecord& tool) {
@@ -80,6 +68,15 @@ ToolPoints count_points(const runtime::View& v, const layout::ToolRecord& tool) 
   return counted;
 }
 
+std::size_t count_patches(const runtime::View& v) {
+  std::set<std::array<std::uint32_t, 3>> patches;
+  for (std::uint32_t t = 0; t < v.meta->triangle_count; ++t) {
+    const auto& site = v.triangles[t].site;
+    patches.insert({site[0], site[1], site[2]});
+  }
+  return patches.size();
+}
+
 Json tools_json(const runtime::View& v) {
   Json tools = Json::array();
   for (std::uint32_t i = 0; i < v.meta->tool_count; ++i) {
@@ -94,13 +91,29 @@ Json tools_json(const runtime::View& v) {
   return tools;
 }
 
-Json describe(const runtime::View& v, const std::string& file) {
+}  // namespace
+
+const std::vector<FeatureName>& feature_names() {
+  static const std::vector<FeatureName> names{
+      {layout::feature_tangential_bias, "tangential_bias", "a normal indentation has no tangential force"},
+      {layout::feature_friction, "friction", "frictionless: contacts slip without tangential force"},
+      {layout::feature_slip_softening, "slip_softening", "a contact that slips keeps its normal force"},
+      {layout::feature_tool_patches, "tool_patches", "each tool touches by one vertex only"},
+      {layout::feature_bonded, "bonded", "no tool bonds to the body: a pull ends the contact"},
+      {layout::feature_bonded_torque, "bonded_torque", "rotations of a bonded tool have no torque"},
+      {layout::feature_spin, "spin", "the rotation of a tool about the contact normal has no influence"},
+      {layout::feature_search, "search", "no search tree: the contact surface is searched triangle by triangle"}};
+  return names;
+}
+
+Json contents_of(const runtime::View& v, const std::string& file) {
   const layout::Meta& m = *v.meta;
   const Shares s = count_shares(v);
   Json json{{"file", file}, {"bytes", v.size}, {"version", v.header().version}};
   json["features"] = Json::array();
   json["left_out"] = Json::array();
-  for (const FeatureName& f : kFeatures) json[(v.features & f.bit) != 0 ? "features" : "left_out"].push_back(f.name);
+  for (const FeatureName& f : feature_names())
+    json[(v.features & f.bit) != 0 ? "features" : "left_out"].push_back(f.name);
   json["sections"] = Json::array();
   for (std::uint32_t i = 0; i < v.header().section_count; ++i) {
     const layout::SectionEntry& e = v.sections()[i];
@@ -111,8 +124,8 @@ Json describe(const runtime::View& v, const std::string& file) {
   json["sites"] = m.site_count;
   json["sites_held"] = s.held;
   json["sites_outside"] = s.outside;
-  json["patches"] = m.triangle_count / (m.subdivision * m.subdivision);
-  json["subdivision"] = m.subdivision;
+  json["patches"] = count_patches(v);
+  json["weight_steps"] = m.subdivision;
   json["surface_vertices"] = m.vertex_count;
   json["surface_triangles"] = m.triangle_count;
   json["tools"] = tools_json(v);
@@ -133,6 +146,8 @@ Json describe(const runtime::View& v, const std::string& file) {
   return json;
 }
 
+namespace {
+
 template <class... Values>
 void append(std::string& text, const char* format, Values... values) {
   char line[300];
@@ -151,14 +166,13 @@ std::string as_text(const runtime::View& v, const Json& json) {
            static_cast<unsigned long long>(e.count), e.element_size);
   }
   text += "\n";
-  for (const FeatureName& f : kFeatures) {
+  for (const FeatureName& f : feature_names()) {
     const bool there = (v.features & f.bit) != 0;
     append(text, "%-16s %s%s%s\n", f.name, there ? "present" : "left out: ", there ? "" : f.without, "");
   }
   const Shares s = count_shares(v);
-  append(text, "\n%u sites (%zu held, %zu outside the sampled region), %u patches, %u contact triangles (%u a side)\n",
-         m.site_count, s.held, s.outside, m.triangle_count / (m.subdivision * m.subdivision), m.triangle_count,
-         m.subdivision);
+  append(text, "\n%u sites (%zu held, %zu outside the sampled region), %zu patches, %u contact triangles\n",
+         m.site_count, s.held, s.outside, json["patches"].get<std::size_t>(), m.triangle_count);
   append(text,
          "%u responses of %.0f bytes: %zu solved, %zu measured, %zu analytic, %zu filled from neighbours (%.2f %%)\n",
          m.response_count, bytes_per_response(v), s.of(layout::response_solved), s.of(layout::response_measured),
@@ -173,8 +187,7 @@ std::string as_text(const runtime::View& v, const Json& json) {
   append(text, "%d coefficients of %u bits; degrees: normal %u, bias %u, stiffness %u, friction %u\n",
          response::count(response::degrees(m)), m.coef_bits, m.normal_degree, m.bias_degree, m.stiffness_degree,
          m.friction_degree);
-  append(text, "depth scale %.4g mm, tangential scale %.4g mm\n", 1e3 * m.depth_scale,
-         1e3 * m.tangential_scale);
+  append(text, "depth scale %.4g mm, tangential scale %.4g mm\n", 1e3 * m.depth_scale, 1e3 * m.tangential_scale);
   for (std::uint32_t i = 0; i < m.tool_count; ++i) {
     const layout::ToolRecord& t = v.tools[i];
     const ToolPoints counted = count_points(v, t);
@@ -194,7 +207,7 @@ void add_inspect(CLI::App& app, Globals& globals) {
   command.option("file", *file, "Response file (.palp)").required();
   command.runs([file, &globals] {
     const ResponseInput input(*file);
-    const Json json = describe(input.view(), *file);
+    const Json json = contents_of(input.view(), *file);
     globals.json ? print_json(json) : print(as_text(input.view(), json));
   });
 }

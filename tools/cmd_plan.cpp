@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// palpate plan: which pairs a scene asks for, written as the manifest.
+// palpate plan: the pairs that a scene needs, written as the manifest.
 #include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "formats/file.hpp"
+#include "formats/same_file.hpp"
+#include "precompute/bake/pipeline.hpp"
 #include "precompute/bake/plan_costs.hpp"
 #include "precompute/bake/progress.hpp"
 #include "precompute/bake/scene_warnings.hpp"
@@ -13,12 +16,13 @@
 #include "tools/commands.hpp"
 #include "tools/output.hpp"
 #include "tools/pipeline_steps.hpp"
+#include "tools/plot.hpp"
 
 namespace palpate::cli {
 namespace {
 
 struct PlanArguments {
-  std::string scene, work;
+  std::string scene, work, plot;
   bool quick = false;
 };
 
@@ -68,6 +72,9 @@ nlohmann::ordered_json costs_json(const pipeline::PlanCosts& costs) {
 
 void run_plan(const PlanArguments& options, const Globals& globals) {
   pipeline::Pipeline p = pipeline::prepare(options.scene, {options.work, {}});
+  std::vector<std::filesystem::path> inputs = files_of(p.scene);
+  inputs.emplace_back(options.scene);
+  refuse_same({options.plot}, inputs);
   pipeline::plan(p);
   for (const std::string& warning : scene_warnings(p.scene, p.body)) warn(warning);
   const Plan& plan = p.plan;
@@ -79,6 +86,12 @@ void run_plan(const PlanArguments& options, const Globals& globals) {
   std::vector<double> depths;
   for (const PairPlan& pair : plan.pairs) depths.push_back(pair.depth);
   std::sort(depths.begin(), depths.end());
+  if (!options.plot.empty()) {
+    std::vector<PlotSeries> series;
+    for (const Tool& tool : p.tools) series.push_back({tool.scene.name, {}});
+    for (const PairPlan& pair : plan.pairs) series[pair.tool].values.push_back(1e3 * pair.depth);
+    write_file(options.plot, distribution_svg("Deepest pushes of " + p.scene.name, "depth (mm)", series));
+  }
   std::size_t solved = 0;
   for (std::uint32_t k = 0; k < plan.pairs.size(); ++k) solved += p.sources.solved(k) ? 1 : 0;
   const GivenCounts given = count_given(p.sources);
@@ -131,6 +144,7 @@ void add_plan(CLI::App& app, Globals& globals) {
   command.option("scene", options->scene, "Scene file").required();
   command.option("--work", options->work, "Work folder (default: NAME.work beside the scene)");
   command.flag("--quick", options->quick, "Do not time a pair: no hours and no memory");
+  command.option("--plot", options->plot, "Write a plot of the pairs' depths here (SVG)");
   command.runs([options, &globals] { run_plan(*options, globals); });
 }
 

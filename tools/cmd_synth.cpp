@@ -19,7 +19,7 @@ const std::vector<std::string> kOrgans{"slab", "ball", "liver", "kidney", "bladd
 const std::vector<std::string> kInstruments{"sphere", "punch", "capsule", "stylus"};
 const std::vector<std::string> kMotions{"probe", "scan"};
 
-// What an inclusion is made by.
+// The options that make an inclusion.
 constexpr const char* kOfInclusion[] = {"--inclusion-radius", "--inclusion-gap", "--inclusion-young"};
 
 struct SynthArguments {

@@ -135,7 +135,7 @@ int run_command_line(int argc, char** argv) {
   app.fallthrough();
   app.footer(
       "Exit codes: 0 done, 1 wrong usage, 2 bad input, 3 numerical failure, 4 I/O failure,\n"
-      "5 result outside the asked tolerance, 128 + signal when interrupted.");
+      "5 result outside the required tolerance, 128 + signal when interrupted.");
 
 #define PALPATE_COMMAND(name) add_##name(app, globals);
 #include "command_list.inc"

@@ -17,7 +17,7 @@ class Option;
 
 namespace palpate::cli {
 
-/// What the value of an option has to be.
+/// A condition on the value of an option.
 struct Check {
   std::string description;                                      ///< for the help text
   std::function<std::string(const std::string& value)> refuse;  ///< what is wrong with it; empty: nothing
@@ -64,18 +64,18 @@ public:
   Option option(const std::string& names, std::vector<std::string>& values, const std::string& help);
   Option flag(const std::string& names, bool& value, const std::string& help);
 
-  /// What the command does once its line is parsed.
+  /// Sets the action of the command, run once its line is parsed.
   void runs(std::function<void()> action);
 
-  /// Whether the line gives an option; to be asked while the command runs.
+  /// Whether the line gives an option. Call it while the command runs.
   bool given(const std::string& name) const;
 
 private:
   CLI::App* command_;
 };
 
-/// Parses the command line and runs what it asks for; the exit code. Throws Error(usage) where nothing can be made of
-/// it, and what the command throws.
+/// Parses the command line and runs its command; returns the exit code. Throws Error(usage) for a line that does not
+/// parse, and everything that the command throws.
 int run_command_line(int argc, char** argv);
 
 }  // namespace palpate::cli

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What every command of the `palpate` executable shares: global options and how a command is added.
+// Shared parts of the commands of the `palpate` executable: global options and how a command is added.
 //
 // To add the command `foo`:
 //  1. write tools/cmd_foo.cpp, which defines `void palpate::cli::add_foo(CLI::App&, Globals&)`;

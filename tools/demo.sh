@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# From nothing to a force trace: installs what is missing, builds the command line, makes a small synthetic liver, bakes
-# and verifies it, and plays a probing motion on it.   tools/demo.sh [FOLDER]     (default: build/demo)
+# From nothing to a page: installs what is missing, builds the command line, makes a small synthetic liver, bakes and
+# verifies it, plays a probing motion on it, and reports.   tools/demo.sh [FOLDER]     (default: build/demo)
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 folder=${1:-$palpate_root/build/demo}
 palpate_install
+palpate_install_page
 palpate_build release palpate palpate-tetgen
 palpate=$palpate_root/build/release/bin/palpate
 
@@ -15,6 +16,7 @@ palpate=$palpate_root/build/release/bin/palpate
 "$palpate" build "$folder/scene.toml"
 "$palpate" verify "$folder/scene.toml" --count 10 --report "$folder/verify.json"
 "$palpate" play "$folder/scene.palp" "$folder/motion.csv" --out "$folder/forces.csv" --plot "$folder/forces.svg"
+"$palpate" report "$folder/scene.toml" --verify "$folder/verify.json" --run "$folder/motion.csv"
 
 cat <<END
 
@@ -22,4 +24,5 @@ Response file:  $folder/scene.palp      (palpate inspect lists what it holds)
 Verification:   $folder/verify.json
 Forces:         $folder/forces.csv
 Plot:           $folder/forces.svg
+Report:         $folder/scene.report.html      (made of scene.report.json; open it in a browser and press on the organ)
 END

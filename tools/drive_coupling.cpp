@@ -92,7 +92,7 @@ std::optional<runtime::CouplingOptions> choose_coupling(const CouplingArguments&
   }
   if (!(largest > 0)) {
     throw Error(ExitCode::tolerance, std::string("--coupling auto: the damping and friction of ") + kind.name +
-                                         " leave nothing for a coupling; ask for less --coupling-damping, or give a "
+                                         " leave nothing for a coupling; choose less --coupling-damping, or give a "
                                          "stiffness");
   }
   note(globals, "virtual coupling: " + newtons_per_metre(largest));

@@ -19,11 +19,11 @@ struct CouplingArguments {
   int places = 1;         ///< at which the tool is felt at most: all may push one way, and their stiffnesses add
 };
 
-/// In the hand; nothing where none is asked for, or "auto" finds that none is needed (it says so). Warns of one that is
-/// stiffer than is safe, as far as the device's mechanics are known. Throws Error(usage) for what is neither number nor
-/// "auto", a frame that gives no force, and "auto" on a device of unknown mechanics; Error(tolerance) where no coupling
-/// is soft enough. Without a coupling, a --force-scale whose forces oscillate in a usual grip is Error(tolerance), too,
-/// unless `unsafe_scale` says that it is wanted.
+/// Returns the coupling in the hand; empty without --coupling, or where "auto" finds (and prints) that none is needed.
+/// Warns of a coupling that is stiffer than is safe, as far as the device's mechanics are known. Throws Error(usage)
+/// for a text that is neither number nor "auto", a frame that gives no force, and "auto" on a device of unknown
+/// mechanics; Error(tolerance) where no coupling is soft enough. Without a coupling, a --force-scale whose forces
+/// oscillate in a usual grip is Error(tolerance), too, unless `unsafe_scale` allows it.
 std::optional<runtime::CouplingOptions> choose_coupling(const CouplingArguments& asked, const runtime::View& view,
                                                         const runtime::DeviceFrame& frame,
                                                         const device::DeviceKind& kind, const Globals& globals);

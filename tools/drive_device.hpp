@@ -15,8 +15,8 @@ struct DriveDeviceOptions {
   std::string name;         ///< empty: the one that is plugged in
   double rate = 1000;       ///< Hz of the force loop; a link that takes fewer commands gets as many as it takes
   int priority = 0;         ///< SCHED_FIFO, of the thread that speaks with the device, where permitted; 0: none
-  std::string firmware;     ///< path of a maker's file, for devices that are told theirs
-  device::Probing probing;  ///< what the hand of a simulated device does
+  std::string firmware;     ///< path of a maker's file, for devices that load one
+  device::Probing probing;  ///< motion of a simulated device's hand
 };
 
 /// The kind that the name will open, for its limits. Throws Error(usage) with what there is for a name that nothing

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where a device sits in a scene when nobody says so: over the body's top, its own upward axis along the scene's.
+// Default place of a device in a scene: over the body's top, its own upward axis along the scene's.
 #pragma once
 
 #include <optional>
@@ -17,7 +17,7 @@ struct FrameOptions {
   double force_scale = 1;            ///< N on the hand for one in the scene, at least 0
   double gap = 0.01;                 ///< m of the hand from the nearest tip down to the body, at least 0
   std::vector<runtime::Pose> tips{runtime::Pose{}};  ///< device's frame: where it begins to hold the tool; one a finger
-  std::optional<runtime::Vec3> at;  ///< m, scene: where the device's origin is; over the body's top unless told
+  std::optional<runtime::Vec3> at;  ///< m, scene: position of the device's origin; by default over the body's top
 };
 
 /// The smallest turn that takes the device's upward axis to the scene's, and an origin so high over the site whose

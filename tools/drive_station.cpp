@@ -15,8 +15,7 @@ namespace {
 
 using device::kFingers;
 
-/// Down to the body and as deep into it as was sampled (less deep by what the hand gives way), and back, drifting
-/// sideways.
+/// A motion down to the body, to the sampled depth less the hand's own deflection, and back, drifting sideways.
 device::Probing probing(const runtime::View& view, const FrameOptions& frame) {
   const double depth = view.meta->depth_scale / frame.scale;
   device::Probing motion;

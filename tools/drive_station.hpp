@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a run of `palpate drive` is made of: a device over a body, and what turns its samples into forces.
+// Parts of a run of `palpate drive`: a device over a body, and the source that computes forces from its samples.
 #pragma once
 
 #include <memory>

@@ -36,7 +36,7 @@ std::string milliseconds(const char* name, const Histogram& h) {
               1e3 * h.quantile(0.5), 1e3 * h.quantile(0.99), 1e3 * h.quantile(0.999), 1e3 * h.most());
 }
 
-// For signal handlers, which know no object.
+// For signal handlers, which have no access to objects.
 termios terminal_before = {};
 std::atomic<bool> is_changed{false};
 static_assert(std::atomic<bool>::is_always_lock_free);

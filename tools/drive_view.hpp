@@ -26,7 +26,7 @@ private:
   bool terminal_ = false;
 };
 
-/// What stays the same during a run.
+/// Values that are constant during a run.
 struct DriveTitle {
   std::string file, tool, device;
   double limit = 0;    ///< N

@@ -9,6 +9,7 @@
 
 #include "formats/error.hpp"
 #include "palpate/response/interpolation.hpp"
+#include "tools/one_response.hpp"
 
 namespace palpate::cli {
 namespace {
@@ -16,21 +17,6 @@ namespace {
 using runtime::BodyPoint;
 using runtime::ToolPoint;
 using runtime::Vec3;
-
-/// The law of one response, in its site's frame.
-runtime::ResponseLaw law_of(const runtime::View& view, std::uint64_t index) {
-  const response::Degrees degrees = response::degrees(*view.meta);
-  std::int16_t coefs[response::kMostCoefs];
-  view.coefficients(index, coefs);
-  double values[response::kMostCoefs];
-  const response::Offsets o = response::offsets(degrees);
-  for (int k = 0; k < o.end; ++k) {
-    values[k] = coefs[k] * (k < o.friction ? static_cast<double>(view.coefficient_unit(index)) : layout::kFrictionUnit);
-  }
-  runtime::ResponseLaw law;
-  law.set(degrees, values, view.meta->depth_scale, view.meta->tangential_scale);
-  return law;
-}
 
 /// The point of a tool that is a vertex alone, at its first spin. Empty where no patch has it.
 std::optional<ToolPoint> vertex_point(const runtime::View& view, std::uint32_t tool, std::uint32_t vertex) {
@@ -108,7 +94,7 @@ CurveTable response_curves(const runtime::View& view, double depth, int points) 
         const layout::ResponseHead& head = view.response_head(index);
         writer.begin(std::to_string(site) + "," + quoted(record.name) + "," + std::to_string(vertex) + "," +
                      layout::source_name(head.flags));
-        const runtime::ResponseLaw law = law_of(view, index);
+        const runtime::ResponseLaw law = response_law(view, index);
         const double limit = head.depth_limit, beside = std::min(depth, limit);
         for (int i = 0; i < points; ++i) writer.row(law, "normal", limit * (i / last) * (i / last), 0, 0);
         for (int i = 0; tangential > 0 && i < points; ++i) {

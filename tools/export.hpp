@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a response file says, for people: curves as a table, the body's surface with stiffness and friction on it.
+// A response file in readable form: curves as a table, the body's surface with stiffness and friction on it.
 #pragma once
 
 #include <cstddef>

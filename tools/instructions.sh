@@ -13,10 +13,10 @@ shift
 counts=$(mktemp)
 trap 'rm -f "$counts"' EXIT
 # The program starts itself anew once, to have its libraries read these, which it cannot under valgrind.
-export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 PALPATE_BLAS_CHOSEN=1
+export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 PALPATE_BLAS_CHOSEN=PALPATE_BLAS_CHOSEN
 valgrind -q --tool=callgrind --callgrind-out-file="$counts" \
   "$palpate" bench --quiet "$@" --seconds 0.001 --ticks 1000 > /dev/null
-# Of a call the file says whom (by name where it is new, then by its number alone), how often, and at what cost in all.
+# The file lists of each call the function (by name at first, then by number alone), its count, and its total cost.
 awk '
   /^c?fn=/ {
     number = $0

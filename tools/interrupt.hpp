@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Ctrl-C and SIGTERM: a command that polls is asked to stop and save by the first and ended at once by the second;
-// any other is ended by the first, as every program is.
+// Ctrl-C and SIGTERM: the first signal makes a command that polls save and stop, the second ends it at once. Any other
+// command is ended by the first signal, as every program is.
 #pragma once
 
 #include <csignal>
@@ -22,7 +22,7 @@ private:
   struct sigaction interrupt_ = {}, terminate_ = {};  // what they did before
 };
 
-/// True once a signal asked the work to stop. Safe from any thread, costs one relaxed load.
+/// True once a signal requested a stop. Safe from any thread, costs one relaxed load.
 bool interrupted() noexcept;
 
 /// The process's exit code after an interruption: 128 + the signal's number, as shells have it.

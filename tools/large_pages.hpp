@@ -11,7 +11,7 @@
 
 namespace palpate::cli {
 
-/// Allocates what is large in pages of 2 MiB where the system has such (Linux: transparent huge pages, asked for), else
+/// Allocates large blocks in pages of 2 MiB where the system has them (Linux: transparent huge pages, by madvise), else
 /// as usual.
 template <class T>
 struct LargePages {

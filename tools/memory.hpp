@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Keeps what a solver frees: it asks for as much again at once.
+// Keeps memory that a solver frees, because the next step allocates as much again.
 #pragma once
 
 #if defined(__GLIBC__)
@@ -8,7 +8,7 @@
 
 namespace palpate::cli {
 
-/// To be called first in main. A step of a contact's solve frees and asks for tens of MB of matrices; glibc would give
+/// To be called first in main. A step of a contact's solve frees and allocates tens of MB of matrices; glibc would give
 /// them back to the system each time, which then has to clear every page anew: a third of a solve.
 inline void keep_freed_memory() {
 #if defined(__GLIBC__)

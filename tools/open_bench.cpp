@@ -73,7 +73,7 @@ void shift(const layout::Meta& m, Section id, std::byte* data, std::uint32_t cop
   }
 }
 
-/// Of this thread, the system's work for it included: other programs must not count.
+/// Processor time of this thread, the system's work for it included: other programs must not count.
 double processor_seconds() {
   std::timespec now{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);

@@ -10,7 +10,7 @@
 
 namespace palpate::cli {
 
-/// How large a file of repeated bodies is to be: what asks for more counts.
+/// Least size of a file of repeated bodies: both bounds hold.
 struct RepeatedSize {
   double bytes = 0, sites = 0;
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where commands print: results on standard output, notes on standard error; and whether a file of results could be.
+// Output of commands: results on standard output, notes on standard error; checks that a file of results can be
+// written.
 #pragma once
 
 #include "tools/commands.hpp"

@@ -2,7 +2,6 @@
 // Progress and reports of bake and fit.
 #include "tools/pipeline_steps.hpp"
 
-#include "formats/error.hpp"
 #include "precompute/bake/progress.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/output.hpp"
@@ -57,15 +56,6 @@ std::string recorded_text(const RecordedFigures& f, const Plan& plan) {
 
 }  // namespace
 
-double seconds_of_bake(const pipeline::Pipeline& p) {
-  try {
-    return pipeline::bake_seconds(p);
-  } catch (const nlohmann::json::exception& error) {
-    throw Error(ExitCode::bad_input, p.paths.bake.string() + ": not an account of a bake: " + error.what() +
-                                         "; removing it loses the time spent, and nothing else");
-  }
-}
-
 std::string sampling_text(const SamplingEstimate& estimate, double tolerance) {
   char text[240];
   std::snprintf(text, sizeof text,
@@ -78,7 +68,7 @@ std::string sampling_text(const SamplingEstimate& estimate, double tolerance) {
 }
 
 BakeReport bake_with_progress(pipeline::Pipeline& p, const Globals& globals) {
-  seconds_of_bake(p);  // a damaged account is found before the first solve
+  pipeline::bake_seconds(p);  // a damaged account is found before the first solve
   const InterruptPolling polling;
   ProgressPrinter printer(stderr);
   BakeOptions bake;
@@ -105,11 +95,12 @@ BakeReport bake_with_progress(pipeline::Pipeline& p, const Globals& globals) {
   };
   BakeReport report;
   for (;;) {
-    const std::size_t resumed = report.resumed, rounds = p.sampling ? std::size_t(p.sampling->rounds) : 0;
+    const std::size_t resumed = report.resumed, rounds = p.sampling ? static_cast<std::size_t>(p.sampling->rounds) : 0;
     report = pipeline::bake(p, bake);
     printer.finish();
     if (rounds > 0) report.resumed = resumed;
-    if (report.stopped || interrupted() || !pipeline::resume(p)) break;
+    // The next round of shards follows when they are merged.
+    if (p.shard || report.stopped || interrupted() || !pipeline::resume(p)) break;
     note(globals, sampling_text(*p.sampling, p.scene.response.tolerance) + "; round " +
                       std::to_string(p.sampling->rounds + 1) + " has " + std::to_string(p.plan.sites.size()) +
                       " sites");
@@ -134,7 +125,7 @@ nlohmann::ordered_json bake_json(const pipeline::Pipeline& p, const BakeReport& 
                               {"tangential_solves", report.tangential_solves},
                               {"factorisations", report.factorisations},
                               {"torn_bytes", report.torn_bytes},
-                              {"bake_seconds", seconds_of_bake(p)},
+                              {"bake_seconds", pipeline::bake_seconds(p)},
                               {"journal", p.paths.journal.string()},
                               {"refused", nlohmann::ordered_json::array()}};
   for (const RefusedPair& refused : report.refused) {
@@ -151,7 +142,7 @@ std::string bake_text(const pipeline::Pipeline& p, const BakeReport& report) {
   std::string text = std::to_string(report.accepted) + " of " + std::to_string(report.total) + " pairs accepted, " +
                      std::to_string(report.refused.size()) + " refused, " + std::to_string(report.normal_solves) +
                      " normal and " + std::to_string(report.tangential_solves) + " tangential solves, " +
-                     duration_text(seconds_of_bake(p)) + " in all\n";
+                     duration_text(pipeline::bake_seconds(p)) + " in all\n";
   for (const RefusedPair& refused : report.refused) {
     text += "refused: " + describe(refused.pair, p.plan.pairs[refused.pair]) + ": " + refused.cause + "\n";
   }
@@ -184,6 +175,11 @@ nlohmann::ordered_json fit_json(const pipeline::Pipeline& p, const FitReport& re
                               {"friction", report.friction},
                               {"bonded", report.grasp},
                               {"bonded_torque", report.turn},
+                              {"contact_surface",
+                               {{"triangles", report.surface.triangles},
+                                {"tolerance_m", report.surface.tolerance},
+                                {"distance_m", report.surface.distance},
+                                {"fault", report.surface.fault}}},
                               {"file", p.paths.response.string()},
                               {"bytes", std::filesystem::file_size(p.paths.response)},
                               {"pairs", nlohmann::ordered_json::array()}};
@@ -275,6 +271,13 @@ std::string fit_text(const pipeline::Pipeline& p, const FitReport& report) {
                   report.held_out.samples, 100 * report.held_out.median, 100 * report.held_out.p95);
     text += line;
   }
+  const SurfaceFigures& surface = report.surface;
+  char line[160];
+  std::snprintf(line, sizeof line,
+                "contact surface: %zu triangles, at most %.3g mm from the body's (allowed: %.3g mm)\n",
+                surface.triangles, 1e3 * surface.distance, 1e3 * surface.tolerance);
+  text += line;
+  if (!surface.fault.empty()) text += surface.fault + "; the patches themselves stand for the body's surface\n";
   return text + p.paths.response.string() + ", " + std::to_string(std::filesystem::file_size(p.paths.response)) +
          " bytes\n";
 }

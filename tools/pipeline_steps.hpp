@@ -17,9 +17,6 @@ BakeReport bake_with_progress(pipeline::Pipeline& pipeline, const Globals& globa
 /// "round 3: 56 hidden pushes are missed by 1.10 % at the median, ...", in one line without its end.
 std::string sampling_text(const SamplingEstimate& estimate, double tolerance);
 
-/// Seconds that all bakes of this plan took. Throws Error(bad_input) where bake.json is damaged.
-double seconds_of_bake(const pipeline::Pipeline& pipeline);
-
 nlohmann::ordered_json bake_json(const pipeline::Pipeline& pipeline, const BakeReport& report);
 std::string bake_text(const pipeline::Pipeline& pipeline, const BakeReport& report);
 nlohmann::ordered_json fit_json(const pipeline::Pipeline& pipeline, const FitReport& report);

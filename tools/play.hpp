@@ -35,7 +35,7 @@ struct PlaySummary {
 /// Adds a tick that lasted so long (s); rows are for whoever has them.
 void account(PlaySummary& summary, const runtime::Tick& tick, double seconds);
 
-/// Of several tools, `summary` and another of the same ticks: times and contacts of all, the peaks of any.
+/// Adds to `summary` the summary of another tool in the same ticks: times and contacts of all, the peaks of any.
 void add(PlaySummary& summary, const PlaySummary& other);
 
 /// Ticks through the motion, with as many ticks between two rows as keep each below 1 % of the depth scale

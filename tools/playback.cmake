@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What play, inspect, compare and bench share with their tests: response files opened, motions read and played, plots,
-# timing.
+# Code that play, inspect, compare and bench share with their tests: response files opened, motions read and played,
+# plots, timing.
 add_library(palpate_playback STATIC closed_motions.cpp motion_file.cpp play.cpp plot.cpp response_input.cpp straight_press.cpp)
 target_link_libraries(palpate_playback PUBLIC palpate_runtime palpate_response palpate_file PRIVATE palpate_settings)
 palpate_together(palpate_playback)
-# What drive shares with play: runs recorded and replayed, devices placed in scenes and shown.
+# Code that drive shares with play: runs recorded and replayed, devices placed in scenes and shown.
 if(TARGET palpate_device)
   add_library(palpate_drive STATIC drive_device.cpp drive_frame.cpp drive_view.cpp play_run.cpp)
   target_link_libraries(palpate_drive PUBLIC palpate_playback palpate_device PRIVATE palpate_settings)

@@ -10,7 +10,7 @@ namespace palpate::cli {
 namespace {
 
 constexpr double kWidth = 960, kLeft = 80, kRight = 130, kTop = 44, kPanel = 230, kGap = 26, kBottom = 52;
-// Told apart by people who do not tell red from green, too.
+// Colours that red-green colour-blind readers can distinguish too.
 constexpr const char* kColours[] = {"#0072b2", "#d55e00", "#009e73", "#222222", "#cc79a7"};
 
 std::string number(double value, const char* format = "%.2f") {
@@ -156,6 +156,26 @@ std::string line_plot_svg(const std::string& title, const std::string& x_label, 
   }
   svg += label((ax.from + ax.to) / 2, height - 12, "middle", x_label);
   return svg + "</svg>\n";
+}
+
+std::string distribution_svg(const std::string& title, const std::string& label,
+                             const std::vector<PlotSeries>& series) {
+  constexpr int kSteps = 400;
+  std::vector<double> shares;
+  for (int k = 0; k <= kSteps; ++k) shares.push_back(100.0 * k / kSteps);
+  PlotPanel panel{label, {}};
+  for (const PlotSeries& one : series) {
+    if (one.values.empty()) continue;
+    std::vector<double> sorted = one.values;
+    std::sort(sorted.begin(), sorted.end());
+    panel.series.push_back({one.name + " (" + std::to_string(sorted.size()) + ")", {}});
+    for (int k = 0; k <= kSteps; ++k) {
+      const std::size_t count =
+          (sorted.size() * std::size_t(k) + kSteps - 1) / kSteps;  // this share of all, rounded up
+      panel.series.back().values.push_back(sorted[count > 0 ? count - 1 : 0]);
+    }
+  }
+  return line_plot_svg(title, "share of all (%)", shares, {panel});
 }
 
 }  // namespace palpate::cli

@@ -7,11 +7,19 @@ palpate_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 palpate_packages=(
   g++ cmake ninja-build ccache pkg-config
-  libeigen3-dev libcgal-dev libtet1.5-dev libopenmesh-dev libtinygltf-dev nlohmann-json3-dev
-  libinsighttoolkit5-dev zlib1g-dev
+  libeigen3-dev libcgal-dev libtet1.5-dev libopenmesh-dev libtinygltf-dev libstb-dev libcpp-httplib-dev nlohmann-json3-dev
+  libinsighttoolkit5-dev libnifti-dev zlib1g-dev
   libsuitesparse-dev libopenblas-dev libceres-dev libxxhash-dev libfmt-dev libtomlplusplus-dev libcli11-dev
   libusb-1.0-0-dev umockdev libumockdev-dev libgtest-dev libbenchmark-dev python3
 )
+
+# For the page of `palpate report`: without these everything else is built. A node that did not come from Debian brings
+# its own npm.
+palpate_install_page() {
+  local packages=(clang lld wasi-libc libc++-dev-wasm32 libclang-rt-dev-wasm32)
+  command -v npm >/dev/null || packages+=(nodejs npm)
+  palpate_install "${packages[@]}" || echo "palpate: palpate report is built without its page" >&2
+}
 
 # palpate_install [PACKAGE...]: installs those of them (or of all that the build needs) that are missing, or says exactly
 # which are and how to get them. Returns 1 when some stay missing.

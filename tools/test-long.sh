@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What takes longer than tools/test.sh may: the tests labelled "long" (organ bakes, full comparisons) in the release
-# build, then the quick tests under the address and undefined-behaviour sanitizers. Arguments go to ctest.
+# Runs everything that is too slow for tools/test.sh: the tests labelled "long" (organ bakes, full comparisons) in the
+# release build, then the quick tests under the address and undefined-behaviour sanitizers. Arguments go to ctest.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 

@@ -28,7 +28,7 @@ using runtime::ToolPoint;
 using runtime::Vec3;
 using runtime::View;
 
-// What is measured for a row is never inlined and bears the row's name: tools/instructions.sh finds it by that.
+// The measured function of a row is never inlined and has the row's name, by which tools/instructions.sh finds it.
 namespace row {
 struct press {};
 struct field {};
@@ -84,7 +84,7 @@ std::vector<double> blocks(std::size_t calls, int count, const Once& once, std::
   return collector.nanoseconds;
 }
 
-// After how many calls a row has been everywhere it goes, or at as many random places as tell their mean.
+// After how many calls a row has been everywhere it goes, or at enough random places for their mean.
 constexpr std::size_t kRound = 256, kRandomRound = 1U << 13;
 
 // Times once(i, k) over the indices i = 0 .. count - 1, each for k = 0, 1, ...: in blocks of whole rounds, long beside
@@ -115,7 +115,7 @@ template <class T>
 const T& around(const std::vector<T>& all, std::size_t k) {
   return all[k & (all.size() - 1)];
 }
-// Of few, how many they are is not even asked: a vector divides for that.
+// A count known at compile time, because the modulus of a vector's size would need a division.
 constexpr std::size_t kFew = 16;
 template <class T>
 const T& around(const std::array<T, kFew>& all, std::size_t k) {

@@ -49,7 +49,7 @@ struct TickBench {
 /// Throws as random_contacts does.
 TickBench bench_ticks(const runtime::View& view, const TickBenchOptions& options);
 
-/// What stands beside them: the parts of a tick that are not warm or not alone, and other ways to the same force.
+/// Further times: the parts of a tick that are not warm or not alone, and other ways to the same force.
 struct LatencyBench {
   int responses =
       0;            ///< that are interpolated: of three sites for each vertex of the tool's patch, in whose middle p is

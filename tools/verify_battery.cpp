@@ -44,7 +44,7 @@ Json to_json(const BatteryFigures& f) {
           {"core", f.core},         {"core_converged", f.core_converged},
           {"verified", f.verified}, {"by_augmented_lagrange", f.augmented},
           {"wrong", f.wrong},       {"unchecked", f.unchecked},
-          {"compared", f.compared}, {"foretold", f.foretold},
+          {"compared", f.compared}, {"within_estimate", f.foretold},
           {"slowest_s", f.slowest}};
 }
 

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 void check_reports(const pipeline::Pipeline& p, const std::vector<fs::path>& reports) {
   std::vector<fs::path> inputs = files_of(p.scene);
   for (const MeasuredScene& measured : p.scene_sources.measured) inputs.push_back(measured.file);
-  for (const fs::path& file : {p.paths.manifest, p.paths.journal, p.paths.bake, p.paths.response}) {
+  for (const fs::path& file : {p.paths.manifest, p.paths.samples, p.paths.bake, p.paths.response}) {
     inputs.push_back(file);
   }
   refuse_same(reports, inputs);
@@ -26,8 +26,8 @@ void check_reports(const pipeline::Pipeline& p, const std::vector<fs::path>& rep
 
 void check_baked(const pipeline::Pipeline& p) {
   if (!p.sources.solves_any(p.plan.pairs.size())) return;
-  if (fs::exists(p.paths.journal)) return;
-  throw Error(ExitCode::io, p.paths.journal.string() + ": there is no journal; run palpate build first");
+  if (fs::exists(p.paths.samples)) return;
+  throw Error(ExitCode::io, p.paths.samples.string() + ": there is no journal; run palpate build first");
 }
 
 void check_same_plan(const pipeline::Pipeline& p, const runtime::View& view) {
@@ -49,10 +49,10 @@ double expected_error(const runtime::View& view) {
 PairCounts count_pairs(const pipeline::Pipeline& p) {
   PairCounts counts;
   for (std::uint32_t k = 0; k < p.plan.pairs.size(); ++k) counts.planned += p.sources.solved(k) ? 1 : 0;
-  if (!fs::exists(p.paths.journal)) return counts;
+  if (!fs::exists(p.paths.samples)) return counts;
   MeshChecks& checks = counts.checks;
   std::vector<double> differences;
-  for (const auto& [index, pair] : read_journal(p.paths.journal, p.manifest).pairs) {
+  for (const auto& [index, pair] : read_journal(p.paths.samples, p.manifest).pairs) {
     if (!pair.outcome || !p.sources.solved(index)) continue;
     ++(pair.outcome->accepted ? counts.accepted : counts.refused);
     if (!pair.check) continue;

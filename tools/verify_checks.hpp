@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What verify makes sure of before it solves for minutes, and the report it writes after that.
+// Checks of verify before it solves for minutes, and the report that it writes after that.
 #pragma once
 
 #include "palpate/palpate.hpp"
@@ -19,7 +19,7 @@ void check_baked(const pipeline::Pipeline& pipeline);
 /// Throws Error(bad_input) where the response file was not made from this plan. Needs plan().
 void check_same_plan(const pipeline::Pipeline& pipeline, const runtime::View& view);
 
-/// What the bake's own checks on finer meshes say of its straight pushes.
+/// Results of the bake's own checks of its normal indentations on finer meshes.
 struct MeshChecks {
   std::size_t compared = 0, uncompared = 0;  ///< pairs
   double median = 0.0, worst = 0.0;          ///< relative difference of the force, of the compared
@@ -27,7 +27,7 @@ struct MeshChecks {
   std::size_t samples = 0, foretold = 0;  ///< see PairCheck
 };
 
-/// Of the pairs to be solved.
+/// Counts of the pairs to be solved.
 struct PairCounts {
   std::size_t planned = 0, accepted = 0, refused = 0;
   MeshChecks checks;

@@ -71,7 +71,7 @@ void run_closed_forms(const ClosedFormsCommand& command, const Globals& globals)
   std::string text =
       "solved over law: least and most of its values on a small and on a large body, and on an endless one as these "
       "two "
-      "foretell it\n\n| law | | small | large | endless | holds |\n|---|---|---|---|---|---|\n";
+      "predict it\n\n| law | | small | large | endless | holds |\n|---|---|---|---|---|---|\n";
   Json json = Json::array();
   for (std::size_t k = 0; k < forms.size(); ++k) {
     text += law_row(forms[k], checks[k]);

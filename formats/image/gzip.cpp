@@ -18,7 +18,7 @@ constexpr std::size_t kBlock = std::size_t{1} << 18;  // bytes read, and expande
 
 }  // namespace
 
-std::size_t whole_size(const std::filesystem::path& file, std::size_t offset, bool zlib) {
+std::size_t whole_size(const std::filesystem::path& file, std::size_t offset, bool zlib, std::size_t enough) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw Error(ExitCode::io, file.string() + ": cannot be read");
   stream.seekg(std::streamoff(offset));
@@ -53,6 +53,7 @@ std::size_t whole_size(const std::filesystem::path& file, std::size_t offset, bo
       }
       total += out.size() - state.avail_out;
       ended = code == Z_STREAM_END;
+      if (total > enough) return total;
     }
   }
   if (!ended) {

@@ -173,16 +173,14 @@ private:
 
 // 0: the name is no length.
 double length_of(const std::string& name) {
-  static const std::map<std::string, double> lengths{{"m", 1.0},
-                                                     {"meter", 1.0},
-                                                     {"cm", 0.01},
-                                                     {"mm", 0.001},
-                                                     {"millimeter", 0.001},
-                                                     {"millimeters", 0.001},
-                                                     {"millimetre", 0.001},
-                                                     {"um", 1e-6},
-                                                     {"in", 0.0254}};
-  const auto at = lengths.find(lower(name));
+  static const std::map<std::string, double> lengths{
+      {"m", 1.0},           {"meter", 1.0},       {"metre", 1.0},       {"cm", 0.01},
+      {"centimeter", 0.01}, {"mm", 0.001},        {"millimeter", 1e-3}, {"millimetre", 1e-3},
+      {"um", 1e-6},         {"\u00b5m", 1e-6},    {"\u03bcm", 1e-6},    {"micron", 1e-6},
+      {"micrometer", 1e-6}, {"micrometre", 1e-6}, {"in", 0.0254},       {"inch", 0.0254}};
+  std::string one = lower(name);
+  if (one.size() > 3 && one.back() == 's') one.pop_back();  // "millimeters"
+  const auto at = lengths.find(one);
   return at == lengths.end() ? 0.0 : at->second;
 }
 
@@ -209,8 +207,11 @@ StatedSpace check_nrrd(const Header& header) {
   const std::string encoding = lower(header.need("encoding"));
   stated.voxels.gzip = encoding == "gzip" || encoding == "gz";
   const std::string space = lower(header.get({"space"}).value_or(""));
-  static const std::vector<std::string> known{
-      "lps", "ras", "las", "left-posterior-superior", "right-anterior-superior", "left-anterior-superior"};
+  // ITK mirrors the wrong axis.
+  if (space == "las" || space == "left-anterior-superior") {
+    header.fail("space", "got '" + space + "', which is left-handed; allowed: LPS, RAS. Save the file in one of them");
+  }
+  static const std::vector<std::string> known{"lps", "ras", "left-posterior-superior", "right-anterior-superior"};
   if (std::find(known.begin(), known.end(), space) != known.end()) stated.frame = Frame::lps;
   for (const char* field : {"space units", "units"}) {
     std::string names = header.get({field}).value_or("");
@@ -220,6 +221,8 @@ StatedSpace check_nrrd(const Header& header) {
       const double unit = length_of(name);
       if (stated.unit > 0 && unit > 0 && unit != stated.unit) header.fail(field, "allowed: one unit for all axes");
       if (unit > 0) stated.unit = unit;
+      if (unit == 0 && name.find_first_not_of('?') != std::string::npos && lower(name) != "none")
+        stated.unknown_unit = name;
     }
   }
   return stated;
@@ -246,11 +249,15 @@ StatedSpace check_meta(const Header& header) {
   // ITK's convention is LPS, whatever the letters are; "???" stands for unknown.
   const std::string letters = header.get({"anatomicalorientation"}).value_or("");
   if (letters.size() == 3 && letters != "???") stated.frame = Frame::lps;
-  if (const auto unit = header.get({"distanceunits"})) stated.unit = length_of(*unit);
+  if (const auto unit = header.get({"distanceunits"})) {
+    stated.unit = length_of(*unit);
+    if (stated.unit == 0 && *unit != "?") stated.unknown_unit = *unit;
+  }
   return stated;
 }
 
-// ITK ends the program where a NIfTI header's places are no numbers.
+// Refuses headers that libnifti accepts: places that are no numbers, dimensions out of range, gzip data under a name without
+// .gz.
 void check_nifti(const std::filesystem::path& file) {
   const auto refuse = [&](const std::string& what) { throw Error(ExitCode::bad_input, file.string() + ": " + what); };
   std::array<unsigned char, 348> head{};
@@ -259,23 +266,53 @@ void check_nifti(const std::filesystem::path& file) {
   if (gzread(stream.get(), head.data(), unsigned(head.size())) != int(head.size())) {
     refuse("not a NIfTI file, or cut short: its header takes 348 bytes");
   }
+  std::string ending = file.filename().string();
+  ending = ending.substr(lower(ending).rfind(".nii"));
+  const auto holds = [&](int (*kind)(int)) {
+    return std::any_of(ending.begin(), ending.end(), [&](unsigned char c) { return kind(c) != 0; });
+  };
+  if (holds(std::isupper) && holds(std::islower)) {
+    refuse("its name ends in '" + ending + "'; allowed: .nii and .nii.gz, in letters of one case");
+  }
   std::int32_t size = 0;
   std::memcpy(&size, head.data(), 4);
   const bool swapped = size == 0x5C010000;
   if (size == 540 || size == 0x1C020000) refuse("is a NIfTI-2 file; allowed: NIfTI-1");
   if (size != 348 && !swapped) refuse("not a NIfTI file: its header does not begin with 348");
   if (std::memcmp(head.data() + 344, "n+1", 3) != 0) refuse("is no single NIfTI file; allowed: .nii and .nii.gz");
+  const auto real = [&](std::size_t at) {
+    std::array<unsigned char, 4> raw{head[at], head[at + 1], head[at + 2], head[at + 3]};
+    if (swapped) std::reverse(raw.begin(), raw.end());
+    float number = 0;
+    std::memcpy(&number, raw.data(), 4);
+    return number;
+  };
   const auto check = [&](const char* name, std::size_t from, std::size_t count) {
     for (std::size_t at = from; at < from + 4 * count; at += 4) {
-      std::array<unsigned char, 4> raw{head[at], head[at + 1], head[at + 2], head[at + 3]};
-      if (swapped) std::reverse(raw.begin(), raw.end());
-      float number = 0;
-      std::memcpy(&number, raw.data(), 4);
-      if (!(std::abs(number) < kLargestNumber)) refuse(std::string(name) + " is not finite or beyond 1e12");
+      if (!(std::abs(real(at)) < kLargestNumber)) refuse(std::string(name) + " is not finite or beyond 1e12");
     }
   };
+  if (gzdirect(stream.get()) == 0 && lower(file.extension().string()) != ".gz") {
+    refuse("is compressed by gzip; its name has to end in .nii.gz");
+  }
+  const auto dim = [&](std::size_t k) {
+    std::array<unsigned char, 2> raw{head[40 + 2 * k], head[41 + 2 * k]};
+    if (swapped) std::swap(raw[0], raw[1]);
+    std::int16_t n = 0;
+    std::memcpy(&n, raw.data(), sizeof n);
+    return int(n);
+  };
+  if (dim(0) < 3 || dim(0) > 7) refuse("has " + std::to_string(dim(0)) + " dimensions; allowed: 3");
+  for (std::size_t k = 1; k <= 3; ++k) {
+    if (dim(k) < 1) refuse("dim[" + std::to_string(k) + "]: got " + std::to_string(dim(k)) + "; allowed: 1 to 32767");
+  }
   check("pixdim", 76, 8);
-  check("vox_offset", 108, 1);
+  constexpr float kFirstVoxel = 352, kLastVoxel = 1 << 30;  // bytes
+  if (const float offset = real(108); !(offset >= kFirstVoxel && offset <= kLastVoxel)) {
+    std::ostringstream text;
+    text << "vox_offset: got " << offset << "; allowed: 352 to 2^30";
+    refuse(text.str());
+  }
   check("scl_slope", 112, 2);
   check("its quaternion", 256, 6);
   check("its srow matrix", 280, 12);
@@ -304,7 +341,7 @@ StatedSpace check_header(const std::filesystem::path& file, ImageKind kind) {
       break;
   }
   check_nifti(file);
-  return {Frame::unstated, 1e-3, {file, 0, true, false}};  // ITK reads the rest, and delivers millimetres
+  return {Frame::unstated, 1e-3, {}, {file, 0, true, false}};  // the reader delivers millimetres
 }
 
 }  // namespace palpate::detail

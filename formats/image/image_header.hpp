@@ -2,10 +2,11 @@
 // Checks the text header of an NRRD or MetaImage file, and finds the frame and the unit that the header states.
 #pragma once
 
-#include "formats/image/itk_reader.hpp"
+#include "formats/image/image_file.hpp"
 #include "formats/scene.hpp"
 
 #include <filesystem>
+#include <string>
 
 namespace palpate::detail {
 
@@ -16,6 +17,7 @@ ImageKind image_kind(const std::filesystem::path& file);
 struct StatedSpace {
   Frame frame = Frame::unstated;  ///< lps for any frame that ITK turns into LPS
   double unit = 0.0;              ///< m; 0: not stated
+  std::string unknown_unit;       ///< stated, but no known length
   VoxelPlace voxels;
 };
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-// ITK's readers of NIfTI, NRRD and MetaImage, used without its pipeline: header, then all voxels at once.
+// ITK's readers of NRRD and MetaImage, used without its pipeline: header, then all voxels at once.
 #include "formats/image/itk_reader.hpp"
 
 #include "formats/error.hpp"
 #include "formats/image/gzip.hpp"
+#include "formats/image/voxel_values.hpp"
 
 #include <itkMetaDataObject.h>
 #include <itkMetaImageIO.h>
-#include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
 
 #include <fcntl.h>
@@ -28,14 +28,7 @@ namespace {
 }
 
 itk::ImageIOBase::Pointer make_reader(ImageKind kind) {
-  switch (kind) {
-    case ImageKind::nifti:
-      return itk::NiftiImageIO::New().GetPointer();
-    case ImageKind::nrrd:
-      return itk::NrrdImageIO::New().GetPointer();
-    case ImageKind::meta:
-      break;
-  }
+  if (kind == ImageKind::nrrd) return itk::NrrdImageIO::New().GetPointer();
   return itk::MetaImageIO::New().GetPointer();
 }
 
@@ -75,59 +68,31 @@ std::string reason(const itk::ExceptionObject& error) {
   return text.substr(0, kLongest);
 }
 
-template <class Number>
-void convert(const std::filesystem::path& file, const unsigned char* bytes, std::vector<std::int32_t>& values) {
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    Number number;
-    std::memcpy(&number, bytes + k * sizeof number, sizeof number);
-    const auto whole = static_cast<std::int32_t>(
-        number >= Number(0) ? std::min<long double>(number, std::numeric_limits<std::int32_t>::max())
-                            : std::max<long double>(number, std::numeric_limits<std::int32_t>::min()));
-    if (static_cast<long double>(whole) != static_cast<long double>(number)) {
-      std::ostringstream text;
-      text << "voxel " << k << " has the value " << +number
-           << "; allowed: whole numbers of 32 bits (a label image, not a scan)";
-      refuse(file, text.str());
-    }
-    values[k] = whole;
-  }
-}
-
-// Types whose every value fits need no check.
-template <class Number>
-void copy(const unsigned char* bytes, std::vector<std::int32_t>& values) {
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    Number number;
-    std::memcpy(&number, bytes + k * sizeof number, sizeof number);
-    values[k] = number;
-  }
-}
-
 void to_values(const std::filesystem::path& file, itk::IOComponentEnum type, const unsigned char* bytes,
                std::vector<std::int32_t>& values) {
   switch (type) {
     case itk::IOComponentEnum::UCHAR:
-      return copy<std::uint8_t>(bytes, values);
+      return to_labels<std::uint8_t>(file, bytes, values);
     case itk::IOComponentEnum::CHAR:
-      return copy<std::int8_t>(bytes, values);
+      return to_labels<std::int8_t>(file, bytes, values);
     case itk::IOComponentEnum::USHORT:
-      return copy<std::uint16_t>(bytes, values);
+      return to_labels<std::uint16_t>(file, bytes, values);
     case itk::IOComponentEnum::SHORT:
-      return copy<std::int16_t>(bytes, values);
+      return to_labels<std::int16_t>(file, bytes, values);
     case itk::IOComponentEnum::INT:
-      return copy<std::int32_t>(bytes, values);
+      return to_labels<std::int32_t>(file, bytes, values);
     case itk::IOComponentEnum::UINT:
-      return convert<std::uint32_t>(file, bytes, values);
+      return to_labels<std::uint32_t>(file, bytes, values);
     case itk::IOComponentEnum::LONG:
     case itk::IOComponentEnum::LONGLONG:
-      return convert<std::int64_t>(file, bytes, values);
+      return to_labels<std::int64_t>(file, bytes, values);
     case itk::IOComponentEnum::ULONG:
     case itk::IOComponentEnum::ULONGLONG:
-      return convert<std::uint64_t>(file, bytes, values);
+      return to_labels<std::uint64_t>(file, bytes, values);
     case itk::IOComponentEnum::FLOAT:
-      return convert<float>(file, bytes, values);
+      return to_labels<float>(file, bytes, values);
     case itk::IOComponentEnum::DOUBLE:
-      return convert<double>(file, bytes, values);
+      return to_labels<double>(file, bytes, values);
     default:
       refuse(file, "voxels of an unknown type; allowed: numbers of 8 to 64 bits");
   }
@@ -154,13 +119,12 @@ void read_frame(const std::filesystem::path& file, const itk::ImageIOBase& reade
   }
 }
 
-// ITK fills what is missing with zeros in NIfTI and MetaImage files, and does not look at the end of gzip data.
+// ITK fills what is missing with zeros in MetaImage files, and does not look at the end of gzip data.
 void require_whole(const std::filesystem::path& file, const itk::ImageIOBase& reader, ImageKind kind,
                    const VoxelPlace& voxels) {
   if (kind == ImageKind::nrrd && !voxels.gzip) return;  // ITK counts
-  constexpr std::size_t kNiftiHeader = 352;             // bytes, at least
-  const std::size_t needed = std::size_t(reader.GetImageSizeInBytes()) + (kind == ImageKind::nifti ? kNiftiHeader : 0);
-  const std::size_t there = whole_size(voxels.file, voxels.offset, voxels.zlib);
+  const auto needed = std::size_t(reader.GetImageSizeInBytes());
+  const std::size_t there = whole_size(voxels.file, voxels.offset, voxels.zlib, needed);
   if (there >= needed) return;
   refuse(file,
          "is cut short: its voxels need " + std::to_string(needed) + " bytes, there are " + std::to_string(there));
@@ -168,7 +132,7 @@ void require_whole(const std::filesystem::path& file, const itk::ImageIOBase& re
 
 }  // namespace
 
-ImageFile read_image_file(const std::filesystem::path& file, ImageKind kind, const VoxelPlace& voxels) {
+ImageFile read_by_itk(const std::filesystem::path& file, ImageKind kind, const VoxelPlace& voxels) {
   const QuietErrors quiet;
   ImageFile image;
   try {
@@ -181,8 +145,6 @@ ImageFile read_image_file(const std::filesystem::path& file, ImageKind kind, con
       std::string value;
       if (itk::ExposeMetaData(dictionary, key, value)) image.texts[key] = value;
     }
-    image.states_frame = kind == ImageKind::nifti && (image.texts["qform_code_name"] != "NIFTI_XFORM_UNKNOWN" ||
-                                                      image.texts["sform_code_name"] != "NIFTI_XFORM_UNKNOWN");
     require_whole(file, *reader, kind, voxels);
     itk::ImageIORegion region(reader->GetNumberOfDimensions());
     std::size_t total = std::size_t(image.layers);
@@ -199,7 +161,8 @@ ImageFile read_image_file(const std::filesystem::path& file, ImageKind kind, con
     image.values.resize(total);
     to_values(file, reader->GetComponentType(), raw.get(), image.values);
   } catch (const itk::ExceptionObject& error) {
-    refuse(file, "cannot be read: it is damaged or cut short (ITK: " + reason(error) + ")");
+    refuse(file, "cannot be read: its data are damaged, cut short or in a form that is not known (ITK: " +
+                     reason(error) + ")");
   } catch (const Error&) {
     throw;
   } catch (const std::bad_alloc&) {

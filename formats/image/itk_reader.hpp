@@ -1,42 +1,14 @@
 // SPDX-License-Identifier: MIT
-// One image file by ITK, as plain arrays. The implementation alone includes ITK, whose copy of Eigen is not ours.
+// NRRD and MetaImage by ITK. The implementation alone includes ITK, whose copy of Eigen is not ours.
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <filesystem>
-#include <map>
-#include <string>
-#include <vector>
+#include "formats/image/image_file.hpp"
 
 namespace palpate::detail {
-
-enum class ImageKind { nifti, nrrd, meta };
-
-/// Places of the voxels.
-struct VoxelPlace {
-  std::filesystem::path file;
-  std::size_t offset = 0;  ///< bytes before them
-  bool gzip = false, zlib = false;
-};
-
-struct ImageFile {
-  std::array<int, 3> size{};
-  int layers = 1;                  ///< numbers a voxel
-  std::array<double, 3> origin{};  ///< file units, centre of the first voxel; LPS where the file states a frame
-  std::array<std::array<double, 3>, 3> axes{};  ///< file units: from one voxel to the next along each index
-  bool states_frame = false;                    ///< NIfTI: its qform or sform code says what the coordinates are
-  std::vector<std::int32_t> values;             ///< layers of a voxel side by side; the first index runs fastest
-  std::map<std::string, std::string> texts;     ///< key and value pairs of the header
-};
-
-/// Largest number of values of an image: 2 GiB as 32-bit numbers.
-inline constexpr std::size_t largest_image = std::size_t{1} << 29U;
 
 /// The header must have passed check_header, which found the voxels. Throws Error(bad_input) naming the file, and ITK's
 /// reason, for an image that ITK refuses, that is cut short, or that holds values which are not whole numbers of 32
 /// bits.
-ImageFile read_image_file(const std::filesystem::path& file, ImageKind kind, const VoxelPlace& voxels);
+ImageFile read_by_itk(const std::filesystem::path& file, ImageKind kind, const VoxelPlace& voxels);
 
 }  // namespace palpate::detail

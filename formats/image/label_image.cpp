@@ -5,6 +5,7 @@
 #include "formats/error.hpp"
 #include "formats/image/image_header.hpp"
 #include "formats/image/itk_reader.hpp"
+#include "formats/image/nifti_reader.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -287,7 +288,8 @@ void add_mask(const LabelImage& image, LabelMask& mask, std::array<int, 3>& low,
 LabelImage read_label_image(const std::filesystem::path& file, double unit) {
   const detail::ImageKind kind = detail::image_kind(file);
   const detail::StatedSpace stated = detail::check_header(file, kind);
-  detail::ImageFile read = detail::read_image_file(file, kind, stated.voxels);
+  detail::ImageFile read =
+      kind == detail::ImageKind::nifti ? detail::read_nifti(file) : detail::read_by_itk(file, kind, stated.voxels);
   LabelImage image;
   image.file = file;
   image.size = read.size;
@@ -297,6 +299,10 @@ LabelImage read_label_image(const std::filesystem::path& file, double unit) {
   if (unit > 0 && stated.unit > 0 && unit != stated.unit) {
     fail(image, "its header states a unit of " + format("%g", stated.unit) + " m, the scene says " +
                     format("%g", unit) + " m; leave out 'units', or correct it");
+  }
+  if (unit <= 0 && stated.unit <= 0 && !stated.unknown_unit.empty()) {
+    fail(image, "its header states the unit '" + stated.unknown_unit.substr(0, 40) +
+                    "', which is not known; state it in the scene, for example units = \"mm\"");
   }
   const double length = unit > 0 ? unit : stated.unit > 0 ? stated.unit : 1e-3;
   for (int k = 0; k < 3; ++k) {

@@ -64,7 +64,7 @@ std::vector<LabelExtent> label_extents(const LabelImage& image);
 enum class MaskUse { body, region };
 
 /// The voxels of all the values and segments that `source` names. Islands (over faces) of less than 1 % of the
-/// largest are dropped, holes of less than 0.1 % of all voxels are filled; notes tell it, and what the image's border
+/// largest are dropped, holes of less than 0.1 % of all voxels are filled; notes report it, and what the image's border
 /// cuts. Throws Error(bad_input) for a value or segment that is not there (the message lists those that are), and for a
 /// body of several large islands unless `source.islands` says what to keep.
 /// `also`: masks of other files whose voxels belong to it as well (a tumour's file beside its organ's). Their voxels

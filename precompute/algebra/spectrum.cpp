@@ -7,7 +7,7 @@ namespace palpate {
 
 namespace {
 
-// Two sizes are compiled: 3, whose direct reduction is what most laws ask for, and any.
+// Two sizes are compiled: 3, whose direct reduction most laws use, and any.
 template <class Matrix, int N>
 Spectrum<N> solved_as(const Eigen::Matrix<double, N, N>& symmetric) {
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(symmetric);

@@ -171,7 +171,7 @@ private:
     if (!result.outcome.accepted) ++refused_;
   }
 
-  /// Waits for the workers, tells progress, passes the stop flag on.
+  /// Waits for the workers, reports progress, passes the stop flag on.
   void watch() {
     double told = 0;
     std::unique_lock lock(mutex_);
@@ -250,8 +250,8 @@ private:
 
 std::string describe(std::uint32_t pair, const PairPlan& plan) {
   const char* const place = plan.role == PairRole::hidden ? " (hidden place " : " (site ";
-  return "pair " + std::to_string(pair) + place + std::to_string(plan.site) + ", tool " +
-         std::to_string(plan.tool) + ", vertex " + std::to_string(plan.tool_vertex) + ")";
+  return "pair " + std::to_string(pair) + place + std::to_string(plan.site) + ", tool " + std::to_string(plan.tool) +
+         ", vertex " + std::to_string(plan.tool_vertex) + ")";
 }
 
 BakeReport bake_pairs(const std::vector<PairPlan>& pairs, const PairSolver& solve, Journal& journal,

@@ -54,7 +54,7 @@ struct BakeReport {
 
 /// Solves every wanted pair that has no outcome in the journal. Throws what the journal or the solver throws, and
 /// Error(numerical) naming the pair when a pair solved again differs in any bit from what the journal holds.
-/// Whatever it ends with, everything that was accepted before is in the journal.
+/// Every pair that was accepted before the end or an exception is in the journal.
 BakeReport bake_pairs(const std::vector<PairPlan>& pairs, const PairSolver& solve, Journal& journal,
                       const BakeOptions& options = {});
 

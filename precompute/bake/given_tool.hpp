@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What recordings and laws ask of the tool that they name.
+// Requirements of recordings and laws on the tool that they name.
 #pragma once
 
 #include <cstdint>

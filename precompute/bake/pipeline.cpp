@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <set>
@@ -14,6 +15,7 @@
 #include "precompute/bake/sources.hpp"
 #include "precompute/draw.hpp"
 #include "precompute/fit/assemble.hpp"
+#include "precompute/mesh/contact_surface.hpp"
 #include "precompute/solve/prestress.hpp"
 
 namespace palpate::pipeline {
@@ -32,12 +34,44 @@ std::string file_name(const Scene& scene) {
 /// Share of the pairs that are also solved along paths which only test.
 double path_share(const Scene& scene) { return scene.friction > 0 ? scene.response.path_share : 0.0; }
 
-/// What a work folder keeps is not to be written over what a scene is made of, nor a result over either.
+/// Seconds in an account of the time spent; 0 without one. Throws Error(bad_input) where it is damaged.
+double seconds_in(const std::filesystem::path& account, const Hash128& manifest) {
+  if (!std::filesystem::exists(account)) return 0.0;
+  try {
+    const auto json = nlohmann::json::parse(read_file(account, "bake account", 65536));
+    const auto seconds = json.at("seconds").get<double>();
+    return json.at("manifest").get<std::string>() == to_hex(manifest) ? seconds : 0.0;
+  } catch (const nlohmann::json::exception& error) {
+    throw Error(ExitCode::bad_input, account.string() + ": not an account of a bake: " + error.what() +
+                                         "; removing it loses the time spent, and nothing else");
+  }
+}
+
+/// Whether anything has been solved for the manifest that the work folder holds.
+bool has_samples(const Paths& paths) {
+  if (std::filesystem::exists(paths.samples)) return true;
+  if (!std::filesystem::exists(paths.shards)) return false;
+  const std::filesystem::directory_iterator files(paths.shards);
+  return std::any_of(begin(files), end(files), [](const auto& f) { return f.path().extension() == ".journal"; });
+}
+
+/// The manifest that the work folder holds. A damaged one is no other plan.
+Manifest kept_manifest(const std::string& text, const std::filesystem::path& file) {
+  try {
+    return parse_manifest(text, file.string());
+  } catch (const Error& error) {
+    throw Error(ExitCode::bad_input, std::string(error.what()) +
+                                         "; removing this file loses nothing: the same command "
+                                         "writes it again");
+  }
+}
+
+/// Throws where a file of the work folder or the result would be written over a file that the scene is made of.
 void check_outputs(const Pipeline& p, const std::filesystem::path& scene_file) {
   std::vector<std::filesystem::path> inputs = files_of(p.scene);
   inputs.push_back(scene_file);
   for (const MeasuredScene& measured : p.scene_sources.measured) inputs.push_back(measured.file);
-  refuse_same({p.paths.manifest, p.paths.journal, p.paths.bake, p.paths.response}, inputs);
+  refuse_same({p.paths.manifest, p.paths.samples, p.paths.bake, p.paths.response}, inputs);
 }
 
 /// In [0, 1), the same for a pair whatever else is planned (the mixing of splitmix64, Steele et al. 2014).
@@ -48,8 +82,9 @@ double path_draw(const PairPlan& pair) {
   return static_cast<double>((x ^ (x >> 31U)) >> 11U) * 0x1.0p-53;
 }
 
-/// Facets deeper than this share of the deepest push change the force of a shallow one (at 7 % of the depth, where it is
-/// 2 % of the deepest) by more than 3 %: sites on vertices and sites amid facets then differ, however many there are.
+/// Facets deeper than this share of the deepest push change the force of a shallow one (at 7 % of the depth, where it
+/// is 2 % of the deepest) by more than 3 %: sites on vertices and sites amid facets then differ, however many there
+/// are.
 constexpr double kFacetOverDepth = 0.0014;
 constexpr std::size_t kMostSmoothed = 120000;  // triangles: a body of more takes long to search
 
@@ -72,6 +107,15 @@ void smooth_facets(Scene& scene, Body& body) {
   }
 }
 
+/// Facets of that size beside the tool are not felt.
+double surface_tolerance(const Scene& scene) {
+  constexpr double kOfRadius = 0.025;
+  if (scene.response.surface_tolerance > 0) return scene.response.surface_tolerance;
+  double radius = std::numeric_limits<double>::infinity();
+  for (const ToolScene& tool : scene.tools) radius = std::min(radius, tool.radius);
+  return kOfRadius * radius;
+}
+
 void save_seconds(const Pipeline& pipeline, double seconds) {
   const nlohmann::ordered_json json{{"manifest", to_hex(pipeline.manifest)}, {"seconds", seconds}};
   write_file(pipeline.paths.bake, json.dump(1) + "\n");
@@ -87,8 +131,11 @@ Pipeline prepare(const std::filesystem::path& scene_file, const Options& options
   p.paths.work = options.work.empty() ? beside / (file_name(p.scene) + ".work") : options.work;
   p.paths.response = options.response.empty() ? beside / (file_name(p.scene) + ".palp") : options.response;
   p.paths.manifest = p.paths.work / "manifest.json";
-  p.paths.journal = p.paths.work / "samples.journal";
-  p.paths.bake = p.paths.work / "bake.json";
+  p.paths.samples = p.paths.work / "samples.journal";
+  p.paths.shards = p.paths.work / "shards";
+  p.shard = options.shard;
+  p.paths.journal = p.shard ? p.paths.shards / (p.shard->name() + ".journal") : p.paths.samples;
+  p.paths.bake = p.shard ? p.paths.shards / (p.shard->name() + ".json") : p.paths.work / "bake.json";
   for (const std::filesystem::path& file : options.measured) p.scene_sources.measured.push_back({file, {}, 0.0});
   check_outputs(p, scene_file);
   for (const ToolScene& tool : p.scene.tools) p.tools.push_back(make_tool(tool));
@@ -97,18 +144,14 @@ Pipeline prepare(const std::filesystem::path& scene_file, const Options& options
   if (p.automatic) smooth_facets(p.scene, p.body);
   p.body = apply_prestress(std::move(p.body));
   if (p.automatic) p.scene.sampling.spacing = first_spacing(p.scene, p.body);
-  // A plan of rounds has its contact surface when the last is known.
-  p.mesh = p.automatic ? place_sites(p.scene, p.body) : make_haptic_mesh(p.scene, p.body);
-  if (p.automatic && !(p.scene_sources.measured.empty() && p.scene_sources.analytic.empty())) {
-    p.automatic = false;  // recordings and laws stand at sites that are known before
-    make_contact_surface(p.body, p.mesh);
-  }
+  p.mesh = make_haptic_mesh(p.scene, p.body);
+  // Recordings and laws stand at sites that are known before.
+  p.automatic = p.automatic && p.scene_sources.measured.empty() && p.scene_sources.analytic.empty();
   return p;
 }
 
 void find_pairs(Pipeline& p) {
-  p.plan = p.automatic ? first_round({p.scene, p.body, p.tools}, p.mesh)
-                       : make_plan(p.scene, p.body, p.mesh, p.tools);
+  p.plan = p.automatic ? first_round({p.scene, p.body, p.tools}, p.mesh) : make_plan(p.scene, p.body, p.mesh, p.tools);
   p.first_pairs = p.plan.pairs.size();
   p.sources = find_sources(p.scene, p.scene_sources, p.body, p.tools, p.mesh, p.plan);
 }
@@ -120,16 +163,21 @@ void write_manifest(Pipeline& p) {
   if (std::filesystem::exists(p.paths.manifest)) {
     const std::string old = read_file(p.paths.manifest, "manifest", kLargestManifest);
     if (old == text) return;
-    // A folder that an earlier program baked has the same pairs, and a scene's text with other defaults.
-    for (const std::string& scene : earlier_canonical_texts(p.scene)) {
+    // A folder that an earlier program baked has the same pairs, another hash of their mesh (a solve depends on its
+    // pair alone), and a scene's text with other defaults.
+    const Hash128 mesh = kept_manifest(old, p.paths.manifest).inputs.haptic_mesh;
+    std::vector<std::string> scenes = earlier_canonical_texts(p.scene);
+    scenes.insert(scenes.begin(), canonical_text(p.scene, CanonicalScope::solves));
+    for (const std::string& scene : scenes) {
       Plan earlier = p.plan;
+      earlier.inputs.haptic_mesh = mesh;
       earlier.inputs.scene = hash128(scene);
       if (manifest_text(earlier) != old) continue;
       p.plan = std::move(earlier);
       p.manifest = manifest_hash(old);
       return;
     }
-    if (std::filesystem::exists(p.paths.journal)) {
+    if (has_samples(p.paths)) {
       throw Error(ExitCode::bad_input, p.paths.work.string() +
                                            ": holds samples of another plan (scene, surfaces or tools have changed "
                                            "since); remove this folder or choose another one by --work");
@@ -140,8 +188,9 @@ void write_manifest(Pipeline& p) {
 
 bool resume(Pipeline& p) {
   if (!p.automatic || p.ended) return false;
-  if (!std::filesystem::exists(p.paths.journal)) return true;
-  const JournalContent journal = read_journal(p.paths.journal, p.manifest);
+  // A round is complete when its pairs are merged.
+  if (!std::filesystem::exists(p.paths.samples)) return true;
+  const JournalContent journal = read_journal(p.paths.samples, p.manifest);
   const Sampled sampled{p.scene, p.body, p.tools};
   for (;;) {
     for (std::uint32_t pair = 0; pair < p.plan.pairs.size(); ++pair) {
@@ -154,7 +203,6 @@ bool resume(Pipeline& p) {
     if (p.sampling->met || rounds >= RoundLimits{}.rounds || !add_round(sampled, journal, p.mesh, p.plan)) break;
   }
   p.ended = true;
-  make_contact_surface(p.body, p.mesh);
   return false;
 }
 
@@ -195,12 +243,18 @@ PairSolver contact_solver(const Pipeline& p) {
 }
 
 BakeReport bake(const Pipeline& p, const BakeOptions& options, const PairSolver& solver) {
+  make_folder(p.paths.journal.parent_path());
   Journal journal(p.paths.journal, p.manifest);
-  const double before = bake_seconds(p);
+  const double before = seconds_in(p.paths.bake, p.manifest);
   double saved = 0;
   BakeOptions saving = options;
+  // Pairs that are merged already; the samples of a whole bake are its own journal.
+  const JournalContent merged = p.shard && std::filesystem::exists(p.paths.samples)
+                                    ? read_journal(p.paths.samples, p.manifest)
+                                    : JournalContent{};
   saving.wanted = [&](std::uint32_t pair) {
-    return p.sources.solved(pair) && (!options.wanted || options.wanted(pair));
+    if (!p.sources.solved(pair) || (options.wanted && !options.wanted(pair))) return false;
+    return !p.shard || (p.shard->holds(pair) && !merged.finished(pair));
   };
   saving.progress = [&](const BakeProgress& progress) {
     // A kill then loses at most the last seconds of the account, and no sample.
@@ -215,11 +269,35 @@ BakeReport bake(const Pipeline& p, const BakeOptions& options, const PairSolver&
   return report;
 }
 
+MergeReport merge(const Pipeline& p) {
+  MergeReport report;
+  const JournalContent shards = read_shards(p.paths.shards, p.manifest);
+  std::set<std::uint32_t> there;
+  for (const auto& [pair, content] : shards.pairs) there.insert(pair);
+  // An empty journal would tie the work folder to this plan.
+  if (!there.empty() || std::filesystem::exists(p.paths.samples)) {
+    Journal journal(p.paths.samples, p.manifest);
+    for (const auto& [pair, content] : journal.content().pairs) {
+      if (content.outcome) there.insert(pair);
+    }
+    BakeOptions options;
+    options.threads = 1;
+    options.wanted = [&](std::uint32_t pair) { return p.sources.solved(pair) && there.count(pair) != 0; };
+    report.bake = bake_pairs(p.plan.pairs, recorded_solver(p.plan.pairs, shards), journal, options);
+  }
+  for (std::uint32_t pair = 0; pair < p.plan.pairs.size(); ++pair) {
+    if (p.sources.solved(pair) && there.count(pair) == 0) report.missing.push_back(pair);
+  }
+  return report;
+}
+
 double bake_seconds(const Pipeline& p) {
-  if (!std::filesystem::exists(p.paths.bake)) return 0.0;
-  const auto json = nlohmann::json::parse(read_file(p.paths.bake, "bake account", 65536), nullptr, false);
-  if (!json.is_object() || json.value("manifest", "") != to_hex(p.manifest)) return 0.0;
-  return json.value("seconds", 0.0);
+  double seconds = seconds_in(p.paths.work / "bake.json", p.manifest);
+  if (!std::filesystem::exists(p.paths.shards)) return seconds;
+  for (const auto& entry : std::filesystem::directory_iterator(p.paths.shards)) {
+    if (entry.path().extension() == ".json") seconds += seconds_in(entry.path(), p.manifest);
+  }
+  return seconds;
 }
 
 FitSettings fit_settings(const Scene& scene) {
@@ -237,13 +315,17 @@ FitSettings fit_settings(const Scene& scene) {
 }
 
 JournalContent samples(const Pipeline& p) {
-  if (!std::filesystem::exists(p.paths.journal)) {
+  if (!std::filesystem::exists(p.paths.samples)) {
     if (!p.sources.solves_any(p.plan.pairs.size())) return {};
     const char* const other =
         p.sources.given.empty() ? "" : ", or take the other sites from their neighbours: [sources] rest = \"covered\"";
-    throw Error(ExitCode::io, p.paths.journal.string() + ": there is no journal; run palpate bake first" + other);
+    throw Error(ExitCode::io, p.paths.samples.string() + ": there is no journal; run palpate bake first" + other);
   }
-  return read_journal(p.paths.journal, p.manifest);
+  return read_journal(p.paths.samples, p.manifest);
+}
+
+ContactSurface contact_surface(const Pipeline& p) {
+  return make_contact_surface(p.body.query->surface(), p.mesh.points, p.mesh.triangles, surface_tolerance(p.scene));
 }
 
 FittedFile fit_file(const Pipeline& p, const JournalContent& journal, const FitSettings& settings) {
@@ -252,7 +334,9 @@ FittedFile fit_file(const Pipeline& p, const JournalContent& journal, const FitS
   FittedFile file;
   file.fitted = fit_responses(p.plan, p.mesh.triangles, tool_vertices, journal, settings, p.sources);
   file.fitted.report.sampling = p.sampling;
-  file.bytes = encode(assemble_response(p.scene, p.tools, p.mesh, p.plan, p.manifest, file.fitted, p.sources));
+  const ContactSurface contact = contact_surface(p);
+  file.fitted.report.surface = {contact.triangles.size(), surface_tolerance(p.scene), contact.distance, contact.fault};
+  file.bytes = encode(assemble_response(p.scene, p.tools, contact, p.plan, p.manifest, file.fitted, p.sources));
   return file;
 }
 

@@ -78,7 +78,6 @@ Hash128 hash_mesh(const HapticMesh& mesh) {
     hasher.number(mesh.depth[k]);
   }
   for (const auto& t : mesh.triangles) hasher.bytes(t.data(), sizeof t);
-  for (const Vector3d& v : mesh.fine_points) add(hasher, v);
   return hasher.digest();
 }
 
@@ -113,8 +112,7 @@ void add_sites(Plan& plan, const Body& body, const HapticMesh& mesh, const std::
       for (std::uint32_t vertex = 0; vertex < tools[tool].vertices.size(); ++vertex) {
         const ToolVertex& touching = tools[tool].vertices[vertex];
         const bool support = at.held || reaches_support(body, tools[tool], touching, at.frame, at.depth);
-        const bool unreachable =
-            !support && at.selected && !can_touch_first(body, tools[tool], touching, at.frame);
+        const bool unreachable = !support && at.selected && !can_touch_first(body, tools[tool], touching, at.frame);
         if (support || unreachable || !at.selected) {
           plan.skipped.push_back({site, tool, vertex,
                                   support       ? SkipReason::support

@@ -37,15 +37,14 @@ double peak_bytes() {
 }
 
 double file_bytes(const Pipeline& p) {
-  HapticMesh mesh = p.mesh;
-  if (mesh.fine_triangles.empty()) make_contact_surface(p.body, mesh);
+  const ContactSurface contact = contact_surface(p);
   std::size_t vertices = 0;
   for (const Tool& tool : p.tools) vertices += tool.vertices.size();
   return kProvenance +
-         static_cast<double>(mesh.points.size()) *
+         static_cast<double>(p.mesh.points.size()) *
              (sizeof(layout::Site) + kResponseBytes * static_cast<double>(vertices)) +
-         static_cast<double>(mesh.fine_points.size()) * sizeof(layout::Point) +
-         static_cast<double>(mesh.fine_triangles.size()) * sizeof(layout::SurfaceTriangle);
+         static_cast<double>(contact.points.size()) * sizeof(layout::Point) +
+         static_cast<double>(contact.triangles.size()) * sizeof(layout::SurfaceTriangle);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where a tool can make first contact at all: clear of supports, and not in a fold narrower than itself.
+// Places where a tool can make first contact: clear of supports, and not in a fold narrower than itself.
 #pragma once
 
 #include "precompute/body.hpp"

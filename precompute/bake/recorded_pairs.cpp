@@ -22,10 +22,10 @@ namespace {
 using Eigen::Vector3d;
 using PairName = std::array<std::uint32_t, 3>;  // site, tool, tool vertex
 
-constexpr double kStraight = 0.05;         // sideways over depth, at most, of a push straight down
-constexpr double kShallow = 0.1;           // of the sampled depth: the same of what is shallower
-constexpr double kFacing = 0.5;            // least cosine between the normals of a contact and of its site
-constexpr double kReach = 0.25;            // of sampling.spacing
+constexpr double kStraight = 0.05;  // sideways over depth, at most, of a push straight down
+constexpr double kShallow = 0.1;    // of the sampled depth: the same of what is shallower
+constexpr double kFacing = 0.5;     // least cosine between the normals of a contact and of its site
+constexpr double kReach = 0.25;     // of sampling.spacing
 
 std::map<PairName, std::uint32_t> pairs_by_name(const Plan& plan) {
   std::map<PairName, std::uint32_t> result;

@@ -41,7 +41,8 @@ BlockMatrix::BlockMatrix(const TetMesh& mesh, const std::vector<char>& fixed) : 
 
 namespace {
 
-// Where `row` is in ascending `rows`, which hold it. Without branches: they would be foretold wrongly half of the time.
+// Index of `row` in ascending `rows`, which contain it. Branch-free, because half of the branches would be
+// mispredicted.
 std::ptrdiff_t rank_of(const std::vector<std::int32_t>& rows, std::int32_t row) {
   const std::int32_t* at = rows.data();
   for (std::size_t count = rows.size(); count > 1;) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Functions that blow up, continued by their parabola where no believed state lies: a line search may step there.
+// Singular functions, continued by their parabola where no valid state lies, because a line search may step there.
 #pragma once
 
 #include <cmath>

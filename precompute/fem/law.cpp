@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What all laws share.
+// Shared functions of all laws.
 #include "precompute/fem/law.hpp"
 
 #include "precompute/algebra/spectrum.hpp"

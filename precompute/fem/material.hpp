@@ -14,15 +14,16 @@ namespace palpate {
 /// Energy per volume of the stress-free state,
 ///   psi(F) = mu/2 (F:F - 3) + sum of laws(F) + slope (j - 1) + bulk/2 (j - 1)^2 + local/2 (det F - j)^2,
 /// where j is the mean of det F over an element (no volumetric locking) and the slope makes F = I free of stress. The
-/// last term is for changes of volume that have no mean: the other terms would pay for them with a negative energy,
-/// -mu/6 of their square for the neo-Hookean solid, and elements at free surfaces take that offer. With it they cost
-/// nothing. Defined for inverted elements too. Without laws it is the compressible neo-Hookean solid of Smith, de Goes
-/// and Kim (2018, equation 14, up to a constant).
+/// last term is for changes of volume that have no mean: the other terms give them a negative energy,
+/// -mu/6 of their square for the neo-Hookean solid, so that elements at free surfaces would develop them. With it their
+/// energy is zero. Defined for inverted elements too. Without laws it is the compressible neo-Hookean solid of Smith,
+/// de Goes and Kim (2018, equation 14, up to a constant).
 struct Material {
   double mu = 0.0;                               ///< Pa; what is left out of `laws`, for it costs next to nothing
   std::vector<std::shared_ptr<const Law>> laws;  ///< evaluated at every quadrature point
   Eigen::Vector3d fibre{0, 0, 0};                ///< unit direction in the stress-free state; 0: none
-  /// The same at a place (m) of the stress-free state, asked once an element in its middle; empty: `fibre` everywhere.
+  /// The same at a place (m) of the stress-free state, evaluated once an element in its middle; empty: `fibre`
+  /// everywhere.
   std::function<Eigen::Vector3d(const Eigen::Vector3d&)> fibre_at;
   double slope = 0.0;  ///< Pa
   double bulk = 0.0;   ///< Pa
@@ -42,7 +43,7 @@ struct Material {
   [[nodiscard]] double deviatoric(const Eigen::Matrix3d& f) const;
   /// Energy; sets the stress dW/dF (Pa) of everything but the volume term.
   double stress(const Eigen::Matrix3d& f, Eigen::Matrix3d& stress) const;
-  /// Of the laws alone.
+  /// The tangent of the laws alone.
   [[nodiscard]] Tangent law_tangent(const Eigen::Matrix3d& f) const;
 
   [[nodiscard]] double volumetric(double j) const { return slope * (j - 1) + 0.5 * bulk * (j - 1) * (j - 1); }

@@ -12,7 +12,7 @@ namespace palpate {
 /// Six nodes a face, counter-clockwise seen from outside of the body.
 using MeshFaces = std::vector<std::array<std::int32_t, 6>>;
 
-/// Of the mesh's boundary the closed parts that enclose a void (their volume is negative), one entry a cavity, in the
+/// The closed parts of the mesh's boundary that enclose a void (their volume is negative), one entry a cavity, in the
 /// order of their first faces.
 std::vector<MeshFaces> cavity_walls(const TetMesh& mesh);
 

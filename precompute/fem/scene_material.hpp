@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The material that a scene asks for.
+// The material of a scene.
 #pragma once
 
 #include "formats/scene.hpp"

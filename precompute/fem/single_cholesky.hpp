@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// What a symbolic analysis finds: supernodes of neighbouring columns with the same rows, in the order of elimination.
+/// Result of a symbolic analysis: supernodes of neighbouring columns with the same rows, in the order of elimination.
 struct SupernodalPattern {
   std::vector<int> order;   ///< original index of each row and column
   std::vector<int> first;   ///< first column of each supernode, and the number of columns at the end

@@ -7,7 +7,6 @@
 
 #include "formats/scene.hpp"
 #include "precompute/fit/grasp_fit.hpp"
-#include "precompute/mesh/haptic_mesh.hpp"
 #include "precompute/tool/tool.hpp"
 
 namespace palpate {
@@ -35,7 +34,7 @@ ResponseTool response_tool(const Tool& tool) {
   return result;
 }
 
-void add_body(ResponseFileContent& content, const HapticMesh& mesh, const Plan& plan) {
+void add_body(ResponseFileContent& content, const ContactSurface& contact, const Plan& plan) {
   // A site counts as held when no tool vertex may touch it for a support.
   std::vector<std::size_t> planned(plan.sites.size(), 0), at_support(plan.sites.size(), 0);
   for (const PairPlan& pair : plan.pairs) planned[pair.site] += pair.role == PairRole::hidden ? 0 : 1;
@@ -55,10 +54,10 @@ void add_body(ResponseFileContent& content, const HapticMesh& mesh, const Plan& 
     return std::array<std::uint32_t, 3>{static_cast<std::uint32_t>(t[0]), static_cast<std::uint32_t>(t[1]),
                                         static_cast<std::uint32_t>(t[2])};
   };
-  for (const auto& t : mesh.triangles) content.patches.push_back(corners(t));
-  content.subdivision = static_cast<std::uint32_t>(mesh.subdivision);
-  for (const auto& p : mesh.fine_points) content.surface_vertices.push_back(to_triple(p));
-  for (const FineTriangle& t : mesh.fine_triangles) {
+  for (const auto& t : contact.patches) content.patches.push_back(corners(t));
+  content.subdivision = static_cast<std::uint32_t>(contact.weight_steps);
+  for (const auto& p : contact.points) content.surface_vertices.push_back(to_triple(p));
+  for (const ContactTriangle& t : contact.triangles) {
     content.surface_triangles.push_back({corners(t.vertices), static_cast<std::uint32_t>(t.patch), t.grid});
   }
 }
@@ -68,7 +67,7 @@ Json figures(const ErrorFigures& f) {
       {"samples", f.samples}, {"median", f.median}, {"p95", f.p95}, {"worst", f.worst}, {"worst_pair", f.worst_pair}};
 }
 
-/// Of a scene in which not everything is solved.
+/// Adds the sources of responses of a scene in which not everything is solved.
 void add_sources(Json& json, const Plan& plan, const FitReport& report, const PairSources& sources) {
   if (sources.given.empty()) return;
   Json& to = json["sources"];
@@ -127,6 +126,9 @@ std::string provenance(const Scene& scene, const Plan& plan, const Hash128& mani
     const bool solved = scene.sampling.friction_limit == SamplingScene::FrictionLimit::solved;
     json["sampling"]["friction_limit"] = solved ? "solved" : "estimated";
   }
+  const SurfaceFigures& surface = report.surface;
+  json["contact_surface"] = {{"tolerance_m", surface.tolerance}, {"distance_m", surface.distance}};
+  if (!surface.fault.empty()) json["contact_surface"]["fault"] = surface.fault;
   json["solver"] = {{"mesh_size", scene.solver.mesh_size}, {"growth", scene.solver.growth}};
   json["pairs"] = {
       {"planned", report.planned},         {"accepted", report.accepted},   {"refused", report.refused},
@@ -170,7 +172,7 @@ std::string provenance(const Scene& scene, const Plan& plan, const Hash128& mani
 
 }  // namespace
 
-ResponseFileContent assemble_response(const Scene& scene, const std::vector<Tool>& tools, const HapticMesh& mesh,
+ResponseFileContent assemble_response(const Scene& scene, const std::vector<Tool>& tools, const ContactSurface& contact,
                                       const Plan& plan, const Hash128& manifest, const FittedResponses& fitted,
                                       const PairSources& sources) {
   ResponseFileContent content;
@@ -181,7 +183,7 @@ ResponseFileContent assemble_response(const Scene& scene, const std::vector<Tool
   content.slip_softening = !fitted.report.softenings.empty();
   content.bonded_coefs = fitted.report.grasp ? fit::kGraspCoefs : 0;
   content.has_bonded_torque = fitted.report.turn;
-  add_body(content, mesh, plan);
+  add_body(content, contact, plan);
   for (const Tool& tool : tools) content.tools.push_back(response_tool(tool));
   content.responses = fitted.responses;
   content.provenance = provenance(scene, plan, manifest, fitted, sources);

@@ -7,12 +7,13 @@
 #include "formats/hash.hpp"
 #include "formats/response.hpp"
 #include "precompute/fit/fit.hpp"
+#include "precompute/mesh/contact_surface.hpp"
 
 namespace palpate {
 
 /// `manifest`: the hash that the journal carries, recorded in the provenance. The same inputs give the same content:
 /// it holds no time and no path.
-ResponseFileContent assemble_response(const Scene& scene, const std::vector<Tool>& tools, const HapticMesh& mesh,
+ResponseFileContent assemble_response(const Scene& scene, const std::vector<Tool>& tools, const ContactSurface& contact,
                                       const Plan& plan, const Hash128& manifest, const FittedResponses& fitted,
                                       const PairSources& sources = {});
 

@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 // By how much each stage weighs the residual more against the barriers.
 constexpr double kSharper = 20;
 constexpr int kMostStages = 60, kMostSteps = 200;
-// Of the minimum, and of |target|^2 where the minimum is none.
+// Largest duality gap: kGap of the minimum, and kNoResidual of |target|^2 where the minimum vanishes.
 constexpr double kGap = 1e-6, kNoResidual = 1e-16;
 // A stage ends with a Newton decrement of the square root of this, or with steps shorter than that share of Newton's.
 constexpr double kCentred = 1e-6, kShortest = 1e-10;

@@ -45,7 +45,7 @@ struct PairFigures {
   double median = 0.0, p95 = 0.0, worst = 0.0;  ///< over all samples of the pair
 };
 
-/// What came of the recorded rows of a pair.
+/// Counts of the recorded rows of a pair.
 struct RecordedFigures {
   std::uint32_t pair = 0;
   std::size_t rows = 0;               ///< that it is made of, outliers among them
@@ -53,6 +53,13 @@ struct RecordedFigures {
   double rms = 0.0, worst = 0.0;      ///< N, of the others off the fit
   double depth = 0.0;                 ///< m, how deep they reach
   Passed passed;                      ///< rows that are not among `rows`
+};
+
+/// The contact surface of the file.
+struct SurfaceFigures {
+  std::size_t triangles = 0;
+  double tolerance = 0.0, distance = 0.0;  ///< m, allowed and found, to the body's surface
+  std::string fault;                       ///< why it is the mesh of patches itself; empty: it is not
 };
 
 struct FitReport {
@@ -76,6 +83,7 @@ struct FitReport {
   fit::HeldOutFigures held_out;           ///< of samples left out, by which the degrees were chosen
   std::vector<double> softenings;         ///< of accepted pairs (slip_softening), ascending; empty where all are 0
   std::vector<PairFigures> pairs;         ///< by pair
+  SurfaceFigures surface;                 ///< set with the file
 };
 
 /// The 95th percentile that normal forces at other contacts are expected to have: those of interpolation, of carrying

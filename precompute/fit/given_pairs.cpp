@@ -26,7 +26,7 @@ std::string name_of(const Plan& plan, std::uint32_t pair, const GivenPair& given
   return where + (given.measured ? "recorded " : "closed form, ") + describe(pair, plan.pairs[pair]);
 }
 
-/// What `action` refuses a recording for, with what was passed over: that may be why it is not enough.
+/// Runs `action`. If it refuses a recording, the ignored rows are added to the message: they may be the cause.
 template <class Action>
 auto telling_passed(const GivenPair& given, const Action& action) {
   try {

@@ -40,7 +40,7 @@ struct GivenPair {
   Passed passed;                  ///< measured
 };
 
-/// Where the responses of a plan come from, by pair of the plan.
+/// Sources of the responses of a plan, by pair of the plan.
 struct PairSources {
   std::map<std::uint32_t, GivenPair> given;
   bool solve_others = true;         ///< the pairs that are not given are solved, else taken from neighbours

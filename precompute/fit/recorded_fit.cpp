@@ -18,7 +18,7 @@ constexpr double kRecordedFloor = 0.02;  // of the peak force, below which that 
 constexpr double kSolvedError = 0.01;    // of the force, that solved samples have
 constexpr double kMostOutliers = 0.25;   // of the samples
 constexpr double kMostResidual = 0.1;    // rms over the largest force
-constexpr double kLeastDepth = 0.5;      // of what is asked for
+constexpr double kLeastDepth = 0.5;      // of the required depth
 constexpr double kWidestGap = 0.25;      // in sqrt of depth, of the whole
 constexpr std::size_t kFewest = 8;       // straight pushes
 constexpr std::size_t kFewestAside = 4;  // to each side
@@ -210,7 +210,7 @@ void check_rows(const std::vector<Sample>& samples, const Marks& kept, double de
   if (friction) check_sides(samples, kept, what);
 }
 
-/// Weights of rows count beside each other: priors and residuals know none.
+/// Only the ratios of the rows' weights matter: priors and residuals have no weight.
 std::vector<Sample> with_mean_weight_of_one(std::vector<Sample> samples) {
   double sum = 0;
   for (const Sample& sample : samples) sum += sample.weight;

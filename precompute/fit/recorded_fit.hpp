@@ -21,8 +21,8 @@ struct RecordedFit {
 void check_recorded(const std::vector<Sample>& samples, double depth, bool friction, const std::string& what);
 
 /// Least trimmed squares with concentration steps (Rousseeuw and Van Driessen 2006), then a last fit without the
-/// outliers; what is near a curve and what is not: see formats/recording-file.md. Where the noise is more than a
-/// hundredth of a sample's force, that sample counts the less for it. Weights (> 0) count beside each other only.
+/// outliers; what is near a curve and what is not: see formats/recording-file.md. A sample whose noise is more than a
+/// hundredth of its force has a smaller weight. Only the ratios of weights (> 0) matter.
 /// Throws as check_recorded, of all samples and of those that are no outliers, and Error(bad_input) "what: cause" where
 /// the samples are not good for a response or no curve can be fitted to them.
 RecordedFit fit_recorded(const std::vector<Sample>& recorded, double depth, const ResponseScales& scales,

@@ -70,7 +70,7 @@ inline Eigen::MatrixXd level_ends(int count) {
   return level;
 }
 
-/// Of a bonded contact's depth (m, of either sign) in its curves.
+/// Abscissa of a bonded contact's depth (m, of either sign) in its curves.
 inline double grasp_abscissa(double depth, double scale) {
   return std::clamp(0.5 * (depth / (layout::kBondedRange * scale) + 1), 0.0, 1.0);
 }

@@ -86,7 +86,7 @@ public:
     }
   }
 
-  /// What the turn adds to the force, in peak torques over the depth scale: -C theta, and along the normal the
+  /// Rows of the force that the rotation adds, in peak torques over the depth scale: -C theta, and along the normal the
   /// derivative by the depth of -T theta + e C theta + theta K theta / 2.
   void force(const Sample& s, double weight, const Vector3d& value) {
     const double u = grasp_abscissa(s.deflection.z(), scale_);

@@ -56,7 +56,7 @@ inline CgalMesh to_cgal_mesh(const Surface& surface) {
   return mesh;
 }
 
-/// Corner that triangles begin with: an end of the halfedge by which the mesh knows the face.
+/// Corner that triangles begin with: an end of the halfedge that the mesh stores for the face.
 enum class FirstCorner { source, target };
 
 /// Vertices in the mesh's order, those without a triangle left out; triangles in the order of the faces; no parts.

@@ -23,8 +23,9 @@ using SegmentTree =
 
 using Ends = std::pair<Vector3d, Vector3d>;  // tangents at the ends of a piece
 
-// Where two pieces meet, chords of a circle turn by half the angle that they span: its tangent lies between them in the
-// ratio of their lengths. At a loose end the circle goes on, and at a branching every piece keeps its own direction.
+// Tangents at the ends of the pieces. Two pieces that meet are chords of a circle, whose tangent lies between them in
+// the ratio of their lengths. At a loose end the circle goes on, and at a branching every piece keeps its own
+// direction.
 std::vector<Ends> end_tangents(const Curves& curves) {
   std::vector<std::vector<std::size_t>> at(curves.points.size());
   for (std::size_t k = 0; k < curves.pieces.size(); ++k) {

@@ -243,7 +243,7 @@ std::vector<Tet> cut_tets(const Field& field) {
   return tets;
 }
 
-// Where the surface cuts the edge from a corner inside to one outside.
+// A cut of the surface with the edge from a corner inside to one outside.
 using Cut = std::pair<std::size_t, std::size_t>;
 
 Vector3d place(const Field& field, const LabelMask& mask, double level, const Cut& cut) {

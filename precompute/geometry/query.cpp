@@ -76,7 +76,7 @@ struct SurfaceQuery::Impl {
     return ids[std::distance(triangles.begin(), at)];
   }
 
-  // Closest triangle, then the point on it by its Voronoi regions, which also tells edge from face.
+  // Closest triangle, then the point on it by its Voronoi regions, which also distinguish edges from faces.
   [[nodiscard]] std::pair<std::int32_t, TrianglePoint> closest(const Vector3d& p) const {
     if (!p.allFinite()) throw Error(ExitCode::numerical, "surface query at a point that is not finite");
     const auto found = tree.closest_point_and_primitive(to_cgal(p));

@@ -66,7 +66,7 @@ struct Topology {
 Topology topology(const Surface& surface);
 
 /// Per triangle the number of its component, in the order of their first triangles. Edges of three or more
-/// triangles connect them only when asked.
+/// triangles connect them only with `over_nonmanifold_edges`.
 std::vector<std::int32_t> triangle_components(const Surface& surface, bool over_nonmanifold_edges);
 
 /// True when the triangle has a repeated corner or a height below 1e-10 of its longest side.

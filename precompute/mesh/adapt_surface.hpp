@@ -22,7 +22,7 @@ struct AdaptedSurface {
   std::vector<std::int32_t> anchors;  ///< the vertex of each anchor, at exactly its coordinates
 };
 
-/// The size field asks for too many triangles: a smaller one is no way out.
+/// The size field needs too many triangles: a smaller one would need more.
 class TooFine : public Error {
 public:
   using Error::Error;
@@ -32,7 +32,7 @@ public:
 /// stay; their ends and branchings (corners) do not move. `anchors` are points on `original`; each becomes a
 /// vertex. Deterministic; safe to call from several threads.
 /// Throws Error(bad_input) for a base that is not a closed manifold, Error(numerical) where the size field gives
-/// a length that is not finite and positive, TooFine (numerical) where it asks for more than 300 000 triangles, and
+/// a length that is not finite and positive, TooFine (numerical) where it needs more than 300 000 triangles, and
 /// Error(numerical) where every adaptation strays from the original or crosses itself.
 AdaptedSurface adapt_surface(const Surface& base, const SurfaceQuery& original, const SizeField& size,
                              const std::vector<Eigen::Vector3d>& anchors, const AdaptOptions& options = {});

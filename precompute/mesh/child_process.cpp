@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// posix_spawn with one socket for input and output: send() can be told not to raise SIGPIPE.
+// posix_spawn with one socket for input and output, because send() has a flag against SIGPIPE.
 #include "precompute/mesh/child_process.hpp"
 
 #include "formats/error.hpp"
@@ -47,7 +47,7 @@ private:
   int fd_ = -1;
 };
 
-// A fault of the system or of the installation, not of what the child was asked.
+// A fault of the system or of the installation, not of the child's task.
 [[noreturn]] void fail(const std::string& what, int error) {
   throw Error(ExitCode::io, what + ": " + std::generic_category().message(error));
 }
@@ -80,7 +80,7 @@ public:
     last_ = now;
     return left_ <= 0;
   }
-  /// Milliseconds to wait before asking again.
+  /// Milliseconds until the next check.
   [[nodiscard]] int slice() const { return 1 + static_cast<int>(1e3 * std::min(left_, kSlice)); }
 
 private:
@@ -152,7 +152,7 @@ public:
       fail(path + ": cannot be started", failed);
     }
     try {
-      // The signal at the soft limit can be told from other ends; the hard one is for who ignores it.
+      // The signal at the soft limit is distinct from other ends; the hard limit kills a child that ignores it.
       const double seconds = std::max(std::ceil(limits.cpu_time), 1.0);
       limit(path, pid_, RLIMIT_CPU, seconds, seconds + 1);
       if (limits.memory > 0) {

@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-/// What a child may use before it is killed.
+/// Time and memory that a child may use before it is killed.
 struct ChildLimits {
   double cpu_time = 60.0;                      ///< s of processor time, rounded up to whole seconds
   std::size_t memory = std::size_t{4} << 30U;  ///< bytes of address space; 0: no limit
@@ -38,7 +38,7 @@ struct ChildResult {
 ChildResult run_child(const std::filesystem::path& program, const std::vector<char>& input, const ChildLimits& limits,
                       const ChildStart& start = {});
 
-/// Where an installed or freshly built helper of this name is: beside the running executable, or in
+/// Path of an installed or freshly built helper of this name: beside the running executable, or in
 /// ../libexec/palpate. Empty when in neither.
 std::filesystem::path find_helper(const std::string& name);
 

@@ -20,7 +20,6 @@ constexpr double kWidest = 1.25;  // cells over the size in their middle: betwee
 constexpr double kClear = 0.67;   // from a surface, over the size
 constexpr double kJitter = 0.12;  // of a cell: lattice points lie on common spheres, which give flat tetrahedra
 constexpr int kMostCells = 500'000;
-constexpr double kReach = 0.8661;  // half a cube's diagonal over its edge
 
 struct Cell {
   Vector3d middle;
@@ -38,8 +37,7 @@ double jitter(std::uint64_t& state) {
 
 }  // namespace
 
-std::vector<Vector3d> interior_points(const std::vector<const Surface*>& surfaces, const SizeField& size,
-                                      double largest) {
+std::vector<Vector3d> interior_points(const std::vector<const Surface*>& surfaces, const SizeField& size) {
   std::vector<SurfaceQuery> queries;
   for (const Surface* s : surfaces) queries.emplace_back(*s);
   Eigen::AlignedBox3d box;
@@ -49,17 +47,14 @@ std::vector<Vector3d> interior_points(const std::vector<const Surface*>& surface
   std::vector<Cell> stack{{box.center(), box.sizes().maxCoeff(), 1}};
   for (int cells = 0; !stack.empty(); ++cells) {
     if (cells > kMostCells) {
-      throw Error(ExitCode::numerical, "the size field asks for more than " + std::to_string(kMostCells) +
+      throw Error(ExitCode::numerical, "the size field needs more than " + std::to_string(kMostCells) +
                                            " octree cells: elements of " + std::to_string(1e3 * size(box.center())) +
                                            " mm in the middle of the body");
     }
     Cell cell = stack.back();
     stack.pop_back();
-    // The field grows no faster than distance: a cell whose finest spot is too coarse holds no point.
     const double there = size(cell.middle);
-    if (there - cell.edge * kReach > largest) continue;
-    if (cell.edge > kWidest * there || there > largest) {
-      if (cell.edge < 0.5 * largest && there > largest) continue;
+    if (cell.edge > kWidest * there) {
       for (int octant = 0; octant < 8; ++octant) {
         const Vector3d corner((octant & 1) ? 0.25 : -0.25, (octant & 2) ? 0.25 : -0.25, (octant & 4) ? 0.25 : -0.25);
         stack.push_back({cell.middle + cell.edge * corner, cell.edge / 2, cell.path * 8 + octant});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Points inside a body as close as a size field asks, for a mesher that otherwise knows the sizes on surfaces only.
+// Points inside a body, spaced by a size field, for a mesher that otherwise uses the sizes on surfaces only.
 #pragma once
 
 #include "formats/surface.hpp"
@@ -10,10 +10,8 @@
 namespace palpate {
 
 /// Leaf centres of an octree over the first surface (closed), its cells about `size` wide and shifted a little off
-/// their lattice, of those that lie inside it and keep two thirds of the size away from every surface. Only where
-/// the size is at most `largest` (m): coarser tetrahedra follow from the surfaces. Deterministic.
+/// their lattice, of those that lie inside it and keep two thirds of the size away from every surface. Deterministic.
 /// Throws Error(numerical) where that takes more than half a million cells.
-std::vector<Eigen::Vector3d> interior_points(const std::vector<const Surface*>& surfaces, const SizeField& size,
-                                             double largest);
+std::vector<Eigen::Vector3d> interior_points(const std::vector<const Surface*>& surfaces, const SizeField& size);
 
 }  // namespace palpate

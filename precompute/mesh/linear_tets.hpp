@@ -18,7 +18,7 @@ struct LinearTets {
   std::vector<std::int32_t> regions;              ///< per tet: 0 the body, k the k-th inclusion (1-based)
 };
 
-/// What one attempt of one mesher gave: tets, or why there are none.
+/// The result of one attempt of one mesher: tets, or why there are none.
 struct MesherAnswer {
   LinearTets tets;
   std::string cause;  ///< empty when tets hold a mesh

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// CGAL Mesh_3 over a labelled domain that asks the surfaces for the sign of their distance.
+// CGAL Mesh_3 over a domain that is labelled by the signs of the distances to the surfaces.
 #include "precompute/mesh/mesh3.hpp"
 
 #include "formats/error.hpp"
@@ -44,7 +44,7 @@ double thread_time() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-// Throws once the time is up; Mesh_3 asks for sizes and labels all the time.
+// Throws once the time is up. Mesh_3 evaluates sizes and labels throughout, so they check the time.
 class Deadline {
 public:
   explicit Deadline(double seconds) : end_(thread_time() + seconds) {}

@@ -8,7 +8,7 @@ namespace palpate {
 
 /// Remeshes a closed, manifold surface without self-intersections to edges of about `edge` (m, > 0); its
 /// feature lines (query.hpp) stay where they are. Every triangle gets the part of the nearest triangle of
-/// `surface`. Where that length folds thin parts onto themselves, a shorter one is taken, in the end
+/// `surface`. If that length folds thin parts onto themselves, a shorter one is taken, in the end
 /// `surface` as it is. Throws Error(bad_input) for a surface that is not manifold or an edge <= 0.
 Surface remesh_uniform(const Surface& surface, double edge);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Set-up, features, sizes and output of the half-edge mesh. What changes it: surface_adapter_split.cpp and
+// Set-up, features, sizes and output of the half-edge mesh. Its operations are in surface_adapter_split.cpp and
 // surface_adapter_ops.cpp.
 #include "precompute/mesh/surface_adapter.hpp"
 

@@ -55,7 +55,7 @@ bool SurfaceAdapter::may_collapse(Halfedge h, double& error) const {
     if (x != w) {
       const double shorter = std::min(target_[x.idx()], target_[w.idx()]);
       const double longer = std::max(target_[x.idx()], target_[w.idx()]);
-      // No new edge may ask for a split again.
+      // No new edge may be long enough for another split.
       if ((b - to).norm() > kLongestEdge * (0.5 * (shorter + longer)) && (b - to).norm() > (b - gone).norm())
         return false;
     }
@@ -121,7 +121,7 @@ void SurfaceAdapter::collapse_short() {
     const Edge e(index);
     if (mesh_.status(e).deleted() || metric_length(e) != length) continue;
     const Halfedge forth = mesh_.halfedge_handle(e, 0), back = mesh_.halfedge_handle(e, 1);
-    // Of the two ends the one that leaves less behind goes.
+    // The edge collapses towards the end with the smaller error.
     double error_forth = 0, error_back = 0;
     const bool forth_ok = may_collapse(forth, error_forth) && mesh_.is_collapse_ok(forth);
     const bool back_ok = may_collapse(back, error_back) && mesh_.is_collapse_ok(back);

@@ -22,7 +22,7 @@ constexpr std::size_t kMostTriangles = 300000;
 
 SurfaceAdapter::Vertex SurfaceAdapter::split_edge(Edge e, const Vector3d& at) {
   if (mesh_.n_faces() > kMostTriangles) {
-    throw TooFine(ExitCode::numerical, "size field asks for more than 300 000 triangles");
+    throw TooFine(ExitCode::numerical, "size field needs more than 300 000 triangles");
   }
   const Halfedge h = mesh_.halfedge_handle(e, 0);
   const Vertex a = mesh_.from_vertex_handle(h), b = mesh_.to_vertex_handle(h);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is checked of a mesher's tetrahedra before anybody believes them.
+// Checks of a mesher's tetrahedra before they are used.
 #pragma once
 
 #include "precompute/mesh/linear_tets.hpp"

@@ -24,7 +24,7 @@ namespace {
 using Eigen::Vector3d;
 using Backend = VolumeMeshOptions::Backend;
 
-// One rung: how the surfaces are adapted and what TetGen is asked for.
+// One rung: the adaptation of the surfaces and the options of TetGen.
 struct Rung {
   double scale;         // of every size
   double cap;           // longest edge over the body's diagonal
@@ -33,10 +33,6 @@ struct Rung {
 
 constexpr Rung kRungs[] = {
     {1.0, 1.0, true}, {1.0, 1.0, false}, {0.93, 1.0, true}, {0.9, 0.06, true}, {0.8, 0.04, true}};
-
-// Interior points are placed where the size is below this many times the finest: TetGen interpolates sizes between
-// surfaces, and would leave tetrahedra under a contact that are three times as tall as they are wide.
-constexpr double kInterior = 12.0;
 
 // An inclusion's stiffness goes with its volume, so it is followed closer than the body.
 constexpr double kInclusionChord = 0.05;
@@ -85,9 +81,9 @@ MesherAnswer mesh_by_tetgen(const AdaptedBody& adapted, const SizeField& size, c
   for (const Surface& s : adapted.inner) inner.push_back(add(s));
   std::vector<const Surface*> surfaces{&adapted.outer};
   for (const Surface& s : adapted.inner) surfaces.push_back(&s);
-  double finest = std::numeric_limits<double>::infinity();
-  for (const Vector3d& v : input.vertices) finest = std::min(finest, size(v));
-  const std::vector<Vector3d> interior = interior_points(surfaces, size, kInterior * finest);
+  // TetGen interpolates sizes between surfaces. Without points inside, tetrahedra under a contact are several times as
+  // large as the field says: a force is 2 to 5 % too large where the contact's radius is 1/130 of the thickness.
+  const std::vector<Vector3d> interior = interior_points(surfaces, size);
   input.vertices.insert(input.vertices.end(), interior.begin(), interior.end());
   for (const Vector3d& v : input.vertices) input.sizes.push_back(size(v));
 

@@ -18,7 +18,7 @@ constexpr double kCarried = 0.5;
 // site's frame is from: the tool goes for the node. By how much (m); nothing where the pair is refused.
 std::optional<Vector3d> settle(PairRun& run) {
   if (!run.body.stress_free) {
-    run.refuse("prestress: the site is of a surface that has not borne it yet");
+    run.refuse("prestress: the site is on a surface without its loads; apply_prestress() must come first");
     return std::nullopt;
   }
   const Settled settled =

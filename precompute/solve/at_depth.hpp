@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where a tool stands at a given depth in a body that is not yet deformed.
+// The pose of a tool at a given depth in an undeformed body.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Everything that a body on its mesh stores and bears without a tool: elasticity, capsule, elastic supports, and the
-// loads of its prestress.
+// Energy of a meshed body without a tool: elasticity, capsule, elastic supports, and the loads of its prestress.
 #pragma once
 
 #include "precompute/body.hpp"
@@ -35,9 +34,9 @@ public:
   [[nodiscard]] const std::vector<char>& fixed() const { return fixed_; }
   [[nodiscard]] bool held_anywhere() const;
   [[nodiscard]] double min_jacobian(const Eigen::VectorXd& x) const { return elastic_.min_jacobian(x); }
-  /// Enclosed by the walls that bear pressure (m^3).
+  /// Volume enclosed by the walls under pressure (m^3).
   [[nodiscard]] double cavity_volume(const Eigen::VectorXd& x) const { return pressure_.volume(x); }
-  /// What the prescribed stretch, whole and unhindered, would move the nodes by (3 N, m); empty without one.
+  /// Displacement of the nodes (3 N, m) by the whole prescribed stretch if it were unhindered; empty without one.
   [[nodiscard]] const Eigen::VectorXd& stretch_motion() const { return motion_; }
 
   /// J that the energy of an equilibrium x grows by per share: by forces and by the movement of supports.

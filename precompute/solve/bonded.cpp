@@ -39,8 +39,8 @@ Matrix3d Bonded::rotation(const Vector3d& turned) const {
   return Eigen::AngleAxisd(angle, run_.frame.to_world(turned / angle)) * rest_;
 }
 
-// Where the push stands: the bonded surface has moved as the tool's point of first touch, less what the bond itself
-// gives.
+// The state of the push. The bonded surface has moved like the tool's point of first touch, minus the elongation of the
+// bond itself.
 Bonded::Stand Bonded::stand(const StepResult& step) const {
   Stand s{run_.push.state(), run_.sample(step.iterations)};
   s.force = run_.frame.to_world(s.sample.force);

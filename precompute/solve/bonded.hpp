@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A bonded contact and its moves, each believed only when it passes the gates.
+// A bonded contact and its moves, each accepted only when it passes the gates.
 #pragma once
 
 #include "precompute/solve/pair_run.hpp"

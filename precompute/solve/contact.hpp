@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Energy of a rigid tool, given as a signed distance function, against the faces of a mesh: normal contact at 16
-// points a face (a penalty unless told), sticking anchors at the points that have touched, bonds that also bear a pull.
+// points a face (a penalty by default), sticking anchors at the points that have touched, bonds that also carry
+// tension.
 #pragma once
 
 #include "precompute/solve/contact_law.hpp"
@@ -13,7 +14,7 @@
 
 namespace palpate {
 
-/// What the contact does at a state of the body.
+/// Force, area and other results of the contact at a state of the body.
 struct ContactReport {
   Eigen::Vector3d force{0, 0, 0};      ///< N on the tool, body frame
   Eigen::Vector3d moment{0, 0, 0};     ///< N m on the tool about the origin of its frame, body frame
@@ -27,7 +28,7 @@ struct ContactReport {
   Eigen::Vector3d bond_give{0, 0, 0};  ///< m, mean way of bonded points from where they were bonded, body frame
 };
 
-/// An integration point of a face: what friction and bonds act on. They know a penalty without multipliers.
+/// An integration point of a face, on which friction and bonds act. They use a penalty without multipliers.
 struct ContactPoint {
   std::size_t index = 0;  ///< of all the contact's points
   std::array<std::int32_t, 6> nodes{};
@@ -39,7 +40,7 @@ struct ContactPoint {
 
 class ContactEnergy final : public EnergyTerm {
 public:
-  /// Faces with all nodes fixed take no part; the report tells when the tool reaches them. `pose` carries the tool
+  /// Faces with all nodes fixed take no part; the report shows when the tool reaches them. `pose` carries the tool
   /// frame into the body's.
   ContactEnergy(const TetMesh& mesh, const std::vector<char>& fixed, const ToolShape& shape,
                 const Eigen::Isometry3d& pose);
@@ -78,7 +79,7 @@ public:
   /// Lets go of anchored points that have left the contact, unless they are bonded. True when any did.
   bool release(const Eigen::VectorXd& x);
   /// Bonds every point in contact, with the anchor that it has or is given where it stands: from then on it answers a
-  /// gap as it does an overlap, and is not released. Bonds know a penalty alone, without multipliers or barrier.
+  /// gap as it does an overlap, and is not released. Bonds use a penalty alone, without multipliers or barrier.
   void bond(const Eigen::VectorXd& x);
 
   /// The points that overlap the tool, by index.
@@ -102,7 +103,7 @@ private:
     std::array<std::int32_t, 6> nodes;
     double weight;  // m^2 of a point
   };
-  /// What an anchor is stretched along the tool's surface (m, tool frame); `at` is where its point stands.
+  /// Elongation of an anchor along the tool's surface (m, tool frame); `at` is the position of its point.
   [[nodiscard]] Eigen::Vector3d slip(std::size_t point, const Eigen::Vector3d& at) const;
   template <class Visit>
   void for_each_near(const Eigen::VectorXd& x, Visit&& visit) const;

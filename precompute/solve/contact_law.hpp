@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-/// What a point of the contact answers to its gap g, per area.
+/// Energy, pressure and stiffness of a contact point at its gap g, per area.
 struct ContactAnswer {
   double energy = 0.0;     ///< J/m^2
   double pressure = 0.0;   ///< Pa, -d energy / dg, >= 0 unless bonded
@@ -31,7 +31,7 @@ struct ContactLaw {
     if (!(overlap > 0)) return {};
     return {0.5 * penalty * overlap * overlap, penalty * overlap, penalty};
   }
-  /// Of a bonded point: the penalty alone, for gaps of either sign.
+  /// The answer of a bonded point: the penalty alone, for gaps of either sign.
   [[nodiscard]] ContactAnswer bonded(double gap) const { return {0.5 * penalty * gap * gap, -penalty * gap, penalty}; }
 
 private:

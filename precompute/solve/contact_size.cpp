@@ -19,9 +19,9 @@ constexpr double kTouch = 0.15;
 constexpr double kWalls = 2.0;  // edges over the wall
 
 // Over a wedge under the contact lie this many elements, one beside it, down to a least share of their size elsewhere
-// in the contact: one that goes from face to face, which are at an angle, answers too stiffly where it is as long as
-// the wall (of faces that are parallel elastic.cpp knows). Of wedges of 15 and 30 degrees 1 to 4 % of the force are
-// wrong, 5 to 13 without.
+// in the contact. An element that spans two faces at an angle is too stiff if it is as long as the wall is thick
+// (elastic.cpp handles parallel faces).
+// The force on wedges of 15 and 30 degrees is wrong by 1 to 4 % with these values, and by 5 to 13 % without them.
 constexpr double kOverWedge = 2.0, kLeastOnWedge = 0.3;
 constexpr double kParallel = 0.99;            // cosine
 constexpr double kRings[] = {1.5, 2.5, 4.0};  // contact radii
@@ -71,8 +71,7 @@ std::vector<Vector3d> footprint(const Body& body, const Tool& tool, const Eigen:
   return points;
 }
 
-// What is left of an element's size at this point of the surface, where the body is a wedge thinner than `over` of
-// them.
+// The reduced size of an element at this point of the surface, where the body is a wedge thinner than `over` elements.
 double on_wedge(const SurfaceQuery& query, const Vector3d& point, double size, double over) {
   const auto outward = [&](const Vector3d& x) { return query.normal(x, 0); };
   const Vector3d n = outward(point);

@@ -30,7 +30,7 @@ public:
   StepResult move_to(const Eigen::Isometry3d& target, double contact_radius, double work_scale);
   /// Without turning it.
   StepResult move_to(const Eigen::Vector3d& target, double contact_radius, double work_scale);
-  /// Push::let_go. What was still stored in body and slip goes with the last of the work, or is dissipated.
+  /// Push::let_go. The energy still stored in body and slip is returned as the last of the work, or dissipated.
   void let_go(const Eigen::Vector3d& target);
 
   [[nodiscard]] FrictionReport friction() const { return friction_.report(push_.state().x); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What adds to the energy of a push beside the body and its first tool.
+// A term of a push's energy beside the body and its first tool.
 #pragma once
 
 #include "precompute/fem/block_matrix.hpp"

@@ -7,7 +7,8 @@
 namespace palpate {
 namespace {
 
-// Of what Cauchy and Schwarz allow; of the relative give, which is taken off to first order.
+// Shares of two bounds that count as error: kIterate of the Cauchy-Schwarz bound, and kPenalty of the relative give,
+// which is already subtracted to first order.
 constexpr double kIterate = 0.2, kPenalty = 0.3;
 // Against elements of 0.12 a a block's force is off by 3.8, 1.1 to 0.3, 0.4 and 0.1 % where edges grow by 1, 0.7, 0.5
 // and 0.4 (palpate bench --solver), whatever the elements at the contact; few points there are worse.

@@ -189,7 +189,7 @@ FrictionReport FrictionEnergy::report(const VectorXd& x) const {
     r.stored += 0.5 * force * force / p.stiffness;
     r.limit += p.limit;
     r.traction += force;
-    // What was returned to the limit stands on it.
+    // A point that was returned to the limit is at it up to rounding.
     if (p.stiffness * length >= p.limit * (1 - 1e-9)) slipping += p.limit;
   }
   r.slipping = r.limit > 0 ? slipping / r.limit : 0.0;

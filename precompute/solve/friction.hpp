@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// What friction does at a state of the body.
+/// Results of friction at a state of the body.
 struct FrictionReport {
   Eigen::Vector3d force{0, 0, 0};  ///< N on the tool, body frame
   double stored = 0.0;             ///< J in the elastic part of the slip

@@ -23,7 +23,7 @@ bool sinks_into_held(const GateState& s, const GateLimits& limits) {
 
 namespace {
 
-// What every believed contact satisfies, pressed or pulled.
+// The conditions of every accepted contact, pressed or pulled.
 std::optional<std::string> failed_state(const GateState& s, const GateLimits& limits) {
   if (!std::isfinite(s.force) || !std::isfinite(s.stored)) {
     return "finite: the force or energy is not a number at depth " + std::to_string(1e3 * s.depth) + " mm";
@@ -32,7 +32,7 @@ std::optional<std::string> failed_state(const GateState& s, const GateLimits& li
   if (!(s.min_jacobian > limits.min_jacobian)) {
     return say("minimum Jacobian", s.min_jacobian, limits.min_jacobian, s.depth);
   }
-  // Held surface answers with no force: a tool that sinks into it is not in the contact that was asked for.
+  // A held surface exerts no force, so a tool that sinks into it is not in the intended contact.
   if (sinks_into_held(s, limits)) {
     return say("support: overlap of tool and held surface over contact radius",
                s.contact.held_overlap / s.contact_radius, limits.penetration, s.depth);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The checks that every solved point passes before it is believed; a failed one names itself and its figure.
+// The checks that every solved point passes before it is accepted; a failed one names itself and its figure.
 #pragma once
 
 #include "formats/samples.hpp"
@@ -20,7 +20,7 @@ struct GateLimits {
                                        ///< it is less than what the solve's tolerance leaves in a force
   double energy_balance = 0.06;        ///< of the tool's work, and a hundredth of the energy scale of the whole push
   double finer_mesh = 0.1;             ///< relative difference of the force to a finer mesh, see PairCheck
-  std::size_t curve_points = 3;        ///< resolved depths of a normal curve (all, where fewer were asked for)
+  std::size_t curve_points = 3;        ///< resolved depths of a normal curve (all, where fewer were requested)
   std::uint32_t resolved_points = 12;  ///< integration points in contact at the deepest and at a sideways push
 };
 
@@ -40,11 +40,12 @@ struct GateState {
 /// Whether the tool is in surface that is held: no other contact method mends that.
 bool sinks_into_held(const GateState& state, const GateLimits& limits);
 
-/// Empty when the state may be believed; else the name of the gate, the figure and its limit.
+/// Empty when the state passes; else the name of the gate, the figure and its limit.
 std::optional<std::string> failed_gate(const GateState& state, const GateLimits& limits);
 
-/// failed_gate for a sideways push: `answer` (N) is the change of the force along the push, which must oppose it but for limits.sideways_answer.
-/// Growth and work are not asked for, a resolved contact is: a contact that peels ends in a few points.
+/// failed_gate for a sideways push: `answer` (N) is the change of the force along the push, which must oppose it except
+/// for limits.sideways_answer.
+/// It checks no growth and no work, but a resolved contact, because a contact that peels ends in a few points.
 std::optional<std::string> failed_sideways_gate(const GateState& state, double answer, const GateLimits& limits);
 
 /// The same for a contact that sticks, where `work` and `stored` count from the straight push.

@@ -33,9 +33,9 @@ public:
     std::vector<Stand> stands{bonded_.start()};
     std::string cause = along(stands, std::greater<>());
     if (cause.empty()) cause = along(stands, std::less<>());
-    // How far a grasp bears a pull is an answer, not a fault that a finer mesh mends.
+    // A grasp that fails at a large pull is a result, not a fault that a finer mesh mends.
     if (stands.size() < kFewest) {
-      return run_.refuse_contact(cause.empty() ? "grasp: fewer than three depths were asked for" : cause);
+      return run_.refuse_contact(cause.empty() ? "grasp: fewer than three depths are in its path" : cause);
     }
     if (!cause.empty()) run_.result.outcome.cause = "stopped short: " + cause;
     for (const Stand& s : stands) add(s.sample);

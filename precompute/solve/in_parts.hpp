@@ -16,7 +16,7 @@ struct StepResult {
 };
 
 /// Calls step(to, part) for shares `to` of the way, up to 1; a step that fails is halved, down to an eighth of the way.
-/// Where that fails too the result has its cause, and the way is gone as far as the last good step.
+/// If the smallest share fails too, the result has its cause, and the way ends at the last good step.
 template <class Step>
 StepResult in_parts(Step&& step) {
   StepResult total;

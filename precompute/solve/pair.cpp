@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-// Meshes are made of the body free of stress, whatever it has to bear.
+// Meshes are made of the body free of stress, also where it has a prestress.
 const Body& stress_free(const Body& body) { return body.stress_free ? *body.stress_free : body; }
 
 struct Attempt {

@@ -25,7 +25,7 @@ struct SidePath {
 };
 inline constexpr int kPathStride = 8;
 
-/// What to solve at a pair. Depths in m along -n from first touch, increasing.
+/// The solves at a pair. Depths in m along -n from first touch, increasing.
 struct PairPath {
   std::vector<double> normal_depths;
   std::vector<double>
@@ -110,11 +110,10 @@ using SampleSink = std::function<void(const Sample&)>;
 /// solves of two programs.
 inline constexpr int kSolverRevision = 17;
 
-/// Solves `plan` along `path`. What fails a gate or finds no equilibrium is tried again on finer meshes, then on the
-/// finest with a stiffer penalty, with multipliers and with a log barrier, as long as not too much was lost. Where the
-/// straight push passed and only what followed did not, the last such push is accepted alone, "stopped short". Never
-/// throws for a numerical failure: the outcome names the cause of every attempt. Deterministic: the same inputs give
-/// the same bits.
+/// Solves `plan` along `path`. A solve that fails a gate or finds no equilibrium is tried again on finer meshes, then
+/// on the finest with a stiffer penalty, with multipliers and with a log barrier, as long as not too much was lost. Where
+/// only what followed the straight push failed, the last such push is accepted alone, "stopped short". Never throws for
+/// a numerical failure: the outcome names the cause of every attempt. Deterministic: the same inputs give the same bits.
 PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
                       const PairPath& path, const PairOptions& options, const SampleSink& sink = {});
 

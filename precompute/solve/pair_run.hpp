@@ -20,7 +20,8 @@ struct CurvePoint {
   double energy_error = 0.0;  ///< J, see StepResult
 };
 
-/// What a tool does on its way from where a push stands, by the trapezium over its moves, and what is stored since.
+/// Work of a tool on its way from the current state of a push (trapezium rule over its moves), and the energy stored
+/// since.
 class WayEnergy {
 public:
   explicit WayEnergy(const Push& push);
@@ -64,11 +65,12 @@ struct PairRun {
   /// Push::move_to as the options' contact method does it, of a push to `depth` (m).
   StepResult move_to(const Eigen::Vector3d& target, double depth, bool sticking,
                      const std::vector<Eigen::VectorXd>& starts = {}) const;
-  /// Of where the push stands, without friction that a term of its own exerts, and without an error estimate.
+  /// The sample of the push's current state, without the friction of separate terms and without an error estimate.
   [[nodiscard]] Sample sample(std::uint32_t iterations) const;
-  /// Of a contact that was moved sideways at that depth (m) while it stuck, the way from the straight push behind it.
+  /// The state for the gates of a contact that stuck while it moved sideways at that depth (m), by `way` from the
+  /// normal indentation.
   [[nodiscard]] GateState sideways_gate(double depth, const Sample& sample, const WayEnergy& way) const;
-  /// The first accepted point from `depth` on: a shallow one may have been too small a contact to believe.
+  /// The first accepted point from `depth` on: the contact of a shallower one may have been too small to resolve.
   [[nodiscard]] const CurvePoint& point_from(double depth) const;
   [[nodiscard]] const Sample& sample_of(const CurvePoint& point) const {
     return result.samples[std::size_t(&point - curve.data())];
@@ -87,7 +89,7 @@ bool straight_push(PairRun& run);
 bool sticking_pushes(PairRun& run);
 /// Pulls, pushes and turns of a contact that is bonded.
 bool grasped_pulls(PairRun& run);
-/// Sideways pushes of a contact that slips where Coulomb's law lets it. They refuse nothing: limits are then foretold.
+/// Sideways pushes of a contact that slips by Coulomb's law. They refuse nothing: on failure the limits are predicted.
 void slipping_pushes(PairRun& run);
 /// Ways deeper and less deep under side load; they refuse nothing either.
 void side_paths(PairRun& run);

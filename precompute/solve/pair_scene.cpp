@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a scene asks of its pairs.
+// The paths and options of a scene's pairs.
 #include "precompute/solve/contact_size.hpp"
 #include "precompute/solve/coulomb_push.hpp"
 #include "precompute/solve/pair.hpp"

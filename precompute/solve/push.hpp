@@ -56,7 +56,7 @@ public:
   void set_anchor_stiffness(double stiffness) { contact_.set_anchor_stiffness(stiffness); }
   /// Anchors everything that touches now.
   void stick();
-  /// The same for good: it also bears a pull.
+  /// Anchors everything that touches now for good, with bonds that also carry tension.
   void bond();
   /// Takes the pressures as multipliers, from the next step on (ContactEnergy::augment).
   void augment();
@@ -72,7 +72,7 @@ public:
   [[nodiscard]] double elastic_energy() const { return body_.value(state_.x) - settled_energy_; }
   [[nodiscard]] double min_jacobian() const { return body_.min_jacobian(state_.x); }
   [[nodiscard]] std::uint32_t factorisations() const { return factorisations_; }
-  /// Of these, in steps that found no equilibrium.
+  /// The factorisations of steps that found no equilibrium.
   [[nodiscard]] std::uint32_t lost_factorisations() const { return lost_factorisations_; }
   [[nodiscard]] const std::vector<char>& fixed() const { return body_.fixed(); }  ///< per node
   [[nodiscard]] bool held_anywhere() const { return body_.held_anywhere(); }
@@ -93,8 +93,8 @@ private:
   PushScale scale_;
   BodyEnergy body_;
   Eigen::VectorXd untouched_;  // node positions before any contact
-  // J there. It is taken off figures, not off what is minimised: a line search must know how large the energies are
-  // that its differences are made of.
+  // J there. It is subtracted from reported energies, not from the minimised one: the line search derives the rounding
+  // of energy differences from the size of the energies.
   double settled_energy_ = 0.0;
   ContactEnergy contact_;
   std::vector<const EnergyTerm*> terms_;

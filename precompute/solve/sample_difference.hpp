@@ -16,8 +16,8 @@ struct SampleDifference {
   double stiffness = 0.0;    ///< largest relative difference of a sideways push's secant stiffness at its first point
 };
 
-/// Of samples along one path; straight pushes are matched from full depth, since shallow points may be missing, and
-/// compared at the depths of `samples`.
+/// Difference of samples along one path. Normal indentations are matched from full depth, because shallow points may be
+/// missing, and compared at the depths of `samples`.
 SampleDifference sample_difference(const std::vector<Sample>& samples, const std::vector<Sample>& reference);
 
 /// Force of a straight push at a depth (m) near `here`, by the power law through it and a neighbour on its curve.

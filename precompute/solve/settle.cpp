@@ -15,7 +15,7 @@ namespace {
 using Eigen::VectorXd;
 
 constexpr double kFirst = 0.25;       // share of a step
-constexpr double kLeast = 1.0 / 128;  // below this a load counts as not borne
+constexpr double kLeast = 1.0 / 128;  // smallest share of a step before the loads count as too large
 constexpr double kImbalance = 0.1;    // of the energy of a step that its potentials may leave unexplained
 constexpr double kResidual = 1e-2;    // of the body's nodal forces; energies say more where volumes are nearly rigid
 constexpr double kStepEnergy = 1e-6;  // error of a step's energy, of the energy of the step
@@ -62,9 +62,10 @@ public:
   }
 
 private:
-  // What stopped it is in the cause of the last step.
+  // The cause of the last step says why it stopped.
   Settled& stopped() {
-    result_.cause = percent("the prestress is borne up to %.3g %% of it; beyond: ", result_.share) + result_.cause;
+    result_.cause =
+        percent("the prestress has an equilibrium up to %.3g %% of its loads; beyond: ", result_.share) + result_.cause;
     body_.set_share(result_.share);
     return result_;
   }
@@ -94,7 +95,7 @@ private:
     return m.converged;
   }
 
-  // False, with the cause, where the state at this share may not be believed.
+  // False, with the cause, where the state at this share is not accepted.
   bool step(double share) {
     body_.set_share(share);
     State next{start(share), share, 0.0, {}};
@@ -128,7 +129,7 @@ private:
     const double grown = step / 2 * (now_.slope.forces + now_.slope.supports + next.slope.forces + next.slope.supports);
     const double scale = energy_of_step(next);
     const double left = std::abs(next.energy - now_.energy - grown);
-    // Of a load that does next to nothing only rounding is left.
+    // The second term is rounding: a load that hardly deforms the body leaves nothing else.
     if (left <= kImbalance * scale + 1e-9 * std::abs(next.energy)) return true;
     result_.cause = percent("it jumps to another state (energy balance off by %.3g %% of a step)", left / scale);
     return false;

@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// What the straight push had where the tool has moved by `depth`, between its points.
+// The normal indentation's state where the tool has moved by `depth`, interpolated between its points.
 struct Straight {
   Vector3d force{0, 0, 0};         // N, contact frame
   double depth = 0.0;              // m, corrected
@@ -51,7 +51,7 @@ std::optional<std::string> go(PairRun& run, const CurvePoint& from, WayEnergy& w
   const double pull = (s.force - straight.force).dot(local);
   const GateState gate = run.sideways_gate(point.depth, s, way);
   if (const auto failed = failed_sticking_gate(gate, pull, GateLimits{})) return *failed + where;
-  // Of the anchors, under what the side load alone stores in them.
+  // Elongation of the anchors (m), from the energy that the side load alone stores in them.
   const double sheared = std::max(gate.contact.tangential_energy - straight.tangential_energy, 0.0);
   const double give = pull < 0 ? 2 * sheared / -pull : 0.0;
   s.deflection = (point.sideways - std::min(give, 0.1 * point.sideways)) * local + Vector3d(0, 0, straight.depth);

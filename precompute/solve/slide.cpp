@@ -50,7 +50,7 @@ public:
   }
 
   SlideResult run(const std::function<bool()>& stop) {
-    if (body_.prestress.any()) return refuse("prestress: slides are solved of bodies that bear none");
+    if (body_.prestress.any()) return refuse("prestress: slides are solved of bodies without prestress only");
     const std::vector<Vector3d> places = places_on_the_way();
     if (!result_.cause.empty()) return result_;
     const SizeField size = contact_size(body_, tool_, vertex_, frame_, path_.depth, options_.refine, options_, places);
@@ -97,7 +97,7 @@ private:
     return places;
   }
 
-  // Where equilibrium is sought: small steps until all slips, so that the transition and its energy are seen.
+  // The positions of equilibria: small steps until all slips, so that the transition and its energy are resolved.
   std::vector<double> stations() const {
     std::vector<double> all;
     const double length = path_.radii * radius_, even = path_.step * radius_;

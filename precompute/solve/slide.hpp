@@ -15,8 +15,8 @@
 
 namespace palpate {
 
-/// What to slide. The tool keeps its direction and its depth, which everywhere counts from where it would first touch
-/// the undeformed surface.
+/// The path of a slide. The tool keeps its direction and its depth, measured everywhere from its first touch of the
+/// undeformed surface.
 struct SlidePath {
   double depth = 0.0;     ///< m, > 0
   double friction = 0.3;  ///< Coulomb coefficient, > 0

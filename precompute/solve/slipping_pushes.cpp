@@ -18,7 +18,7 @@ public:
   SlippingPush(PairRun& run, const CurvePoint& from, const Vector3d& direction)
       : run_(run), from_(from), direction_(direction), radius_(run.radius(from.depth)) {}
 
-  // Appends its samples, indices from `index` on. Why there are fewer than asked for; else empty.
+  // Appends its samples, indices from `index` on. Returns why samples are missing; else empty.
   std::string solve(std::uint16_t index) {
     run_.push.restore(from_.state);
     CoulombOptions friction;

@@ -40,7 +40,7 @@ public:
   }
 
 private:
-  // Where a sideways push may end: moved as by the same one at the last depth, or against the opposite one here.
+  // Estimates of a sideways push's end, by the same push at the last depth, and by the opposite push at this depth.
   std::vector<Eigen::VectorXd> starts(const CurvePoint& at, double reach, int slot) const {
     std::vector<Eigen::VectorXd> starts;
     if (moved_[slot].size() > 0) starts.emplace_back(at.state.x + reach * moved_[slot]);

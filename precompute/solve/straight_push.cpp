@@ -32,7 +32,7 @@ double power_law_work(double z0, double f0, double z1, double f1) {
   return std::abs(m + 1) > 1e-6 ? (f1 * z1 - f0 * z0) / (m + 1) : f1 * z1 * std::log(z1 / z0);
 }
 
-// Of gross slip, foretold from the slopes of the contact, for a coefficient of 1: the mean over all directions.
+// Force ratio of gross slip for a coefficient of 1, predicted from the slopes of the contact: the mean over directions.
 double slip_ratio(const PairRun& run) {
   double mean = 0;
   for (int k = 0; k < 8; ++k) {
@@ -64,7 +64,7 @@ bool straight_push(PairRun& run) {
     point.force = point.contact.force.dot(run.frame.n);
     const double last_force = curve.empty() ? 0.0 : curve.back().force;
     const double last_depth = curve.empty() ? 0.0 : curve.back().depth;
-    // Too few points to be a resolved contact: not believed, and not an error while it is shallow.
+    // Too few points to be a resolved contact: the point is dropped, which is no error while it is shallow.
     if (point.contact.points < limits.resolved_points) {
       if (depth < deepest) continue;
       return run.refuse("contact resolution: " + std::to_string(point.contact.points) +

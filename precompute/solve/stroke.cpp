@@ -48,7 +48,7 @@ public:
   }
 
   StrokeResult run(const std::function<bool()>& stop) {
-    if (body_.prestress.any()) return refuse("prestress: strokes are solved of bodies that bear none");
+    if (body_.prestress.any()) return refuse("prestress: strokes are solved of bodies without prestress only");
     const std::vector<Vector3d> places = pressed_places();
     if (!result_.cause.empty()) return result_;
     const SizeField size = contact_size(body_, tool_, vertex_, frame_, depth_, options_.refine, options_, places);

@@ -24,18 +24,18 @@ struct StrokePath {
 
 /// The equilibrium at a station.
 struct StrokeStep {
-  Eigen::Vector3d station{0, 0, 0};                   ///< m, as asked
+  Eigen::Vector3d station{0, 0, 0};                   ///< m, as given
   Eigen::Vector3d force{0, 0, 0};                     ///< N on the tool, contact frame
   double slipping = 0.0;                              ///< share of the friction limit at points that slip
   bool gross = false;                                 ///< the contact slips as a whole (FrictionReport::gross)
   std::uint32_t points = 0;                           ///< integration points in contact; 0: the tool is free
-  bool resolved = false;                              ///< enough of them for the force to be believed (GateLimits)
+  bool resolved = false;                              ///< enough of them for an accurate force (GateLimits)
   double work = 0.0, stored = 0.0, dissipated = 0.0;  ///< J since before the first touch
 };
 
 struct StrokeResult {
   bool usable = false;  ///< every station was reached and passed its gates
-  std::string cause;    ///< why not; the steps before it are believed
+  std::string cause;    ///< why not; the steps before it are valid
   std::vector<StrokeStep> steps;
   double contact_radius = 0.0;  ///< m, nominal, of the deepest station
   double imbalance = 0.0;       ///< (work - stored - dissipated) over the most work so far, at the end

@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 struct Press {
-  std::string cause;  // empty: forces are to be believed
+  std::string cause;  // empty: the forces are valid
   Vector3d first{0, 0, 0}, second{0, 0, 0};
 };
 
@@ -109,7 +109,7 @@ TwoTipsResult solve_two_tips(const Body& body, const Tool& tool, const ToolVerte
   }
   TwoTipsResult result;
   if (body.prestress.any()) {
-    result.cause = "prestress: two tips are solved of bodies that bear none";
+    result.cause = "prestress: two tips are solved of bodies without prestress only";
     return result;
   }
   const Vector3d over = frame.origin + path.spacing * (std::cos(path.angle) * frame.x + std::sin(path.angle) * frame.y);

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double weld_share = 1e-6;       // of the diagonal: rounding of single-precision files
 constexpr double join_share = 2e-3;       // of the diagonal: rims of meshes that were drawn to match
-constexpr double hole_share = 0.01;       // of the area: largest hole that is closed without asking for a wrap
+constexpr double hole_share = 0.01;       // of the area: largest hole that is closed without a wrap
 constexpr double small_component = 1e-3;  // of the area: debris
 constexpr double hanging_share = 0.05;    // of the volume: largest block that hung by an edge or corner and is dropped
 
@@ -58,7 +58,7 @@ std::optional<Surface> repair(const Surface& input, std::vector<std::string>& no
   surface = drop_small_components(drop_fins(drop_duplicates(surface)), small_component);
   if (topology(surface).boundary_edges > 0) surface = cap_flat_rims(surface, notes);
   auto mended = mend(surface, {hole_share * area(surface)});
-  // Where sheets crossed, stitching may leave debris of its own.
+  // Stitching of sheets that crossed may leave debris of its own.
   if (mended && topology(*mended).components > 1) mended = mend(drop_small_components(*mended, small_component), {});
   return mended;
 }
@@ -70,7 +70,7 @@ Surface solid_triangles(const Surface& surface) {
   return keep_triangles(surface, keep);
 }
 
-// Gives every triangle without a label (all of them when asked) the part of the closest input triangle.
+// Gives every triangle without a label (or with `all` every one) the part of the closest input triangle.
 void label_parts(Surface& surface, const SurfaceQuery& input, bool all) {
   surface.part_names = input.surface().part_names;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {

@@ -145,7 +145,7 @@ double smallest_tip(const Scene& scene) {
   return radius;
 }
 
-// What no tool can enter need not be open: crevices that a wrap follows in vain make bad meshes.
+// Alpha of the wrap. It closes crevices that no tool can enter, because they make bad meshes.
 double wrap_alpha(const Scene& scene, double diagonal) {
   return std::clamp(smallest_tip(scene), diagonal / 50.0, diagonal / 20.0);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a prepared surface measures: moves, volume, area, thickness, and whether it is a thin bag.
+// Measures of a prepared surface: moves, volume, area, thickness, and whether it is a thin bag.
 #pragma once
 
 #include "precompute/body.hpp"
@@ -31,7 +31,7 @@ std::pair<double, double> distances(const Surface& from, const SurfaceQuery& to)
 
 /// Several lines for the user, each ended by a newline.
 std::string text(const SurfaceReport& report);
-/// Of the body, then of every region whose surface had faults.
+/// Text of the body, then of every region whose surface had faults.
 std::string text(const Body& body);
 
 }  // namespace palpate

@@ -108,7 +108,7 @@ private:
   std::vector<char> straight_;
 };
 
-// Of all edges straight the surface is the one before.
+// Straightens edges until no triangles cross; with all edges straight the surface is the one before the subdivision.
 std::size_t straighten_crossings(Surface& surface, std::size_t before) {
   std::size_t kept = 0;
   Halved halved(surface, before);

@@ -12,9 +12,9 @@ struct Smoothed {
 };
 
 /// `rounds` of modified butterfly subdivision (Zorin, Schroeder and Sweldens 1996): four triangles for one in every
-/// round, through all vertices. Where the rounded surface would cross itself, as in a fold of a wrapped organ, edges
-/// are halved as they are; a surface that does not cross itself therefore never comes to. It must be closed and
-/// manifold; part names stay, the labels are to be made anew.
+/// round, through all vertices. If the rounded surface would cross itself, as in a fold of a wrapped organ, the edges
+/// there are halved without rounding, so that no new crossing arises. The surface must be closed and manifold; part
+/// names stay, the labels are to be made anew.
 Smoothed smooth(const Surface& surface, int rounds);
 
 }  // namespace palpate

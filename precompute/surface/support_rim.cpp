@@ -2,6 +2,8 @@
 // Marching triangles over the clean surface, split where it is coarse, with the ends of each piece found by bisection.
 #include "precompute/surface/support_rim.hpp"
 
+#include "precompute/surface/pieces.hpp"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -20,22 +22,12 @@ struct Corner {
 
 class Rim {
 public:
-  explicit Rim(const Body& body) : body_(body), longest_(body.diagonal / 32) {}
+  explicit Rim(const Body& body) : body_(body) {}
 
-  void add(const Corner& a, const Corner& b, const Corner& c) {
-    const std::array<Corner, 3> corners{a, b, c};
-    const double edges[3] = {(b.at - a.at).norm(), (c.at - b.at).norm(), (a.at - c.at).norm()};
-    const std::size_t k = std::size_t(std::max_element(edges, edges + 3) - edges);
-    if (edges[k] > longest_) {
-      const Corner &from = corners[k], &to = corners[(k + 1) % 3], &across = corners[(k + 2) % 3];
-      const Vector3d middle = (from.at + to.at) / 2;
-      const Corner half{middle, body_.held(middle)};
-      add(from, half, across);
-      add(half, to, across);
-      return;
-    }
-    const int count = a.held + b.held + c.held;
-    area_ += (b.at - a.at).cross(c.at - a.at).norm() / 2 * count / 3;
+  void add(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+    const std::array<Corner, 3> corners{Corner{a, body_.held(a)}, Corner{b, body_.held(b)}, Corner{c, body_.held(c)}};
+    const int count = corners[0].held + corners[1].held + corners[2].held;
+    area_ += (b - a).cross(c - a).norm() / 2 * count / 3;
     if (count == 0 || count == 3) return;
     Vector3d ends[2];
     int found = 0;
@@ -71,7 +63,6 @@ private:
   }
 
   const Body& body_;
-  double longest_;
   double area_ = 0.0, length_ = 0.0;
   std::vector<Vector3d> points_;
 };
@@ -80,12 +71,10 @@ private:
 
 SupportRim support_rim(const Body& body) {
   const Surface& surface = body.query->surface();
-  std::vector<char> held;
-  for (const Vector3d& v : surface.vertices) held.push_back(body.held(v));
   Rim rim(body);
   for (const auto& t : surface.triangles) {
-    const auto corner = [&](int k) { return Corner{surface.vertices[t[k]], held[t[k]] != 0}; };
-    rim.add(corner(0), corner(1), corner(2));
+    for_each_piece(surface.vertices[t[0]], surface.vertices[t[1]], surface.vertices[t[2]], body.diagonal / 32,
+                   [&](const Vector3d& a, const Vector3d& b, const Vector3d& c) { rim.add(a, b, c); });
   }
   return rim.result();
 }

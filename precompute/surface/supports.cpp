@@ -5,12 +5,15 @@
 #include "formats/error.hpp"
 #include "precompute/algebra/spectrum.hpp"
 #include "precompute/geometry/topology.hpp"
+#include "precompute/surface/pieces.hpp"
 #include "precompute/surface/weld.hpp"
 
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <set>
 
 namespace palpate {
@@ -22,6 +25,16 @@ std::string list_of(const std::vector<std::string>& names) { return fmt::format(
 
 std::string coordinates(const Eigen::Vector3d& p) {
   return fmt::format("({:.4g}, {:.4g}, {:.4g})", p.x(), p.y(), p.z());
+}
+
+// A support may lie inside one triangle: pieces of this many to the body's diagonal find it.
+constexpr double kPieces = 64;
+
+// Calls use(a, b, c) for pieces of a triangle of the body's surface.
+template <class Use>
+void for_each_piece(const Body& body, const Surface& surface, const std::array<std::int32_t, 3>& t, const Use& use) {
+  palpate::for_each_piece(surface.vertices[std::size_t(t[0])], surface.vertices[std::size_t(t[1])],
+                          surface.vertices[std::size_t(t[2])], body.diagonal / kPieces, use);
 }
 
 Eigen::AlignedBox3d bounds(const Surface& surface) {
@@ -55,7 +68,7 @@ bool holds(const Body& body, std::size_t k, const Eigen::Vector3d& point) {
 }
 
 // How the supports resist rigid motions (translation, then rotation about `centre` times `length`): the sum over the
-// surface's triangles and corners of what one displacement there costs, over their area.
+// surface's pieces and their corners of what one displacement there costs, over their area.
 Eigen::Matrix<double, 6, 6> resistance(const Body& body, const Surface& surface, const Eigen::Vector3d& centre,
                                        double length) {
   Eigen::Matrix<double, 6, 6> sum = Eigen::Matrix<double, 6, 6>::Zero();
@@ -72,15 +85,15 @@ Eigen::Matrix<double, 6, 6> resistance(const Body& body, const Surface& surface,
     sum += area.norm() * motion.transpose() * across * motion;
   };
   for (const auto& t : surface.triangles) {
-    const Eigen::Vector3d &a = surface.vertices[std::size_t(t[0])], &b = surface.vertices[std::size_t(t[1])],
-                          &c = surface.vertices[std::size_t(t[2])];
-    const Eigen::Vector3d area = (b - a).cross(c - a) / 8;
-    add((a + b + c) / 3, area);
-    // Corners count where they are fixed as nodes; beds and sliders hold faces.
-    for (const Eigen::Vector3d& corner : {a, b, c}) {
-      const SupportScene* support = body.support_at(corner);
-      if (support != nullptr && support->type == SupportScene::Type::fixed) add(corner, area);
-    }
+    for_each_piece(body, surface, t, [&](const auto& a, const auto& b, const auto& c) {
+      const Eigen::Vector3d area = (b - a).cross(c - a) / 8;
+      add((a + b + c) / 3, area);
+      // Corners count where they are fixed as nodes; beds and sliders hold faces.
+      for (const Eigen::Vector3d& corner : {a, b, c}) {
+        const SupportScene* support = body.support_at(corner);
+        if (support != nullptr && support->type == SupportScene::Type::fixed) add(corner, area);
+      }
+    });
   }
   return sum;
 }
@@ -97,7 +110,7 @@ std::string free_motion(const Body& body, const Surface& surface) {
          coordinates((slides ? motion.head<3>() : motion.tail<3>()).normalized());
 }
 
-// Every solid must be held somewhere. `held` is per triangle; a corner that is held counts as well.
+// Every solid must be held somewhere. `held`: whether a part of each triangle is.
 void check_components(const Body& body, const std::vector<bool>& held, const Scene& scene) {
   const std::string file = scene.file.string();
   const auto& surface = body.query->surface();
@@ -114,8 +127,6 @@ void check_components(const Body& body, const std::vector<bool>& held, const Sce
     const double volume = signed_volume(component);
     // The wall of a cavity faces inward and belongs to the solid round it.
     if (volume < 0.0) continue;
-    any = any || std::any_of(component.vertices.begin(), component.vertices.end(),
-                             [&](const auto& v) { return body.held(v); });
     if (any) {
       if (scene.supports.empty()) continue;  // the lowest tenth, fixed: nothing slides
       const std::string motion = free_motion(body, component);
@@ -143,34 +154,37 @@ SupportScene default_support(const Surface& surface) {
 
 void check_supports(const Body& body, const Scene& scene) {
   const auto& surface = body.query->surface();
-  std::vector<bool> held(surface.triangles.size(), false);
+  const auto where = [&](std::size_t k) { return fmt::format("{}: support {}", scene.file.string(), k + 1); };
   for (std::size_t k = 0; k < body.supports.size(); ++k) {
     const auto& support = body.supports[k];
-    const auto where = fmt::format("{}: support {}", scene.file.string(), k + 1);
     if (support.kind == SupportScene::Kind::mesh) {
       const auto names = present_parts(surface);
       if (std::find(names.begin(), names.end(), support.mesh) == names.end()) {
-        refuse_support(where + ": the body has no part named '" + support.mesh + "'; there are: " + list_of(names));
+        refuse_support(where(k) + ": the body has no part named '" + support.mesh + "'; there are: " + list_of(names));
       }
     }
-    bool any = false;
-    for (std::size_t t = 0; t < held.size(); ++t) {
-      const auto& c = surface.triangles[t];
-      const Eigen::Vector3d centre = (surface.vertices[std::size_t(c[0])] + surface.vertices[std::size_t(c[1])] +
-                                      surface.vertices[std::size_t(c[2])]) /
-                                     3.0;
-      const bool here = holds(body, k, centre);
-      any = any || here;
-      held[t] = held[t] || here;
-    }
-    for (std::size_t v = 0; !any && v < surface.vertices.size(); ++v) any = holds(body, k, surface.vertices[v]);
-    if (!any) {
-      const auto box = bounds(surface);
-      refuse_support(fmt::format("{} holds no point of the body, which lies from {} to {} m", where,
-                                 coordinates(box.min()), coordinates(box.max())));
-    }
   }
-  if (std::all_of(held.begin(), held.end(), [](bool h) { return h; })) {
+  std::vector<bool> used(body.supports.size(), false), held(surface.triangles.size(), false);
+  bool everywhere = true;
+  for (std::size_t t = 0; t < held.size(); ++t) {
+    for_each_piece(body, surface, surface.triangles[t], [&](const auto& a, const auto& b, const auto& c) {
+      bool centre_held = false;
+      for (std::size_t k = 0; k < used.size(); ++k) {
+        const bool here = holds(body, k, (a + b + c) / 3.0);
+        centre_held = centre_held || here;
+        if (!here && !holds(body, k, a) && !holds(body, k, b) && !holds(body, k, c)) continue;
+        used[k] = held[t] = true;
+      }
+      everywhere = everywhere && centre_held;
+    });
+  }
+  for (std::size_t k = 0; k < used.size(); ++k) {
+    if (used[k]) continue;
+    const auto box = bounds(surface);
+    refuse_support(fmt::format("{} holds no point of the body, which lies from {} to {} m", where(k),
+                               coordinates(box.min()), coordinates(box.max())));
+  }
+  if (everywhere) {
     refuse_support(scene.file.string() + ": the supports hold the whole surface: nothing is left to touch");
   }
   check_components(body, held, scene);

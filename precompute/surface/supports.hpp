@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where a body is held when the scene does not say, and whether what it says can hold the body.
+// Default supports of a body, and a check whether the scene's own supports can hold it.
 #pragma once
 
 #include "precompute/body.hpp"

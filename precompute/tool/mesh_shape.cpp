@@ -14,8 +14,8 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kMostPoints = 2e7;
-// Of the rounding: the weights reach two spacings to either side, so that faces are flat up to the rounding from an
-// edge (at twice this a block of 20 roundings lost 9 % of its force at a depth of a tenth of the rounding).
+// Share of the rounding: the weights reach two spacings to either side, so that faces are flat up to the rounding from
+// an edge (at twice this a block of 20 roundings lost 9 % of its force at a depth of a tenth of the rounding).
 constexpr double kSpacing = 0.5;
 // In spacings: how near a lattice point has to be to the surface for its cell to be smoothed, and the band of exact
 // values that this takes: to a place beside that point and across the diagonal of the 64 round it.
@@ -89,7 +89,7 @@ double MeshShape::lower_bound(const Vector3d& p) const {
   return near - off - (std::abs(near) > kSmoothed * spacing_ ? 0.0 : kSpread * spacing_);
 }
 
-// Of a point that is no nearer to the surface than the lattice's spacing: on which side it is the lattice knows.
+// Exact distance of a point at least the lattice's spacing from the surface; the lattice gives its side.
 DistanceSample MeshShape::exact(const Vector3d& p, bool inside) const {
   const ClosestPoint nearest = query_.closest(p);
   const double sign = inside ? -1.0 : 1.0;

@@ -29,7 +29,7 @@ public:
     const Vector3d ez = Vector3d::UnitZ(), hoop = ez.cross(er);
     const Vector2d at(r, p.z());
 
-    // Of a convex polygon the largest distance to the lines of its sides is inside the distance to the polygon.
+    // Inside a convex polygon the signed distance is the largest one to the lines of its sides.
     double inside = -std::numeric_limits<double>::infinity(), outside = std::numeric_limits<double>::infinity();
     Vector2d normal = Vector2d::Zero(), away = Vector2d::Zero();
     bool at_corner = false;

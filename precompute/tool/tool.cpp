@@ -144,7 +144,7 @@ ToolVertex spun(ToolVertex vertex, double angle) {
 
 namespace {
 
-// Of a profile whose height goes with the power m of the width, the depth is this times the height at the contact's rim
+// Ratio of the depth to the profile's height at the contact's rim, for a height that is the power m of the width
 // (Sneddon 1965): pi/2 for a cone, 2 for a ball.
 double depth_over_height(double m) { return std::sqrt(kPi) * std::tgamma(m / 2 + 1) / std::tgamma(m / 2 + 0.5); }
 

@@ -26,7 +26,7 @@ class ToolShape {
 public:
   virtual ~ToolShape() = default;
   [[nodiscard]] virtual DistanceSample distance(const Eigen::Vector3d& point) const = 0;
-  /// Cheap, and not above the distance (m): tells where no contact can be.
+  /// Cheap, and not above the distance (m): excludes places where no contact can be.
   [[nodiscard]] virtual double lower_bound(const Eigen::Vector3d& point) const { return distance(point).value; }
   /// Cheaper than the distance: true where it is surely above `gap` (m), false says nothing.
   [[nodiscard]] virtual bool surely_beyond(const Eigen::Vector3d& /*point*/, double /*gap*/) const { return false; }

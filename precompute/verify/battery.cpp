@@ -112,8 +112,8 @@ void check(const StiffCell& cell, CellResult& result) {
   }
 }
 
-// A share of the converged cells of every family, at least one. What cannot be checked is reported, and another cell
-// drawn in its place as long as there are any.
+// A share of the converged cells of every family, at least one. A cell that cannot be checked is reported, and another
+// cell drawn in its place as long as there are any.
 class Draws {
 public:
   Draws(const std::vector<StiffCell>& cells, const BatteryResult& result, const BatteryOptions& options) {

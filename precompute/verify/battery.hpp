@@ -48,7 +48,7 @@ struct BatteryResult {
 /// broken.
 BatteryResult run_battery(const std::vector<StiffCell>& cells, const BatteryOptions& options);
 
-/// What a table says of a set of cells.
+/// A table's figures of a set of cells.
 struct BatteryFigures {
   std::size_t cells = 0, converged = 0, core = 0, core_converged = 0;
   std::size_t verified = 0, augmented = 0, wrong = 0, unchecked = 0;  ///< of the drawn ones

@@ -23,7 +23,7 @@ CcxCase make_case(ToolScene::Shape shape, double share_of_i2, double poisson, in
   tool.radius = kRadius;
   if (punch) {
     tool.edge_radius = kRadius / 5;
-    // Its rim asks for elements far smaller than the contact.
+    // Its rim needs elements far smaller than the contact.
     c.base = std::numbers::sqrt2;
   }
   c.tool = make_tool(tool);

@@ -17,7 +17,7 @@ struct CcxCase {
   std::string name;
   Tool tool;
   Body body;
-  double base = 1.0;  ///< size of the base mesh's elements in those that the settings ask for
+  double base = 1.0;  ///< size of the base mesh's elements over those of the settings
   Body quarter;       ///< its part in x, y >= 0
   CcxMaterial law;
   Material material;           ///< the same energy for our elements

@@ -37,7 +37,7 @@ struct CcxPush {
   CcxContact contact;
 };
 
-/// Names of the node sets whose total forces the deck asks for.
+/// Names of the node sets whose total forces the deck prints.
 inline constexpr const char* kCcxTool = "TOOL";
 inline constexpr const char* kCcxHeld = "HELD";
 

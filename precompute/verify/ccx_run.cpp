@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A temporary folder, the child process, and what makes its answer believed.
+// A temporary folder, the child process, and the checks of its output.
 #include "precompute/verify/ccx_run.hpp"
 
 #include "formats/error.hpp"

@@ -155,8 +155,8 @@ LawValues mindlin(double size, double coarser) {
               });
 }
 
-// Formed without friction and then pushed sideways: at nu 0.49 pressures hardly change. What slip relieves at the rim
-// is not singular, and needs no ring.
+// Formed without friction and then pushed sideways: at nu 0.49 pressures hardly change. Slip removes the singular
+// traction at the rim, so no ring of fine elements is needed.
 LawValues partial_slip(double size, double coarser) {
   const double depth = 0.001 * kRadius, a = std::sqrt(kRadius * depth), mu = 0.3;
   PairPath path = pushes(depth, {0.25, 0.5, 0.75, 1});
@@ -177,7 +177,8 @@ LawValues partial_slip(double size, double coarser) {
     const double law = slides ? 1.0 : 1 - std::pow(1 - share, 1.5);
     v.values.push_back({s.force.head<2>().norm() / limit / law, slides ? 0.02 : 0.05});
     v.values.push_back({s.force.z() / load, 0.01});
-    if ((s.friction_limit > 0) != slides) v.cause = "the friction limit does not tell full slip from partial slip";
+    if ((s.friction_limit > 0) != slides)
+      v.cause = "the friction limit does not distinguish full slip from partial slip";
   });
 }
 
@@ -192,9 +193,9 @@ double in_tolerances(const LawValue& v) { return std::abs(v.over_law - 1) / v.to
 
 std::vector<ClosedForm> closed_forms() {
   return {
-      {"Hertz", "sphere, d = 0.01 R: F = 4/3 E* sqrt(R) d^1.5, a = sqrt(R d)", 20, 40, laws::hertz},
+      {"Hertz", "sphere, d = 0.01 R: F = 4/3 E* sqrt(R) d^1.5, a = sqrt(R d)", 30, 60, laws::hertz},
       {"Sneddon, punch", "edge radius 0.01 of its own: F = 2 E* a d", 40, 80, laws::flat_punch},
-      {"Sneddon, cone", "half angle 80 degrees: F = 2/pi E* tan(theta) d^2", 20, 40, laws::blunt_cone},
+      {"Sneddon, cone", "half angle 80 degrees: F = 2/pi E* tan(theta) d^2", 30, 60, laws::blunt_cone},
       {"Dimitriadis", "sphere on a bonded layer, nu 0.4999: the series below sqrt(R d)/h = 0.35, exact to 1", 6, 8,
        laws::layer},
       {"Mindlin", "stuck sphere, d = 0.001 R, sideways: k = 8 G a / (2 - nu)", 40, 80, laws::mindlin},

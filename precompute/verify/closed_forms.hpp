@@ -15,7 +15,7 @@ struct LawValue {
   double tolerance = 0.0;  ///< how far from 1 it may be
 };
 
-/// What a body of one size gives.
+/// The values from a body of one size.
 struct LawValues {
   std::vector<LawValue> values;
   std::string cause;  ///< why there are none; empty: usable
@@ -23,7 +23,7 @@ struct LawValues {
 
 struct ClosedForm {
   std::string name;                 ///< "Hertz"
-  std::string statement;            ///< the law, and where it is asked
+  std::string statement;            ///< the law, and the case that is solved
   double small = 0.0, large = 0.0;  ///< sizes of the body: contact radii, of a layer thicknesses
   /// `coarser` (>= 1) multiplies the elements' size.
   std::function<LawValues(double size, double coarser)> solve;
@@ -35,10 +35,10 @@ std::vector<ClosedForm> closed_forms();
 
 struct LawCheck {
   std::string cause;                            ///< empty: usable
-  std::vector<LawValue> small, large, endless;  ///< endless: what both sizes foretell
+  std::vector<LawValue> small, large, endless;  ///< endless: extrapolated from both sizes
   /// Solved, and the larger and the endless body's values are within their tolerances; the sizes differ by no more.
   [[nodiscard]] bool holds() const;
-  /// Of all values on the larger and on the endless body the farthest from 1, counted in tolerances.
+  /// The value farthest from 1, counted in tolerances, of all on the larger and on the endless body.
   [[nodiscard]] LawValue worst() const;
 };
 

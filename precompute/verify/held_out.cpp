@@ -46,7 +46,7 @@ std::size_t pick(const std::vector<double>& running, double u) {
   return std::min<std::size_t>(static_cast<std::size_t>(at - running.begin()), running.size() - 1);
 }
 
-// Of the triangles that a tool can reach from outside.
+// Cumulative areas of the triangles that a tool can reach from outside.
 std::vector<double> running_areas(const Body& body) {
   const Surface& surface = body.query->surface();
   std::vector<double> sums;
@@ -239,7 +239,7 @@ bool solved(const runtime::View& view, std::uint32_t site, std::uint32_t vertex,
   return true;
 }
 
-// As many contacts as were asked for at pairs that were sampled, of tools with spins, between their spins.
+// Draws options.count contacts at sampled pairs of tools with spins, between the sampled spins.
 void draw_spins(const runtime::View& view, const Scene& scene, const Body& body, const std::vector<Tool>& tools,
                 const HeldOutOptions& options, std::mt19937_64& engine, std::vector<HeldOut>& contacts,
                 std::vector<double>& starts) {

@@ -37,7 +37,7 @@ struct ForcePair {
   std::optional<Turn> turn;
 };
 
-/// Where a contact that is drawn sideways slips as a whole.
+/// The friction limit at which a contact that is drawn sideways slips as a whole.
 struct LimitPair {
   double depth = 0.0;   ///< m
   double solved = 0.0;  ///< solved_limit()
@@ -52,7 +52,7 @@ struct HeldOut {
   Eigen::Vector3d tool_weights{1, 0, 0};
   ContactFrame frame;  ///< at c on the body's surface; n is the runtime's n(c)
   double spin = 0.0;   ///< rad, of the tool about n from its first sampled one; [0, 2 pi)
-  /// Of a tool with spins: how it is turned (tool frame to body frame).
+  /// Orientation of a tool with spins (tool frame to body frame).
   std::optional<Eigen::Matrix3d> orientation;
   bool at_pair = false;    ///< c and p are a pair that was sampled: between samples in the spin alone
   double depth = 0.0;      ///< m, deepest push
@@ -61,7 +61,7 @@ struct HeldOut {
   bool accepted = false;
   std::string cause;  ///< of a refused solve
   std::vector<ForcePair> forces;
-  std::vector<LimitPair> limits;  ///< a direction each; none unless the scene asks for solved friction limits
+  std::vector<LimitPair> limits;  ///< a direction each; none unless the scene requests solved friction limits
 };
 
 struct HeldOutOptions {

@@ -12,9 +12,10 @@ constexpr double kRefusedShare = 0.1;
 std::string percentile_over(const ErrorStatistics& s, const std::optional<double>& limit, const char* push) {
   char text[160] = "";
   if (limit && s.count == 0) {
-    std::snprintf(text, sizeof text, "no %s force was solved, asked a 95th percentile of %.4g", push, *limit);
+    std::snprintf(text, sizeof text, "no %s force was solved, required a 95th percentile of %.4g", push, *limit);
   } else if (limit && !(s.p95 <= *limit)) {
-    std::snprintf(text, sizeof text, "95th percentile of the %s force error is %.4g, asked %.4g", push, s.p95, *limit);
+    std::snprintf(text, sizeof text, "95th percentile of the %s force error is %.4g, required %.4g", push, s.p95,
+                  *limit);
   }
   return text;
 }
@@ -33,7 +34,7 @@ std::optional<std::string> broken_limits(const VerifyStatistics& s, const Verify
   const double most = limits.refused_share.value_or(kRefusedShare);
   if (static_cast<double>(s.refused) > most * static_cast<double>(s.contacts)) {
     char text[160];
-    std::snprintf(text, sizeof text, "%zu of %zu held-out contacts were refused, asked a share of at most %.4g",
+    std::snprintf(text, sizeof text, "%zu of %zu held-out contacts were refused, required a share of at most %.4g",
                   s.refused, s.contacts, most);
     add(text);
   }

@@ -16,7 +16,7 @@ struct VerifyLimits {
   std::optional<double> refused_share{};  ///< of the held-out contacts; 0.1 where another limit is set
 };
 
-/// What breaks a limit, one sentence a limit; nothing where all that are set are met. A limit on what was not
+/// The broken limits, one sentence each; empty where all that are set are met. A limit on a quantity that was not
 /// measured is broken, and so is any where too many contacts were refused: the solved ones are then a selection.
 std::optional<std::string> broken_limits(const VerifyStatistics& statistics, const VerifyLimits& limits);
 

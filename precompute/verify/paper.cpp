@@ -71,7 +71,8 @@ PaperCurve sideways(const std::string& name, const std::vector<Sample>& samples,
   return curve;
 }
 
-// What a push adds against itself: the straight push's own sideways force, beside a lump, is no answer to it.
+// Force that a sideways push adds against itself. It excludes the sideways force of the normal indentation beside a
+// lump.
 PaperCurve answer(const std::string& name, const std::vector<Sample>& samples, double side) {
   PaperCurve curve = sideways(name, samples, side, 0, -side);
   const double before = curve.force[0];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Figures 2 and 4 of Hayward and Mahvash (2004), solved, and what the paper says of them as figures with limits.
+// Figures 2 and 4 of Mahvash and Hayward (2004), solved, and what the paper says of them as figures with limits.
 #pragma once
 
 #include "formats/scene.hpp"
@@ -43,11 +43,11 @@ PaperFigure solve_figure_2(const Scene& loose, const Scene& firm, unsigned threa
 /// one end point from several first contact points on the homogeneous one. Throws Error(numerical) likewise.
 PaperFigure solve_figure_4(const Scene& homogeneous, const Scene& inclusion, unsigned threads);
 
-/// What figure 2 says of panels loose, firm with the curves large sphere, small sphere, flat punch.
+/// Statements of figure 2 on panels loose, firm with the curves large sphere, small sphere, flat punch.
 std::vector<PaperStatement> figure_2_statements(const std::vector<PaperPanel>& panels);
 
-/// What figure 4 says of panels homogeneous, inclusion (curves to the right, to the left) and end point (curves normal,
-/// sideways over the distance of the first contact point).
+/// Statements of figure 4 on panels homogeneous, inclusion (curves to the right, to the left) and end point (curves
+/// normal, sideways over the distance of the first contact point).
 std::vector<PaperStatement> figure_4_statements(const std::vector<PaperPanel>& panels);
 
 /// Force at a place, linear between points; not a number beyond them.

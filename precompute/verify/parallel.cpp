@@ -32,7 +32,7 @@ bool parallel_for(std::size_t count, unsigned threads, const std::function<bool(
   };
   {
     std::vector<std::jthread> others;
-    // Where a thread cannot be started, the ones that could are stopped and joined on the way out.
+    // If a thread cannot be started, the running ones are stopped and joined on the way out.
     try {
       for (unsigned k = 1; k < threads; ++k) others.emplace_back(run);
     } catch (...) {

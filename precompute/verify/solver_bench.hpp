@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a curve set costs and how wrong it is, over the mesh sizes that a scene may ask for.
+// Cost and error of a curve set, over the mesh sizes that a scene allows.
 #pragma once
 
 #include "precompute/solve/pair.hpp"

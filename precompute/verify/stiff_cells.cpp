@@ -286,8 +286,8 @@ void margin(std::vector<StiffCell>& cells) {
         s.parts.assign(s.triangles.size(), 0);
         s.part_names = {"wedge"};
         cell.scene.supports = {half_space({0.9 * length, 0, 0}, {-1, 0, 0})};
-        // At the very edge there is no wall to speak of: beyond the core range, a fifth of the tip's radius is asked
-        // for.
+        // The wall vanishes at the very edge. Beyond the core range a fifth of the tip's radius counts as its
+        // thickness.
         const double x = from_edge * kTipRadius, wall = square ? length : x * std::tan(angle);
         const double thickness = std::max(wall, 0.2 * kTipRadius);
         cell.core = wall >= 0.2 * kTipRadius;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What of a command a device is given: the rules that Device::write() promises, in one place for every device.
+// The command that is sent to a device: the rules that Device::write() promises, in one place for every device.
 #pragma once
 
 #include "device/device.hpp"
@@ -9,13 +9,13 @@
 
 namespace palpate::device {
 
-/// Whether a command is still believed at `time` (s): it is no older than kStale, and not of a later time by more.
+/// Whether a command is valid at `time` (s): it differs from the command's own time by at most kStale.
 inline bool fresh(const Command& command, double time) {
   // Written so that a NaN fails the comparison.
   return std::fabs(time - command.time) <= kStale;
 }
 
-/// What to send at `time` (s): zero where the command is not fresh or not finite; a force beyond kind.peak_force
+/// The command to send at `time` (s): zero where it is not fresh or not finite; a force beyond kind.peak_force
 /// shortened along its line, a pull to it, or to 0 where it pushes.
 inline Command admitted(const Command& command, const DeviceKind& kind, double time) {
   if (!fresh(command, time) || !finite(command.force) || !finite(command.torque) || !finite(command.pull)) {

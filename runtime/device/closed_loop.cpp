@@ -61,7 +61,7 @@ Swing run_trial(const Trial& trial) {
     const Vec3 seen = plant.seen(time);
     if (time >= take && time < free) {
       if (!taken) taken = plant.position();
-      // Where the handle is in the plant's time, which is that of the sample.
+      // The handle's angle at the plant's time, which is the sample's time.
       const double angle = omega * (plant.time() - trial.swing);
       const Fade fade = fade_in(plant.time(), take, trial.swing);
       const Vec3 swung = trial.rest + std::sin(angle) * trial.amplitude - *taken;

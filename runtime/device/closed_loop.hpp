@@ -24,7 +24,7 @@ struct Trial {
   Response response;                 ///< may keep a state: one trial runs it
 };
 
-/// What the handle did after it was let go.
+/// The handle's motion after it was released.
 struct Swing {
   double early = 0, late = 0;  ///< m, amplitude over a quarter second, soon after and 2 s later
   double given = 0;            ///< J, most that the motors had given out at any time, beyond what they had taken in

@@ -35,7 +35,7 @@ public:
     tick_ = {};
   }
 
-  /// Of the last answer, in the scene.
+  /// The tick of the last answer, in the scene.
   [[nodiscard]] const runtime::Tick& tick() const { return tick_; }
   [[nodiscard]] Pose tool() const { return held(tie_, device_); }
   [[nodiscard]] const Contact& contact() const { return contact_; }

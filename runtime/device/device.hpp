@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a force loop sees of a haptic device, whatever it hangs on: a wire, a simulation, a mouse.
+// The interface between the force loop and a haptic device, on a wire or simulated.
 #pragma once
 
 #include "device/device_table.hpp"
@@ -47,7 +47,7 @@ struct Sample {
   HandJoints joints{};  ///< what a glove's sensors read, in their own unit; 0 for others
 };
 
-/// What the force loop asks for, in the device's frame.
+/// The force that the loop commands, in the device's frame.
 struct Command {
   double time = 0;  ///< s on the clock of now(): when it was computed
   Vec3 force;       ///< N
@@ -73,14 +73,14 @@ public:
   /// The newest sample; phase and fault are of this moment.
   virtual Sample read() noexcept = 0;
 
-  /// Replaces the command. What is not finite is zero; what is beyond kind().peak_force is shortened along its line, a
-  /// pull to it. A command older than kStale is not sent any more: zero is.
+  /// Replaces the command. A value that is not finite becomes zero; a force beyond kind().peak_force is shortened along
+  /// its line, a pull to it. A command older than kStale is not sent any more: zero is.
   virtual void write(const Command& command) noexcept = 0;
 
   /// Sends zero, waits until it has left (10 ms at most) and lets go. Again: nothing happens.
   virtual void close() = 0;
 };
 
-inline constexpr double kStale = 0.010;  ///< s after which a command is no longer believed
+inline constexpr double kStale = 0.010;  ///< s after which a command is no longer sent
 
 }  // namespace palpate::device

@@ -36,9 +36,9 @@ const char* name(Fault fault) {
     case Fault::silent:
       return "nothing arrives";
     case Fault::garbled:
-      return "what arrives is no packet";
+      return "the received bytes form no packet";
     case Fault::impossible:
-      return "what arrives cannot be";
+      return "the received values are impossible";
     case Fault::firmware:
       return "the firmware was not accepted, or is one that has no driver";
     case Fault::host_late:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The haptic devices that Palpate knows, with their limits as data.
+// The supported haptic devices, with their limits as data.
 #pragma once
 
 #include "palpate/math/pose.hpp"

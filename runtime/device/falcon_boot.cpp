@@ -14,7 +14,7 @@ namespace {
 
 using ftdi::Setting;
 
-// What each step sets before it talks.
+// The settings that each step applies before it sends bytes.
 constexpr Setting kForFirmware[] = {ftdi::latency(1), ftdi::kNoFlowControl, ftdi::k8N1,
                                     ftdi::kBaud1500k, ftdi::kPurgeInput,    ftdi::kPurgeOutput};
 constexpr Setting kForLoader[] = {ftdi::kPurgeInput, ftdi::kPurgeOutput, ftdi::latency(16),
@@ -71,7 +71,8 @@ void Boot::start(const std::vector<std::uint8_t>& firmware) {
   enter(Step::set_up_probe);
 }
 
-// What is still in flight then belongs to the step before: answers may overtake the news that a write has left.
+// A request still in flight belongs to the previous step, because its answer may arrive before its completion is
+// reported.
 void Boot::enter(Step step) {
   step_ = step;
   outdated_ = in_flight_;

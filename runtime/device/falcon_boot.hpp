@@ -21,7 +21,7 @@ inline constexpr std::size_t kMostFirmware = 1 << 18;  ///< bytes; what is known
 
 Firmware read_firmware(const std::string& path);
 
-/// The boot as a state machine, one request after the other. It first asks whether firmware runs already (with motors
+/// The boot as a state machine, one request after the other. It first checks whether firmware runs already (with motors
 /// at zero: a program that died may have left a force), else loads it, several times if need be: users report that it
 /// often takes more than one.
 class Boot {

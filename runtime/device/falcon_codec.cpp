@@ -35,7 +35,7 @@ std::array<std::uint8_t, kPacket> encode(const Input& input) { return packet(inp
 
 bool Reader::take(std::uint8_t byte) {
   if (!fits(filled_, byte)) {
-    // What was gathered has no `<` but its first byte: only this byte may begin a packet.
+    // The gathered bytes have no `<` after the first: only this byte may begin a packet.
     noise_ += filled_;
     filled_ = 0;
     if (byte != kFirst) {

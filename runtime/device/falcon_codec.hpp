@@ -11,14 +11,14 @@ namespace palpate::device::falcon {
 
 inline constexpr std::size_t kPacket = 16;
 
-/// What the host sends.
+/// A packet from the host.
 struct Output {
   static constexpr std::uint8_t kHoming = 1, kGreen = 2, kBlue = 4, kRed = 8;
   std::array<std::int16_t, 3> motors{};
   std::uint8_t bits = kHoming;
 };
 
-/// What the Falcon answers.
+/// A packet from the Falcon.
 struct Input {
   static constexpr std::uint8_t kPlus = 1, kForward = 2, kCentre = 4, kMinus = 8, kButtons = 0x0f;
   static constexpr std::uint8_t kHomed = 0x70;  ///< one bit an arm: its encoder has found its origin
@@ -38,7 +38,7 @@ public:
 
   [[nodiscard]] const Input& input() const { return last_; }
 
-  /// Bytes found to belong to no packet since this was last asked.
+  /// Bytes found to belong to no packet since the last call.
   std::size_t drain_noise() { return std::exchange(noise_, 0); }
 
 private:

@@ -55,7 +55,7 @@ Vec3 in_space(double out, double aside, double up, const Direction& way) {
 // Three rows and what solves by them (Cramer's rule): not finite where they lie in a plane.
 struct Rows {
   Vec3 bc, ca, ab;
-  double volume;  // negative the way the Falcon is assembled; 0 where the grip would give way with all motors held
+  double volume;  // negative the way the Falcon is assembled; 0 where the grip could move with all motors held
 
   explicit Rows(const std::array<Vec3, 3>& row)
       : bc(cross(row[1], row[2])), ca(cross(row[2], row[0])), ab(cross(row[0], row[1])), volume(dot(row[0], bc)) {}

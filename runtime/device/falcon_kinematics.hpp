@@ -32,7 +32,7 @@ struct Arms {
   [[nodiscard]] Triple angles() const { return {arm[0].angle, arm[1].angle, arm[2].angle}; }
 };
 
-/// Where the arms are with the grip at `tip` (m), in closed form.
+/// The angles of the arms with the grip at `tip` (m), in closed form.
 Arms inverse(const Vec3& tip);
 
 /// d angle / d tip of an arm (rad/m). Grows without bound as the lever goes to 0.
@@ -44,9 +44,9 @@ struct Reached {
   int steps = 0;    ///< that Newton took
 };
 
-/// Where the grip is, given the angles: Newton on the lengths of the forearms, which stay smooth where the angles are
-/// not (lever 0), from `start` (the last place) and, should that lead nowhere, from the middle of the workspace. A step
-/// that would leave the domain is shortened. At most 80 evaluations, whatever comes in.
+/// The position of the grip for given angles: Newton on the lengths of the forearms, which stay smooth where the angles
+/// are not (lever 0), from `start` (the last place) and, should that lead nowhere, from the middle of the workspace. A
+/// step that would leave the domain is shortened. At most 80 evaluations, whatever comes in.
 Reached forward(const Triple& angles, const Vec3& start);
 
 /// Torques (N m) that press the grip with `force` (N) on the hand: (J^-1)^T F. Not finite where the arms cannot hold

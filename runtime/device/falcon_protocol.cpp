@@ -115,7 +115,7 @@ void FalconProtocol::received(double time, const std::uint8_t* bytes, std::size_
   });
 }
 
-// A packet: believed, or one that cannot be.
+// Accepts a packet whose pose is possible, and counts the others as impossible.
 void FalconProtocol::take(double time, const Input& input) {
   if (sample_.phase == Phase::ready && !homed(input)) return stop(Fault::reported);
   if (homed(input) && !placed(time, input)) {
@@ -135,7 +135,7 @@ void FalconProtocol::take(double time, const Input& input) {
   }
 }
 
-// Where the grip is, unless the encoders leap or no grip could be there.
+// Computes the grip's position. False where the encoders jump or the position is out of reach.
 bool FalconProtocol::placed(double time, const Input& input) {
   Triple angles;
   for (std::size_t i = 0; i < 3; ++i) angles[i] = angle_of(input.encoders[i]);
@@ -150,7 +150,7 @@ bool FalconProtocol::placed(double time, const Input& input) {
   if (!reached.ok || length(reached.tip - kCentre) > kFarthest) return false;
   const Arms arms = inverse(reached.tip);
   if (!arms.reached) return false;
-  // Sines and cosines do not tell an angle from one a turn further.
+  // Sines and cosines are the same for angles a whole turn apart.
   for (std::size_t i = 0; i < 3; ++i) {
     if (std::fabs(arms.arm[i].angle - angles[i]) > 0.01) return false;
   }

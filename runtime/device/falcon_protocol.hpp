@@ -40,7 +40,7 @@ private:
   falcon::Reader reader_;
   InputWatch watch_;
   Sample sample_;
-  falcon::Input last_;    // that was believed
+  falcon::Input last_;    // the last accepted packet
   double last_time_ = 0;  // s
   falcon::Arms arms_;
   Vec3 tip_ = falcon::kCentre;

@@ -15,14 +15,14 @@ struct Slope {
   Vec3 direction;   ///< unit, the motion that it belongs to
 };
 
-/// Of the force at a whole deflection (m), by central differences of `step` (m).
+/// Largest stiffness of a force at a whole deflection (m), by central differences of `step` (m).
 template <class Response>
 Slope slope(const Response& response, const Vec3& deflection, double step);
 
 /// Slope of a 3x3 matrix given by columns.
 Slope slope_of(const Vec3 (&columns)[3]);
 
-/// Where a file is stiffest.
+/// The site, depth and direction at which a file is stiffest.
 struct FileStiffness {
   Slope slope;
   std::uint32_t tool = 0, site = 0, tool_vertex = 0;
@@ -31,7 +31,7 @@ struct FileStiffness {
 };
 
 /// Every response of the file at 24 depths down to where it was sampled, straight and deflected sideways in eight ways
-/// within its friction limit. What a blend of responses or a turn of the normal adds between them is not counted.
+/// within its friction limit. Stiffness that blending of responses or rotation of the normal adds is not counted.
 FileStiffness file_stiffness(const runtime::View& view);
 
 template <class Response>

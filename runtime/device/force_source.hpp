@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Where a force loop gets its forces from: a sample of the device in, a force on the hand out.
+// The source of a force loop's forces: a sample of the device in, a force on the hand out.
 #pragma once
 
 #include "device/device.hpp"
 
 namespace palpate::device {
 
-/// What a source says to a sample; vectors in the device's frame.
+/// A source's answer to a sample; vectors in the device's frame.
 struct Answer {
   Vec3 force;           ///< N
   Vec3 torque;          ///< N m
@@ -15,13 +15,13 @@ struct Answer {
   bool usable = false;  ///< false: no force is to be made of this (no pose, a tracker that is late or dead)
 };
 
-/// What turns samples into forces. The loop calls it from its own thread: it neither waits, locks, allocates nor
-/// throws. The same calls after the same reset() give the same bits, so that a recording can be replayed.
+/// Computes forces from samples. The loop calls it from its own thread: it does not wait, lock, allocate or throw.
+/// The same calls after the same reset() give the same bits, so that a recording can be replayed.
 class ForceSource {
 public:
   virtual ~ForceSource() = default;
 
-  /// `seconds` since the last call, above 0. Of the sample only what was measured counts: pose and joints.
+  /// `seconds` since the last call, above 0. Only the measured parts of the sample are used: pose and joints.
   virtual Answer answer(const Sample& sample, double seconds) noexcept = 0;
 
   /// As if nothing had been touched: what overlaps then must start without force.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the cables of a glove may do.
+// Limits of a glove's cables.
 #pragma once
 
 #include <cmath>

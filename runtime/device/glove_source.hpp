@@ -72,7 +72,7 @@ public:
     ticks_ = {};
   }
 
-  /// Of the last answer, in the scene.
+  /// The fingers' ticks of the last answer, in the scene.
   [[nodiscard]] const std::array<runtime::Tick, kFingers>& ticks() const { return ticks_; }
   /// Error of adding the fingertips' forces where they are near each other.
   [[nodiscard]] const runtime::SuperpositionError& superposition() const { return tools_.superposition(); }

@@ -140,7 +140,7 @@ const char* name(Cause cause) {
     case Cause::source:
       return "the force is not usable";
     case Cause::asked:
-      return "asked to stop";
+      return "stop requested";
     case Cause::emergency:
       return "emergency stop";
     case Cause::button:

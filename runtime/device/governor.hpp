@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Whether a tick of the force loop may give a force, and how much of it: a function of what the tick saw and of a few
-// numbers of state. It asks no clock and does no input or output, so that a recording replays it bit for bit.
+// Whether a tick of the force loop may give a force, and how much of it: a function of the tick's input and of a few
+// numbers of state. It reads no clock and does no input or output, so that a recording replays it bit for bit.
 #pragma once
 
 #include "device/device.hpp"
@@ -14,7 +14,7 @@ struct GovernorOptions {
   double limit = 3;           ///< N, (0, 100]: a longer force is shortened along its line, a pull to it
   double torque_limit = 0;    ///< N m, [0, 10]; 0: no torque
   double ramp_up = 1;         ///< s, [0.01, 60]: from no force to all of it, whenever it (again) may begin
-  double ramp_down = 0.05;    ///< s, [0.001, 1]: the way back when a stop is asked for
+  double ramp_down = 0.05;    ///< s, [0.001, 1]: from all of it to none when a stop is requested
   double stale = 0.005;       ///< s, (0, kStale]: an older sample gives no force
   double gap = kStale;        ///< s, (0, kStale]: no force in a tick that comes later than this after the last one
   double silent = 0.5;        ///< s, [0.01, 60]: without a force that may be given for this long the run is over
@@ -25,7 +25,7 @@ struct GovernorOptions {
   [[nodiscard]] const char* validate() const;
 };
 
-/// What happens to the force.
+/// The state of the force.
 enum class Mode : std::uint8_t {
   waiting,    ///< none yet: the device is not ready
   ramping,    ///< a share of it that grows
@@ -43,7 +43,7 @@ enum class Cause : std::uint8_t {
   late,       ///< the tick came too late after the last one
   pose,       ///< the device's pose is no pose
   source,     ///< the force is not usable: fault of the pose in the scene, tracker late or dead, not finite
-  asked,      ///< a stop was asked for
+  asked,      ///< a stop was requested
   emergency,  ///< the emergency stop: a key, a signal, the program
   button,     ///< the emergency stop on the device
   device,     ///< the device stopped; its fault says why
@@ -53,7 +53,7 @@ enum class Cause : std::uint8_t {
 const char* name(Mode mode);
 const char* name(Cause cause);
 
-/// What a tick saw.
+/// The input of a tick.
 struct TickInput {
   enum Request : std::uint8_t { stop = 1, emergency_stop = 2 };
 
@@ -66,10 +66,10 @@ struct TickInput {
   std::uint8_t requests = 0;  ///< Request bits
 };
 
-/// What came of it.
+/// The result of a tick.
 struct TickOutput {
   Command command;
-  Answer answer;  ///< of the source; nothing where it was not asked
+  Answer answer;  ///< of the source; empty where the source was not called
   Mode mode = Mode::waiting;
   Cause cause = Cause::none;
   Fault fault = Fault::none;  ///< of a device that stopped
@@ -78,12 +78,11 @@ struct TickOutput {
 /// The rules, in this order:
 ///  1. Stopped is for good. An emergency stop, a stopped device and too many missed deadlines stop at once.
 ///  2. No force while the device is not ready, its sample is stale, the tick late, the pose none, the answer unusable.
-///  The
-///     source is reset then: what was pressed meanwhile gives nothing back. Once a force has been given, this for
-///     longer than `silent` stops; waiting for a device that is not ready never does.
+///     The source is then reset, so that a depth reached meanwhile gives no force back. Once a force has been given,
+///     more than `silent` of this stops the loop, except for a device that is not ready.
 ///  3. Else the source's force, shortened to the limit along its line, times a share that grows from 0 over `ramp_up`.
-///     A stop that is asked for shrinks the share over `ramp_down` and then stops.
-///  A sample between fresh and stale is used as it is: a pose that is foretold does work that no hand did.
+///     A requested stop shrinks the share over `ramp_down` and then stops.
+///  A sample between fresh and stale is used as it is: an extrapolated pose does work that no hand did.
 class Governor {
 public:
   explicit Governor(const GovernorOptions& options) : options_(options) {}

@@ -10,8 +10,8 @@
 namespace palpate::device {
 namespace {
 
-constexpr double kTold = 0.2;     // rad, least that the poses must ask of a joint
-constexpr double kApart = 0.010;  // m, least that the tips of a finger of typical size must be apart between the poses
+constexpr double kLeastAngle = 0.2;  // rad, least range of a joint's angle over the poses
+constexpr double kApart = 0.010;     // m, least distance between two poses' tips of a finger of typical size
 
 std::string text(const char* format, double value, double bound) {
   char line[120];
@@ -27,7 +27,7 @@ bool measured(const HandModel& hand, std::size_t finger, std::size_t joint) {
   return joint != Joint::spread || hand[finger].side != 0;
 }
 
-/// Of one sensor in one pose.
+/// The values of one sensor in one pose.
 struct Reading {
   double mean = 0, deviation = 0;
 };
@@ -45,7 +45,7 @@ Reading reading_of(const KeyPose& pose, std::size_t finger, std::size_t joint) {
   return reading;
 }
 
-/// What is wrong with the recording of a pose; empty: nothing.
+/// Checks the recording of a pose: the first fault found, empty when there is none.
 std::string fault(const KeyPose& pose, const HandModel& hand, const CalibrationOptions& options) {
   if (pose.frames.size() < options.least_frames) {
     return text("%.0f frames, at least %.0f are needed", static_cast<double>(pose.frames.size()),
@@ -55,7 +55,7 @@ std::string fault(const KeyPose& pose, const HandModel& hand, const CalibrationO
     if (pose.tips && !finite((*pose.tips)[f])) return std::string(finger_name(f)) + ": its tip is not finite";
     for (std::size_t j = 0; j < kJoints; ++j) {
       if (!measured(hand, f, j)) continue;
-      if (!std::isfinite(pose.angles[f][j])) return of(f, j) + "the angle that was asked for is not finite";
+      if (!std::isfinite(pose.angles[f][j])) return of(f, j) + "the angle of the pose is not finite";
       for (const HandJoints& frame : pose.frames) {
         const double raw = frame[f][j];
         if (!std::isfinite(raw)) return of(f, j) + "a reading is not finite";
@@ -89,12 +89,14 @@ std::string fit_sensor(const std::vector<KeyPose>& poses, std::size_t f, std::si
   }
   const auto by_angle = [&](const KeyPose& a, const KeyPose& b) { return a.angles[f][j] < b.angles[f][j]; };
   const auto [low, high] = std::minmax_element(poses.begin(), poses.end(), by_angle);
-  const double told = high->angles[f][j] - low->angles[f][j];
-  if (!(told >= kTold)) return text("the poses ask only %.2g rad of it, at least %.2g are needed", told, kTold);
+  const double range = high->angles[f][j] - low->angles[f][j];
+  if (!(range >= kLeastAngle)) {
+    return text("the poses move it by only %.2g rad, at least %.2g are needed", range, kLeastAngle);
+  }
   SensorLine& line = result.sensors[f][j];
   line.per_radian = product / square;
   line.at_zero = raw_mean - line.per_radian * angle_mean;
-  const double moved = std::fabs(line.per_radian) * told,
+  const double moved = std::fabs(line.per_radian) * range,
                least = options.least_share * (options.sensor_high - options.sensor_low);
   if (!(moved >= least)) return text("it did not move enough: its sensor by %.3g, at least %.3g", moved, least);
   if (!(unrest <= options.most_unrest * moved)) {
@@ -141,7 +143,7 @@ std::string fit_size(const std::vector<KeyPose>& poses, std::size_t f, const Cal
   const double size = product / square;
   result.size[f] = size;
   if (!(size >= options.smallest && size <= options.largest)) {
-    return text("%.3g times as long as a typical one, which is not believed (bound %.3g)", size,
+    return text("%.3g times as long as a typical one, which is out of range (bound %.3g)", size,
                 size < options.smallest ? options.smallest : options.largest);
   }
   finger.base.translation = tip_mean - size * chain_mean;

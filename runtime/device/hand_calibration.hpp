@@ -13,8 +13,8 @@ namespace palpate::device {
 /// A pose that was held while the glove was read.
 struct KeyPose {
   std::string name;
-  HandJoints angles{};             ///< rad, what the hand was asked to do
-  std::vector<HandJoints> frames;  ///< what the sensors read
+  HandJoints angles{};             ///< rad, the prescribed pose
+  std::vector<HandJoints> frames;  ///< readings of the sensors
   /// m, hand's frame: where the fingertips were (a ruler, a tracker, a jig). In two poses or more.
   std::optional<std::array<Vec3, kFingers>> tips;
 };
@@ -29,13 +29,13 @@ struct CalibrationOptions {
   double most_unrest = 0.05;           ///< (0, 1): standard deviation in a held pose, of the way between the poses
   double most_angle_error = 0.1;       ///< rad, above 0: by which the poses may contradict one another
   double most_tip_error = 0.015;       ///< m, above 0: by which the hand with its found size may miss the measured tips
-  double smallest = 0.5, largest = 2;  ///< sizes of a finger that are believed, 1 being the typical hand's
+  double smallest = 0.5, largest = 2;  ///< range of accepted finger sizes, 1 being the typical hand's
 
-  /// What is wrong with it; nothing where it is usable.
+  /// The first invalid value, with its range; empty when all are valid.
   [[nodiscard]] std::optional<std::string> validate() const;
 };
 
-/// What a sensor reads: at_zero + per_radian times the angle.
+/// The line of a sensor: its reading is at_zero + per_radian times the angle.
 struct SensorLine {
   double at_zero = 0, per_radian = 0;
 };

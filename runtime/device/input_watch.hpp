@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whether what a device says may be believed: one sign of trouble and no force is given, trouble that lasts is a fault.
+// Decides whether a device's input is plausible. One doubtful input takes the force away; lasting doubt is a fault.
 #pragma once
 
 #include "device/device.hpp"
@@ -9,7 +9,7 @@
 
 namespace palpate::device {
 
-/// Fed by a protocol with what its codec and its kinematics make of the input.
+/// A protocol reports to it what its codec and its kinematics found in the input.
 class InputWatch {
 public:
   struct Limits {
@@ -50,7 +50,8 @@ public:
     doubtful_ = true;
   }
 
-  /// Each time the host asks. What it slept itself is not the device's silence: a gap counts `hold` at most.
+  /// Call each time the host polls. A gap between two polls counts as at most `hold` of silence, because the host may
+  /// itself have been late.
   void ask(double time) {
     quiet_ += std::min(std::max(time - asked_, 0.0), limits_.hold);
     asked_ = time;

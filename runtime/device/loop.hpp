@@ -19,13 +19,13 @@ namespace palpate::device {
 struct LoopOptions {
   GovernorOptions governor;
   RealtimeOptions realtime;
-  double seconds = 0;  ///< s after which a stop is asked for; 0: none
+  double seconds = 0;  ///< s after which a stop is requested; 0: none
 
   /// Null, or what is wrong.
   [[nodiscard]] const char* validate() const;
 };
 
-/// Where a loop stands, and what it has counted since it began. Copied as it is.
+/// The state of a loop, and its counts since it began. Copied as it is.
 struct LoopReport {
   TickInput seen;  ///< of the last tick
   TickOutput out;
@@ -35,7 +35,7 @@ struct LoopReport {
   std::uint64_t missed = 0;       ///< deadlines
   std::uint64_t late_ticks = 0;   ///< that came later after the last one than the governor's gap
   std::uint64_t stale_ticks = 0;  ///< without force because the sample was too old
-  std::uint64_t suspensions = 0;  ///< times that a force was taken away before it was asked for
+  std::uint64_t suspensions = 0;  ///< times that a force was taken away without a requested stop
   Histogram period;               ///< between two ticks
   Histogram late;                 ///< from when a tick was due to when its sample had been read
   Histogram age;                  ///< of the sample, while the device was ready
@@ -52,14 +52,14 @@ public:
   /// All references must outlive the loop. The options must be valid. `record`: null for none.
   ForceLoop(Device& device, ForceSource& source, const LoopOptions& options, StopFlags& stop,
             RunWriter* record = nullptr, Clock& clock = system_clock());
-  ~ForceLoop();  ///< asks for an emergency stop where it still runs, and waits
+  ~ForceLoop();  ///< requests an emergency stop if it still runs, and waits
   ForceLoop(const ForceLoop&) = delete;
   ForceLoop& operator=(const ForceLoop&) = delete;
 
   /// Runs in a thread of its own; what the system granted it. Once.
   Realtime start();
 
-  /// The same in the calling thread, without asking the system for anything; returns when the loop has stopped.
+  /// The same in the calling thread, without a request to the system; returns when the loop has stopped.
   void run() noexcept;
 
   [[nodiscard]] bool running() const noexcept { return running_.load(std::memory_order_acquire); }
@@ -84,7 +84,7 @@ private:
   Governor governor_;
   double period_;        // s
   LoopReport counted_;   // of the loop's thread
-  LoopReport reported_;  // of the one that asks
+  LoopReport reported_;  // of the thread that calls report()
   runtime::TripleBuffer<LoopReport> latest_;
   std::atomic<bool> running_{false};
   std::thread thread_;

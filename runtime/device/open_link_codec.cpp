@@ -179,7 +179,7 @@ void Reader::drop(size_t count) {
 }
 
 void Reader::put(uint8_t byte) {
-  if (filled_ == kMostFrame) {  // get() was not asked: it would have found a frame or noise in so many
+  if (filled_ == kMostFrame) {  // get() was not called: it would have removed a frame or noise
     drop(1);
     ++noise_;
   }

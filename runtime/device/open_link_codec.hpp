@@ -84,7 +84,7 @@ bool decode(const Frame& frame, Drive& drive);
 bool decode(const Frame& frame, Capabilities& capabilities);
 bool decode(const Frame& frame, State& state);
 
-/// What is wrong with capabilities of our own major version, or null.
+/// The first invalid value in capabilities of our own major version, or null.
 const char* wrong(const Capabilities& capabilities);
 
 /// Cuts a stream into frames: put() a byte, then get() until it has none. Behind noise it is in step at the next frame.
@@ -93,7 +93,7 @@ public:
   void put(uint8_t byte);
   bool get(Frame& frame);
 
-  /// Bytes found to belong to no frame since this was last asked.
+  /// Bytes found to belong to no frame since the last call.
   size_t drain_noise() {
     const size_t noise = noise_;
     noise_ = 0;

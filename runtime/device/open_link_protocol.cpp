@@ -150,7 +150,7 @@ void OpenLinkProtocol::take(double time, const State& state) {
   if (ready && (state.flags & State::kTripped) != 0) return stop(Fault::host_late);
   last_ = state;
   any_ = true;
-  // What has waited on its way is no news: silence is measured on.
+  // A frame delayed in transit does not end the silence: only a fresh one counts as good.
   last_sent_ = sent_at_[state.heard];
   if (time - last_sent_ < kLimits.hold) watch_.good(time);
   sample_.time = time;
@@ -170,8 +170,9 @@ bool OpenLinkProtocol::possible(double time, const State& state) const {
   if (!(out <= 1.001 * capabilities_.radius) || !(std::fabs(size - 1) < 1e-3)) return false;
   if (!any_) return true;
   const double passed = 1e-6 * static_cast<std::uint32_t>(state.clock - last_.clock);
-  // The last one was measured after the frame was sent that it answers, this one before it came in, however long either
-  // has waited. What is allowed beyond that is for a device that measures ahead of the frame.
+  // The previous state was measured after its frame was sent, and this one before it was received. These two times
+  // bound the interval between the measurements, whatever the delays. kOff allows for a device that measures ahead of
+  // the frame.
   constexpr double kOff = 0.05;  // s
   if (!(passed > 0) || passed > 1.01 * (time - last_sent_) + kOff) return false;
   // Homing moves the origin.

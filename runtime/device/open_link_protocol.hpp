@@ -24,7 +24,7 @@ public:
   /// Interface and kind of endpoints are the maker's choice.
   explicit OpenLinkProtocol(const Wiring& wiring = {0, 0, 0, false, 64}) : wiring_(wiring) {}
 
-  /// What the device announced; true from the phase of homing on.
+  /// The capabilities that the device announced; valid from the phase of homing on.
   [[nodiscard]] const openlink::Capabilities& capabilities() const { return capabilities_; }
 
   [[nodiscard]] Wiring wiring() const override { return wiring_; }
@@ -51,7 +51,7 @@ private:
   openlink::Reader reader_;
   InputWatch watch_{kLimits};
   Sample sample_;
-  openlink::State last_;                    // that was believed
+  openlink::State last_;                    // the last accepted state
   double last_sent_ = 0;                    // s: when the frame was sent that it answers
   bool any_ = false;                        // there is a last one
   std::array<double, 256> sent_at_{};       // s, by sequence

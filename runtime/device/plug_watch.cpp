@@ -84,7 +84,7 @@ std::vector<PlugEvent> PlugWatch::wait(double seconds) {
   while (s.context != nullptr) {
     const double left = std::max(end - now(), 0.0);
     if (s.hotplug) {
-      // What was found while registering is not waited for.
+      // Devices found while registering are returned without waiting.
       const double pause = s.events.empty() ? left : 0;
       timeval most{static_cast<time_t>(pause),
                    static_cast<suseconds_t>((pause - static_cast<double>(static_cast<time_t>(pause))) * 1e6)};

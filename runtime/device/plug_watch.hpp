@@ -31,7 +31,8 @@ public:
   /// Why nothing can be watched; empty: all is well.
   [[nodiscard]] const std::string& error() const;
 
-  /// What came and went since the last call; waits up to `seconds` for something. What is there at the beginning comes.
+  /// Devices plugged in and removed since the last call; waits up to `seconds` for one. Devices present at the
+  /// beginning count as plugged in.
   std::vector<PlugEvent> wait(double seconds);
 
 private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A device's language apart from the wire: bytes in, bytes out. It does no input or output, asks no clock and allocates
-// nothing, so that tests, fuzzers and simulations drive it as the transport does.
+// A device's language apart from the wire: bytes in, bytes out. It does no input or output, reads no clock and
+// allocates nothing, so that tests, fuzzers and simulations drive it as the transport does.
 #pragma once
 
 #include "device/device.hpp"
@@ -10,7 +10,7 @@
 
 namespace palpate::device {
 
-/// What a protocol wants the transport to do next.
+/// The transport's next action, chosen by a protocol.
 struct Request {
   enum class Kind : std::uint8_t {
     none,     ///< nothing before `until`, unless something arrives
@@ -24,7 +24,7 @@ struct Request {
   std::uint16_t value = 0, index = 0;
   std::uint8_t bytes[kMost] = {};
   std::uint8_t size = 0;
-  double until = 0;  ///< s: when to ask again at the latest
+  double until = 0;  ///< s: the latest time of the next call of next()
 };
 
 /// How a request ended.
@@ -35,7 +35,7 @@ struct Wiring {
   std::uint8_t interface = 0;
   std::uint8_t in = 0x81, out = 0x02;  ///< endpoint addresses; 0: the interface's first one that way
   bool interrupt = false;              ///< interrupt transfers; bulk otherwise
-  std::uint16_t packet = 64;           ///< bytes a transfer of input asks for
+  std::uint16_t packet = 64;           ///< bytes of a transfer of input
 };
 
 /// A state machine from opened to ready to stopped. One thread calls it, with times that never go back (s).
@@ -47,7 +47,7 @@ public:
   /// Begins anew: the link has just been opened.
   virtual void start(double time) = 0;
 
-  /// The next request, given what the loop asks for now (finite, within the limits, zero when stale). Called once the
+  /// The next request, given the loop's current command (finite, within the limits, zero when stale). Called once the
   /// last request has ended and, once ready, each period of the loop: then always the command of this period.
   virtual Request next(double time, const Command& command) = 0;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the system grants a thread that must not be late.
+// Real-time priority, processor affinity and locked memory for a thread that must not be late.
 #pragma once
 
 #include <string>
@@ -16,12 +16,12 @@ struct RealtimeOptions {
 };
 
 struct Realtime {
-  bool fifo = false, pinned = false, locked = false;  ///< what was asked for and granted
-  std::string refused;                                ///< what was not, and why; empty: nothing
+  bool fifo = false, pinned = false, locked = false;  ///< requests that were granted
+  std::string refused;                                ///< refused requests, and why; empty: none
 };
 
-/// Asks for the calling thread, and memory for the whole process. What is refused is left out: the thread runs as it
-/// did.
+/// Requests priority and affinity for the calling thread, and locked memory for the whole process. A refused request
+/// changes nothing.
 Realtime make_realtime(const RealtimeOptions& options);
 
 /// Memory may leave again.

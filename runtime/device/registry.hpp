@@ -12,7 +12,7 @@
 
 namespace palpate::device {
 
-/// What drivers may be told; each reads its own part.
+/// Options of the drivers; each reads its own part.
 struct DriverOptions {
   WoodenOptions wooden;
   std::string falcon_firmware;  ///< path of the maker's file, for Falcons on which none runs yet; may be empty

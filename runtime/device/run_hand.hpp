@@ -20,7 +20,7 @@ struct RunHand {
 
 static_assert(sizeof(RunHand) == 952 && std::is_trivially_copyable_v<RunHand>);
 
-/// Of a usable calibration, and back: the sensors' lines and the hand, which are what angles and tips are made of.
+/// Converts a usable calibration, and back: the sensors' lines and the hand, from which angles and tips are computed.
 RunHand to_run_hand(const HandCalibration& calibration, const GloveOptions& options);
 HandCalibration calibration_of(const RunHand& hand);
 GloveOptions glove_options(const RunHand& hand);

@@ -105,7 +105,7 @@ RunLog read_run_log(const void* data, std::size_t size) {
   }
   log.torn = size - at;
   if (log.complete && log.records.size() + log.end.dropped != log.end.ticks) {
-    return failed("its end tells of " + std::to_string(log.end.ticks) + " ticks, " + std::to_string(log.end.dropped) +
+    return failed("its end counts " + std::to_string(log.end.ticks) + " ticks, " + std::to_string(log.end.dropped) +
                   " of them dropped; it has " + std::to_string(log.records.size()));
   }
   log.ok = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a recording of a run holds, as it lies on disk: run-record.md.
+// Layout of a recording of a run, as it is on disk: run-record.md.
 #pragma once
 
 #include "device/governor.hpp"
@@ -16,7 +16,7 @@ namespace palpate::device {
 /// First in the file: what the forces were made with. Little-endian, IEEE 754, SI units.
 struct RunHeader {
   static constexpr char kMagic[8] = {'P', 'A', 'L', 'P', 'R', 'U', 'N', 0};
-  static constexpr std::uint32_t kVersion = 5;  ///< 1 knows no coupling, 2 no gloves, 3 other torques, 4 one place
+  static constexpr std::uint32_t kVersion = 5;  ///< 1: no coupling, 2: no gloves, 3: other torques, 4: one place
 
   char magic[8] = {'P', 'A', 'L', 'P', 'R', 'U', 'N', 0};
   std::uint32_t version = kVersion;

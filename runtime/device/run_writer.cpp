@@ -67,7 +67,7 @@ void RunWriter::drain() {
   const std::size_t record_size = sizeof(RunRecord) + (glove_ ? sizeof(HandRecord) : 0);
   std::vector<unsigned char> bytes(batch.size() * record_size);
   for (;;) {
-    const bool last = finishing_.load(std::memory_order_acquire);  // asked before the ring: nothing is put after it
+    const bool last = finishing_.load(std::memory_order_acquire);  // read before the ring: nothing is put after it
     const std::size_t count = ring_.take(batch.data(), batch.size());
     if (count == 0) {
       if (last) return;

@@ -14,7 +14,7 @@
 
 namespace palpate::device {
 
-/// What became of a recording.
+/// The result of a recording.
 struct RunWritten {
   std::uint64_t ticks = 0;    ///< given to put()
   std::uint64_t dropped = 0;  ///< of these not in the file: the disk was too slow, or refused

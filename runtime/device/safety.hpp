@@ -11,7 +11,7 @@ namespace palpate::device {
 struct SafetyOptions {
   LoopTiming timing;
   double scale = 1;         ///< DeviceFrame::scale times DeviceFrame::force_scale: N/m in the hand per N/m of the scene
-  double amplitude = 1e-3;  ///< m, of the motion whose oscillation is asked about in a given hand
+  double amplitude = 1e-3;  ///< m, of the oscillation whose onset is computed for a given hand
   double damping = 0;       ///< N s/m in the hand, at least 0: of a virtual coupling
   std::optional<std::string> validate() const;
 };

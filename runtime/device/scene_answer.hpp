@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a contact in the scene is to the hand that holds the device.
+// Maps a contact in the scene to the hand that holds the device.
 #pragma once
 
 #include "device/force_source.hpp"

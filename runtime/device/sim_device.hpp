@@ -59,7 +59,7 @@ public:
   /// From here on nothing passes either way: it keeps its last force until its own watchdog ends it.
   void unplug() { injected_ = Injected::unplugged; }
 
-  /// What the encoders and the link hide: true position, velocity, force and work.
+  /// The true position, velocity, force and work, without the effects of encoders and link.
   [[nodiscard]] const SimPlant& plant() const { return plant_; }
 
 private:

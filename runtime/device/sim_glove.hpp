@@ -31,7 +31,7 @@ public:
   /// How it begins: fingers a little bent, their tips at about the same height.
   static HandJoints rest();
 
-  /// What a person who wears it records for calibrate_hand(), before the run.
+  /// The recording of a simulated wearer for calibrate_hand(), before the run.
   std::vector<KeyPose> record() { return hand_.record(); }
 
   [[nodiscard]] const DeviceKind& kind() const override { return kSimGlove; }
@@ -45,7 +45,7 @@ public:
   /// The finger's cable: its life and faults, and the plant that it pulls on; closing is along -z.
   [[nodiscard]] SimDevice& cable(std::size_t finger) { return cables_[finger]; }
 
-  /// Where the fingertips are at rest in the device's frame, and the wrist.
+  /// Poses of the fingertips at rest, and of the wrist, in the device's frame.
   [[nodiscard]] std::array<Pose, kFingers> tips_at_rest() const;
   [[nodiscard]] const Pose& wrist() const { return wrist_; }
 

@@ -15,7 +15,7 @@ struct SimHandOptions {
   double shape = 0;     ///< each bone and root apart from the typical hand's by up to this share
   double step = 1;      ///< counts, to which a sensor rounds
   double noise = 0.5;   ///< counts, either way, before it does
-  double astray = 0;    ///< rad, by which a hand misses the angle that a pose asks for
+  double astray = 0;    ///< rad, by which a hand misses the angle that a pose prescribes
   double measured = 0;  ///< m, by which a measured tip is off, per axis
 };
 
@@ -25,7 +25,7 @@ class SimHand {
 public:
   explicit SimHand(const SimHandOptions& options = {});
 
-  /// What the sensors read at these angles (rad). Allocates nothing.
+  /// Readings of the sensors at these angles (rad). Allocates nothing.
   HandJoints read(const HandJoints& angles);
 
   /// In the hand's frame.
@@ -33,7 +33,7 @@ public:
     return hand_[finger].tip(angles[finger]);
   }
 
-  /// What a person would record for extreme_poses().
+  /// The recording of extreme_poses() by a simulated wearer.
   std::vector<KeyPose> record();
 
 private:

@@ -13,7 +13,7 @@ namespace palpate::device {
 
 using runtime::Vec3;
 
-/// Where the hand means to be.
+/// The position that the hand aims at.
 struct Intent {
   Vec3 position;  ///< m, device's frame
   Vec3 velocity;  ///< m/s
@@ -53,7 +53,7 @@ struct PlantOptions {
   Hand hand;
   Vec3 start;  ///< m
 
-  /// What is wrong with it; nothing where it is usable.
+  /// The first invalid value, with its range; empty when all are valid.
   [[nodiscard]] std::optional<std::string> validate() const;
 };
 
@@ -64,10 +64,10 @@ public:
   /// Throws std::invalid_argument where the options are not usable.
   explicit SimPlant(const PlantOptions& options);
 
-  /// What the loop knows of the position (m) at a time: encoder steps that are delay_in old.
+  /// The position (m) that the loop receives at a time: encoder steps that are delay_in old.
   Vec3 seen(double time);
 
-  /// Motors hold this force (N) from delay_out after `time` until the next. What is not finite is zero.
+  /// Motors hold this force (N) from delay_out after `time` until the next. A value that is not finite becomes zero.
   void command(double time, const Vec3& force);
 
   /// Moves on to a time. seen() does so by itself.

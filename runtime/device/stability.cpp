@@ -127,7 +127,8 @@ double delay(const PlantOptions& plant, const LoopTiming& timing) {
   return plant.delay_in + plant.delay_out + timing.computing;
 }
 
-/// Of a quantiser that rounds (Gelb and Vander Velde 1968, section 2.3) at an amplitude: 0 below half a step.
+/// Describing function of a rounding quantiser (Gelb and Vander Velde 1968, section 2.3) at an amplitude: 0 below half
+/// a step.
 double gain_of_steps(double step, double amplitude) {
   if (!(step > 0) || amplitude > 1e3 * step) return 1;
   double gain = 0;

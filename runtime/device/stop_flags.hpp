@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How any thread, or a signal handler, asks a force loop to stop.
+// Flags by which any thread, or a signal handler, requests a force loop to stop.
 #pragma once
 
 #include "device/governor.hpp"

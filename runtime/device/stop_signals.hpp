@@ -9,11 +9,11 @@
 
 namespace palpate::device {
 
-/// While it lives: SIGINT and SIGTERM ask for a stop, and for an emergency stop when they come again; SIGHUP, SIGQUIT,
-/// SIGTSTP (a suspended program sends no zero) and SIGPIPE (unless it is ignored) ask for an emergency stop. SIGSEGV,
-/// SIGBUS, SIGFPE, SIGILL and SIGABRT ask for an emergency stop, hold the thread that crashed for kHold, in which the
+/// While it lives: SIGINT and SIGTERM request a stop, and an emergency stop when they come again; SIGHUP, SIGQUIT,
+/// SIGTSTP (a suspended program sends no zero) and SIGPIPE (unless it is ignored) request an emergency stop. SIGSEGV,
+/// SIGBUS, SIGFPE, SIGILL and SIGABRT request an emergency stop, hold the thread that crashed for kHold, in which the
 /// loop, or the staleness rule of the thread that speaks with the device, sends zero, call `last`, and then end the
-/// program as they would have. Where that thread itself crashed only the device's own watchdog is left. One at a time;
+/// program as they would have. If that thread itself crashed, only the device's own watchdog is left. One at a time;
 /// `flags` must outlive it.
 class StopSignals {
 public:

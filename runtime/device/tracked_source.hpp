@@ -57,7 +57,7 @@ private:
     Pose pose;
   };
   struct Found {
-    double time = 0;  ///< of the pose that was asked for
+    double time = 0;  ///< of the pose that was searched for
     runtime::Search search;
   };
 

@@ -16,16 +16,16 @@ struct UsbOptions {
   int inputs = 8;              ///< transfers of input that are always queued, 2 to 64
   int priority = 0;  ///< SCHED_FIFO priority of the I/O thread, 1 to 99, where permitted; 0: an ordinary thread
 
-  /// What is wrong with them, or null.
+  /// The first invalid value, with its range, or null.
   [[nodiscard]] const char* validate() const;
 };
 
-/// Where a device hangs; 0, 0: the first of its kind.
+/// Bus and address of a device; 0, 0: the first of its kind.
 struct UsbPlace {
   std::uint8_t bus = 0, address = 0;
 };
 
-/// What the I/O thread did since the device was opened.
+/// Counts of the I/O thread since the device was opened.
 struct UsbCounts {
   std::uint64_t periods = 0;  ///< of the loop since it was ready
   std::uint64_t late = 0;     ///< of those: passed over, for the thread woke too late
@@ -33,7 +33,7 @@ struct UsbCounts {
   std::uint64_t stale = 0;    ///< of those: with zero for the force loop's command, which was too old
   std::uint64_t packets = 0;  ///< of input
   bool zero_left = false;     ///< the device took the zero that a fault or close() sends
-  bool realtime = false;      ///< the priority that was asked for was granted
+  bool realtime = false;      ///< the requested priority was granted
 };
 
 class UsbLoop;

@@ -17,7 +17,7 @@ LinkResult failed(const DeviceKind& kind, Fault fault, const std::string& what) 
   return {nullptr, fault, std::string(kind.name) + ": " + what};
 }
 
-/// Finds the endpoint at `address`, or for 0 the first one in the direction of `direction`, of the asked transfer type.
+/// Finds the endpoint at `address`, or for 0 the first one in the direction of `direction`, of the given transfer type.
 const libusb_endpoint_descriptor* find_endpoint(const libusb_interface_descriptor& setting, std::uint8_t address,
                                                 std::uint8_t direction, std::uint8_t type) {
   for (int k = 0; k < setting.bNumEndpoints; ++k) {
@@ -59,7 +59,7 @@ const char* find_endpoints(UsbLink& link, const Wiring& wiring) {
 /// Claims the interface of an open handle.
 LinkResult claim(std::unique_ptr<UsbLink> link, const DeviceKind& kind, const Wiring& wiring) {
   if (const char* missing = find_endpoints(*link, wiring)) return failed(kind, Fault::refused, missing);
-  // Where the system has no such thing there is no driver to detach.
+  // A system without this option has no driver to detach.
   libusb_set_auto_detach_kernel_driver(link->handle, 1);
   if (const int code = libusb_claim_interface(link->handle, wiring.interface); code != 0) {
     return failed(kind, "its interface could not be claimed", code);
@@ -109,7 +109,7 @@ LinkResult adopt_link(int descriptor, const DeviceKind& kind, const Wiring& wiri
   auto link = std::make_unique<UsbLink>();
   int code = libusb_init(&link->context);
   if (code != 0) {
-    // Where devices may not be looked for (Android), one that is handed over can still be used.
+    // A system that forbids the search for devices (Android) can still use a descriptor that is handed over.
     libusb_set_option(nullptr, LIBUSB_OPTION_NO_DEVICE_DISCOVERY);
     code = libusb_init(&link->context);
   }

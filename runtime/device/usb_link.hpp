@@ -26,7 +26,7 @@ struct UsbLink {
   int interface = -1;  ///< claimed; -1: none
   std::uint8_t in = 0, out = 0;
   bool interrupt = false;
-  int input_size = 64;  ///< bytes a transfer of input asks for: whole packets
+  int input_size = 64;  ///< bytes of a transfer of input: whole packets
 };
 
 struct LinkResult {

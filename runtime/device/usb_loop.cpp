@@ -254,7 +254,7 @@ void LIBUSB_CALL UsbLoop::output_ended(libusb_transfer* transfer) {
   const Outcome outcome = outcome_of(*transfer);
   self.protocol_->ended(now(), outcome);
   if (outcome == Outcome::gone) self.note(Fault::unplugged);
-  // A control request that a device does not know stalls harmlessly; an endpoint stays halted.
+  // An unsupported control request stalls harmlessly; an endpoint stays halted.
   if (outcome == Outcome::stalled && transfer->type != LIBUSB_TRANSFER_TYPE_CONTROL) {
     self.halted_ = true;
     self.note(Fault::stalled);

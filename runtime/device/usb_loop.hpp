@@ -81,7 +81,7 @@ private:
 
   Command command_{-1e9, {}, {}};
   double sent_ = 0, tick_ = 0, until_ = 0;
-  bool again_ = false;  // the protocol is to be asked, for something happened
+  bool again_ = false;  // something happened, so the protocol's next() must be called
   Fault fault_ = Fault::none;
   Sample published_;
 

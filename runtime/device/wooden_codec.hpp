@@ -30,7 +30,7 @@ bool is_six_joint_report(const std::uint8_t* bytes, std::size_t size);
 void encode(const std::array<std::int16_t, 3>& milliamps, std::uint8_t (&bytes)[kWoodenReport]);
 
 /// mA for these currents (A), all of them smaller by one factor where one is beyond `most` (A, at most 32.767): the
-/// force keeps its direction and nothing wraps. What is not finite is zero.
+/// force keeps its direction and nothing wraps. A value that is not finite becomes zero.
 std::array<std::int16_t, 3> milliamps(const Joints& currents, double most);
 
 /// Counts of an encoder since start() or restart(); it wraps at 16 bits.

@@ -23,7 +23,7 @@ struct WoodenGeometry {
   double torque_constant = 0.0259;      ///< N m/A
   runtime::Vec3 origin{0.22, 0, 0.08};  ///< m, the workspace's origin from the foot of the column
 
-  /// What is wrong with it, or null.
+  /// The first invalid value, with its range, or null.
   [[nodiscard]] const char* validate() const;
 };
 

@@ -9,7 +9,7 @@ namespace palpate::device {
 
 namespace {
 
-// Reports are late when the host is: so much (s) of movement beyond the time between two of them is believed.
+// Jitter of the host (s): two reports may differ by the fastest movement over their interval plus this time.
 constexpr double kJitter = 0.005;
 // Between two reports of a board that is held still so much (s) counts for it at most: what the host was away for it
 // has not seen, and what waited for it meanwhile is of one moment.

@@ -3,9 +3,8 @@
 //
 // Its encoders count from wherever the arm was when its power came on. So the origin is taken from the user: while
 // homing, the arm is to be brought into a known pose (by default the column facing along x, the upper body upright, the
-// lower one level, at a right angle) and held still there. Nothing in the reports can tell whether that pose was the
-// right one, but a later pose in which the arm would be folded through itself says that it was not. No current flows
-// before.
+// lower one level, at a right angle) and held still there. The reports do not show whether that pose was the right
+// one, but a later pose in which the arm would be folded through itself shows that it was not. No current flows before.
 #pragma once
 
 #include "device/protocol.hpp"
@@ -26,7 +25,7 @@ struct WoodenOptions {
   double silence = 0.020;                 ///< s without a good report that end it
   double period = 0.001;                  ///< s between zeros before it is ready: they keep some boards reporting
 
-  /// What is wrong with them, or null.
+  /// The first invalid value, with its range, or null.
   [[nodiscard]] const char* validate() const;
 };
 

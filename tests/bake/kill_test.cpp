@@ -47,7 +47,7 @@ protected:
     settings.depth_scale = scene_.sampling.depth;
     settings.friction = true;
     const FittedResponses fitted = fit_responses(plan_, mesh_.triangles, {1}, content(name), settings);
-    return encode(assemble_response(scene_, {tool_}, mesh_, plan_, manifest_, fitted));
+    return encode(assemble_response(scene_, {tool_}, ball_surface(mesh_), plan_, manifest_, fitted));
   }
 
   std::filesystem::path folder_;

@@ -66,7 +66,7 @@ mesh_size = )" << mesh_size << "\n" << more;
     const Pipeline p = open(work);
     pipeline::bake(p, options);
   }
-  /// Of the scene as written, every pair accepted.
+  /// The pipeline of the scene as written, every pair accepted.
   [[nodiscard]] Pipeline baked() const {
     Pipeline p = open("work");
     BakeOptions options;
@@ -209,7 +209,7 @@ TEST_F(SlabPipeline, ASolvedPlanIsNotOverwritten) {
   }
 }
 
-// What a solve depends on is what the files hold, not their names: a changed image or centreline is another plan.
+// A solve depends on the content of the files, not on their names: a changed image or centreline is another plan.
 TEST_F(SlabPipeline, AChangedLabelImageOrCentrelineIsAnotherPlan) {
   const Eigen::Vector3d centre(0, 0, 0.01);
   const auto image = [&](double radius, int label) {

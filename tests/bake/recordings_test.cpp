@@ -9,7 +9,7 @@ namespace {
 
 class Recordings : public Sources {
 protected:
-  /// What a fit of `p` says of this recording in place of its own.
+  /// Message of a fit of `p` with this recording in place of its own.
   std::string refused(Pipeline& p, const std::string& recording) const {
     p.scene_sources.measured = {{folder_.write("bad.csv", recording), {}, 0.0}};
     return message_of([&] {

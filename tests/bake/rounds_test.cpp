@@ -48,7 +48,7 @@ protected:
   [[nodiscard]] Sites sampled() const {
     const Sampled sampled{scene_, body_, tools_};
     Sites s;
-    s.mesh = place_sites(scene_, body_);
+    s.mesh = make_haptic_mesh(scene_, body_);
     s.plan = first_round(sampled, s.mesh);
     do {
       solve(s);
@@ -123,7 +123,7 @@ TEST_F(BallRounds, SitesGatherWhereTheForceCurvesUntilTheToleranceHolds) {
 TEST_F(BallRounds, EveryRoleIsPlannedAndEarlierPairsKeepTheirNumbers) {
   scene_.response.tolerance = 0.02;
   const Sites s = sampled();
-  const HapticMesh first_mesh = place_sites(scene_, body_);
+  const HapticMesh first_mesh = make_haptic_mesh(scene_, body_);
   const Plan first = first_round({scene_, body_, tools_}, first_mesh);
   ASSERT_LT(first.pairs.size(), s.plan.pairs.size());
   for (std::size_t k = 0; k < first.pairs.size(); ++k) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where results cannot be written: exit code 4, the cause, and no half-written file.
+// Results that cannot be written: exit code 4, the cause, and no half-written file.
 #include "tests/cli/palpate_program.hpp"
 #include "tests/support/response_samples.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What every command shares: help, version, usage errors, output, the choice of BLAS kernels.
+// Shared behaviour of all commands: help, version, usage errors, output, the choice of BLAS kernels.
 #include "tests/cli/palpate_program.hpp"
 #include "tools/blas.hpp"
 
@@ -22,8 +22,9 @@ TEST_F(Frame, HelpAndVersion) {
 
 TEST_F(Frame, EveryCommandHasHelp) {
   const std::set<std::string> commands = listed_commands();
-  const std::set<std::string> expected{"build",   "scene", "mesh",  "plan",    "bake",   "fit",   "verify",
-                                       "inspect", "play",  "drive", "compare", "export", "bench", "synth"};
+  const std::set<std::string> expected{"build",  "scene",   "mesh", "plan",  "bake",    "merge",  "submit", "fit",
+                                       "verify", "inspect", "play", "drive", "compare", "export", "bench",  "synth",
+                                       "report", "view"};
   EXPECT_EQ(commands, expected);
   for (const std::string& command : commands) {
     const RunResult help = run({command, "--help"});
@@ -69,7 +70,7 @@ TEST_F(Frame, WrongUsageEndsWithOne) {
     expect_failure(run(arguments), 1, {"no limits to set", "--samples"});
   }
   expect_failure(run({"verify", "--strokes"}), 1, {"needs a scene"});
-  expect_failure(run({"verify", "x.toml", "--plot", "x.svg"}), 1, {"--plot", "--strokes"});
+  expect_failure(run({"verify", "x.palp", "--loops", "--plot", "x.svg"}), 1, {"--plot", "--strokes"});
   expect_failure(run({"verify", "--slide", "--radii", "nan"}), 1, {"--radii", "got nan; allowed [0.1, 100]"});
   expect_failure(run({"bench", "x.palp", "--seconds", "nan"}), 1, {"--seconds", "got nan; allowed [0.001, 10]"});
 }

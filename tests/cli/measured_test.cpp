@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// palpate fit --measured: a file from a recording alone, what it tells of it, and what it refuses.
+// palpate fit --measured: a file from a recording alone, its report, and the recordings that it refuses.
 #include <cmath>
 #include <nlohmann/json.hpp>
 

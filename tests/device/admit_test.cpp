@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What of a command is let through.
+// The command that a device receives.
 #include "device/admit.hpp"
 
 #include <gtest/gtest.h>

@@ -108,8 +108,8 @@ TEST(CoupledLoop, RestsOnAFileBehindWhatSafetySays) {
   }
 }
 
-// Held 20 mm deep in a box without friction the tool slides round it, by millimetres in a tick. What the contact gave
-// it there fed an oscillation.
+// A tool that is held 20 mm deep in a box without friction slides round it, by millimetres in a tick. The energy from
+// that contact must not feed an oscillation.
 TEST(CoupledLoop, GetsNothingFromAToolThatSlidesRoundABody) {
   const runtime::MappedFile file(PALPATE_GOLDENS "/frictionless.palp");
   const runtime::OpenResult opened = runtime::View::open(file.data(), file.size());

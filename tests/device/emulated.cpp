@@ -140,7 +140,7 @@ public:
 private:
   using Motors = std::array<std::int16_t, 3>;
 
-  // What is no packet of motors (boot) says none.
+  // Zero for bytes that are no packet of motors (boot).
   static Motors motors_in(const Bytes& written) {
     device::falcon::Reader reader;
     Motors motors{};

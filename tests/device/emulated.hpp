@@ -16,30 +16,30 @@ namespace palpate::test {
 /// `patient`.
 device::WoodenOptions quick_homing(bool patient = true);
 
-/// While it is plugged in, call what changes or asks its model while no transfer runs (UsbPort::with_model).
+/// While it is plugged in, change or read its model only while no transfer runs (UsbPort::with_model).
 class Emulated {
 public:
   virtual ~Emulated() = default;
   [[nodiscard]] virtual const device::DeviceKind& kind() const = 0;
   virtual UsbModel& model() = 0;
-  /// What its driver is told; patient as in quick_homing().
+  /// Options of its driver; patient as in quick_homing().
   [[nodiscard]] virtual device::DriverOptions options(bool patient) const = 0;
   /// m: where the grip is once it is homed, in the device's frame.
   [[nodiscard]] virtual device::Vec3 tip() const = 0;
 
-  // What a hand does.
+  // Actions of a hand.
   virtual void lose() = 0;    ///< as after its power came on: its origin is not known, and nobody homes it
   virtual void home() = 0;    ///< homes it
   virtual void settle() = 0;  ///< as it is between two programs: whoever opens it is soon ready
 
-  // What goes wrong in the device.
+  // Faults of the device.
   virtual void mute() = 0;            ///< it says nothing new any more; the wire goes on
   virtual void wrap_encoder() = 0;    ///< a counter of 16 bits is half a turn off
   virtual void lose_origin() {}       ///< it says that it has lost it
   virtual void overheat() {}          ///< it says that its motors must not be driven
   virtual void wrong_firmware() = 0;  ///< from when it is next plugged in: another one than the driver's
 
-  // What its motors do.
+  // State of its motors.
   /// Whether these bytes, written to it, are a command with a force.
   [[nodiscard]] virtual bool pushes(const Bytes& written) const = 0;
   /// Whether they say this force (N), where the grip is now.

@@ -116,7 +116,7 @@ TEST(FalconCodec, AnyBytesAreAtMostPacketsAndNoise) {
     const auto byte = static_cast<std::uint8_t>(random.below(8) == 0 ? random.byte() : letters[random.below(16)]);
     if (!reader.take(byte)) continue;
     ++packets;
-    // What is read can be written: the same packet in another hand.
+    // A packet that was read can be written, and reads the same.
     Reader other;
     for (const std::uint8_t again : encode(reader.input())) other.take(again);
     ASSERT_TRUE(same(other.input(), reader.input()));

@@ -58,7 +58,7 @@ TEST(FalconKinematics, InverseIsThePublishedHalfAngle) {
   over_workspace(0.05, 2000, [&](const Vec3& tip, const Arms& arms, Seeded&) {
     for (std::size_t i = 0; i < 3; ++i) {
       const Published other = published(tip, degrees[i]);
-      // Where the arm is nearly straight the published form cancels.
+      // The published form cancels for a nearly straight arm.
       if (arms.arm[i].lever < 1e-3) continue;
       EXPECT_NEAR(arms.arm[i].angle, other.angle, 1e-9);
       EXPECT_LT(length(gradient(arms.arm[i]) - other.row), 1e-8 * length(other.row));
@@ -164,7 +164,7 @@ TEST(FalconKinematics, PlacesThatNoAnglesHaveAreRefused) {
   EXPECT_TRUE(forward(arms.angles(), {9e9, -9e9, 9e9}).ok);
 }
 
-// A hand that gives way by dx takes as much work from the force as the motors do.
+// Virtual work: a displacement dx of the hand against the force takes the work that the motors do.
 TEST(FalconStatics, TorquesDoTheWorkOfTheForce) {
   over_workspace(0.05, 2000, [&](const Vec3& tip, const Arms& arms, Seeded& random) {
     if (shortest_lever(arms) < 0.01 || volume(arms) > -0.05) return;
@@ -178,7 +178,7 @@ TEST(FalconStatics, TorquesDoTheWorkOfTheForce) {
   });
 }
 
-// Motors that hold a force hold it alone: turned back into a force it has the direction it was asked in.
+// The torques of a force, converted back into a force, keep its direction.
 TEST(FalconStatics, MotorsKeepTheForcesDirectionAndNeverWrap) {
   int limited = 0;
   over_workspace(0.06, 5000, [&](const Vec3&, const Arms& arms, Seeded& random) {

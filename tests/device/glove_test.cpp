@@ -59,7 +59,7 @@ Miss miss(SimHandOptions options, std::uint64_t hands) {
   return miss;
 }
 
-// What noise and whole counts of the sensors leave (a count is about 0.7 degrees): a hand of the typical shape.
+// Errors from noise and whole counts of the sensors (a count is about 0.7 degrees), for a hand of the typical shape.
 TEST(HandCalibration, FindsTheFingertipsOfHandsOfAnySize) {
   for (const double size : {0.7, 1.0, 1.4}) {
     SimHandOptions options;
@@ -141,7 +141,7 @@ TEST(HandCalibration, NamesWhatIsWrong) {
        "pose fist: index, root: the sensor is saturated");
   says(refused([](Poses& p) { p[0].angles[4][Joint::root] = NAN; }), "little finger, root: the angle");
   says(refused([](Poses& p) { p[2].frames = p[0].frames; }), "thumb, root: it did not move enough");
-  says(refused([](Poses& p) { p.pop_back(); }), "thumb, root: the poses ask only 0 rad");
+  says(refused([](Poses& p) { p.pop_back(); }), "thumb, root: the poses move it by only 0 rad");
   says(refused([](Poses& p) { p[2].frames[0] = p[0].frames[0]; }), "moved while a pose was held");
   says(refused([](Poses& p) { p[1].angles[1][Joint::root] = 1; }), "contradict");
   says(refused([](Poses& p) { p[0].tips.reset(), p[1].tips.reset(); }), "thumb: its tip was measured in fewer");

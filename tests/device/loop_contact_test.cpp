@@ -90,7 +90,7 @@ TEST(LoopContact, TheHandDoesTheScenesWorkByMovesAndTurns) {
   EXPECT_NEAR(hand.returned(), scene.returned(), 1e-9 * scene.given());
 }
 
-// Whatever the frame's scales, the hand feels the coupling's newtons a metre: on a body that hardly gives way.
+// The hand feels the coupling's stiffness at any scale of the frame, on a body that is much stiffer.
 TEST(LoopContact, ACouplingIsOfTheHand) {
   ResponseSampleOptions options;
   options.friction = options.bias = false;

@@ -122,7 +122,7 @@ TEST_F(GovernorRules, AStaleSampleTakesTheForceAtOnceAndTheRampGivesItBack) {
     EXPECT_EQ(size(out), 0) << age;
     EXPECT_EQ(out.mode, Mode::suspended);
     EXPECT_EQ(out.cause, Cause::stale);
-    EXPECT_EQ(source_.resets, resets + 1) << "what was pressed meanwhile must not push back";
+    EXPECT_EQ(source_.resets, resets + 1) << "a depth reached meanwhile must give no force back";
     EXPECT_LE(size(tick()), 2e-3 + 1e-9);
   }
 }
@@ -177,7 +177,7 @@ TEST_F(GovernorRules, EmergencyStopsLatch) {
     engage();
     TickOutput out = tick(stops[k]);
     EXPECT_EQ(size(out), 0);
-    out = ticks(5000);  // nothing asks any more
+    out = ticks(5000);  // without another request
     EXPECT_EQ(out.mode, Mode::stopped);
     EXPECT_EQ(out.cause, causes[k]);
     EXPECT_EQ(size(out), 0);
@@ -198,7 +198,7 @@ TEST_F(GovernorRules, AStopThatIsAskedForTakesTheForceByTheRamp) {
   const auto stop = [](TickInput& seen) { seen.requests = TickInput::stop; };
   double before = 2;
   for (int k = 1; k < 50; ++k) {
-    const TickOutput out = tick(k == 1 ? stop : std::function<void(TickInput&)>());  // it need not ask again
+    const TickOutput out = tick(k == 1 ? stop : std::function<void(TickInput&)>());  // one request is enough
     ASSERT_EQ(out.mode, Mode::stopping);
     ASSERT_LT(size(out), before);
     ASSERT_NEAR(size(out), 2 * (1 - k / 50.0), 1e-9);

@@ -42,7 +42,7 @@ struct Ready {
     EXPECT_NE(model.force, kNone);
   }
 
-  // From now on: told to let go within 10 ms, then this fault, and nothing else is said any more.
+  // From now on: a command to let go within 10 ms, then this fault, and no other message.
   void expect_end(Fault fault, double within = 0.15) {
     EXPECT_TRUE(link.run(0.010, [&] { return lets_go(link); })) << "a force after 10 ms";
     EXPECT_TRUE(link.run_until(Phase::stopped, within));

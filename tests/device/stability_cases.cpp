@@ -120,7 +120,7 @@ device::Swing swing_behind(const StabilityCase& c, double scale, double spring, 
   trial.pressed = {0, 0, -way - force / c.hand->hand.stiffness};
   trial.rest = {0, 0, -way};
   constexpr double kTwoPi = 6.283185307179586;
-  // A soft spring asks for a long way, but nobody swings a handle by decimetres.
+  // A soft spring would need a long way, but nobody swings a handle by decimetres.
   const double swung = c.law->amplitude(depth);
   trial.amplitude = std::max(swung, std::min((1 + slope / spring) * swung, 0.005)) * c.law->direction(depth);
   // That of the contact's and the hand's springs, as good as the loop's own.

@@ -53,7 +53,7 @@ struct StabilityCase {
   double held = 0.45;    ///< of the peak force, with which the hand presses
 };
 
-/// What the passivity observer saw in a trial.
+/// The passivity observer's result of a trial.
 struct Made {
   double most = 0;   ///< J, made at any time
   double bound = 0;  ///< J, below which the controller says it stays

@@ -50,7 +50,7 @@ inline const char* try_protocol(device::Protocol& protocol, const device::Device
         const Request request = protocol.next(time, device::admitted({time, {push, 1, -push}, {}}, kind, time));
         sending = request.kind != Request::Kind::none;
         if (request.kind == Request::Kind::none && !(request.until > time - 1))
-          return "it never wants to be asked again";
+          return "the request has no time of the next call";
         if (request.size > Request::kMost) return "a request is longer than it may be";
         if (protocol.sample().phase == Phase::stopped && request.kind == Request::Kind::write &&
             !same(request, protocol.zero())) {

@@ -18,7 +18,7 @@ using device::Vec3;
 constexpr Vec3 kPush{1, 2, 1};
 constexpr int kAll = 1 << 30;  // packets
 
-/// What a driver makes of a fault.
+/// A driver's reaction to a fault.
 struct Ending {
   Ending(Fault named) : fault(named) {}
   Ending(const char* reason) : why(reason) {}

@@ -27,7 +27,7 @@ protected:
     if (at.held_up(sample)) return;
     EXPECT_EQ(sample.phase, Phase::homing) << "nobody has homed it";
     EXPECT_EQ(at.pushes_since(0), 0);
-    EXPECT_FALSE(at.port.log().empty()) << "it is told zeros meanwhile";
+    EXPECT_FALSE(at.port.log().empty()) << "zeros are sent meanwhile";
 
     at.port.with_model([&] { at.subject->home(); });
     at.reach(Phase::ready);
@@ -115,7 +115,7 @@ TEST_P(UsbLife, WhatAnotherProgramHasIsRefused) {
   EXPECT_TRUE(at.open()) << at.opened.error;
 }
 
-// The force loop hangs: 10 ms later the device is told zero, goes on being told so, and lets go.
+// The force loop hangs: from 10 ms later on the device receives zeros and lets go.
 TEST_P(UsbLife, AForceThatIsNotRenewedEnds) {
   once_undisturbed([](Station& at) {
     at.plug(true);
@@ -132,7 +132,7 @@ TEST_P(UsbLife, AForceThatIsNotRenewedEnds) {
     }
     if (at.held_up(sample)) return;
     EXPECT_EQ(sample.phase, Phase::ready);
-    EXPECT_GE(at.device->counts().stale, before + 10) << "it goes on being told";
+    EXPECT_GE(at.device->counts().stale, before + 10) << "zeros are still sent";
     // One may have been on its way when its time was over.
     EXPECT_LE(at.pushes_since(last + 0.010), 1);
     EXPECT_FALSE(at.holds_a_force(device::now()));

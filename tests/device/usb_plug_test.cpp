@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Devices that are found, told apart, and seen to come and go, through libusb's own enumeration and hot-plug events on
-// a mock bus. Run under umockdev-wrapper; skipped otherwise.
+// Devices are found, distinguished, plugged in and removed through libusb's own enumeration and hot-plug events on a
+// mock bus. Run under umockdev-wrapper; skipped otherwise.
 #include "device/plug_watch.hpp"
 #include "tests/device/driven.hpp"
 #include "tests/device/emulated.hpp"
@@ -76,7 +76,7 @@ TEST_F(UsbPlug, NothingIsThereThenOneOfEachIs) {
   }
 }
 
-// What a program does that goes on after a cable was pulled: it waits for the device and opens it again.
+// A program that continues after a cable was pulled waits for the device and opens it again.
 TEST_F(UsbPlug, IsWatchedAndOpenedAgain) {
   using Watch = device::PlugWatch;
   int address = 10;

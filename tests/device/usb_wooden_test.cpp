@@ -126,7 +126,7 @@ TEST(UsbOpen, SaysWhatIsWrong) {
   UsbPort port(model);
   const auto protocol = [] { return std::make_unique<device::WoodenProtocol>(); };
   Usbfs usbfs(port);
-  // Of another kind.
+  // A device of another kind.
   auto opened = device::UsbDevice::adopt(usbfs.descriptor(), device::kDevices[1], protocol());
   EXPECT_FALSE(opened.device);
   EXPECT_EQ(opened.fault, Fault::refused);

@@ -241,7 +241,7 @@ TEST(WoodenCodec, ReportsAreLittleEndianAndMayBePadded) {
   EXPECT_FALSE(decode(bytes, 0, report));
   bytes[40] = 0;
   EXPECT_FALSE(is_six_joint_report(bytes, 8) || is_six_joint_report(bytes, 64));
-  EXPECT_TRUE(is_six_joint_report(bytes, 14)) << "whatever its wrist";
+  EXPECT_TRUE(is_six_joint_report(bytes, 14)) << "for any state of the wrist";
   bytes[9] = 1;
   EXPECT_TRUE(is_six_joint_report(bytes, 64));
   std::uint8_t out[kWoodenReport];

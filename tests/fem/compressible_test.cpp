@@ -20,8 +20,8 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 using test::LawChoice;
 
-/// Of a law without its volume term, by hand: dW/dl of the stretch l along an axis, fibres along z; at rest that slope
-/// (Pa), the shear modulus, and what the bulk modulus lacks, (6 W' - W'') / 9 of a stretch of all lengths together.
+/// A law without its volume term, by hand: dW/dl of the stretch l along an axis, fibres along z; at rest that slope
+/// (Pa), the shear modulus, and the missing bulk modulus, (6 W' - W'') / 9 of a stretch of all lengths together.
 struct ByHand {
   const char* name;
   LawChoice law;

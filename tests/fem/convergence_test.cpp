@@ -23,7 +23,7 @@ using Eigen::VectorXd;
 constexpr double kYoung = 5e3;
 
 // x_i = X_i + A sin(k_i . X + c_i), held at x = 0 and loaded all over: no symmetry; the volume changes by the square of
-// the strain, so that nearly incompressible laws bear it.
+// the strain, so that nearly incompressible laws allow it.
 struct Manufactured {
   Vector3d place{0, 0, 0};
   Matrix3d f = Matrix3d::Identity();
@@ -169,7 +169,7 @@ struct Order {
   const char* element;
   bool plain;
   double poisson;
-  double height;  // m, of the waves: a nearly incompressible law bears less change of volume
+  double height;  // m, of the waves: a nearly incompressible law allows less change of volume
   double h1, l2;
 };
 

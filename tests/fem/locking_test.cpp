@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Near incompressibility: Cook-type bending and confined compression, coarse meshes against refined ones and against
-// mixed elements, which cannot lock. The plain quadratic element, which locks, shows that these problems tell.
+// mixed elements, which cannot lock. The plain quadratic element, which locks, shows that these problems detect it.
 #include "precompute/fem/minimiser.hpp"
 
 #include "tests/support/block_mesh.hpp"
@@ -34,7 +34,7 @@ struct Problem {
   Body walls;                                         // its supports
 };
 
-// Work of the load (J): how far the body gives way.
+// Work of the load (J), a measure of the body's compliance.
 double compliance(const Problem& p, const Material& material) {
   std::vector<char> fixed(p.mesh.nodes.size(), 0);
   for (std::size_t n = 0; n < p.mesh.nodes.size(); ++n) fixed[n] = p.fixed(p.mesh.nodes[n]);
@@ -92,7 +92,7 @@ Problem confined(int cells) {
           std::move(box)};
 }
 
-// What GetFEM's quadratic displacements with linear pressures give way: `tests/fem/getfem_locking.py 8`.
+// Compliance of GetFEM's quadratic displacements with linear pressures: `tests/fem/getfem_locking.py 8`.
 struct Mixed {
   double poisson, cook, confined;  // J; within 0.3 % (6 cells) and 0.1 % (10 cells)
 };

@@ -67,7 +67,7 @@ TEST(Membrane, DerivativesAgreeWithDifferencesAlsoWhereFacesDegenerate) {
   }
 }
 
-// Of a closed block's six unit faces: the two across z see the stretches of x and y, and so on.
+// A closed block has six unit faces: the two across z have the stretches of x and y, and so on.
 TEST(Membrane, EnergyOfAStretchIsTheClosedForm) {
   const TetMesh mesh = cube({0, 0.45, 1});
   const double young = 3e4, thickness = 1e-3;

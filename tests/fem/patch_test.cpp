@@ -75,7 +75,7 @@ protected:
     EXPECT_LT(worst, 1e-10 * stress.norm());
   }
 
-  // Of one element (Pa): the moment of its nodal forces about the origin over its volume.
+  // Mean stress of one element (Pa): the moment of its nodal forces about the origin over its volume.
   Matrix3d mean_stress(const TetMesh& mesh, const std::array<std::int32_t, 10>& tet, const VectorXd& x) const {
     TetMesh one;
     one.nodes = mesh.nodes;

@@ -46,7 +46,7 @@ struct Ball {
     settings.depth_scale = scene.sampling.depth;
     settings.friction = scene.friction > 0;
     const FittedResponses fitted = fit_responses(plan, mesh.triangles, {1}, journal, settings);
-    return assemble_response(scene, {tool}, mesh, plan, hash128("manifest"), fitted);
+    return assemble_response(scene, {tool}, ball_surface(mesh), plan, hash128("manifest"), fitted);
   }
 };
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "precompute/bake/plan.hpp"
+#include "precompute/mesh/contact_surface.hpp"
 #include "precompute/mesh/haptic_mesh.hpp"
 
 namespace palpate::test {
@@ -46,15 +47,18 @@ inline HapticMesh ball_mesh(int refinements, double radius, double depth) {
   mesh.depth.assign(n, depth);
   mesh.held.assign(n, 0);
   mesh.selected.assign(n, 1);
-  mesh.fine_points = mesh.points;
-  for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
-    FineTriangle t;
-    t.vertices = mesh.triangles[k];
-    t.patch = static_cast<std::int32_t>(k);
-    t.grid = {{{1, 0}, {0, 1}, {0, 0}}};
-    mesh.fine_triangles.push_back(t);
-  }
   return mesh;
+}
+
+/// The patches themselves.
+inline ContactSurface ball_surface(const HapticMesh& mesh) {
+  ContactSurface surface;
+  surface.points = mesh.points;
+  surface.patches = mesh.triangles;
+  for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
+    surface.triangles.push_back({mesh.triangles[k], static_cast<std::int32_t>(k), {{{1, 0}, {0, 1}, {0, 0}}}});
+  }
+  return surface;
 }
 
 /// Every site of the mesh planned for one tool vertex.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The friction limit over depth: foretold where nothing was solved, corrected by what was.
+// The friction limit over depth: predicted where nothing was solved, corrected by the solved ones.
 #include "precompute/fit/friction_limit.hpp"
 
 #include "precompute/fit/pair_fit.hpp"
@@ -32,9 +32,8 @@ std::vector<Sample> straight() {
   return samples;
 }
 
-// Drawn along x and aslant by turns. Where all of the contact slips friction is what the limit says of the normal
-// force, which is another by then, beside the tissue against the tool's flanks; `in_part`: as much where a part still
-// sticks.
+// Drawn along x and aslant by turns. If all of the contact slips, friction is the limit times the normal force at that
+// moment, beside the tissue against the tool's flanks; `in_part`: the same force while a part still sticks.
 void add_slipping(std::vector<Sample>& samples, double depth, std::initializer_list<double> limits, double reach = 0.5,
                   bool in_part = false) {
   const auto from = std::find_if(samples.begin(), samples.end(), [&](const Sample& s) {
@@ -88,7 +87,7 @@ TEST(FrictionLimit, GoesOnBeyondTheDeepestSolvedOne) {
   }
 }
 
-// What held in part until the end would have held more, not less.
+// A contact that stuck in part until the end would have held more, not less.
 TEST(FrictionLimit, IsAtLeastWhatAContactHeldThatSlippedInPart) {
   std::vector<Sample> samples = straight();
   const double middle = samples[5].deflection.z(), deep = samples[11].deflection.z();

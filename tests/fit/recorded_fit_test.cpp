@@ -89,7 +89,7 @@ TEST(RecordedFit, NoiseAndGrossErrorsLeaveTheCurves) {
     EXPECT_LT(worst_error(fitted.response, scales(false), 0), kNoise);
     EXPECT_NEAR(fitted.rms, std::sqrt(3.0) * kNoise, 0.1 * kNoise * std::sqrt(3.0));
     EXPECT_NEAR(fitted.depth, Z, 0.02 * Z);
-    // What the outliers would do if they were kept.
+    // The response if the outliers were kept.
     const fit::PairResponse plain = fit::fit_pair(recorded.samples, scales(false), "plain");
     EXPECT_GT(worst_error(plain, scales(false), 0), 1.5 * kNoise);
   }
@@ -113,7 +113,7 @@ TEST(RecordedFit, WithoutNoiseNothingIsAnOutlier) {
 }
 
 TEST(RecordedFit, AWeightOfARowCounts) {
-  // Two recordings that contradict each other: the heavier one is believed.
+  // The heavier of two contradicting recordings prevails.
   Recorded recorded = record(200, 0, false, false, 6);
   for (std::size_t k = 0; k < recorded.samples.size(); k += 2) {
     recorded.samples[k].force *= 1.04;

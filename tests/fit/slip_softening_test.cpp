@@ -78,10 +78,10 @@ TEST(SlipSoftening, IsNoneWhereNothingTells) {
   EXPECT_EQ(slip_softening(few, sticking, kScale), 0);
   std::vector<Sample> one_way = samples_of(0.02);
   std::erase_if(one_way, [](const Sample& s) { return s.kind == SampleKind::slipping && s.deflection.y() != 0; });
-  EXPECT_EQ(slip_softening(one_way, sticking, kScale), 0) << "the way cannot be told apart";
+  EXPECT_EQ(slip_softening(one_way, sticking, kScale), 0) << "the direction is not determined";
 }
 
-// What slips pushes more than what sticks: that is no loss, and nothing the runtime could do without a gain.
+// The slipping contact pushes more than the sticking one. No softening models that, and the runtime would gain energy.
 TEST(SlipSoftening, IsNotNegative) {
   std::vector<Sample> more = samples_of(0);
   for (Sample& s : more) {

@@ -96,8 +96,8 @@ void expect_stored(const GraspCurves& grasp, const TurnCurves& turn) {
   EXPECT_STREQ(bonded::broken_torque(move.data(), curves.data(), kGraspCoefs), nullptr);
 }
 
-// What is stored is accepted: with noise that no energy has, and with a coupling that is too large for one with a
-// bound.
+// The stored coefficients are valid, also for noise that no energy has, and for a coupling that is too large for a
+// bounded energy.
 TEST(TurnFit, KeepsTheEnergyBoundedWhateverTheSamplesSay) {
   std::vector<Sample> coupled = samples();
   for (Sample& s : coupled) s.torque.y() -= 20 * 0.4 * s.deflection.x();

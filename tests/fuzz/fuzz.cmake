@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Compiles a fuzz target (response: the reader of response files; device: the languages of devices; image: label images,
-# with ITK as it is installed; surface: plain surface files) with clang's libFuzzer and
+# with ITK and libnifti as they are installed; surface: plain surface files) with clang's libFuzzer and
 # sanitizers and runs it for SECONDS, each on its corpus, the reader on the goldens as well:
 # cmake -D SOURCE=. -D NAME=response -D FOLDER=build/fuzz -D SECONDS=600 -P tests/fuzz/fuzz.cmake
 # New inputs stay in FOLDER/corpus, one that breaks a promise in FOLDER/crash-*. It ends with an error then.
@@ -10,25 +10,25 @@ if(NOT clang)
   return()
 endif()
 if(NAME STREQUAL "device")
-  # Without libusb, which no language knows.
+  # Without libusb, which no protocol needs.
   file(GLOB sources ${SOURCE}/runtime/device/*_codec.cpp ${SOURCE}/runtime/device/*_kinematics.cpp
        ${SOURCE}/runtime/device/*_protocol.cpp ${SOURCE}/runtime/device/*_boot.cpp)
   set(seeds ${SOURCE}/tests/fuzz/device_corpus)
 elseif(NAME STREQUAL "image")
   set(sources)
-  foreach(part IN ITEMS gzip image_header label_image)
+  foreach(part IN ITEMS gzip image_header label_image nifti_reader)
     list(APPEND sources ${SOURCE}/formats/image/${part}.cpp)
   endforeach()
   set(seeds ${SOURCE}/tests/fuzz/image_corpus)
   file(GLOB itk /usr/include/ITK-5*)
   string(REGEX REPLACE ".*ITK-" "" version "${itk}")
-  set(libraries z)
-  foreach(part IN ITEMS ITKIONIFTI ITKIONRRD ITKIOMeta ITKIOImageBase ITKCommon itksys)
+  set(libraries z niftiio znz)
+  foreach(part IN ITEMS ITKIONRRD ITKIOMeta ITKIOImageBase ITKCommon itksys)
     list(APPEND libraries ${part}-${version})
   endforeach()
   list(TRANSFORM libraries PREPEND "-l")
-  set(options -std=c++20 -isystem /usr/include/eigen3)
-  # Debian's ITK knows GCC alone. What is compiled by it is not watched by the sanitizers.
+  set(options -std=c++20 -isystem /usr/include/eigen3 -isystem /usr/include/nifti)
+  # Debian's ITK supports GCC alone. Code that GCC compiles is not watched by the sanitizers.
   file(MAKE_DIRECTORY ${FOLDER})
   execute_process(COMMAND g++ -std=c++20 -O1 -g -I${SOURCE} -isystem ${itk} -c ${SOURCE}/formats/image/itk_reader.cpp
                           -o ${FOLDER}/itk_reader.o RESULT_VARIABLE code)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the fuzzer found, and the goldens it starts from, without clang: every build keeps the reader's promises on
-// them.
+// Replays the fuzzer's findings, and the goldens it starts from, without clang: every build keeps the reader's promises
+// on them.
 #include <gtest/gtest.h>
 
 #include <filesystem>

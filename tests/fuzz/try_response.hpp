@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Any bytes as a response file: refused with a reason, or harmless in everything that a program may ask of them.
+// Any bytes as a response file: refused with a reason, or harmless in every call of a program.
 #pragma once
 
 #include <cstdint>

@@ -84,7 +84,7 @@ TEST(LabelSurface, ThickSlicesLeaveNoSteps) {
   }
 }
 
-// What the axes are does not matter: slanted, mirrored and of different lengths.
+// Any axes are possible: slanted, mirrored and of different lengths.
 TEST(LabelSurface, FollowsTheAxesOfItsVoxels) {
   LabelMask mask = test::label_ball({0, 0, 0}, 1, 0.125);
   mask.axes = 0.125 * (Eigen::Matrix3d() << 2, 0.3, 0, 0, -1, 0.2, 0.1, 0, 0.5).finished();

@@ -29,7 +29,7 @@ struct GoldenLine {
   std::vector<double> asked, answered;
 };
 
-/// The answers of the runtime. Throws std::runtime_error for a line that asks for nothing it knows.
+/// The answers of the runtime. Throws std::runtime_error for an unknown line.
 inline std::vector<double> answer(const runtime::View& view, const std::string& word,
                                   const std::vector<double>& asked) {
   using runtime::Vec3;

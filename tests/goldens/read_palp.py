@@ -548,7 +548,7 @@ class File:
 
 
 def distance_to_triangle(a, b, c):
-    """Of the origin."""
+    """Distance of the origin."""
     n = cross(sub(b, a), sub(c, a))
     edges = [(a, b), (b, c), (c, a)]
     if dot(n, n) > 0 and all(dot(cross(sub(q, p), mul(-1, p)), n) >= 0 for p, q in edges):
@@ -612,7 +612,7 @@ def solve(m, b):
 
 
 def spline_slope(coefs, u):
-    """Of the cubic in the interval of u, from its differences: exact, for the fourth vanish."""
+    """Slope of the cubic in the interval of u, from its differences: exact, because the fourth vanish."""
     m = len(coefs) - 3
     interval = min(int(m * u), m - 1)
     p = [spline(coefs, (interval + k / 3) / m - (1e-15 if k == 3 and interval + 1 < m else 0)) for k in range(4)]

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Label images of every format hold the same voxels at the same places; damaged and hostile ones end with a message.
 #include "formats/image/label_image.hpp"
+#include "formats/image/gzip.hpp"
 
 #include "tests/image/label_files.hpp"
 #include "tests/surface_io/scratch.hpp"
 
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include <random>
 
 namespace palpate {
 namespace {
@@ -54,6 +58,128 @@ TEST(LabelImage, EveryFormatHoldsTheSameVoxels) {
   }
 }
 
+/// A header of NIfTI-1 with other fields: bytes at these places.
+class NiftiHeader {
+public:
+  explicit NiftiHeader(std::string file) : file_(std::move(file)) {}
+  template <class Number>
+  NiftiHeader& set(std::size_t at, Number value) {
+    std::memcpy(file_.data() + at, &value, sizeof value);
+    return *this;
+  }
+  [[nodiscard]] const std::string& bytes() const { return file_; }
+
+private:
+  std::string file_;
+};
+
+constexpr std::size_t kDim = 40, kType = 70, kBits = 72, kPixdim = 76, kVoxels = 108, kSlope = 112, kIntercept = 116,
+                      kUnits = 123, kQformCode = 252, kSformCode = 254, kQuatern = 256, kOffset = 268, kSrow = 280;
+
+// nibabel, and with it TotalSegmentator, writes an sform alone. Its numbers have single precision.
+TEST(LabelImage, NiftiIsReadAtEveryTurnPlaceAndSpacing) {
+  const Scratch scratch;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> angle(-1, 1), place(-900, 900), spacing(0.3, 5);
+  for (int n = 0; n < 100; ++n) {
+    SCOPED_TRACE(n);
+    Voxels v = small_image();
+    v.axes = (Eigen::AngleAxisd(angle(random), Vector3d::UnitZ()) *
+              Eigen::AngleAxisd(angle(random), Vector3d::UnitX()) * Eigen::AngleAxisd(angle(random), Vector3d::UnitY()))
+                 .toRotationMatrix() *
+             Vector3d(spacing(random), spacing(random), n % 2 == 0 ? spacing(random) : -spacing(random)).asDiagonal();
+    v.origin = {place(random), place(random), place(random)};
+    const LabelImage image = read_label_image(scratch.write("a.nii", test::nifti(v, false)), 0);
+    EXPECT_EQ(image.frame, Frame::lps);
+    EXPECT_LT((image.origin - 1e-3 * v.origin).norm(), 1e-7);
+    EXPECT_LT((image.axes - 1e-3 * v.axes).norm(), 1e-8);
+  }
+}
+
+TEST(LabelImage, NiftiTakesTheUnitAndTheShearOfItsHeader) {
+  const Scratch scratch;
+  Voxels v = small_image();
+  v.axes(0, 1) += 0.4;
+  for (const auto& [unit, length] : {std::pair{1, 1e-3}, {2, 1.0}, {3, 1e3}, {0, 1.0}}) {
+    SCOPED_TRACE(unit);
+    Voxels scaled = v;
+    scaled.axes *= length;
+    scaled.origin *= length;
+    const auto file = scratch.write("a.nii", NiftiHeader(test::nifti(scaled, false)).set(kUnits, char(unit)).bytes());
+    const LabelImage image = read_label_image(file, 0);
+    EXPECT_LT((image.origin - 1e-3 * v.origin).norm(), 1e-8);
+    EXPECT_LT((image.axes - 1e-3 * v.axes).norm(), 1e-9);
+  }
+}
+
+TEST(LabelImage, NiftiPrefersThePlaceInTheScanner) {
+  const Scratch scratch;
+  const Voxels v = small_image();
+  // A half turn about z, spacing 2, 1.5, 4.
+  const auto with_qform = [&](int sform) {
+    return NiftiHeader(test::nifti(v, false))
+        .set(kQformCode, std::int16_t{1})
+        .set(kSformCode, std::int16_t(sform))
+        .set(kPixdim, 1.0F)
+        .set(kQuatern, 0.0F)
+        .set(kQuatern + 4, 0.0F)
+        .set(kQuatern + 8, 1.0F)
+        .set(kOffset, 5.0F)
+        .set(kOffset + 4, 6.0F)
+        .set(kOffset + 8, 7.0F)
+        .bytes();
+  };
+  for (const int template_or_none : {0, 3, 4}) {
+    SCOPED_TRACE(template_or_none);
+    const LabelImage image = read_label_image(scratch.write("a.nii", with_qform(template_or_none)), 0);
+    EXPECT_EQ(image.frame, Frame::lps);
+    EXPECT_LT((image.origin - 1e-3 * Vector3d(-5, -6, 7)).norm(), 1e-8);
+    EXPECT_LT((image.axes - 1e-3 * Eigen::Matrix3d(Vector3d(1.5, 2, 4).asDiagonal())).norm(), 1e-8);
+  }
+  for (const int scanner : {1, 2}) {
+    const LabelImage image = read_label_image(scratch.write("a.nii", with_qform(scanner)), 0);
+    EXPECT_LT((image.origin - 1e-3 * v.origin).norm(), 1e-8);
+  }
+  // Neither: the voxels' size in no frame.
+  const auto bare = NiftiHeader(test::nifti(v, false)).set(kSformCode, std::int16_t{0}).bytes();
+  const LabelImage image = read_label_image(scratch.write("a.nii", bare), 0);
+  EXPECT_EQ(image.frame, Frame::unstated);
+  EXPECT_LT((image.axes - 1e-3 * Eigen::Matrix3d(Vector3d(1.5, 2, 4).asDiagonal())).norm(), 1e-8);
+}
+
+TEST(LabelImage, NiftiLabelsOfEveryTypeAreScaled) {
+  const Scratch scratch;
+  const Voxels v = small_image();
+  const std::string plain = test::nifti(v, false);
+  const auto of_type = [&](auto number, int type, float slope, float intercept) {
+    using Number = decltype(number);
+    std::string bytes = NiftiHeader(plain.substr(0, 352))
+                            .set(kType, std::int16_t(type))
+                            .set(kBits, std::int16_t(8 * sizeof(Number)))
+                            .set(kSlope, slope)
+                            .set(kIntercept, intercept)
+                            .bytes();
+    for (const auto value : v.values) {
+      const auto stored = Number(slope != 0 ? (float(value) - intercept) / slope : float(value));
+      bytes.append(reinterpret_cast<const char*>(&stored), sizeof stored);
+    }
+    return bytes;
+  };
+  const std::vector<std::int32_t> expected(v.values.begin(), v.values.end());
+  for (const auto& bytes :
+       {of_type(std::int8_t{}, 256, 0, 0), of_type(std::int16_t{}, 4, 1, 0), of_type(std::int16_t{}, 4, 0.5F, 0),
+        of_type(std::uint16_t{}, 512, 0.1F, 0), of_type(std::int32_t{}, 8, 1, -3), of_type(std::uint32_t{}, 768, 0, 0),
+        of_type(std::int64_t{}, 1024, 0, 0), of_type(float{}, 16, 0, 0), of_type(double{}, 64, 2, 1)}) {
+    EXPECT_EQ(read_label_image(scratch.write("a.nii", bytes), 0).values, expected);
+  }
+  const auto half = of_type(std::int16_t{}, 4, 1, 0);
+  expect_error([&] { read_label_image(scratch.write("a.nii", NiftiHeader(half).set(kSlope, 0.25F).bytes()), 0); },
+               ExitCode::bad_input, {"a.nii", "not a scan"});
+  expect_error(
+      [&] { read_label_image(scratch.write("a.nii", NiftiHeader(plain).set(kType, std::int16_t{128}).bytes()), 0); },
+      ExitCode::bad_input, {"a.nii"});
+}
+
 TEST(LabelImage, RasNrrdIsTurnedAndOneWithoutASpaceIsNot) {
   const Scratch scratch;
   Voxels v = small_image();
@@ -80,6 +206,28 @@ TEST(LabelImage, UnitOfTheFileIsTakenAndAContradictionIsRefused) {
   const auto metres = scratch.write("metres.nrrd", test::nrrd_file(tiny, false));
   expect_error([&] { read_label_image(metres, 0); }, ExitCode::bad_input, {"too small for an organ", "units = \"m\""});
   EXPECT_NEAR(read_label_image(metres, 1).axes(2, 2), 4e-3, 1e-12);
+}
+
+TEST(LabelImage, UnitsOfEverySpellingAreTakenAndUnknownOnesAreAQuestion) {
+  const Scratch scratch;
+  const auto in = [&](const std::string& unit, double length) {
+    Voxels v = small_image();
+    v.axes *= 1e-3 / length;
+    const std::string three = "space units: \"" + unit + "\" \"" + unit + "\" \"" + unit + "\"\n";
+    return scratch.write("a.nrrd", test::nrrd_file(v, false, "left-posterior-superior", three));
+  };
+  for (const auto& [unit, length] : {std::pair{"mm", 1e-3},
+                                     {"Millimeters", 1e-3},
+                                     {"cm", 1e-2},
+                                     {"m", 1.0},
+                                     {"micrometre", 1e-6},
+                                     {"\u00b5m", 1e-6},
+                                     {"???", 1e-3}}) {
+    SCOPED_TRACE(unit);
+    EXPECT_NEAR(read_label_image(in(unit, length), 0).axes(2, 2), 4e-3, 1e-9);
+  }
+  EXPECT_NEAR(read_label_image(in("furlong", 1e-3), 1e-3).axes(2, 2), 4e-3, 1e-9);
+  expect_error([&] { read_label_image(in("furlong", 1), 0); }, ExitCode::bad_input, {"a.nrrd", "'furlong'", "units ="});
 }
 
 TEST(LabelImage, SegmentsOfSlicerGoByNameAndLayer) {
@@ -174,6 +322,18 @@ TEST(LabelImage, EveryTruncationIsRefused) {
   }
 }
 
+TEST(Gzip, NoMoreThanEnoughIsExpanded) {
+  const Scratch scratch;
+  constexpr std::size_t kWhole = std::size_t{64} << 20U;
+  for (const bool gzip : {false, true}) {
+    const auto file = scratch.write("zeros", test::deflated(std::string(kWhole, '\0'), gzip));
+    EXPECT_EQ(detail::whole_size(file, 0, !gzip, kWhole), kWhole);
+    const std::size_t some = detail::whole_size(file, 0, !gzip, 1000);
+    EXPECT_GT(some, 1000U);
+    EXPECT_LT(some, std::size_t{1} << 20U);
+  }
+}
+
 TEST(LabelImage, HostileHeadersAreRefused) {
   const Scratch scratch;
   const std::string nrrd = test::nrrd_file(small_image(), false), mha = test::meta(small_image(), false);
@@ -198,6 +358,7 @@ TEST(LabelImage, HostileHeadersAreRefused) {
       {"flat.nrrd", with(nrrd, "dimension: 3", "dimension: 2"), {"dimension"}},
       {"more.nrrd", with(nrrd, "dimension: 3", "dimension: 17"), {"dimension"}},
       {"list.nrrd", with(nrrd, "endian: little", "endian: little\ndata file: LIST"), {"data file"}},
+      {"left-handed.nrrd", with(nrrd, "left-posterior-superior", "left-anterior-superior"), {"space", "LPS, RAS"}},
       {"huge.mha", with(mha, "DimSize = 5 4 3", "DimSize = 60000 60000 60000"), {"2^29"}},
       {"many.mha", with(mha, "NDims = 3", "NDims = 99"), {"NDims"}},
       {"pattern.mhd", with(mha, "LOCAL", "slice%03d.raw"), {"ElementDataFile"}},
@@ -207,7 +368,16 @@ TEST(LabelImage, HostileHeadersAreRefused) {
       {"huge.nii", huge, {"2^29"}},
       {"endless.nii", endless, {"endless.nii", "srow", "not finite"}},
       {"endless.nrrd", with(nrrd, "space origin: (10,", "space origin: (inf,"), {"space origin"}},
-      {"nine.nii", dimensions, {"nine.nii"}},
+      {"nine.nii", dimensions, {"nine.nii", "has 9 dimensions"}},
+      {"flat.nii", NiftiHeader(nifti).set(kDim + 4, std::int16_t{0}).bytes(), {"dim[2]: got 0"}},
+      {"many.nii",
+       NiftiHeader(nifti).set(kDim, std::int16_t{4}).set(kDim + 8, std::int16_t{2}).bytes(),
+       {"three dimensions"}},
+      {"before.nii", NiftiHeader(nifti).set(kVoxels, 0.0F).bytes(), {"vox_offset: got 0"}},
+      {"far.nii", NiftiHeader(nifti).set(kVoxels, 1e9F).bytes(), {"far.nii", "cut short"}},
+      {"farther.nii", NiftiHeader(nifti).set(kVoxels, 3e9F).bytes(), {"vox_offset: got 3e+09"}},
+      {"mixed.Nii", nifti, {"mixed.Nii", "one case"}},
+      {"packed.nii", test::nifti(small_image(), true), {"packed.nii", "end in .nii.gz"}},
       {"text.nii", "this is no image", {"text.nii"}},
       {"image.png", "x", {"unknown image format '.png'", ".nii.gz"}},
   };

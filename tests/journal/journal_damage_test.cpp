@@ -46,7 +46,7 @@ TEST_F(JournalFiles, TornAtEveryByte) {
       EXPECT_EQ(journal.content().records, records) << "cut at " << cut;
       journal.append(7, make_sample(7, 0));
     }
-    // What was whole is kept to the byte, and what is appended after the cut is found.
+    // Whole records are kept to the byte, and records appended after the cut are found.
     const std::size_t base = std::max(kept, header);
     EXPECT_EQ(bytes().substr(0, base), whole.substr(0, base));
     const JournalContent after = read_journal(file_, manifest_);
@@ -77,7 +77,7 @@ TEST_F(JournalFiles, FlippedBytesAreFoundOrCut) {
       damaged[at] = static_cast<char>(damaged[at] ^ mask);
       write_bytes(damaged);
       if (at >= last) {
-        // The last record cannot be told from a torn one.
+        // The last record cannot be distinguished from a torn one.
         const JournalContent content = read_journal(file_, manifest_);
         EXPECT_EQ(content.records, 4U);
         EXPECT_EQ(content.torn_bytes, whole.size() - last);
@@ -133,6 +133,27 @@ int fill_the_disk(const std::filesystem::path& file, const Hash128& manifest) {
     }
   }
   return 0;
+}
+
+TEST_F(JournalFiles, CutOrRemovedByAnotherProgramTakesNoMore) {
+  for (const bool removed : {false, true}) {
+    std::filesystem::remove(file_);
+    Journal journal(file_, manifest_);
+    for (unsigned k = 0; k < 3; ++k) journal.append(0, make_sample(0, k));
+    const auto size = std::filesystem::file_size(file_) - 50;
+    removed ? static_cast<void>(std::filesystem::remove(file_)) : std::filesystem::resize_file(file_, size);
+    for (int again = 0; again < 2; ++again) {
+      try {
+        journal.append(0, make_sample(0, 3));
+        FAIL() << "a record that no reader would find was accepted";
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ExitCode::io);
+        EXPECT_NE(std::string(error.what()).find("samples.journal"), std::string::npos) << error.what();
+      }
+    }
+    if (removed) continue;
+    EXPECT_EQ(read_journal(file_, manifest_).records, 2U);
+  }
 }
 
 TEST_F(JournalFiles, FullDiskLeavesAWholeJournal) {

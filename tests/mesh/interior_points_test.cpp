@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where interior points lie: inside, clear of every surface, as close as asked, and only where it is fine.
+// Places of interior points: inside, clear of every surface, spaced by the size field.
 #include "precompute/mesh/interior_points.hpp"
 
 #include <gtest/gtest.h>
@@ -20,14 +20,12 @@ TEST(InteriorPoints, FollowTheSizeFieldClearOfTheSurfaces) {
   const Surface block = box_surface({-0.04, -0.04, -0.04}, {0.04, 0.04, 0});
   const Surface hole = box_surface({-0.004, -0.004, -0.012}, {0.004, 0.004, -0.006});
   const SizeField size = [](const Vector3d& p) { return 0.001 + 0.3 * p.norm(); };
-  constexpr double kLargest = 0.006;
-  const std::vector<Vector3d> points = interior_points({&block, &hole}, size, kLargest);
+  const std::vector<Vector3d> points = interior_points({&block, &hole}, size);
   ASSERT_GT(points.size(), 50U);
   const SurfaceQuery outer(block), inner(hole);
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Vector3d& p = points[k];
     // They are shifted by up to 0.12 of a cell along each axis after their size was taken.
-    EXPECT_LT(size(p), 1.1 * kLargest);
     EXPECT_LT(outer.signed_distance(p), -0.55 * size(p));
     EXPECT_GT(inner.closest(p).distance, 0.55 * size(p));
     double nearest = std::numeric_limits<double>::infinity();
@@ -37,21 +35,18 @@ TEST(InteriorPoints, FollowTheSizeFieldClearOfTheSurfaces) {
     EXPECT_GT(nearest, 0.3 * size(p));
     EXPECT_LT(nearest, 2.0 * size(p));
   }
-  EXPECT_EQ(interior_points({&block, &hole}, size, kLargest), points);
+  EXPECT_EQ(interior_points({&block, &hole}, size), points);
 }
 
 TEST(InteriorPoints, NoneWhereTheBodyIsThinnerThanItsElements) {
   const Surface sheet = box_surface({-0.04, -0.04, -0.001}, {0.04, 0.04, 0});
-  EXPECT_TRUE(interior_points(
-                  {&sheet}, [](const Vector3d&) { return 0.002; }, 1.0)
-                  .empty());
+  EXPECT_TRUE(interior_points({&sheet}, [](const Vector3d&) { return 0.002; }).empty());
 }
 
 TEST(InteriorPoints, TooManyAreAnErrorAndNotAFullMemory) {
   const Surface block = box_surface({-0.04, -0.04, -0.04}, {0.04, 0.04, 0});
   try {
-    interior_points(
-        {&block}, [](const Vector3d&) { return 1e-5; }, 1.0);
+    interior_points({&block}, [](const Vector3d&) { return 1e-5; });
     FAIL() << "five hundred million points";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::numerical);

@@ -20,7 +20,7 @@ foreach(header IN LISTS headers)
   endif()
 endforeach()
 set(standard ${STANDARD})
-if(standard EQUAL 23)  # compilers of before a standard know it by its working title
+if(standard EQUAL 23)  # compilers that precede a standard accept its working title
   execute_process(COMMAND ${compiler} -std=c++23 -x c++ -E /dev/null RESULT_VARIABLE unknown OUTPUT_QUIET ERROR_QUIET)
   if(unknown)
     set(standard 2b)

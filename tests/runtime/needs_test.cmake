@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What opening and ticking leave to the linker: arithmetic and copies of memory, so no allocation, lock, exception or
-# system call can be in them. A file that does more is refused by the same rule.
+# Symbols that opening and ticking leave to the linker: arithmetic and copies of memory, so no allocation, lock,
+# exception or system call can be in them. A file that does more is refused by the same rule.
 include(${CMAKE_CURRENT_LIST_DIR}/../support/run.cmake)
 set(allowed "^(acos|atan2|ceil|cos|exp|fmaxf?|fminf?|hypot|sin|sincos|sqrt|memcpy|memmove|memset|_GLOBAL_OFFSET_TABLE_)$")
 

@@ -14,7 +14,7 @@ endforeach()
 file(WRITE ${FOLDER}/palpate/format/mapped_file.hpp
      "#include \"palpate_runtime.hpp\"\nnamespace palpate::runtime { using MappedFile = LoadedFile; }\n")
 
-# Compilers of before a standard know it by its working title.
+# Compilers that precede a standard accept its working title.
 set(standard ${STANDARD})
 if(standard EQUAL 23)
   execute_process(COMMAND ${compiler} -std=c++23 -x c++ -E /dev/null RESULT_VARIABLE unknown OUTPUT_QUIET ERROR_QUIET)

@@ -5,7 +5,7 @@ include(${CMAKE_CURRENT_LIST_DIR}/../support/run.cmake)
 file(REMOVE_RECURSE ${FOLDER})
 file(MAKE_DIRECTORY ${FOLDER}/consumer)
 
-# What a configure looked for leaves its name in the cache or in the output.
+# A package that a configure looked for leaves its name in the cache or in the output.
 set(precompute CGAL TetGen tetgen Ceres ceres cholmod CHOLMOD SuiteSparse Eigen3 OpenMesh tinygltf)
 function(expect_not_sought build)
   file(READ ${build}/CMakeCache.txt cache)
@@ -26,7 +26,7 @@ if(DRIVERS)
   # The device layer needs libusb, and nothing of precompute.
   run(${CMAKE_COMMAND} --preset drivers -G ${GENERATOR} -S ${SOURCE} -B ${FOLDER}/drivers -D CMAKE_CXX_COMPILER=${COMPILER})
   expect_not_sought(${FOLDER}/drivers ${precompute} GTest benchmark)
-  # What the check finds where there is something to find.
+  # The check finds a package where there is one.
   file(READ ${FOLDER}/drivers/CMakeCache.txt cache)
   if(NOT cache MATCHES "libusb_(DIR|FOUND|INCLUDE|LIBRAR)")
     message(FATAL_ERROR "the check for sought packages does not see libusb where the drivers look for it")

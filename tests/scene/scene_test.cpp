@@ -76,7 +76,7 @@ material = {law = "holzapfel-ogden", young = 9000, k1 = 2000, k2 = 0.8, fibre = 
 )");
   EXPECT_EQ(fibres.material.young, 9000);
   EXPECT_LT((fibres.material.fibre - Eigen::Vector3d(0, 0.6, 0.8)).norm(), 1e-15);
-  // What another law reads changes nothing, what this one reads does.
+  // Keys of another law change nothing, keys of this law do.
   Scene changed = fibres;
   changed.material.c10 = 7;
   EXPECT_EQ(canonical_text(changed), canonical_text(fibres));
@@ -307,7 +307,7 @@ TEST_F(SceneTest, TheReferenceHasEveryKeyThatTheCommentedLinesShow) {
   EXPECT_TRUE(scene.sampling.within_box.has_value());
 }
 
-// What is recorded or follows a law changes the file and no solve.
+// A response that is recorded or follows a law changes the file and no solve.
 TEST_F(SceneTest, SourcesOfResponses) {
   const std::string body = "[body]\nsurface = \"a.ply\"\n";
   const std::string sources =

@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-// 2 mm deep in 5 kPa tissue with a contact of 3 mm: figures of a push that may be believed.
+// 2 mm deep in 5 kPa tissue with a contact of 3 mm: figures of a valid push.
 GateState good() {
   GateState s;
   s.depth = 0.002;

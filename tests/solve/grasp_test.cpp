@@ -84,7 +84,7 @@ TEST(GraspedSphere, GoesOnFromThePushIntoAPull) {
   for (std::size_t k = 1; k < straight.size(); ++k) {
     EXPECT_GT(straight[k].force.z(), straight[k - 1].force.z());
   }
-  // What was bonded on the way is still there where the push goes deeper; the push alone is a little softer.
+  // Bonds that formed on the way remain as the push goes deeper; the push alone is a little softer.
   EXPECT_NEAR(straight.back().force.z() / r.samples[2].force.z(), 1.0, 0.03);
   for (std::size_t k = 0; k < aside.size(); k += 4) {
     EXPECT_LT(aside[k + 1].force.x(), 0);

@@ -110,7 +110,7 @@ TEST(TurnedSphere, ForceOfATurnIsTheTorqueOfAMove) {
   const Sample *rest = nullptr, *moved = nullptr, *rolled = nullptr, *twisted = nullptr;
   for (const Sample& s : r.samples) {
     if (s.kind != SampleKind::grasped) continue;
-    // What was moved and turned first was so where it is deepest.
+    // The first moved and the first rotated samples are at the deepest point.
     const bool still = s.rotation.isZero(0) && s.deflection.head<2>().norm() < 5e-5;
     if (still && (rest == nullptr || s.deflection.z() > rest->deflection.z())) rest = &s;
     if (moved == nullptr && s.deflection.x() > 5e-5) moved = &s;

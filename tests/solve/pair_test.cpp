@@ -17,7 +17,7 @@
 namespace palpate {
 namespace {
 
-// The deepest straight push: shallow ones may be too small a contact to be believed and are then left out.
+// The deepest normal indentation: the contact of a shallow one may be too small to resolve, and is then left out.
 const Sample& deepest(const PairResult& r) {
   std::size_t last = 0;
   while (last + 1 < r.samples.size() && r.samples[last + 1].kind == SampleKind::normal) ++last;
@@ -109,7 +109,7 @@ TEST_F(Pair, StickingPushIsStifferAndSidewaysAnswerIsSymmetric) {
   EXPECT_LT(largest / least, 1.08);
 }
 
-// What the straight push has sheared in its anchors is no give of the sideways push that follows.
+// Shear of the anchors in the normal indentation does not count as compliance of the sideways push that follows.
 TEST_F(Pair, SidewaysStiffnessIsNoMatterOfTheAnchors) {
   const Tool tool = make_tool(sphere);
   scene.friction = 0.3;
@@ -203,8 +203,8 @@ TEST_F(Pair, AToolThatCannotReachIsRefusedByName) {
   EXPECT_NE(r.outcome.cause.find("first touch"), std::string::npos) << r.outcome.cause;
 }
 
-// What no attempt comes to an end with must not go on for a quarter of an hour: in two steps twice its radius deep into
-// rubber, a sphere finds no equilibrium and is not tried in five more ways.
+// A pair that no attempt can solve must not take a quarter of an hour: in two steps twice its radius deep into rubber,
+// a sphere finds no equilibrium and is not tried in five more ways.
 TEST_F(Pair, WhatLosesTooMuchIsGivenUp) {
   body = test::block_body(0.03, 5e3, 0.4999);
   scene.solver.mesh_size = 1.0;

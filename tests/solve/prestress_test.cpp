@@ -99,7 +99,7 @@ TEST_F(Cube, StretchBetweenSlidersIsUniaxialStress) {
   EXPECT_NEAR(energy.slope(x).supports / (0.4 * stress), 1, 2e-3);
 }
 
-// What is beyond bearing is refused with the share that is borne: a block between fixed ends, squeezed flat.
+// Loads without an equilibrium are refused with the share that has one: a block between fixed ends, squeezed flat.
 TEST_F(Cube, RefusesWhatIsNotBorne) {
   hold(SupportScene::Type::fixed, {0, 0, 1e-6}, {0, 0, 1});
   body.prestress.density = 1e5;
@@ -108,7 +108,7 @@ TEST_F(Cube, RefusesWhatIsNotBorne) {
   const Settled settled = settle(energy);
   EXPECT_FALSE(settled.reached);
   EXPECT_LT(settled.share, 0.1);
-  EXPECT_NE(settled.cause.find("is borne up to"), std::string::npos) << settled.cause;
+  EXPECT_NE(settled.cause.find("has an equilibrium up to"), std::string::npos) << settled.cause;
 }
 
 // A ball of 30 mm with a void of 20 mm inside, on a bed that holds next to nothing.
@@ -194,7 +194,7 @@ TEST(HollowBall, BeyondTheLimitLoadIsRefused) {
   EXPECT_FALSE(settled.reached);
   EXPECT_LT(settled.share, 0.83);
   EXPECT_GT(settled.share, 0.7);
-  EXPECT_NE(settled.cause.find("is borne up to"), std::string::npos) << settled.cause;
+  EXPECT_NE(settled.cause.find("has an equilibrium up to"), std::string::npos) << settled.cause;
 }
 
 TEST(Prestress, PressureWithoutACavityIsAWrongScene) {

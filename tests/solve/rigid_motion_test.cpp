@@ -135,8 +135,8 @@ TEST_P(RigidMotion, FrictionTurnsWithTheBodyAndDissipatesNothing) {
   EXPECT_NEAR(after.stored / before.stored, 1, 1e-11);
 }
 
-// Where points land, what slips and what that dissipates is told in the tool's frame: a motion of both within the step
-// changes none of it.
+// Places of points, slips and dissipation are given in the tool's frame: a motion of both within the step changes none
+// of them.
 TEST_P(RigidMotion, AStepSlipsAlikeWhereBodyAndToolTurnInIt) {
   Isometry3d start = pose_, end = pose_;
   start.translation() += Vector3d(-0.02, 0, 0.04);

@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kYoung = 5e3, kPoisson = 0.49;
 
-// A path that asks for slipping pushes as well gets the samples that it would get without. On a deep contact the solved
-// limit passes the one foretold from the slopes of the straight push, which passes mu: tissue piles up before the tool.
+// A path with slipping pushes has the same other samples as one without. On a deep contact the solved limit exceeds the
+// one predicted from the slopes of the normal indentation, which exceeds mu: tissue piles up before the tool.
 TEST(SlippingPushes, ChangeNothingElse) {
   const Body body = test::block_body(0.03, kYoung, kPoisson);
   Scene scene;
@@ -46,8 +46,8 @@ TEST(SlippingPushes, ChangeNothingElse) {
   }
 }
 
-// What a scene that wants its friction limit solved gets: of the deepest push a third more than is foretold, as a long
-// slide has it, from every direction, and the curve from stick to slip before it.
+// A scene with a solved friction limit has, at the deepest push, a third more than is predicted, as a long slide has
+// it, from every direction, and the curve from stick to slip before it.
 TEST(SlippingPushes, ASceneGetsItsFrictionLimitSolved) {
   Scene scene;
   scene.friction = 0.3;

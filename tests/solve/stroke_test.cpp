@@ -69,8 +69,8 @@ TEST_F(Stroking, SticksSlipsTurnsRoundAndLetsGo) {
   }
 }
 
-// Held sideways by a hand that trembles up and down: what a lift lets go and a push takes up again bears nothing the
-// second time, so the force is lost once (the runtime's InnerPart).
+// A hand holds the tool sideways and trembles up and down. Points that a lift releases carry no traction when the next
+// push touches them again, so the force is lost once.
 TEST_F(Stroking, ATremblingHandLosesItsSidewaysForceOnce) {
   path.friction = 1;
   path.stations = {{0, 0, 0.1 * depth}};

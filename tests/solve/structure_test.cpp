@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the inside of a body is made of: fibres along curves, and regions from labels.
+// The inside of a body: fibres along curves, and regions from labels.
 #include "precompute/geometry/solids.hpp"
 #include "precompute/mesh/quadratic.hpp"
 #include "precompute/solve/body_energy.hpp"

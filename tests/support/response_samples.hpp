@@ -16,7 +16,7 @@
 
 namespace palpate::test {
 
-/// What a sample file holds.
+/// Contents of a sample file.
 struct ResponseSampleOptions {
   bool friction = true;
   bool bias = true;            ///< normal indentations have a tangential force; none where `uniform`

@@ -24,7 +24,7 @@ struct RunResult {
   int exit_code = -1;      ///< of the program; -1 when it ended otherwise
   int signal = 0;          ///< that ended it
   bool timed_out = false;  ///< it was killed because of the time limit
-  bool mounted = true;     ///< false: the small disk was asked for and is not allowed here
+  bool mounted = true;     ///< false: the small disk was requested and is not allowed here
   std::string out, error;  ///< what it wrote to standard output and standard error
 };
 

@@ -212,7 +212,7 @@ TEST(Clean, WrapTakesInnerMeshesIn) {
   EXPECT_NEAR(wrapped.report.volume, 4.0 / 3 * std::numbers::pi * 1e-3, 3e-4);
 }
 
-// Whatever the triangles are, there is an answer: a clean surface, or a refusal that names the input.
+// Any triangles have an answer: a clean surface, or a refusal that names the input.
 TEST(Clean, RandomSoups) {
   std::mt19937 random(3);
   const auto number = [&](std::size_t below) { return std::int32_t(random() % below); };

@@ -126,6 +126,20 @@ TEST_F(Prepare, SupportsThatHoldNothingOrEverything) {
   expect_refused({"scene.toml", "support 2", "holds no point"});
 }
 
+TEST_F(Prepare, SupportInsideALargeTriangleHolds) {
+  for (const SupportScene::Type type : {SupportScene::Type::fixed, SupportScene::Type::spring}) {
+    scene_.supports.clear();
+    auto& box = support(SupportScene::Kind::box);
+    box.type = type;
+    box.stiffness = 1e6;
+    box.box_min = {0.02, 0.12, -1};
+    box.box_max = {0.06, 0.16, 0.001};
+    EXPECT_NO_THROW(prepare_body(scene_));
+    box.type = SupportScene::Type::slider;
+    expect_refused({"scene.toml", "free to slide along"});
+  }
+}
+
 TEST_F(Prepare, EveryComponentMustBeHeld) {
   const Surface ball = named(sphere_surface({0.5, 0.1, 0.1}, 0.05), "ball");
   scene_.body.surfaces = {file("cube", cube()), file("ball", ball)};

@@ -14,7 +14,7 @@ SurfaceReport measured(const Surface& s) {
   return report;
 }
 
-// Of a ball it is what the facets' middles lack; sharp edges of a box are none.
+// The facet depth of a ball is the mean gap between the ball and its facets' middles; sharp edges of a box have none.
 TEST(Report, FacetsOfABallAndOfABox) {
   const Surface ball = sphere_surface({0, 0, 0}, 0.01, 2);
   double lacking = 0;

@@ -149,8 +149,15 @@ TEST(Gltf, TextFormWithEmbeddedAndNeighbouringBuffers) {
       word = word << 8 | (i + k < glb.data.size() ? std::uint8_t(glb.data[i + k]) : 0);
     for (std::size_t k = 0; k < 4; ++k) code += i + k > glb.data.size() ? '=' : digits[word >> (18 - 6 * k) & 63];
   }
-  glb.json["buffers"][0]["uri"] = "data:application/octet-stream;base64," + code;
-  EXPECT_NEAR(surface_volume(read(scratch.write("box.gltf", glb.json.dump()))), 1.0, 1e-6);
+  for (const char* type : {"application/octet-stream", "application/gltf-buffer", "", "text/plain;charset=US-ASCII"}) {
+    SCOPED_TRACE(type);
+    glb.json["buffers"][0]["uri"] = std::string("data:") + type + ";base64," + code;
+    EXPECT_NEAR(surface_volume(read(scratch.write("box.gltf", glb.json.dump()))), 1.0, 1e-6);
+  }
+  for (const auto& bad : {std::string("data:,box"), "data:;base64," + code.substr(0, 40)}) {
+    glb.json["buffers"][0]["uri"] = bad;
+    expect_error([&] { read(scratch.write("box.gltf", glb.json.dump())); }, ExitCode::bad_input, {"box.gltf"});
+  }
   glb.json["buffers"][0]["uri"] = "missing.bin";
   expect_error([&] { read(scratch.write("box.gltf", glb.json.dump())); }, ExitCode::bad_input,
                {"box.gltf", "missing.bin"});

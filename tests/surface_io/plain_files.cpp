@@ -129,7 +129,7 @@ TEST(Stl, TextFormAndHeaderThatLies) {
   const Surface text = read(scratch.write("t.stl", "solid a b\n" + facet + facet + "endsolid a b\n"));
   EXPECT_EQ(text.triangles.size(), 2U);
   EXPECT_EQ(text.vertices.size(), 3U);
-  // Binary files that begin with "solid" are common; their size tells.
+  // Binary files that begin with "solid" are common; their size identifies them.
   write_surface(box_surface({0, 0, 0}, {1, 1, 1}), scratch / "box.stl");
   std::ifstream stream(scratch / "box.stl", std::ios::binary);
   std::string bytes((std::istreambuf_iterator<char>(stream)), {});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Writing: whole or not at all, and every refusal of the system is told.
+// Writing: whole or not at all, and every refusal of the system is reported.
 #include "tests/support/shapes.hpp"
 #include "tests/surface_io/scratch.hpp"
 

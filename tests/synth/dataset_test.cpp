@@ -106,7 +106,7 @@ TEST_F(Dataset, BladderIsAHollowShellThatMayBeFilled) {
   const double wall = 4 * std::numbers::pi / 3 * (35 * 32 * 40 - 31 * 28 * 36) * 1e-9;
   EXPECT_NEAR(test::volume(shell) / wall, 1, 0.02);
   options.pressure = 3000;
-  expect_refused(options, folder_ / "none", "bears about");
+  expect_refused(options, folder_ / "none", "holds up to about");
 }
 
 TEST_F(Dataset, TumourIsARegionOfItsTissue) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Motions reach the asked depth, begin and end in the air, and move as smoothly as a hand.
+// Motions reach the given depth, begin and end in the air, and move as smoothly as a hand.
 #include "datasets-synthetic/motion.hpp"
 
 #include "datasets-synthetic/shapes.hpp"

@@ -140,7 +140,7 @@ TEST(MeshTool, SharpnessOfABallAndOfACube) {
       ++others;
       EXPECT_EQ(v.flat_radius, 0);
       EXPECT_LT(v.curvature_radius, 3 * rounding);
-      // Of a wedge of 45 degrees 2/pi of the depth, and no sharper than the rounding.
+      // The radius at a wedge of 45 degrees is 2/pi of the depth, and no sharper than the rounding.
       EXPECT_LT(contact_radius(v, 0.001), 0.0013);
     }
   }

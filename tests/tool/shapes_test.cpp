@@ -63,7 +63,7 @@ TEST(Shapes, KnownDistances) {
   EXPECT_NEAR(needle->distance({0, 0, 4}).value, 0.9, 1e-15);
 }
 
-// What a contact leaves out must be beyond, and what is clearly beyond should be left out.
+// Points that a contact leaves out must be beyond, and points clearly beyond should be left out.
 TEST(Shapes, WhatIsSurelyBeyondIs) {
   const std::shared_ptr<const ToolShape> shapes[] = {make_sphere(0.005), make_capsule(0.004, 0.02)};
   std::mt19937 random(7);

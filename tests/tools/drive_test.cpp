@@ -61,7 +61,7 @@ TEST_F(DriveRun, LeavesStatisticsARecordingAndAPlot) {
   const Json json = Json::parse(driven_.out);
   EXPECT_EQ(json["device"], "sim");
   EXPECT_EQ(json["tool"], "ball");
-  EXPECT_EQ(json["ended"], "asked to stop");
+  EXPECT_EQ(json["ended"], "stop requested");
   EXPECT_GT(json["peak_force"].get<double>(), 0.05) << "the simulated hand presses the body";
   EXPECT_LE(json["peak_force"].get<double>(), 2 * (1 + 1e-12));
   EXPECT_GT(json["rate"].get<double>(), 300);
@@ -256,7 +256,7 @@ TEST_F(Drive, CtrlCStopsItCleanly) {
   EXPECT_EQ(result.signal, 0) << result.error;
   if (result.exit_code == 5) GTEST_SKIP() << "the machine is too busy: " << result.error;
   ASSERT_EQ(result.exit_code, 0) << result.error;
-  EXPECT_EQ(Json::parse(result.out)["ended"], "asked to stop");
+  EXPECT_EQ(Json::parse(result.out)["ended"], "stop requested");
   EXPECT_FALSE(std::filesystem::exists(folder() / "ball.palprun"));
 }
 
@@ -315,7 +315,7 @@ public:
   Terminal(const Terminal&) = delete;
   Terminal& operator=(const Terminal&) = delete;
 
-  /// In the child: standard input, output and error, and, where told, the terminal that its session's jobs share.
+  /// In the child: standard input, output and error, and with `session` the terminal that its session's jobs share.
   void take(bool session) const {
     if (session && (::setsid() < 0 || ::ioctl(theirs_, TIOCSCTTY, 0) != 0)) ::_exit(125);
     for (const int descriptor : {0, 1, 2}) ::dup2(theirs_, descriptor);

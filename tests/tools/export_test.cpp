@@ -73,8 +73,8 @@ double number(const std::map<std::string, std::string>& row, const char* name) {
 double polynomial(const Response& r, int begin, int stride, int first, int degree, double s, double unit) {
   double sum = 0;
   for (int k = first; k <= degree; ++k) {
-    sum += unit * r.coefficients[static_cast<std::size_t>(begin + stride * (k - first))] * response::binomial(degree, k) *
-           std::pow(s, k) * std::pow(1 - s, degree - k);
+    sum += unit * r.coefficients[static_cast<std::size_t>(begin + stride * (k - first))] *
+           response::binomial(degree, k) * std::pow(s, k) * std::pow(1 - s, degree - k);
   }
   return sum;
 }
@@ -124,6 +124,62 @@ TEST_F(Export, CurvesAreTheFilesCoefficients) {
   EXPECT_EQ(kinds["tangential_y"], 7 * count);
   EXPECT_EQ(kinds["deepest"], count);
   EXPECT_EQ(kinds["widest"], 4 * count);
+}
+
+/// Pixels of a PNG file.
+struct Pixels {
+  int width = 0, height = 0;
+  std::vector<unsigned char> rgb;
+  [[nodiscard]] const unsigned char* at(int x, int y) const {
+    return &rgb[3 * (std::size_t(y) * std::size_t(width) + std::size_t(x))];
+  }
+};
+
+Pixels read_png(const std::string& bytes) {
+  tinygltf::Image image;
+  std::string error, warning;
+  Pixels pixels;
+  // The reader of glTF gives four channels.
+  if (!tinygltf::LoadImageData(&image, 0, &error, &warning, 0, 0, reinterpret_cast<const unsigned char*>(bytes.data()),
+                               static_cast<int>(bytes.size()), nullptr)) {
+    ADD_FAILURE() << error;
+    return pixels;
+  }
+  pixels.width = image.width;
+  pixels.height = image.height;
+  for (std::size_t k = 0; k < image.image.size(); k += 4)
+    pixels.rgb.insert(pixels.rgb.end(), &image.image[k], &image.image[k] + 3);
+  return pixels;
+}
+
+// Seen from above: the box's square top fills the picture's middle, its corners lie level.
+TEST_F(Export, PictureShowsTheBodyFromTheCamera) {
+  use(box_content({}));
+  const std::vector<std::string> arguments{"export",   "box.palp", "--png",       "top.png", "--width",   "300",
+                                           "--height", "240",      "--elevation", "90",      "--azimuth", "-90"};
+  const RunResult result = run(arguments);
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const std::string bytes = file_content(folder() / "top.png");
+  const Pixels p = read_png(bytes);
+  ASSERT_EQ(p.width, 300);
+  ASSERT_EQ(p.height, 240);
+  const auto white = [&](int x, int y) { return p.at(x, y)[0] == 255 && p.at(x, y)[1] == 255 && p.at(x, y)[2] == 255; };
+  for (const int x : {0, 299}) {
+    for (const int y : {0, 239}) EXPECT_TRUE(white(x, y)) << x << ", " << y;
+  }
+  EXPECT_FALSE(white(150, 108));
+  std::size_t left = 0, right = 0;
+  for (int y = 0; y < 200; ++y) {
+    for (int x = 0; x < 150; ++x) {
+      left += white(x, y) ? 0 : 1;
+      right += white(299 - x, y) ? 0 : 1;
+    }
+  }
+  EXPECT_GT(left, 5000U);
+  EXPECT_NEAR(static_cast<double>(left), static_cast<double>(right), 0.02 * static_cast<double>(left));
+  // The same file gives the same picture.
+  ASSERT_EQ(run(arguments).exit_code, 0);
+  EXPECT_EQ(file_content(folder() / "top.png"), bytes);
 }
 
 TEST_F(Export, AFrictionlessFileHasNormalCurvesWithoutLimit) {
@@ -224,8 +280,9 @@ TEST_F(Export, BodyIsTheContactSurfaceWithTheRuntimesForces) {
   runtime::ToolPoint second;  // the rod's second vertex begins its second segment
   second.patch = 2;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const runtime::Location found = closest_point(view_, {static_cast<double>(points[i][0]), static_cast<double>(points[i][1]),
-                                                   static_cast<double>(points[i][2])});
+    const runtime::Location found = closest_point(
+        view_,
+        {static_cast<double>(points[i][0]), static_cast<double>(points[i][1]), static_cast<double>(points[i][2])});
     ASSERT_LT(std::abs(found.signed_distance), 1e-9);
     runtime::BlendedResponse<> response;
     response.blend(view_, 1, found.at, second, {1, 0, 0}, nullptr);
@@ -290,6 +347,9 @@ TEST_F(Export, BadInputsEndWithTheirCodeAndCause) {
       {{"box.palp", "--curves", "none/c.csv"}, 4, {"none/c.csv", "cannot create"}},
       {{"box.palp", "--glb", "none/b.glb"}, 4, {"none/b.glb", "cannot create"}},
       {{"box.palp", "--vtu", "/dev/null/b.vtu"}, 4, {"/dev/null/b.vtu"}},
+      {{"box.palp", "--png", "none/b.png"}, 4, {"none/b.png", "cannot create"}},
+      {{"box.palp", "--png", "b.png", "--width", "10"}, 1, {"--width"}},
+      {{"box.palp", "--curves", "c.csv", "--azimuth", "10"}, 1, {"--png"}},
       {{"box.palp", "--vtu", "b.vtu", "--field", "colour"}, 1, {"--field", "colour"}},
       {{"box.palp", "--vtu", "b.vtu", "--field", "error"}, 2, {"no error of single responses", "\"median\":0.01"}},
       {{"smooth.palp", "--glb", "b.glb", "--field", "error"}, 2, {"no error of single responses"}},
@@ -305,7 +365,8 @@ TEST_F(Export, BadInputsEndWithTheirCodeAndCause) {
     arguments.insert(arguments.end(), bad.arguments.begin(), bad.arguments.end());
     SCOPED_TRACE(testing::PrintToString(arguments));
     expect_failure(run(arguments), bad.code, bad.cause);
-    for (const char* file : {"c.csv", "b.glb", "b.vtu"}) EXPECT_FALSE(std::filesystem::exists(folder() / file));
+    for (const char* file : {"c.csv", "b.glb", "b.vtu", "b.png"})
+      EXPECT_FALSE(std::filesystem::exists(folder() / file));
   }
   expect_failure(run({"export", "box.palp", "--curves", "c.csv"}, {.output = "/dev/full"}), 4, {"standard output"});
 }

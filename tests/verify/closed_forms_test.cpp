@@ -37,7 +37,7 @@ TEST_P(ClosedForms, HoldOnTwoBodies) {
 }
 INSTANTIATE_TEST_SUITE_P(Quick, ClosedForms, ::testing::ValuesIn(quick_forms()), test_name);
 
-// Of the slow ones that which slips, on coarser elements and one body; ClosedForms.Command is the rest.
+// The slow form that slips, on coarser elements and one body; ClosedForms.Command has the others.
 TEST(SlowForms, SlippingHoldsOnCoarserElements) {
   const std::vector<ClosedForm> all = closed_forms();
   const auto form =

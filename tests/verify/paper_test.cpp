@@ -48,7 +48,7 @@ TEST_F(Paper, Figure4) {
   expect_holds(figure);
 }
 
-// The statements are no matter of course: curves that contradict them are told.
+// The statements can fail: curves that contradict them are reported.
 TEST(PaperStatements, FailWhereTheCurvesSayOtherwise) {
   const PaperCurve line{"line", {0, 1, 2}, {0, 1, 2}}, half{"half", {0, 1, 2}, {0, 0.4, 0.8}},
       bent{"bent", {0, 1, 2}, {0, 0, 2}}, late{"late", {0, 1, 2}, {0, 1, 0.5}};

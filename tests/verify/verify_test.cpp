@@ -98,10 +98,10 @@ TEST(Limits, NothingIsBrokenWhereNoneIsSet) {
 }
 
 TEST(Limits, APercentileBeyondItsLimitIsNamed) {
-  EXPECT_NE(broken_limits(measured(40, 0, 0.11, 0), {.p95 = 0.1})->find("normal force error is 0.11, asked 0.1"),
+  EXPECT_NE(broken_limits(measured(40, 0, 0.11, 0), {.p95 = 0.1})->find("normal force error is 0.11, required 0.1"),
             std::string::npos);
   const auto sideways = broken_limits(measured(40, 0, 0.11, 0.4), {.p95_sideways = 0.2});
-  EXPECT_EQ(*sideways, "95th percentile of the sideways force error is 0.4, asked 0.2");
+  EXPECT_EQ(*sideways, "95th percentile of the sideways force error is 0.4, required 0.2");
   EXPECT_TRUE(broken_limits(measured(40, 0, HUGE_VAL, 0), {.p95 = 0.1}));
   EXPECT_TRUE(broken_limits(measured(40, 0, std::nan(""), 0), {.p95 = 0.1}));
 }

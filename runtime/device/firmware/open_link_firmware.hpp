@@ -7,7 +7,7 @@
 
 namespace palpate::device::openlink {
 
-/// What the hardware measures at one moment.
+/// The hardware's measurements at one moment.
 struct Measured {
   float position[3] = {};               ///< m, from the middle of the workspace
   float orientation[4] = {1, 0, 0, 0};  ///< unit quaternion w, x, y, z

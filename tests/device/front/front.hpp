@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where an emulated device is plugged in and from where its driver opens it: what the two front ends have in common.
+// Plugs in an emulated device and opens its driver: the common interface of the two front ends.
 #pragma once
 
 #include "device/registry.hpp"
@@ -9,7 +9,7 @@
 
 namespace palpate::test {
 
-/// One socket. What was opened is closed before the next plug() and before it ends.
+/// One socket. An opened device is closed before the next plug() and before the socket's end.
 class Front {
 public:
   virtual ~Front() = default;

@@ -66,7 +66,7 @@ struct MockBus::State {
 };
 
 bool MockBus::possible() {
-  // Without the wrapper there is no testbed to be had, and umockdev remembers its answer: this is asked with a testbed.
+  // umockdev caches its first answer, and no testbed works without the wrapper, so the call is made with a testbed.
   static const bool answer = [] {
     UMockdevTestbed* bed = umockdev_testbed_new();
     const bool inside = umockdev_in_mock_environment() == TRUE;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What usbfs answers to a program's ioctl() calls, for one port (linux/usbdevice_fs.h).
+// Answers of usbfs to a program's ioctl() calls, for one port (linux/usbdevice_fs.h).
 #pragma once
 
 #include "tests/device/front/usb_host.hpp"

@@ -103,7 +103,7 @@ void FalconModel::hear(double time, std::uint8_t byte) {
 }
 
 void FalconModel::obey(double time) {
-  // What the host sends has the same form as what it hears.
+  // Packets of the host have the same form as those of the device.
   motors_ = reader_.input().encoders;
   lights_ = reader_.input().bits;
   const bool homing = (lights_ & device::falcon::Output::kHoming) != 0;

@@ -15,7 +15,7 @@ namespace palpate::test {
 
 class FalconModel final : public UsbModel {
 public:
-  /// What can go wrong, from the moment it is set.
+  /// Faults, from the moment they are set.
   struct Faults {
     bool mute = false;            ///< answers nothing any more
     bool refuse_control = false;  ///< stalls control requests
@@ -35,7 +35,7 @@ public:
   Faults faults;
   runtime::Vec3 tip = device::falcon::kCentre;  ///< m: where the hand holds the grip; within the arms' reach
   std::uint8_t buttons = 0;
-  std::uint8_t homed = 0;  ///< bits of device::falcon::Input that are set as soon as homing is asked for
+  std::uint8_t homed = 0;  ///< bits of device::falcon::Input that are set as soon as homing is requested
 
   [[nodiscard]] bool running() const { return stage_ == Stage::running; }
   [[nodiscard]] int loads() const { return loads_; }

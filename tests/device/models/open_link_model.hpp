@@ -14,7 +14,7 @@ namespace palpate::test {
 
 class OpenLinkModel final : public UsbModel {
 public:
-  /// What can go wrong, from the moment it is set.
+  /// Faults, from the moment they are set.
   struct Faults {
     bool frozen = false;    ///< the loop of the firmware is stuck: motors stay as they are
     bool mute = false;      ///< what it sends is lost
@@ -32,7 +32,7 @@ public:
   Faults faults;
   device::openlink::Measured measured{{}, {1, 0, 0, 0}, 0, true, 0};  ///< what its hardware measures
   double clock_rate = 1;                                              ///< of its clock, times true
-  std::array<float, 3> force{}, torque{};                             ///< N, N m, that its motors are told
+  std::array<float, 3> force{}, torque{};                             ///< N, N m, last command of its motors
   double force_until = 0;  ///< s: when the last force ended; infinity: there is one
 
   /// The firmware's loop, up to `time` (s).
@@ -47,11 +47,11 @@ public:
   [[nodiscard]] double due() const override { return next_step_; }
 
 private:
-  // The five functions that the firmware asks of its hardware.
+  // The five functions of the hardware that the firmware calls.
   struct Board {
     OpenLinkModel& model;
     std::uint32_t microseconds() const;
-    void measure(device::openlink::Measured& measured) const { measured = model.measured; }
+    void measure(device::openlink::Measured& into) const { into = model.measured; }
     void actuate(const float* force, const float* torque);
     std::size_t receive(std::uint8_t* bytes, std::size_t most);
     void send(const std::uint8_t* bytes, std::size_t size);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// An emulated USB device apart from any wire: what it shows of itself, bytes in, bytes out. It knows no libusb, no
-// thread and no clock: the same model stands below every front end (usbfs in process, umockdev) and in plain tests.
+// An emulated USB device apart from any wire: its descriptors, bytes in, bytes out. It uses no libusb, no thread and no
+// clock, so the same model serves every front end (usbfs in process, umockdev) and plain tests.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@ namespace palpate::test {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// What enumeration sees: one configuration, one interface, an endpoint each way.
+/// The device at enumeration: one configuration, one interface, an endpoint each way.
 struct UsbShape {
   std::uint16_t vendor = 0, product = 0;
   std::uint8_t interface_class = 0xff;  ///< 3: HID; 0xff: the vendor's own

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where a model is plugged in: every transfer of a front end goes through it, and so do the faults that tests inject.
+// The port of a model: every transfer of a front end goes through it, and so do the faults that tests inject.
 #pragma once
 
 #include "tests/device/models/usb_model.hpp"
@@ -15,7 +15,7 @@ namespace palpate::test {
 /// How a transfer ends, or that it has not ended yet (the device answers NAK).
 enum class Answer { done, pending, stalled, gone };
 
-/// What happens to each packet on its way to the host.
+/// Faults of packets in transit to the host.
 struct PacketFault {
   enum class Kind {
     none,

@@ -21,7 +21,7 @@ public:
   std::function<device::Joints(double)> motion = [](double) { return device::Joints{0, 0, 1.5707963267948966}; };
   bool six = false;     ///< has the firmware for six degrees of freedom: reports of 14 bytes
   bool frozen = false;  ///< says its last report again and again
-  /// What the encoders happen to show at the angles of zero: the counts wrap soon from here.
+  /// Counts of the encoders at the angles of zero: they wrap soon from here.
   std::int16_t offset[3] = {32700, -32760, 100};
 
   [[nodiscard]] UsbShape shape() const override { return {0x1234, 0x0006, 3, 0x81, 0x01, true, 64}; }

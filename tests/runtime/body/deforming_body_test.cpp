@@ -260,7 +260,7 @@ TEST(DeformingBody, WrongPoseIsAFaultAndTheContactBeginsAnew) {
   wrong.rotation[4] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(contact.tick(wrong, deforming).state, State::fault);
   EXPECT_EQ(length(contact.tick(pose, deforming).force), 0);  // seen anew, deep inside: without force
-  // Nor does a tool that is put elsewhere push at once.
+  // A tool that is put elsewhere does not push at once either.
   pose.translation = pose.translation + Vec3{0.005, 0.01, 0};
   EXPECT_EQ(length(contact.tick(pose, deforming).force), 0);
 }

@@ -41,7 +41,7 @@ struct Rough : Opened {
 /// m, by which the tip overlaps the body.
 double overlap(const Rough& body, const Vec3& at) { return kTipRadius - closest_point(body.view, at).signed_distance; }
 
-/// A hand that goes down to some depth scales below the top, across, and up; `see` is told of every tick.
+/// A hand that goes down to some depth scales below the top, across, and up; `see` is called in every tick.
 template <class See>
 void draw_across(Contact& contact, double reach, double stride, const See& see, double depth = 0.5) {
   const double low = kTipRadius - depth * kDepthScale;

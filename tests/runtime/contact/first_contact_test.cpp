@@ -186,7 +186,7 @@ TEST(FirstContact, OverlapWithoutAMotionBeginsWithoutForce) {
   }
 }
 
-// The last search knew of no body; the tool went on into one meanwhile.
+// The last search found no body; the tool went on into one meanwhile.
 TEST(FirstContact, OldSearchCountsTheMotionSinceTheLastTick) {
   const Opened box(box_content(alike(true)));
   const auto at = [](double depth) { return upright(kOnBox - Vec3{0, 0, depth}); };

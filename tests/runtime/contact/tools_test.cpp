@@ -111,8 +111,8 @@ Tilted tilt(const runtime::View& view, const Tilting& motion, int fine) {
   return r;
 }
 
-// Where p comes to the end of the axis while the tool is tilted, the skin that is parallel to the body is elsewhere on
-// the tip: p runs there as the tool moves, however fine the ticks are.
+// When p reaches the end of the axis of a tilted tool, the surface parallel to the body is elsewhere on the tip. p then
+// moves there as the tool moves, at any length of the ticks.
 TEST(Capsule, TiltedStemComesToItsTipWithoutAStep) {
   Options options = with(Options::Tools::capsule);
   options.friction = options.bias = false;

@@ -37,7 +37,7 @@ TEST(CortexM7, PrintsWhatTheExamplePrintsOnTheHost) {
   EXPECT_EQ(output(PALPATE_BOARD_MICROCONTROLLER), host);
 }
 
-// What the board writes, tick by tick.
+// Records of the board, tick by tick.
 std::vector<TickRecord> run_board() {
   const std::string bytes = output(PALPATE_BOARD_TICKS);
   std::vector<TickRecord> records(bytes.size() / sizeof(TickRecord));

@@ -20,7 +20,7 @@ enum class Hand : std::uint32_t {
   leaping
 };
 
-/// What one tick answered, and what it took: as the board writes it.
+/// The result and the time of one tick, as the board writes them.
 struct TickRecord {
   std::uint32_t state;
   float force[3], torque[3];  ///< N, N m
@@ -35,7 +35,7 @@ using ProgramTick = runtime::Tick (*)(const runtime::Pose&, const runtime::Searc
 template <std::uint32_t kFeatures>
 ProgramTick begin_program(const runtime::View& view, std::uint32_t tool);
 
-/// Where a tool is at every tick, over the box of response_samples.hpp.
+/// Position of a tool at every tick, over the box of response_samples.hpp.
 class Motion {
 public:
   Motion(const runtime::View& view, std::uint32_t tool, Hand hand)

@@ -161,7 +161,7 @@ TEST(PassivityController, ShareRisesOnlyWithoutForce) {
     last = out.step<PassivityController>().share();
   }
   EXPECT_LT(last, 0.1);
-  // Friction on a free way pays for what was made: 0.05 mJ over 0.05 N are 1 mm.
+  // Friction on a free way dissipates the energy that was made: 0.05 mJ over 0.05 N are 1 mm.
   for (int k = 0; k < 400; ++k) out({}, kTick, {0, 1e-5 * k, 0});
   EXPECT_EQ(out.step<PassivityController>().share(), 1);
   EXPECT_EQ(distance(out({1, 2, 3}, kTick, {0, 4e-3, 0}), {1, 2, 3}), 0);
@@ -194,7 +194,7 @@ TEST(PassivityController, PauseResetsTheEnergy) {
     EXPECT_EQ(muted[0], shares[0]);
     for (std::size_t k = 2; k < muted.size(); ++k) EXPECT_LT(muted[k], 0.01);
   }
-  // Damping of K T / 2 pays for it all.
+  // Damping of K T / 2 dissipates it all.
   PassivityOptions damped;
   damped.damping = 0.26;
   for (const double share : shares_of_presses(damped, 6, 0)) EXPECT_EQ(share, 1);

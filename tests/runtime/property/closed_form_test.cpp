@@ -102,7 +102,7 @@ TEST(ClosedForm, UnloadingAndReloadingFollowMasing) {
         for (int k = 1; k <= 20; ++k) {
           const double x = from + (to - from) * k / 20;
           const double branch = 2 * cattaneo_mindlin(std::fabs(x - from) / 2, drawn.stiffness, drawn.limit);
-          // Of the loop's span, which is twice the limit.
+          // Relative to the loop's span, which is twice the limit.
           const double error = std::fabs(drawn.to(x) - (at_from + sign * branch)) / 2;
           EXPECT_LT(error, kMostError) << depth << ' ' << turn << ' ' << x / drawn.reach;
           worst = std::max(worst, error);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the property test ticks: each kind of contact behind one call, and the work of its friction.
+// Contacts of the property test: each kind behind one call, and the work of its friction.
 #pragma once
 
 #include <algorithm>
@@ -95,7 +95,7 @@ public:
     if (c.driver == Driver::scaled) scales_ = std::make_unique<runtime::SiteScales>(view, memory_.data());
   }
 
-  /// Where a hand that is put somewhere is put in the world: by the motion of the surface there.
+  /// Puts the hand at a pose in the world, moved by the motion of the surface there.
   void put(const Pose& pose) {
     if (animation_) place_ = animation_->at(closest_point(view_, pose.translation).at);
   }
@@ -148,8 +148,8 @@ public:
     count_ = 0;
   }
 
-  /// m, how far the responses went on over the body in this tick, the largest of all contacts. Where c leaps the response
-  /// lags behind it.
+  /// m, travel of the responses over the body in this tick, the largest of all contacts. If c jumps, the response lags
+  /// behind it.
   [[nodiscard]] double point_motion() const {
     double most = 0;
     for (int k = 0; k < 3; ++k) {

@@ -24,7 +24,7 @@ struct SlideOptions {
   unsigned seed = 5;
 };
 
-/// What presses and slides found. A press goes in along the site's normal and out again.
+/// Results of presses and slides. A press goes in along the site's normal and out again.
 struct OrganResult {
   std::uint32_t presses = 0;
   std::uint32_t stepped = 0;     ///< presses with a tick that changes the force by more than 10 % of the peak

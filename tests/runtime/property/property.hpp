@@ -38,7 +38,7 @@ struct PropertyCase {
   double fine = 1;  ///< steps are so many times as long
 };
 
-/// What was found. Shares are of the file's own scales, so they compare from file to file.
+/// Results of the property test. Shares are of the file's own scales, so they compare from file to file.
 struct PropertyResult {
   std::uint64_t ticks = 0, touching = 0, sliding = 0, contacts = 0;
   std::uint64_t broken = 0;  ///< ticks that are not finite, push without depth, or are a fault at a good pose

@@ -88,8 +88,8 @@ constexpr double slipping_bias_share(double s) { return 0.75 * s; }
 
 /// Reads `count` signed integers of `bits` (8, 12 or 16) each, two's complement, lowest bits first, without gaps.
 /// The byte before `from` must be readable.
-template <class Integer>
-inline void unpack(const unsigned char* from, std::uint32_t bits, int count, Integer* to) {
+template <class Number>
+inline void unpack(const unsigned char* from, std::uint32_t bits, int count, Number* to) {
   if (bits == 16) {
     for (int k = 0; k < count; ++k) {
       std::int16_t number;
@@ -110,9 +110,9 @@ inline void unpack(const unsigned char* from, std::uint32_t bits, int count, Int
     return bytes;
   };
   const auto top = [](std::uint32_t bits_at_top) {
-    return static_cast<Integer>(static_cast<std::int32_t>(bits_at_top) >> 20);
+    return static_cast<Number>(static_cast<std::int32_t>(bits_at_top) >> 20);
   };
-  const auto two = [&](const unsigned char* at, Integer* numbers) {
+  const auto two = [&](const unsigned char* at, Number* numbers) {
     const std::uint32_t bytes = word(at - 1);
     numbers[0] = top(bytes << 12);
     numbers[1] = top(bytes);

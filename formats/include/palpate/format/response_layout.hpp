@@ -138,7 +138,7 @@ struct Meta {
   std::uint32_t site_count, vertex_count, triangle_count;
   std::uint32_t tool_count, tool_vertex_count, tool_patch_count;
   std::uint32_t response_count;  ///< site_count * tool_vertex_count
-  std::uint32_t subdivision;     ///< k: each patch is k * k triangles of the contact surface
+  std::uint32_t subdivision;     ///< k: weights of sites are multiples of 1 / k
   std::uint32_t bonded_coefs;    ///< of each curve of BONDED and BONDED_TORQUE; 0 when no tool bonds
   std::uint32_t search_nodes;
   std::uint32_t normal_degree, bias_degree, stiffness_degree, friction_degree;  ///< response::Degrees
@@ -265,8 +265,8 @@ inline constexpr std::uint32_t coefficients_size(const Meta& m) { return coeffic
 inline constexpr std::uint32_t response_size(const Meta& m) { return response_head_size(m) + coefficients_size(m); }
 
 /// Reads all coefficients that follow the unit at `law`.
-template <class Integer>
-inline void unpack_coefficients(const unsigned char* law, const response::Offsets& o, std::uint32_t bits, Integer* to) {
+template <class Number>
+inline void unpack_coefficients(const unsigned char* law, const response::Offsets& o, std::uint32_t bits, Number* to) {
   response::unpack(law + 4, bits, o.friction, to);
   response::unpack(law + friction_offset(o, bits), 16, o.end - o.friction, to + o.friction);
 }

@@ -20,24 +20,6 @@ inline constexpr layout::Meta kNoMeta{};
 inline constexpr layout::SurfaceTriangle kNoTriangle{};
 inline constexpr layout::Point kNoPoint{};
 
-/// True on a microcontroller, where memory is small and near, and the longest tick counts.
-#if defined(__ARM_ARCH_PROFILE)
-inline constexpr bool kSmall = __ARM_ARCH_PROFILE == 'M';
-#else
-inline constexpr bool kSmall = false;
-#endif
-
-/// Reads one byte of every cache line, which loads all lines at once. A processor may ignore a prefetch instruction for
-/// a page whose address it does not know, and most pages of a large file are such.
-inline void prefetch([[maybe_unused]] const void* from, [[maybe_unused]] std::uint32_t bytes) {
-  if constexpr (!kSmall) {
-    constexpr std::uint32_t kLine = 64;
-    const auto* const at = static_cast<const volatile unsigned char*>(from);
-    for (std::uint32_t k = 0; k < bytes; k += kLine) static_cast<void>(at[k]);
-    static_cast<void>(at[bytes - 1]);
-  }
-}
-
 }  // namespace detail
 
 /// Pointers into the bytes of a response file. Copyable. The bytes must outlive the view and must not change.
@@ -105,8 +87,6 @@ struct View {
   [[nodiscard]] const unsigned char* packed_coefficients(std::uint64_t index) const {
     return responses + index * response_size + head_size;
   }
-  /// Loads a response into the cache, for a caller that has other work before it reads the response.
-  void fetch(std::uint64_t index) const { detail::prefetch(responses + index * response_size, response_size); }
 
   [[nodiscard]] const layout::BondedHead& bonded_head(std::uint64_t index) const {
     return *reinterpret_cast<const layout::BondedHead*>(bonded + index * layout::bonded_size(meta->bonded_coefs));

@@ -173,14 +173,17 @@ private:
   using Corners = std::uint32_t[3];
 
   /// Calls each(sites) for every patch until it returns false; returns whether it never did. A patch is visited at the
-  /// triangle that has its first site.
+  /// triangle that has its first site and the side from there to its second.
   template <class Each>
   bool each_patch(const Each& each) const {
     for (std::uint32_t i = 0; i < view_->meta->triangle_count; ++i) {
       const layout::SurfaceTriangle& t = view_->triangles[i];
-      const auto has_first = [&](const std::uint16_t(&weight)[2]) { return weight[0] == view_->meta->subdivision; };
-      if (!has_first(t.grid[0]) && !has_first(t.grid[1]) && !has_first(t.grid[2])) continue;
-      if (!each(t.site)) return false;
+      for (int k = 0; k < 3; ++k) {
+        const std::uint32_t whole = view_->meta->subdivision;
+        const std::uint16_t(&next)[2] = t.grid[(k + 1) % 3];
+        const bool starts_side = t.grid[k][0] == whole && std::uint32_t{next[0]} + next[1] == whole;
+        if (starts_side && !each(t.site)) return false;
+      }
     }
     return true;
   }

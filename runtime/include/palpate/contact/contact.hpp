@@ -69,7 +69,11 @@ public:
       if (!found.touches) return {};
       start(found.touch, body.surface_frame() * found.pose, body);
     }
-    if (state_.touching && jumped(tool, body) && !put_elsewhere(tool, body, latest)) {
+    const auto jumped = [&](const auto& frame) {
+      const Motion motion(state_.tool, in_body(tool, frame));
+      return length(motion.of(state_.place.tool_point.point)) > size(view_->meta->depth_scale);
+    };
+    if (state_.touching && jumped(body.frame(state_.place.body_point.at)) && !put_elsewhere(tool, body, latest)) {
       free_.leave(tool, body, state_.place.foot.at);
       return released();
     }
@@ -111,7 +115,6 @@ public:
 private:
   /// A trial of the tick's end at one counted depth.
   struct Trial {
-    SpringState springs;
     SpringForce friction;
     Vec2 recovery;             ///< m
     ResponseAtDepth response;
@@ -124,7 +127,7 @@ private:
     double crept = 0;  ///< m, by which the response went on towards c
     Vec3 before;       ///< m, motion of the tool's point where the last force acted
     Vec3 after;        ///< m, motion of the tool's point where this force acts
-    Vec3 point;        ///< m, where this force acts
+    Vec3 point;        ///< m, of the tool's frame, where this force acts
     Vec3 axis_y;       ///< unit, n x axis
     Vec2 way;          ///< m, the part of `after` across n
   };
@@ -158,7 +161,7 @@ private:
     state_.tool = by * state_.tool;
     state_.place.normal = by.rotate(state_.place.normal);
     state_.place.axis = by.rotate(state_.place.axis);
-    state_.applied = {by.rotate(state_.applied.force), by.apply(state_.applied.point)};
+    state_.applied.force = by.rotate(state_.applied.force);
   }
 
   /// A contact without force at the place of a search. `tool`: the pose (world) there.
@@ -180,7 +183,7 @@ private:
     place.tool_point.at = shape_.sampled_point(touch.core, state_.tool, place.normal);
     state_.indentation = larger(0, shape_.skin() - place.foot.signed_distance);
     state_.factor = body.factor(at);
-    state_.applied.point = state_.tool.apply(place.tool_point.point);
+    state_.applied.point = place.tool_point.point;
     foot_tracker_.reset();
   }
 
@@ -188,13 +191,14 @@ private:
   template <class Body>
   Tick step(const Pose& tool, const Body& body, const Search* latest) {
     ContactPlace& place = state_.place;
+    const Motion way(state_.tool, tool);
     TickMotion motion;
-    motion.moved = travel(state_.tool, tool, shape_.extent());
+    motion.moved = way.travel(shape_.extent());
     const double reach = ContactConstants::kPointSpeed * motion.moved;
     const CorePoint from = place.tool_point;
     place.tool_point = shape_.advance(from, tool, place.foot, place.normal, reach);
     const Vec3 q = tool.apply(place.tool_point.point);
-    advance_foot(q, length(q - state_.tool.apply(from.point)), latest);
+    advance_foot(q, length(way.of(from.point) + tool.rotate(place.tool_point.point - from.point)), latest);
     // A search that arrives late may find less than was felt: it is lost as the tool moves.
     const double z = larger(shape_.skin() - place.foot.signed_distance, state_.indentation - motion.moved);
     if (!(z > 0)) {
@@ -211,25 +215,12 @@ private:
       place.lag -= motion.crept;
     }
 
-    motion.point = q - shape_.skin() * place.normal;
-    motion.before = way_of(state_.tool.unapply(state_.applied.point), tool);
-    motion.after = way_of(tool.unapply(motion.point), tool);
+    motion.point = place.tool_point.point - shape_.skin() * tool.unrotate(place.normal);
+    motion.before = way.of(state_.applied.point);
+    motion.after = way.of(motion.point);
     motion.axis_y = cross(place.normal, place.axis);
     motion.way = {dot(motion.after, place.axis), dot(motion.after, motion.axis_y)};
     return answer(tool, z, motion, body);
-  }
-
-  /// m, way of a point of the tool's frame in this tick; exactly 0 at rest, of a rotation that is not quite orthonormal too.
-  [[nodiscard]] Vec3 way_of(const Vec3& point, const Pose& tool) const {
-    return tool.apply(point) - state_.tool.apply(point);
-  }
-
-  /// Whether the tool went farther than a contact's size since the last tick.
-  template <class Body>
-  [[nodiscard]] bool jumped(const Pose& tool, const Body& body) const {
-    const Pose& now = in_body(tool, body.frame(state_.place.body_point.at));
-    const Vec3& core = state_.place.tool_point.point;
-    return length(now.apply(core) - state_.tool.apply(core)) > size(view_->meta->depth_scale);
   }
 
   /// Begins anew, without force, where the tool is now. False where it overlaps nothing there.
@@ -288,14 +279,15 @@ private:
     const Vec3 turn = target - place.normal;
     const double most = ContactConstants::kTurnSpeed * moved / z, angle = length(turn);
     const Vec3 n = angle <= most ? target : unit(place.normal + (most / angle) * turn, place.normal);
-    place.axis = unit(tangential(turned(place.axis, place.normal, n), n), any_orthogonal(n));
+    const Vec3 axis = tangential(turned(place.axis, place.normal, n), n);
+    place.axis = dot(axis, axis) > 1e-6 ? unit(axis, axis) : any_orthogonal(n);
     place.normal = n;
   }
 
   /// c: the point of the surface closest to the foot less the springs' deflection. It may leap; the response does not.
   void advance_body_point() {
     ContactPlace& place = state_.place;
-    const Vec2 mean = mean_deflection();
+    const Vec2& mean = state_.springs.mean;
     const Vec3 y = cross(place.normal, place.axis);
     const Vec3 target = place.foot.point - mean.x * place.axis - mean.y * y;
     const double rest = ContactConstants::kRest * size(state_.indentation);
@@ -304,17 +296,6 @@ private:
     place.target = target;
     place.body_point = walked(target, place.body_point.at, place.foot.at);
     place.lag += length(place.body_point.point - from);
-  }
-
-  /// m: K^-1 sum of K_k e_k, as of the last tick.
-  [[nodiscard]] Vec2 mean_deflection() const {
-    double sum = 0;
-    Vec2 mean;
-    for (int k = 0; k < SpringConstants::kLayers; ++k) {
-      sum += state_.springs.stiffness[k];
-      mean = mean + state_.springs.stiffness[k] * state_.springs.deflection[k];
-    }
-    return sum > 0 ? (1 / sum) * mean : Vec2{};
   }
 
   [[nodiscard]] static bool same(const CorePoint& a, const CorePoint& b) {
@@ -333,7 +314,7 @@ private:
     const BlendedResponse<kFeatures> old = response_;
     response_.blend(*view_, tool_, place.body_point.at, place.tool_point.at, turned(place.axis, place.normal, n), &tool);
     if (share < 1) response_.mix(old, 1 - share);
-    layers_.set(response_.law(), response_.softening());
+    if constexpr ((kFeatures & layout::feature_friction) != 0) layers_.set(response_.law(), response_.softening());
   }
 
   /// The force at the indentation z (m). The counted depth d is z where the hand has put in what the contact stored at the
@@ -341,14 +322,14 @@ private:
   ///
   ///     d = z - z_0 + the depth at which W + energy beside W = E,
   ///
-  /// for the tick's own work deepens d as it deepens z (by at most the tool's way). Where the force at d would take more
+  /// for the tick's own work deepens d as it deepens z (by at most the tool's way). If the force at d would take more
   /// than E holds, as in one long step, d falls further. Corrections are bounded by the way of the tool and of c in this
   /// tick; the rest is made in the next ones.
   template <class Body>
   Tick answer(const Pose& tool, double z, const TickMotion& motion, const Body& body) {
     const double wanted = body.factor(state_.place.body_point.at), step = body.factor_step();
     const double factor = smaller(larger(wanted, state_.factor - step), state_.factor + step);
-    const double last = state_.indentation, paid_for = factor > 0 ? state_.energy.energy() / factor - state_.other : 0;
+    const double last = state_.indentation, covered_work = factor > 0 ? state_.energy.energy() / factor - state_.other : 0;
     ResponseAtDepth before, full;
     if (last > 0) response_.law().set_normal(last, before);
     // An indentation that grows by more than the tool's way was found, not made.
@@ -360,23 +341,26 @@ private:
     const double rise = factor > state_.factor ? 1 - state_.factor / factor : 0;
     const double least = larger(kept - most - rise * state_.counted_depth, 0);
     double depth = z, limit = 0;
-    const bool paid = paid_for >= before.work * (1 - EnergyConstants::kRounding);
-    const bool owed = !paid || state_.counted_depth < last || deepened < z - last;
-    if (owed) {
+    const double slack = smaller(EnergyConstants::kRounding * view_->meta->depth_scale, motion.moved);  // m
+    const bool deficit = covered_work < before.work - slack * before.normal_force || kept < z - slack;
+    if (deficit) {
       response_.law().set_normal(z, full);
       const double counted =
-          EnergyTank::counted_depth(response_.law(), paid_for, last, before.work, state_.counted_depth);
+          EnergyTank::counted_depth(response_.law(), covered_work, last, before.work, state_.counted_depth);
       depth = smaller(clamped(counted + deepened, least, kept + most), z);
-      limit = EnergyTank::recovery_limit(before.work > 0 ? paid_for / before.work : 0, full.normal_force);
+      limit = EnergyTank::recovery_limit(before.work > 0 ? covered_work / before.work : 0, full.normal_force);
       before = ResponseAtDepth{};
       if (state_.counted_depth > 0) response_.law().set_normal(state_.counted_depth, before);
+    } else {
+      state_.counted_depth = last;  // but for rounding it was
     }
+    const SpringState springs = state_.springs;
     Trial trial;
     double energy = 0;
     for (int round = 0;; ++round) {
-      try_depth(depth, z, full.normal_slope, limit, motion, trial);
+      try_depth(depth, z, full.normal_slope, limit, motion, springs, trial);
       energy = energy_after(depth, before, factor, motion, trial);
-      if (!owed && round == 0) full = trial.response;
+      if (!deficit && round == 0) full = trial.response;
       const double spare = factor > 0 ? energy / factor - trial.other : 0;
       const bool covered = spare >= trial.response.work - EnergyConstants::kMissing * full.work;
       if (covered || round == EnergyConstants::kRounds || !(depth > least)) break;
@@ -384,7 +368,6 @@ private:
     }
     state_.energy.settle(energy, factor * (full.work + trial.other),
                          motion.moved / (EnergyConstants::kHoldTravel * rounding()));
-    state_.springs = trial.springs;
     state_.recovery = trial.recovery;
     state_.other = trial.other;
     state_.indentation = z;
@@ -394,21 +377,21 @@ private:
     return report(tool, trial);
   }
 
-  /// Springs and force at a counted depth. `limit` (N) and `stiffness` (N/m, where depth < z): of the recovery layer.
-  void try_depth(double depth, double z, double stiffness, double limit, const TickMotion& motion, Trial& trial) const {
+  /// Force at a counted depth, and the springs there from those `before` the tick. `limit` (N) and `stiffness` (N/m,
+  /// where depth < z): of the recovery layer.
+  void try_depth(double depth, double z, double stiffness, double limit, const TickMotion& motion,
+                 const SpringState& before, Trial& trial) {
     trial.response = depth > 0 ? response_.law().at(depth) : ResponseAtDepth{};
     const ResponseAtDepth& r = trial.response;
-    trial.springs = state_.springs;
     trial.friction = {};
-    Vec2 mean;
     if ((kFeatures & layout::feature_friction) != 0 && response_.law().has_friction()) {
-      trial.friction = update_springs(layers_, r, {state_.counted_depth, depth, motion.way}, trial.springs);
-      mean = solve(r.stiffness, trial.friction.force);
+      trial.friction = update_springs(layers_, r, {state_.counted_depth, depth, motion.way}, before, state_.springs);
     }
+    const Vec2& mean = state_.springs.mean;
     // The recovery layer: its deflection shrinks no faster than the tool moves.
-    const double slope = depth < z ? stiffness : r.normal_slope, before = length(state_.recovery);
+    const double slope = depth < z ? stiffness : r.normal_slope, last = length(state_.recovery);
     trial.recovery = state_.recovery + motion.way;
-    const double reach = length(trial.recovery), most = larger(slope > 0 ? limit / slope : 0, before - motion.moved);
+    const double reach = length(trial.recovery), most = larger(slope > 0 ? limit / slope : 0, last - motion.moved);
     if (reach > most) trial.recovery = (larger(most, 0) / reach) * trial.recovery;
     const Vec2 drag = slope * trial.recovery;
     // Slip removes the shear that the sticking contact's bias contains.
@@ -437,7 +420,8 @@ private:
     Tick tick;
     tick.state = !friction || trial.friction.slides ? State::slide : State::stick;
     tick.force = state_.applied.force;
-    tick.torque = cross(state_.applied.point - tool.translation, tick.force);
+    const Vec3 arm = tool.rotate(state_.applied.point);
+    tick.torque = cross(arm, tick.force);
     tick.depth = state_.indentation;
     tick.counted_depth = state_.counted_depth;
     tick.friction_limit =
@@ -446,7 +430,7 @@ private:
     tick.extrapolated = state_.indentation > response_.depth_limit() * (1 + 1e-5);
     tick.normal = place.normal;
     tick.body_point = place.body_point.point;
-    tick.tool_point = state_.applied.point;
+    tick.tool_point = tool.translation + arm;
     tick.at = place.body_point.at;
     tick.on_tool = place.tool_point;
     return tick;

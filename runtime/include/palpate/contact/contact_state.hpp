@@ -24,9 +24,10 @@ struct ContactPlace {
   return length(to.body_point.point - from.body_point.point) + from.lag - to.lag;
 }
 
-/// Force (N) on the tool and the point (m) of its skin where it acts.
+/// Force on the tool.
 struct AppliedForce {
-  Vec3 force, point;
+  Vec3 force;  ///< N
+  Vec3 point;  ///< m, of the tool's frame, where it acts
 };
 
 /// Everything that a contact remembers, in the body's frame as baked.

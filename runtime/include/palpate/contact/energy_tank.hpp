@@ -20,8 +20,8 @@ struct EnergyConstants {
   /// motion need none.
   static constexpr int kRounds = 2;
   static constexpr double kMissing = 0.02;
-  /// Of W: a deficit below this is rounding, and the whole depth counts.
-  static constexpr double kRounding = 1e-9;
+  /// Of Z: a depth that is missing by less is rounding, and the whole depth counts.
+  static constexpr double kRounding = 1e-12;
   /// Travel over which an energy that the contact no longer stores is kept: this times the scale of the tool's radius.
   /// A dip of the stored energy on the way over a bump is shorter.
   static constexpr double kHoldTravel = 0.5;

@@ -39,13 +39,15 @@ public:
   void set(const ResponseLaw& law, double softening) {
     depth_scale_ = law.depth_scale();
     softening_ = softening;
+    if (!law.has_friction()) return;
     ResponseAtDepth r;
     for (int k = 1; k < kCount; ++k) {
-      law.set_normal(start(k), r);
-      force_[k] = r.normal_force;
+      law.set_normal_within(kLayerAbscissa[k], r);
       slope_[k] = r.normal_slope;
-      work_[k] = r.work;
-      stiffness_[k] = law.has_friction() ? law.stiffness_at(kLayerAbscissa[k]) : Sym2{};
+      force_[k] = r.normal_force - r.normal_slope * start(k);
+      work_[k] = r.work - start(k) * (r.normal_force - 0.5 * start(k) * r.normal_slope);
+      stiffness_[k] = law.stiffness_at(kLayerAbscissa[k]);
+      whole_[k - 1] = stiffness_[k] - stiffness_[k - 1];
     }
   }
 
@@ -55,27 +57,27 @@ public:
   [[nodiscard]] double softening() const { return softening_; }
   /// Number of layers engaged at a depth (m).
   [[nodiscard]] int engaged(double depth) const {
+    const double share = depth / depth_scale_;
     int count = 0;
-    while (count < kCount && depth > start(count)) ++count;
+    while (count < kCount && share > kLayerDepth[count]) ++count;
     return count;
   }
   /// m, z_k.
   [[nodiscard]] double start(int k) const { return kLayerDepth[k] * depth_scale_; }
   /// K(s_k) (N/m); 0 for k = 0.
   [[nodiscard]] const Sym2& stiffness(int k) const { return stiffness_[k]; }
+  /// K(s_k+1) - K(s_k) (N/m): stiffness of a layer below which another one is engaged.
+  [[nodiscard]] const Sym2& whole(int k) const { return whole_[k]; }
   /// L_k(z): the tangent to F at z_k; 0 for k = 0.
-  [[nodiscard]] double tangent(int k, double z) const { return force_[k] + slope_[k] * (z - start(k)); }
+  [[nodiscard]] double tangent(int k, double z) const { return force_[k] + slope_[k] * z; }
   /// Its integral from no depth, along F up to z_k; 0 for k = 0.
-  [[nodiscard]] double tangent_work(int k, double z) const {
-    const double further = z - start(k);
-    return work_[k] + further * (force_[k] + 0.5 * further * slope_[k]);
-  }
+  [[nodiscard]] double tangent_work(int k, double z) const { return work_[k] + z * (force_[k] + 0.5 * z * slope_[k]); }
 
 private:
-  double depth_scale_ = 1;                                              ///< Z, m
+  double depth_scale_ = 1;  ///< Z, m
   double softening_ = 0;
-  double force_[kCount] = {}, slope_[kCount] = {}, work_[kCount] = {};  ///< N, N/m, J
-  Sym2 stiffness_[kCount] = {};                                         ///< N/m
+  double force_[kCount] = {}, slope_[kCount] = {}, work_[kCount] = {};  ///< N, N/m, J: of the tangents, at z = 0
+  Sym2 stiffness_[kCount] = {}, whole_[kCount] = {};                    ///< N/m
 };
 
 /// The springs of one contact.
@@ -83,6 +85,7 @@ struct SpringState {
   Vec2 deflection[SpringConstants::kLayers] = {};    ///< e_k, m
   double stiffness[SpringConstants::kLayers] = {};   ///< mean of K_k, N/m; 0 where the layer is not engaged
   double slipped[SpringConstants::kLayers] = {};     ///< [0, 1]: how far the layer has slipped since it engaged
+  Vec2 mean;                                         ///< K^-1 sum of K_k e_k, m
 };
 
 /// Force of the springs after an update.
@@ -101,7 +104,8 @@ struct SpringMotion {
   Vec2 way;                 ///< m, across the normal
 };
 
-/// Moves the springs by one tick. `r`: the response at the depth `motion.to` > 0, of the layers `layers`.
+/// Moves the springs `before` by one tick to `after`, which may be the same. `r`: the response at the depth
+/// `motion.to` > 0, of the layers `layers`.
 ///
 ///     K_k(z) = K(min(s, s_k+1)) - K(s_k)                    layer k's stiffness; the last layer is open-ended
 ///     limit  = mu (L_k+1(z) - L_k(z)) (1 - k z/Z slipped_k) telescopes to mu F (1 - k r z/Z); negative shares (F not
@@ -113,59 +117,66 @@ struct SpringMotion {
 /// A contact in partial slip is such a row of layers (Jaeger 1993, Ciavarella 1998). Slip removes part of the tangential
 /// bias, which was solved sticking: with r the slipped share of F, g (1 - r (1 - slipping_bias_share(s))) remains.
 inline SpringForce update_springs(const FrictionLayers& layers, const ResponseAtDepth& r, const SpringMotion& motion,
-                                  SpringState& state) {
+                                  const SpringState& before, SpringState& after) {
   constexpr int kCount = SpringConstants::kLayers;
   SpringForce result;
-  const int engaged = layers.engaged(motion.to);
-  for (int k = engaged; k < kCount && state.stiffness[k] > 0; ++k) {
-    state.deflection[k] = {};
-    state.stiffness[k] = state.slipped[k] = 0;
-  }
   const double mu = r.friction_coefficient, force = r.normal_force;
-  if (!(force > 0)) return result;
-  const double share_of_depth = smaller(1, motion.to / layers.depth_scale()), softening = layers.softening() * share_of_depth;
+  const int engaged = force > 0 ? layers.engaged(motion.to) : 0;
+  for (int k = engaged; k < kCount; ++k) {
+    after.deflection[k] = {};
+    after.stiffness[k] = after.slipped[k] = 0;
+  }
+  after.mean = {};
+  if (engaged == 0) return result;
+  const double share_of_depth = smaller(1, motion.to / layers.depth_scale());
+  const double softening = layers.softening() * share_of_depth;
 
-  double share[kCount], sum = 0, below = 0;  // N, of the normal force
+  double normal[kCount], sum = 0, below = 0;  // N, of the normal force
   for (int k = 0; k < engaged; ++k) {
     const double above = k + 1 < engaged ? layers.tangent(k + 1, motion.to) : force;
-    share[k] = larger(0, above - below);
-    sum += share[k];
+    normal[k] = larger(0, above - below);
+    sum += normal[k];
     below = above;
   }
   const double scale = sum > 0 ? force / sum : 0;
 
-  result.slides = engaged > 0;
+  result.slides = true;
   for (int k = 0; k < engaged; ++k) {
     const bool last = k + 1 == engaged;
-    const Sym2 stiffness = (last ? r.stiffness : layers.stiffness(k + 1)) - layers.stiffness(k);
-    const double normal = scale * share[k], start = layers.start(k);
-    const auto limit = [&] { return mu * normal * (1 - softening * state.slipped[k]); };
-    Vec2 e = state.deflection[k];
-    if (stiffness.m > state.stiffness[k]) e = (state.stiffness[k] / stiffness.m) * e;
+    const Sym2 stiffness = last ? r.stiffness - layers.stiffness(k) : layers.whole(k);
+    Vec2 e = before.deflection[k];
+    if (stiffness.m > before.stiffness[k]) e = (before.stiffness[k] / stiffness.m) * e;
+    const double start = layers.start(k);
     e = e + (motion.from >= start ? 1 : (motion.to - start) / (motion.to - motion.from)) * motion.way;
     Vec2 elastic = stiffness * e;
-    const double squared = dot(elastic, elastic);
+    double slipped = before.slipped[k];
+    normal[k] *= scale;
+    double limit = mu * normal[k] * (1 - softening * slipped);
+    const double squared = dot(elastic, elastic), most = limit * limit;
     // Rounding neither moves what is at its limit nor lets it stick.
     constexpr double kRounding = 1e-12;
-    const double most = limit() * limit();
     if (squared > most * (1 + kRounding)) {
-      const double size = std::sqrt(squared), over = size / limit() - 1;  // slip over the deflection at the limit
-      state.slipped[k] += (1 - state.slipped[k]) * smaller(1, over / SpringConstants::kSlipTravel);
-      e = (limit() / size) * e;
-      elastic = stiffness * e;
+      const double size = std::sqrt(squared), over = size / limit - 1;  // slip over the deflection at the limit
+      slipped += (1 - slipped) * smaller(1, over / SpringConstants::kSlipTravel);
+      limit = mu * normal[k] * (1 - softening * slipped);
+      e = (limit / size) * e;
+      elastic = stiffness * e;  // the same bits as in the next tick at rest
     } else if (squared < most * (1 - kRounding)) {
       result.slides = false;
     }
-    state.deflection[k] = e;
-    state.stiffness[k] = stiffness.m;
+    after.deflection[k] = e;
+    after.stiffness[k] = stiffness.m;
+    after.slipped[k] = slipped;
     result.force = result.force + elastic;
-    result.energy += 0.5 * dot(e, elastic);
-    if (state.slipped[k] > 0) {
+    result.energy += dot(e, elastic);
+    if (slipped > 0) {
       const double work = (last ? r.work : layers.tangent_work(k + 1, motion.to)) - layers.tangent_work(k, motion.to);
-      result.lost_force += state.slipped[k] * normal;
-      result.lost_work += state.slipped[k] * larger(0, work);
+      result.lost_force += slipped * normal[k];
+      result.lost_work += slipped * larger(0, work);
     }
   }
+  after.mean = solve(r.stiffness, result.force);
+  result.energy *= 0.5;
   result.lost_bias = (1 - response::slipping_bias_share(std::sqrt(share_of_depth))) * result.lost_force / force;
   result.lost_force *= softening;
   result.lost_work *= softening;

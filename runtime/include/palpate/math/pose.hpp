@@ -95,15 +95,30 @@ inline Pose orthonormal(const Pose& pose) {
   return {{a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z}, pose.translation};
 }
 
-/// Largest distance (m) that a point within `radius` (m) of the tool's origin travels from one pose to another.
-inline double travel(const Pose& from, const Pose& to, double radius) {
-  double squared = 0;
-  for (int k = 0; radius > 0 && k < 9; ++k) {
-    const double d = to.rotation[k] - from.rotation[k];
-    squared += d * d;
+/// Motion from one pose to another: by how much each point of a tool goes.
+struct Motion {
+  double rotation[9];  ///< change of the rotation, row-major
+  Vec3 translation;    ///< m
+
+  Motion(const Pose& from, const Pose& to) : translation(to.translation - from.translation) {
+    for (int k = 0; k < 9; ++k) rotation[k] = to.rotation[k] - from.rotation[k];
   }
-  return length(to.translation - from.translation) + std::sqrt(squared) * radius;
-}
+  /// m, way of a point of the tool's frame; exactly 0 at rest.
+  [[nodiscard]] Vec3 of(const Vec3& a) const {
+    const double* r = rotation;
+    return {r[0] * a.x + r[1] * a.y + r[2] * a.z + translation.x, r[3] * a.x + r[4] * a.y + r[5] * a.z + translation.y,
+            r[6] * a.x + r[7] * a.y + r[8] * a.z + translation.z};
+  }
+  /// m, bound on the way of every point within `radius` (m) of the tool's origin.
+  [[nodiscard]] double travel(double radius) const {
+    double squared = 0;
+    for (int k = 0; radius > 0 && k < 9; ++k) squared += rotation[k] * rotation[k];
+    return length(translation) + std::sqrt(squared) * radius;
+  }
+};
+
+/// Largest distance (m) that a point within `radius` (m) of the tool's origin travels from one pose to another.
+inline double travel(const Pose& from, const Pose& to, double radius) { return Motion(from, to).travel(radius); }
 
 /// A pose on the way from one to another, at a share [0, 1] of it: positions linearly, rotations made orthonormal after
 /// a linear blend.

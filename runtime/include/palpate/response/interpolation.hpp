@@ -27,12 +27,13 @@ public:
     x_ = unit(tangential(x, normal_), any_orthogonal(normal_));
     y_ = cross(normal_, x_);
     const response::Degrees degrees = response::degrees(*view.meta);
+    const response::Offsets offsets = response::offsets(degrees);
     double sum[response::kMostCoefs];
-    for (int k = 0; k < response::count(degrees); ++k) sum[k] = 0;
+    for (int k = 0; k < offsets.end; ++k) sum[k] = 0;
     depth_limit_ = filled_share_ = softening_ = 0;
     for_each_share<kFeatures>(view, tool, c, p, lies, *this, weights,
                               [&](std::uint64_t index, double share, const Vec2& axis) {
-                                add(view, degrees, index, share, axis, sum);
+                                add(view, offsets, index, share, axis, sum);
                               });
     law_.set(degrees, sum, view.meta->depth_scale, view.meta->tangential_scale);
   }
@@ -73,32 +74,28 @@ public:
 private:
   /// Adds a response's coefficients, with `axis` its x axis in the basis of the blend as a complex number: first
   /// harmonics are turned by it, second harmonics by its square.
-  void add(const View& view, const response::Degrees& degrees, std::uint64_t index, double share, const Vec2& axis,
+  void add(const View& view, const response::Offsets& offsets, std::uint64_t index, double share, const Vec2& axis,
            double* sum) {
     const layout::ResponseHead& head = view.response_head(index);
     depth_limit_ += share * double{head.depth_limit};
     if (head.flags == layout::response_filled) filled_share_ += share;
     if (kSoftening && view.meta->softening_count > 0) softening_ += share * view.softening(index);
-    std::int16_t coefs[response::kMostCoefs];
-    view.coefficients(index, coefs);
+    double coefs[response::kMostCoefs];
+    layout::unpack_coefficients(view.packed_coefficients(index), offsets, view.meta->coef_bits, coefs);
     const double factor = share * double{view.coefficient_unit(index)};
     const Vec2 first = factor * axis, second = factor * product(axis, axis);
-    int k = 0;
-    for (int i = 0; i < response::from_square(degrees.normal); ++i, ++k) sum[k] += factor * coefs[k];
-    const auto harmonic = [&](const Vec2& by) {
-      const Vec2 h = product({double(coefs[k]), double(coefs[k + 1])}, by);
-      sum[k++] += h.x;
-      sum[k++] += h.y;
+    const auto harmonic = [&](int k, const Vec2& by) {
+      sum[k] += coefs[k] * by.x - coefs[k + 1] * by.y;
+      sum[k + 1] += coefs[k] * by.y + coefs[k + 1] * by.x;
     };
-    for (int i = 0; degrees.bias > 0 && i < response::from_square(degrees.bias); ++i) harmonic(first);
-    if (!degrees.friction_families) return;
-    const int tensors = degrees.stiffness + 1 + (degrees.stiffness > 0 ? response::from_square(degrees.stiffness) : 0);
-    for (int i = 0; i < tensors; ++i) {
+    int k = 0;
+    for (; k < offsets.bias; ++k) sum[k] += factor * coefs[k];
+    for (; k < offsets.stiffness; k += 2) harmonic(k, first);
+    for (; k < offsets.friction; k += 3) {
       sum[k] += factor * coefs[k];
-      ++k;
-      harmonic(second);
+      harmonic(k + 1, second);
     }
-    for (int i = 0; i <= degrees.friction; ++i, ++k) sum[k] += share * layout::kFrictionUnit * coefs[k];
+    for (; k < offsets.end; ++k) sum[k] += share * layout::kFrictionUnit * coefs[k];
   }
 
   ResponseLaw law_;

@@ -114,19 +114,20 @@ inline void for_each_share(const View& view, std::uint32_t tool, const BodyPoint
       continue;
     }
     if constexpr ((kFeatures & layout::feature_spin) != 0) {
+      const auto direction = [](double angle) { return Vec2{std::cos(angle), std::sin(angle)}; };
+      const double spacing = kFullTurn / spins;  // rad
+      const Vec2 step = direction(-spacing);
       const detail::LaidTangent laid = detail::laid_tangent(view, view.tools[tool], vertex, *lies.pose, frame.normal(),
                                                             frame.basis_x(), frame.basis_y());
       for (int k = 0; k < 3; ++k) {
         const Vec2 from = product(laid.axis, {axis[k].x, -axis[k].y});  // angle from the site's axis to the tangent
-        double at = std::atan2(from.y, from.x) * (spins / kFullTurn);
+        double at = std::atan2(from.y, from.x) / spacing;
         if (at < 0) at += spins;
         const double below = std::floor(at), share = at - below;
-        for (int next = 0; next < 2; ++next) {
-          const std::uint32_t sample = (static_cast<std::uint32_t>(below) + static_cast<std::uint32_t>(next)) % spins;
-          const double back = -kFullTurn * sample / spins;
-          answer(k, sample, laid.confidence * (next == 1 ? share : 1 - share),
-                 product(laid.axis, {std::cos(back), std::sin(back)}));
-        }
+        const auto sample = static_cast<std::uint32_t>(below) % spins;
+        const Vec2 x_of_sample = product(laid.axis, direction(-spacing * sample));
+        answer(k, sample, laid.confidence * (1 - share), x_of_sample);
+        answer(k, (sample + 1) % spins, laid.confidence * share, product(x_of_sample, step));
         answer(k, 0, 1 - laid.confidence, axis[k]);
       }
     }

@@ -75,8 +75,8 @@ public:
   /// All terms at a depth z > 0 (m).
   [[nodiscard]] ResponseAtDepth at(double z) const {
     ResponseAtDepth r;
-    set_normal(z, r);
     const double s = abscissa(z), further = beyond(z);
+    set_normal(z, r);
     const double per_s = 1 / (2 * depth_scale_ * s);  // ds/dz
     if (degrees_.bias > 0) {
       double value[2], slope[2];
@@ -100,28 +100,38 @@ public:
 
   /// F, dF/dz and W alone, at a depth z > 0.
   void set_normal(double z, ResponseAtDepth& r) const {
-    const double s = abscissa(z), further = beyond(z);
+    set_normal_within(abscissa(z), r);
+    const double further = beyond(z);
+    r.work += further * (r.normal_force + 0.5 * further * r.normal_slope);
+    r.normal_force += further * r.normal_slope;
+  }
+
+  /// The same at an abscissa s = sqrt(z / Z) in [0, 1].
+  void set_normal_within(double s, ResponseAtDepth& r) const {
+    constexpr double kReciprocal[response::kMaxDegree + 3] = {0,       1,       1.0 / 2, 1.0 / 3, 1.0 / 4,
+                                                              1.0 / 5, 1.0 / 6, 1.0 / 7, 1.0 / 8};
     // W = integral of F 2 Z s ds: the power k of F gives 2 Z s^(k + 2) / (k + 2).
     double force = 0, slope = 0, work = 0;
     for (int k = degrees_.normal; k >= 2; --k) {
       const double c = normal_[k - 2][0];
-      work = work * s + c / (k + 2);
+      work = work * s + kReciprocal[k + 2] * c;
       slope = slope * s + k * c;
       force = force * s + c;
     }
-    force *= s * s;
-    slope *= 1 / (2 * depth_scale_);  // dF/dz = F'(s) / (2 Z s), F'(s) = s slope
-    work *= 2 * depth_scale_ * s * s * s * s;
-    r.normal_force = force + further * slope;
-    r.normal_slope = slope;
-    r.work = work + further * (force + 0.5 * further * slope);
+    const double squared = s * s, scale = 2 * depth_scale_;
+    r.normal_force = force * squared;
+    r.normal_slope = slope / scale;  // dF/dz = F'(s) / (2 Z s), F'(s) = s slope
+    r.work = work * scale * (squared * squared);
   }
 
   /// K (N/m) at an abscissa s = sqrt(z / Z) in [0, 1].
   [[nodiscard]] Sym2 stiffness_at(double s) const {
-    double value[3], slope[3];
-    sum<3>(stiffness_, degrees_.stiffness + 1, 1, s, value, slope);
-    return {value[0], value[1], value[2]};
+    Sym2 k;
+    for (int i = degrees_.stiffness; i >= 0; --i) {
+      const double* c = stiffness_[i];
+      k = {(k.m + c[0]) * s, (k.x + c[1]) * s, (k.y + c[2]) * s};
+    }
+    return k;
   }
 
 private:

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# The side of contact surfaces by the search against the winding number, at POINTS random points near each: synthetic
+# organs, coarse and wrapped ones, and organs where PALPATE_ORGANS names the folder with their files. Their responses are
+# Hertz's everywhere, for the shape counts here: nothing is solved.
+cmake_minimum_required(VERSION 3.25)
+file(REMOVE_RECURSE ${FOLDER})
+file(MAKE_DIRECTORY ${FOLDER})
+set(PALPATE_ORGANS "$ENV{PALPATE_ORGANS}")
+set(hertz "\n[sources]\nrest = \"covered\"\n[[analytic]]\nlaw = \"hertz\"\nyoung = 5000\npoisson = 0.49\n")
+
+include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
+
+# build(NAME SCENE): fits the scene of that file and notes how far its contact surface lies from the body's.
+function(build name scene)
+  file(APPEND ${FOLDER}/${scene} "${hertz}")
+  run(build ${scene} --output ${name}.palp)
+  string(REGEX MATCH "contact surface: [^\n]*" surface "${out}")
+  message(STATUS "${name}: ${surface}")
+  if("${out}" MATCHES "the patches themselves stand")
+    message(FATAL_ERROR "${name}: the patches could not be laid out on the body's surface\n${out}")
+  endif()
+  list(APPEND files ${name}.palp)
+  set(files ${files} PARENT_SCOPE)
+endfunction()
+
+foreach(organ IN ITEMS slab ball liver kidney bladder)
+  run(synth ${organ} --out ${organ})
+  build(${organ} ${organ}/scene.toml)
+endforeach()
+run(synth liver --out coarse --seed 1 --scale 0.6 --tool-radius 0.004 --depth 0.002 --spacing 0.018)
+build(coarse coarse/scene.toml)
+foreach(organ IN ITEMS liver kidney)
+  run(synth ${organ} --out wrapped_${organ} --spacing 0.03)
+  file(READ ${FOLDER}/wrapped_${organ}/scene.toml scene)
+  string(REPLACE "surface = " "repair = \"wrap\"\nsurface = " scene "${scene}")
+  file(WRITE ${FOLDER}/wrapped_${organ}/scene.toml "${scene}")
+  build(wrapped_${organ} wrapped_${organ}/scene.toml)
+endforeach()
+if(NOT IS_DIRECTORY "${PALPATE_ORGANS}")
+  message(STATUS "without organs: PALPATE_ORGANS names no folder with organ files")
+elseif(ORGANS)
+  foreach(organ IN ITEMS ovary kidney liver)
+    configure_file(${CMAKE_CURRENT_LIST_DIR}/${organ}.toml.in ${FOLDER}/real_${organ}.toml @ONLY)
+    build(real_${organ} real_${organ}.toml)
+  endforeach()
+endif()
+
+execute_process(COMMAND ${SIDE} ${POINTS} ${files} WORKING_DIRECTORY ${FOLDER} RESULT_VARIABLE code)
+if(NOT code EQUAL 0)
+  message(FATAL_ERROR "surface_side: code ${code}")
+endif()

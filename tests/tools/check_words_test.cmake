@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# tools/check_words.sh finds what it describes, in a repository made for it, and the project itself has no finding that
+# is not accepted.
+find_program(git git)
+find_program(perl perl)
+if(NOT git OR NOT perl)
+  message(STATUS "skipped: no git or perl in PATH")
+  return()
+endif()
+set(script ${SOURCE}/tools/check_words.sh)
+
+# Runs the check of a file's content in a repository of its own; `accepted`: the list's lines.
+function(check file content accepted code pattern)
+  file(REMOVE_RECURSE ${FOLDER})
+  file(MAKE_DIRECTORY ${FOLDER}/tools ${FOLDER}/formats/include)
+  file(WRITE ${FOLDER}/${file} "${content}")
+  file(WRITE ${FOLDER}/tools/check_words.accepted "${accepted}")
+  foreach(arguments IN ITEMS "init;-q" "add;-A")
+    execute_process(COMMAND ${git} ${arguments} WORKING_DIRECTORY ${FOLDER} COMMAND_ERROR_IS_FATAL ANY)
+  endforeach()
+  execute_process(COMMAND ${script} --root ${FOLDER} RESULT_VARIABLE result OUTPUT_VARIABLE out ERROR_VARIABLE err)
+  if(NOT result EQUAL code OR NOT out MATCHES "${pattern}" OR NOT err STREQUAL "")
+    message(FATAL_ERROR "${file}: expected ${code} and '${pattern}', got ${result}\n${out}${err}\nof\n${content}")
+  endif()
+endfunction()
+
+check(a.hpp "// Where it is.\nint a;\n" "" 5 "a.hpp:1: opening")
+check(a.hpp "int a;  ///< m. What is left goes\n" "" 5 "a.hpp:1: opening")
+check(a.hpp "/* One.\n * Of two the first. */\n" "" 5 "a.hpp:2: opening")
+check(a.cpp "auto a = 1'000; // a file tells it\n" "" 5 "a.cpp:1: verb")
+check(a.cpp "fail(\"what arrives is none\");\n" "" 5 "a.cpp:1: opening")
+check(a.md "The contact\nis paid for.\n" "" 5 "a.md:2: verb")
+check(a.md "| a | Nor this |\n" "" 5 "a.md:1: opening")
+check(CMakeLists.txt "set(a b)  # Whatever it is\n" "" 5 "CMakeLists.txt:1: opening")
+# Code is no prose, a person may do these things, and a word inside a sentence begins none.
+check(a.md "    Of code\n\n`Where a` is code.\n\n```\nWhat code\n```\n" "" 0 "^$")
+check(a.hpp "int asked = told;  // a user asks where this is. OfSomething is a name.\n" "" 0 "^$")
+# The list accepts a place, may not name one that is gone, and never a message or README.
+check(a.hpp "// Where it is.\n" "a.hpp: // Where it is.\n" 0 "^$")
+check(a.hpp "// It is here.\n" "a.hpp: // Where it is.\n" 5 "no longer there: a.hpp: // Where it is.")
+check(README.md "Where it is.\n" "README.md: Where it is.\n" 5 "cannot be accepted")
+check(formats/include/a.hpp "// Where it is.\n" "formats/include/a.hpp: // Where it is.\n" 5 "cannot be accepted")
+check(a.cpp "say(\"Where it is.\")\n" "a.cpp: say(\"Where it is.\")\n" 5 "cannot be accepted")
+
+execute_process(COMMAND ${git} -C ${SOURCE} rev-parse --is-inside-work-tree RESULT_VARIABLE inside OUTPUT_QUIET ERROR_QUIET)
+if(inside EQUAL 0)
+  execute_process(COMMAND ${script} RESULT_VARIABLE result OUTPUT_VARIABLE out ERROR_VARIABLE err)
+  if(NOT result EQUAL 0)
+    message(FATAL_ERROR "${out}${err}")
+  endif()
+endif()

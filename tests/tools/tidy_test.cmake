@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# tools/tidy.sh finds nothing in the lines that differ from main, as far as its time goes, and finds a name that breaks
+# .clang-tidy.
+find_program(tidy NAMES clang-tidy-14 clang-tidy)
+if(NOT tidy)
+  message(STATUS "skipped: no clang-tidy in PATH")
+  return()
+endif()
+file(WRITE ${FOLDER}/bad.cpp "int BadName = 1;\n")
+file(WRITE ${FOLDER}/good.cpp "constexpr int kGood = 1;\nint good_name = kGood;\n")
+foreach(name IN ITEMS bad good)
+  execute_process(COMMAND ${tidy} --quiet --config-file=${SOURCE}/.clang-tidy ${FOLDER}/${name}.cpp -- OUTPUT_VARIABLE ${name}
+                  ERROR_QUIET)
+endforeach()
+if(NOT bad MATCHES "BadName.*readability-identifier-naming" OR NOT good STREQUAL "")
+  message(FATAL_ERROR ".clang-tidy: a bad name gives '${bad}', good ones '${good}'")
+endif()
+execute_process(COMMAND ${SOURCE}/tools/tidy.sh --seconds 20 RESULT_VARIABLE code OUTPUT_VARIABLE out ERROR_VARIABLE err)
+if(code EQUAL 77)
+  message(STATUS "${out}")
+elseif(NOT code EQUAL 0)
+  message(FATAL_ERROR "${code}\n${out}${err}")
+else()
+  message(STATUS "${out}")
+endif()

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/report/files.hpp"
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "formats/file.hpp"
+#include "formats/same_file.hpp"
+#include "tools/output.hpp"
+#include "tools/report/page.hpp"
+#include "tools/verify_checks.hpp"
+
+namespace palpate::report {
+namespace {
+
+std::string beside(const pipeline::Pipeline& p, const std::string& given, const char* extension) {
+  if (!given.empty()) return given;
+  return (p.paths.response.parent_path() / (p.paths.response.stem().string() + extension)).string();
+}
+
+std::span<const std::byte> bytes_of(const cli::ResponseInput& file) {
+  return {reinterpret_cast<const std::byte*>(file.view().bytes), file.view().size};
+}
+
+}  // namespace
+
+WrittenReport write_report_files(const ReportInput& input, const ReportFiles& files, const cli::Globals& globals) {
+  pipeline::Pipeline p = pipeline::prepare(input.scene, {files.work, files.response});
+  WrittenReport written{beside(p, files.numbers, ".report.json"), beside(p, files.page, ".report.html"), 0};
+  const std::string missing = missing_for_page();
+  cli::check_reports(p, {written.numbers, written.page});
+  refuse_same({written.numbers, written.page}, {input.verify, input.battery, input.compared, input.run});
+  cli::check_writable(written.numbers);
+  if (missing.empty()) cli::check_writable(written.page);
+  pipeline::find_pairs(p);
+  cli::check_baked(p);
+  pipeline::write_manifest(p);
+  const cli::ResponseInput response(p.paths.response);
+  cli::check_same_plan(p, response.view());
+  const nlohmann::ordered_json numbers = make_report(input, p, response, globals);
+  cli::write_report(written.numbers, numbers);
+  if (!missing.empty()) {
+    cli::warn("there is no page, only its numbers: this program was built without it: " + missing);
+    written.page.clear();
+    return written;
+  }
+  std::vector<std::span<const std::byte>> responses{bytes_of(response)};
+  std::unique_ptr<cli::ResponseInput> compared;
+  if (!input.compared.empty()) {
+    compared = std::make_unique<cli::ResponseInput>(input.compared);
+    responses.push_back(bytes_of(*compared));
+  }
+  const std::string html = page(numbers, responses);
+  write_file(written.page, html);
+  written.page_bytes = html.size();
+  return written;
+}
+
+nlohmann::ordered_json to_json(const WrittenReport& written) {
+  nlohmann::ordered_json json{{"numbers", written.numbers}};
+  if (!written.page.empty()) json.update({{"page", written.page}, {"page_bytes", written.page_bytes}});
+  return json;
+}
+
+std::string to_text(const WrittenReport& written) {
+  std::string text = written.numbers + "\n";
+  if (!written.page.empty()) text += written.page + ", " + std::to_string(written.page_bytes) + " bytes\n";
+  return text;
+}
+
+}  // namespace palpate::report
