@@ -21,9 +21,9 @@ struct ContactFrame {
   [[nodiscard]] Eigen::Vector3d to_world(const Eigen::Vector3d& v) const { return v.x() * x + v.y() * y + v.z() * n; }
 };
 
-/// What is solved at a pair. full: all that the scene asks for. straight: a push at few depths, by which full responses
-/// are carried to a site. hidden: a straight push between sites that no response is made of; it tests what the responses
-/// around it predict.
+/// The solves of a pair. full: all paths of the scene. straight: a push at few depths, by which full responses are
+/// carried to a site. hidden: a straight push between sites that no response is made of; it tests what the
+/// responses around it predict.
 enum class PairRole : std::uint8_t { full, straight, hidden };
 
 /// One pair (body vertex c, tool vertex p) to be solved.

@@ -133,7 +133,7 @@ struct ToolScene {
 
 struct SamplingScene {
   enum class FrictionLimit { estimated, solved };
-  double spacing = 0.0;           ///< m; edge length of the body patches; 0: sites are added until response.tolerance holds
+  double spacing = 0.0;  ///< m; edge length of the body patches; 0: sites are added until response.tolerance holds
   double margin_spacing = 0.0;    ///< m; edge length at sharp margins; 0 chooses spacing / 2; = spacing: uniform
   double depth = 0.005;           ///< m; deepest push, > 0
   double depth_fraction = 0.6;    ///< of the local thickness, (0, 0.8]
@@ -143,7 +143,7 @@ struct SamplingScene {
   int tangential_points = 3;      ///< points of one tangential push, [2, 16]
   /// mu(depth): predicted from the slopes of the contact, or solved by drawing the tool aside until all of it slips.
   FrictionLimit friction_limit = FrictionLimit::estimated;
-  int most_sites = 2000;          ///< where sites are added: beyond it no more are, [8, 1000000]
+  int most_sites = 2000;      ///< where sites are added: beyond it no more are, [8, 1000000]
   double max_refused = 0.03;  ///< share of refused pairs beyond which build and fit exit with 5, [0, 0.5]
   /// Region of the body's surface whose sites are baked: everything, or only inside this box (m).
   std::optional<std::pair<Eigen::Vector3d, Eigen::Vector3d>> within_box;

@@ -156,10 +156,11 @@ const Keys<Scene>& contact_keys() {
 const Keys<SamplingScene>& sampling_keys() {
   using S = SamplingScene;
   static const Keys<S> keys{
-      number("spacing", &S::spacing, {0, 1, false, "m"},
-             "Edge length of the body's patches, everywhere the same and solved in full; 0: begins with patches as large "
-             "as the body allows and adds sites, most with a straight push alone, until the error at hidden contacts is "
-             "within response.tolerance."),
+      number(
+          "spacing", &S::spacing, {0, 1, false, "m"},
+          "Edge length of the body's patches, everywhere the same and solved in full; 0: begins with patches as large "
+          "as the body allows and adds sites, most with a straight push alone, until the error at hidden contacts is "
+          "within response.tolerance."),
       affecting(Affects::file, integer("most_sites", &S::most_sites, {8, 1000000, false, ""},
                                        "Without a spacing: no more sites are added once there are so many.")),
       number("margin_spacing", &S::margin_spacing, {0, 1, false, "m"},
@@ -178,9 +179,10 @@ const Keys<SamplingScene>& sampling_keys() {
           "friction_limit", &S::friction_limit, {"estimated", "solved"},
           "With friction, the tangential over the normal force at gross slip: predicted from the slopes of the normal "
           "curve, or solved by drawing the tool aside until all of the contact slips."),
-      affecting(Affects::file, number("max_refused", &S::max_refused, {0, 0.5, false, ""},
-                                      "Share of refused pairs beyond which build and fit end with exit code 5. The file is "
-                                      "written, what was refused is filled from neighbours and marked.")),
+      affecting(Affects::file,
+                number("max_refused", &S::max_refused, {0, 0.5, false, ""},
+                       "Share of refused pairs beyond which build and fit end with exit code 5. The file is "
+                       "written, what was refused is filled from neighbours and marked.")),
       {"within_box", Affects::solves, "Only the surface inside this box is sampled; left out: all of it.",
        "{min = [x, y, z], max = [x, y, z]}, min < max, m",
        [](S& sampling, const toml::node& value, const toml::table&, const Place& place) {

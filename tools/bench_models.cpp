@@ -51,13 +51,10 @@ Row measure_potential(const pipeline::Pipeline& p, const JournalContent& journal
   TickBenchOptions timing;
   timing.contacts = contacts;
   const TickBench bench = bench_ticks(opened.view, timing);
-  return {"quadratic potential",
-          bytes_per_response(opened.view),
-          fit::held_out_figures(accepted_pairs(journal), scales),
-          file.fitted.report.paths,
-          bench.press.quantile(0.5),
-          bench.field.quantile(0.5),
-          bench.slide.quantile(0.5)};
+  return {
+      "quadratic potential",    bytes_per_response(opened.view), fit::held_out_figures(accepted_pairs(journal), scales),
+      file.fitted.report.paths, bench.press.quantile(0.5),       bench.field.quantile(0.5),
+      bench.slide.quantile(0.5)};
 }
 
 // A baseline is in no file. Its time is that of the three evaluations of a contact inside a patch.
@@ -83,8 +80,11 @@ ErrorFigures path_figures(const std::vector<const std::vector<Sample>*>& pairs, 
     const fit::ForceLaw law = fitter(*samples);
     const fit::PairSamples data = fit::sort_samples(*samples, "paths");
     for (const double e : fit::path_errors(
-             *samples, data, [&](const Eigen::Vector2d& at, double depth) { return law({at.x(), at.y(), depth}); },
-             [](double, double, const Eigen::Vector2d& at) { return at; })) {
+             *samples, data,
+             [&](const Eigen::Vector2d&at, double depth) {
+               return law({at.x(), at.y(), depth});
+             },
+             [](double, double, const Eigen::Vector2d&at) { return at; })) {
       errors.emplace_back(e, 0);
     }
   }
@@ -151,25 +151,27 @@ std::vector<Row> measure_models(const pipeline::Pipeline& p, const JournalConten
   fit::ResponseScales spring = scales;
   spring.degrees = response::kSpring;
   spring.bits = 16;
-  rows.push_back(measure_baseline(
-      "linear spring", layout::coefficients_size(spring.degrees, 16), journal, scales,
-      [&](const std::vector<Sample>& samples) -> fit::ForceLaw {
-        return [law = fit::Potential(fit::fit_potential(samples, spring, "linear spring"), spring)](
-                   const Eigen::Vector3d& at) { return law.force(at); };
-      }));
-  rows.push_back(measure_baseline(
-      "separable", fit::SeparableField::bytes(true), journal, scales,
-      [&](const std::vector<Sample>& samples) -> fit::ForceLaw {
-        return [field = fit::fit_separable(samples, scales.depth, scales.tangential, "separable")](
-                   const Eigen::Vector3d& at) { return field.force(at); };
-      }));
+  rows.push_back(measure_baseline("linear spring", layout::coefficients_size(spring.degrees, 16), journal, scales,
+                                  [&](const std::vector<Sample>& samples) -> fit::ForceLaw {
+                                    return [law = fit::Potential(fit::fit_potential(samples, spring, "linear spring"),
+                                                                 spring)](const Eigen::Vector3d& at) {
+                                      return law.force(at);
+                                    };
+                                  }));
+  rows.push_back(measure_baseline("separable", fit::SeparableField::bytes(true), journal, scales,
+                                  [&](const std::vector<Sample>& samples) -> fit::ForceLaw {
+                                    return [field = fit::fit_separable(samples, scales.depth, scales.tangential,
+                                                                       "separable")](const Eigen::Vector3d& at) {
+                                      return field.force(at);
+                                    };
+                                  }));
   for (const int centres : {6, 24}) {
-    rows.push_back(measure_baseline(
-        "radial basis, " + std::to_string(centres), fit::RadialBasis::bytes(centres), journal, scales,
-        [&](const std::vector<Sample>& samples) -> fit::ForceLaw {
-          return [network = fit::fit_radial_basis(samples, scales.depth, scales.tangential, centres, "radial basis")](
-                     const Eigen::Vector3d& at) { return network.force(at); };
-        }));
+    rows.push_back(measure_baseline("radial basis, " + std::to_string(centres), fit::RadialBasis::bytes(centres),
+                                    journal, scales, [&](const std::vector<Sample>& samples) -> fit::ForceLaw {
+                                      return [network = fit::fit_radial_basis(samples, scales.depth, scales.tangential,
+                                                                              centres, "radial basis")](
+                                                 const Eigen::Vector3d& at) { return network.force(at); };
+                                    }));
   }
   return rows;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // `palpate build`: every stage from a scene to its response file, going on with what is there.
-#include "precompute/surface/report.hpp"
 #include "precompute/bake/scene_warnings.hpp"
+#include "precompute/surface/report.hpp"
 #include "tools/command.hpp"
 #include "tools/commands.hpp"
 #include "tools/output.hpp"

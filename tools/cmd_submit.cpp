@@ -84,14 +84,22 @@ Job array_job(const pipeline::Pipeline& p, const SubmitArguments& options, const
   return job;
 }
 
-/// The last job: it runs whatever became of the shards, and says what is missing.
+/// The last job: it runs whatever became of the shards, and says what is missing. With automatic sampling it submits the
+/// next round, until none follows.
 Job merge_job(const pipeline::Pipeline& p, const SubmitArguments& options, const std::string& array) {
   Job job;
   job.options = {"--job-name=palpate-merge", "--open-mode=append", log_file(p, "merge.log")};
   if (!array.empty()) job.options.push_back("--dependency=afterany:" + array);
   job.options.insert(job.options.end(), options.sbatch.begin(), options.sbatch.end());
+  const bool round = p.automatic && !p.ended;
   job.script = script_head() + command_line(p, options, "merge") + " || exit $?\nexec " +
-               command_line(p, options, "fit") + " --output " + quoted(fs::absolute(p.paths.response).string()) + "\n";
+               command_line(p, options, round ? "submit" : "fit") + " --output " +
+               quoted(fs::absolute(p.paths.response).string());
+  if (round) {
+    job.script += " --shards " + std::to_string(options.shards) + " --cpus " + std::to_string(options.cpus);
+    for (const std::string& option : options.sbatch) job.script += " " + quoted("--sbatch=" + option);
+  }
+  job.script += "\n";
   return job;
 }
 
@@ -119,7 +127,9 @@ void run_submit(const SubmitArguments& options, const Globals& globals) {
   check_writable(p.paths.response);
   pipeline::plan(p);
   make_folder(p.paths.shards);
-  const pipeline::MergeReport merged = pipeline::merge(p);  // an earlier array may have had another number of shards
+  pipeline::merge(p);  // an earlier array may have had another number of shards
+  pipeline::resume(p);
+  const pipeline::MergeReport merged = pipeline::merge(p);
   std::set<std::uint32_t> open;
   for (const std::uint32_t pair : merged.missing) open.insert(pair % options.shards + 1);
   if (options.print) {

@@ -228,7 +228,8 @@ void solve(const VerifyArguments& options, const Globals& globals) {
   check_limits(options, s);
 }
 
-// The contact law's sixth promise: a closed motion gives back no more than it took, plus a share of the work on the way.
+// The contact law's sixth promise: a closed motion gives back no more than it took, plus a share of the work on the
+// way.
 void run_loops(const VerifyArguments& options, const Globals& globals) {
   constexpr double kMost = 1e-3;
   const ResponseInput input(options.input);
@@ -248,7 +249,8 @@ void run_loops(const VerifyArguments& options, const Globals& globals) {
            {"searched_worst", r.searched}},
           text);
   if (std::min(r.worst, r.searched) < -kMost) {
-    throw Error(ExitCode::tolerance, options.input + ": a closed motion gives back more than 0.1 % of the work on the way");
+    throw Error(ExitCode::tolerance,
+                options.input + ": a closed motion gives back more than 0.1 % of the work on the way");
   }
 }
 
@@ -353,7 +355,8 @@ void add_verify(CLI::App& app, Globals& globals) {
   command.flag("--slide", options->slide, "Slides the tool over a few contacts of the scene, or over a block");
   command.flag("--strokes", options->strokes,
                "Draws the tool through whole motions at a few contacts of a baked scene, solved and played");
-  command.option("--plot", options->plot, "Plot (SVG) of the errors at held-out contacts; with --strokes those of the first contact");
+  command.option("--plot", options->plot,
+                 "Plot (SVG) of the errors at held-out contacts; with --strokes those of the first contact");
   command.flag("--two-tips", options->two_tips, "Two tips at once at a few contacts of the scene, or on a block");
   command
       .option("--contacts", options->contacts,

@@ -214,14 +214,14 @@ void check_tolerance(const pipeline::Pipeline& p, const FitReport& report) {
   if (share <= p.scene.sampling.max_refused) {
     if (expected <= asked) return;
     const Eigen::Vector3d& at = report.sampling->worst_at;
-    std::snprintf(text, sizeof text,
-                  "normal forces are expected to be off by %.2f %% at the 95th percentile, asked %.2f %%; the worst of "
-                  "%zu hidden pushes, %.1f %%, lies at (%.4g, %.4g, %.4g) m. %s",
-                  100 * expected, 100 * asked, report.sampling->places, 100 * report.sampling->worst, at.x(), at.y(),
-                  at.z(),
-                  p.plan.sites.size() >= static_cast<std::size_t>(p.scene.sampling.most_sites)
-                      ? "All of sampling.most_sites were used: allow more. Written: "
-                      : "Written: ");
+    std::snprintf(
+        text, sizeof text,
+        "normal forces are expected to be off by %.2f %% at the 95th percentile, allowed %.2f %%; the worst of "
+        "%zu hidden pushes, %.1f %%, lies at (%.4g, %.4g, %.4g) m. %s",
+        100 * expected, 100 * asked, report.sampling->places, 100 * report.sampling->worst, at.x(), at.y(), at.z(),
+        p.plan.sites.size() >= static_cast<std::size_t>(p.scene.sampling.most_sites)
+            ? "All of sampling.most_sites were used: allow more. Written: "
+            : "Written: ");
     throw Error(ExitCode::tolerance, text + p.paths.response.string());
   }
   std::snprintf(text, sizeof text,
@@ -240,7 +240,7 @@ std::string fit_text(const pipeline::Pipeline& p, const FitReport& report) {
   if (report.sampling) {
     text += sampling_text(*report.sampling, p.scene.response.tolerance) + "\n";
     char line[120];
-    std::snprintf(line, sizeof line, "expected error of normal forces: 95th percentile %.2f %%, asked %.2f %%\n",
+    std::snprintf(line, sizeof line, "expected error of normal forces: 95th percentile %.2f %%, allowed %.2f %%\n",
                   100 * expected_p95(report), 100 * p.scene.response.tolerance);
     text += line;
   }

@@ -20,8 +20,8 @@ std::string sampling_text(const SamplingEstimate& estimate, double tolerance);
 nlohmann::ordered_json bake_json(const pipeline::Pipeline& pipeline, const BakeReport& report);
 std::string bake_text(const pipeline::Pipeline& pipeline, const BakeReport& report);
 nlohmann::ordered_json fit_json(const pipeline::Pipeline& pipeline, const FitReport& report);
-/// Throws Error(tolerance) where more pairs were refused than the scene allows, or automatic sampling ended with an error
-/// that is expected to be beyond the scene's tolerance. The response file is written.
+/// Throws Error(tolerance) where more pairs were refused than the scene allows, or automatic sampling ended with an
+/// error that is expected to be beyond the scene's tolerance. The response file is written.
 void check_tolerance(const pipeline::Pipeline& pipeline, const FitReport& report);
 std::string fit_text(const pipeline::Pipeline& pipeline, const FitReport& report);
 

@@ -33,7 +33,8 @@ struct PairCounts {
   MeshChecks checks;
 };
 
-/// What the bake expects of the 95th percentile of normal forces (provenance of the file); 0 without automatic sampling.
+/// The bake's estimate of the 95th percentile of normal force errors (provenance of the file); 0 without automatic
+/// sampling.
 double expected_error(const runtime::View& view);
 
 /// From plan and journal. Throws as read_journal.

@@ -68,17 +68,17 @@ public:
 
   [[nodiscard]] const std::vector<HiddenError>& hidden() const { return hidden_; }
 
-  /// Relative errors in the middle of edges that their sites foretell, and of patches that missed a hidden push.
+  /// Relative errors in the middle of edges predicted by their sites, and of patches that missed a hidden push.
   [[nodiscard]] std::map<SiteEdge, double> edge_errors() const {
     std::map<SiteEdge, double> errors;
     for (const auto& [row, field] : fields_) add_edges(field, errors);
-    // The foretold ones are differences of differences: hidden pushes say how large they are.
-    double foretold = 0, measured = 0;
+    // The predicted ones are differences of differences: hidden pushes say how large they are.
+    double estimated = 0, measured = 0;
     for (const HiddenError& h : hidden_) {
-      foretold += in_patch(errors, h);
+      estimated += in_patch(errors, h);
       measured += h.worst();
     }
-    const double scale = foretold > 0 ? std::clamp(measured / foretold, 0.5, 4.0) : 1.0;
+    const double scale = estimated > 0 ? std::clamp(measured / estimated, 0.5, 4.0) : 1.0;
     for (auto& [edge, error] : errors) error *= scale;
     for (const HiddenError& h : hidden_) {
       if (h.worst() < sampled_.scene.response.tolerance) continue;

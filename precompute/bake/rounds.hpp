@@ -42,7 +42,7 @@ struct RoundLimits {
 /// of the smallest tool's radius.
 double first_spacing(const Scene& scene, const Body& body);
 
-/// The first round: a straight push at every site, all that the scene asks for at sites spread evenly, hidden pushes
+/// The first round: a straight push at every site, all paths of the scene at sites spread evenly, hidden pushes
 /// at places drawn evenly over the area that the tools can touch. Its inputs include what later rounds depend on.
 /// Throws as make_plan.
 Plan first_round(const Sampled& sampled, const HapticMesh& mesh);

@@ -48,8 +48,8 @@ std::vector<std::string> scene_warnings(const Scene& scene, const Body& body) {
         line("the body reaches %.1f times as far from what holds it as that is wide, and will bend as a "
              "beam where it is pushed%s",
              slender,
-             scene.supports.empty() ? "; no [[support]] is given, so its lowest tenth along z is held: name "
-                                      "what holds it (half_space, box, mesh, distance, a spring bed)"
+             scene.supports.empty() ? "; no [[support]] is given, so its lowest tenth along z is held: give the "
+                                      "supports that hold it (half_space, box, mesh, distance, a spring bed)"
                                     : "; is [[support]] as meant?"));
   }
   return warnings;

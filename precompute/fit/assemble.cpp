@@ -132,7 +132,7 @@ std::string provenance(const Scene& scene, const Plan& plan, const Hash128& mani
   json["solver"] = {{"mesh_size", scene.solver.mesh_size}, {"growth", scene.solver.growth}};
   json["pairs"] = {
       {"planned", report.planned},         {"accepted", report.accepted},   {"refused", report.refused},
-      {"filled", report.filled},         {"support", report.support},     {"outside", report.outside},
+      {"filled", report.filled},           {"support", report.support},     {"outside", report.outside},
       {"unreachable", report.unreachable}, {"shortened", report.shortened}, {"support_area_share", plan.support_share}};
   if (report.carried > 0) {
     json["pairs"]["full"] = report.full;
@@ -163,8 +163,7 @@ std::string provenance(const Scene& scene, const Plan& plan, const Hash128& mani
   json["fit"]["held_out"] = {
       {"samples", held.samples}, {"median", held.median}, {"p95", held.p95}, {"worst", held.worst}};
   const response::Degrees& d = fitted.scales.degrees;
-  json["degrees"] = {
-      {"normal", d.normal}, {"bias", d.bias}, {"stiffness", d.stiffness}, {"friction", d.friction}};
+  json["degrees"] = {{"normal", d.normal}, {"bias", d.bias}, {"stiffness", d.stiffness}, {"friction", d.friction}};
   add_sources(json, plan, report, sources);
   // Names may hold bytes that are not UTF-8. These are replaced.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);

@@ -166,19 +166,17 @@ private:
     if (all.empty()) refuse_all();
     result_.scales = make_scales(all, settings_);
     if (result_.scales.friction() != settings_.friction) refuse_all();
-    const fit::DegreeChoice choice =
-        choose_degrees(plan_, sources_, exact, result_.scales, report_.bias, settings_);
+    const fit::DegreeChoice choice = choose_degrees(plan_, sources_, exact, result_.scales, report_.bias, settings_);
     result_.scales.degrees = choice.degrees;
     result_.scales.bits = choice.bits;
     report_.bias = choice.degrees.bias > 0;
     report_.held_out = choice.held_out;
   }
 
-  /// A contact whose sideways pushes found no answer although friction asks for them.
+  /// A contact whose sideways pushes found no answer although there is friction.
   [[nodiscard]] bool straight_alone(const std::vector<Sample>& samples) const {
-    return settings_.friction && std::none_of(samples.begin(), samples.end(), [](const Sample& s) {
-      return s.kind == SampleKind::tangential;
-    });
+    return settings_.friction && std::none_of(samples.begin(), samples.end(),
+                                              [](const Sample& s) { return s.kind == SampleKind::tangential; });
   }
 
   [[noreturn]] void refuse_all() const {
@@ -187,7 +185,7 @@ private:
       if (solved.outcome && !solved.outcome->cause.empty()) refused.push_back({pair, solved.outcome->cause});
     }
     throw Error(ExitCode::numerical,
-                "nothing to make a response file of: no pair was solved with all that the scene asks for\n" +
+                "nothing to make a response file of: no pair was solved with all paths of the scene\n" +
                     to_text(group_refusals(plan_, refused)));
   }
 
@@ -433,7 +431,7 @@ private:
   std::vector<std::uint32_t> first_;  // row of each tool's first vertex
   std::vector<SiteRow> rows_;
   std::vector<std::vector<std::uint32_t>> flags_;  // layout::ResponseFlag, by row and site
-  std::set<std::uint32_t> alone_;  // accepted pairs with a straight push and nothing else
+  std::set<std::uint32_t> alone_;                  // accepted pairs with a straight push and nothing else
   std::vector<RefusedPair> refused_;
   RowErrors normal_, tangential_, paths_, grasped_, turned_, laws_, left_out_, left_out_sideways_;
   FittedResponses result_;

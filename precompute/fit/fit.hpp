@@ -22,13 +22,13 @@
 namespace palpate {
 
 struct FitSettings {
-  double depth_scale = 0.0;                ///< m, Z: the scene's depth
-  bool friction = false;                   ///< the scene has friction
-  double max_residual = 1;                 ///< relative error of a force beyond which its pair is refused
-  double bias_threshold = 0.01;            ///< of the peak force: smaller tangential biases are left out
-  double tolerance = 0.05;                 ///< requested relative force error, by which the degrees are chosen
-  std::vector<bool> grasps;                ///< per tool, whether it bonds; empty: none does
-  std::vector<bool> turns;                 ///< per tool that bonds, whether it is rotated; empty: none is
+  double depth_scale = 0.0;      ///< m, Z: the scene's depth
+  bool friction = false;         ///< the scene has friction
+  double max_residual = 1;       ///< relative error of a force beyond which its pair is refused
+  double bias_threshold = 0.01;  ///< of the peak force: smaller tangential biases are left out
+  double tolerance = 0.05;       ///< requested relative force error, by which the degrees are chosen
+  std::vector<bool> grasps;      ///< per tool, whether it bonds; empty: none does
+  std::vector<bool> turns;       ///< per tool that bonds, whether it is rotated; empty: none is
   /// The path of a bake to a depth (m); required for recordings and straight pushes.
   std::function<PairPath(double depth)> path;
 };
@@ -73,17 +73,17 @@ struct FitReport {
   std::size_t support = 0, outside = 0, unreachable = 0;  ///< of the filled ones, the reason why they were skipped
   bool bias = false, friction = false, grasp = false, turn = false;  ///< parts that the file has
   ErrorFigures normal, tangential;
-  ErrorFigures paths;                     ///< along paths that the fit did not read
-  ErrorFigures grasped;                   ///< of tools that bond
-  ErrorFigures turned;                    ///< of the torques of rotated tools
-  ErrorFigures laws;                      ///< of the fits to closed forms
+  ErrorFigures paths;                        ///< along paths that the fit did not read
+  ErrorFigures grasped;                      ///< of tools that bond
+  ErrorFigures turned;                       ///< of the torques of rotated tools
+  ErrorFigures laws;                         ///< of the fits to closed forms
   ErrorFigures left_out, left_out_sideways;  ///< of responses carried to sites that were solved in full
   std::vector<RecordedFigures> recorded;     ///< by pair
   std::optional<SamplingEstimate> sampling;  ///< of automatic sampling; filled by pipeline::fit_file
-  fit::HeldOutFigures held_out;           ///< of samples left out, by which the degrees were chosen
-  std::vector<double> softenings;         ///< of accepted pairs (slip_softening), ascending; empty where all are 0
-  std::vector<PairFigures> pairs;         ///< by pair
-  SurfaceFigures surface;                 ///< set with the file
+  fit::HeldOutFigures held_out;              ///< of samples left out, by which the degrees were chosen
+  std::vector<double> softenings;            ///< of accepted pairs (slip_softening), ascending; empty where all are 0
+  std::vector<PairFigures> pairs;            ///< by pair
+  SurfaceFigures surface;                    ///< set with the file
 };
 
 /// The 95th percentile that normal forces at other contacts are expected to have: those of interpolation, of carrying

@@ -27,7 +27,7 @@ struct HapticMesh {
   std::vector<std::uint8_t> selected;     ///< inside sampling.within_box (or no box given) and not in a cavity
   std::vector<std::array<std::int32_t, 3>> triangles;
 
-  EdgeLengths edges;                      ///< of the coarse mesh
+  EdgeLengths edges;  ///< of the coarse mesh
 };
 
 /// Radius (m) over which the normals of sites are averaged: a third of sampling.spacing, and no more than the radius of

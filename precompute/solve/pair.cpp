@@ -21,7 +21,7 @@ struct Attempt {
   PairResult result;
   std::vector<Sample> straight;  // of a push that passed, whatever came after it
   bool contact_failed = false;   // see PairRun
-  double lost = 0.0;            // see PairOptions
+  double lost = 0.0;             // see PairOptions
 };
 
 // `last`: no finer mesh is to come, and a sideways push keeps what it answered before it failed.

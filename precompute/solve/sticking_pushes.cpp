@@ -73,7 +73,7 @@ private:
     const GateState gate = run_.sideways_gate(at.depth, s, way);
     if (const auto failed = failed_sticking_gate(gate, pull, GateLimits{})) return *failed + where;
     // The anchors' own compliance, at a constant contact area: 2 E / Q, E without what the straight push had sheared.
-    // An answer without a sign (GateLimits::sideways_answer) tells no give.
+    // An answer without a sign (GateLimits::sideways_answer) gives no compliance.
     const double sheared = std::max(gate.contact.tangential_energy - at.contact.tangential_energy, 0.0);
     const double give = pull < 0 ? 2 * sheared / -pull : 0.0;
     s.deflection = (reach - std::min(give, 0.1 * reach)) * local + Vector3d(0, 0, base.deflection.z());

@@ -67,8 +67,8 @@ TEST(Fit, RefusedPairsAreFilledAndMarked) {
   for (const double s : {0.2, 0.5, 1.0}) EXPECT_NEAR(normal_force(fitted, 24, s) / normal_force(whole, 24, s), 1, 0.01);
   // Frames of neighbours are rotated by 0.4 rad and more: bias and stiffness must rotate with them.
   const fit::Potential a = potential(whole, 24), b = potential(fitted, 24);
-  for (const Eigen::Vector3d& at : {Eigen::Vector3d(0, 0, Z), Eigen::Vector3d(0.3 * Z, 0, Z),
-                                    Eigen::Vector3d(0, 0.3 * Z, 0.5 * Z)}) {
+  for (const Eigen::Vector3d& at :
+       {Eigen::Vector3d(0, 0, Z), Eigen::Vector3d(0.3 * Z, 0, Z), Eigen::Vector3d(0, 0.3 * Z, 0.5 * Z)}) {
     EXPECT_LT((a.force(at) - b.force(at)).norm(), 0.02 * a.force(at).norm()) << at.transpose();
   }
   EXPECT_NEAR(b.friction(Z), 0.5, 1e-3);

@@ -99,8 +99,8 @@ TEST(SidewaysGates, AnAnswerAlongThePushAndAPeeledContactAreRefused) {
   EXPECT_EQ(failed_sideways_gate(peeled, -0.01, {})->rfind("contact resolution", 0), 0U);
 }
 
-// A thin lobe that snaps to another state while it is pushed aside answers with a smaller force and less energy; the tool
-// may also be given work back.
+// A thin lobe that snaps to another state while it is pushed aside answers with a smaller force and less energy; the
+// tool may also be given work back.
 TEST(SidewaysGates, AStuckContactThatJumpsToAnotherStateIsRefused) {
   for (const double way : {1.0, -1.0}) {
     GateState stuck = good(), jumped = good();
