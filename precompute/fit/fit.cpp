@@ -333,24 +333,31 @@ private:
     }
   }
 
+  /// Depth (m) to which a response holds: the site's, less where its straight push stopped short of it.
+  [[nodiscard]] double depth_of(std::uint32_t site, const fit::StraightCurve& own) const {
+    constexpr double kWhole = 0.9;  // of the depth; the give of the penalty is taken off what the tool moved
+    return own.deepest() >= kWhole * plan_.sites[site].depth ? plan_.sites[site].depth : own.deepest();
+  }
+
   [[nodiscard]] std::vector<Sample> samples_carried(std::uint32_t site, const fit::StraightCurve& own,
                                                     const std::vector<fit::CarrySource>& sources) const {
-    const PlanSite& at = plan_.sites[site];
-    return fit::carried_samples(at.frame, at.depth, own, settings_.path(at.depth), sources, result_.scales);
+    const double depth = depth_of(site, own);
+    return fit::carried_samples(plan_.sites[site].frame, depth, own, settings_.path(depth), sources, result_.scales);
   }
 
   /// Throws Error(numerical) where the carried samples cannot be fitted.
   [[nodiscard]] SiteResponse carried_to(std::uint32_t site, const fit::StraightCurve& own,
                                         const std::vector<fit::CarrySource>& all) const {
     const PlanSite& at = plan_.sites[site];
+    const double depth = depth_of(site, own);
     const std::vector<fit::CarrySource> sources = fit::near_sources(at.frame, all);
     std::vector<fit::FillSource> blended;
     for (const fit::CarrySource& source : sources) blended.push_back({source.frame, source.full, source.weight});
-    SiteResponse carried = fit::blend_sites(at.frame, at.depth, blended, result_.scales);
+    SiteResponse carried = fit::blend_sites(at.frame, depth, blended, result_.scales);
     const double softening = carried.response.softening;
     carried.response = fit::fit_pair(samples_carried(site, own, sources), result_.scales, "carried");
     carried.response.softening = softening;
-    carried.depth = at.depth;
+    carried.depth = depth;
     return carried;
   }
 

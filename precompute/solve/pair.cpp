@@ -19,7 +19,8 @@ const Body& stress_free(const Body& body) { return body.stress_free ? *body.stre
 
 struct Attempt {
   PairResult result;
-  std::vector<Sample> straight;  // of a push that passed, whatever came after it
+  std::vector<Sample> straight;  // of the push as far as it passed, whatever came after it
+  double reached = 0.0;          // m, its depth
   bool contact_failed = false;   // see PairRun
   double lost = 0.0;             // see PairOptions
 };
@@ -36,14 +37,17 @@ Attempt attempt(const Body& body, const Tool& tool, const ToolVertex& vertex, co
     PairRun run{body, tool, vertex, frame, path, options, mesh, last, push, result};
     if (!push.held_anywhere()) {
       run.refuse("support: no node of the mesh is held");
-    } else if (approach(run) && straight_push(run)) {
+    } else if (approach(run)) {
+      const bool pushed = straight_push(run);
       made.straight = result.samples;
-      if (sticking_pushes(run) && grasped_pulls(run)) {
+      if (!made.straight.empty()) made.reached = run.curve.back().depth;
+      if (pushed && sticking_pushes(run) && grasped_pulls(run)) {
         slipping_pushes(run);
         side_paths(run);
         result.outcome.accepted = true;
       }
     }
+    if (!result.outcome.accepted) result.samples.clear();
     made.contact_failed = run.contact_failed;
     result.outcome.factorisations = push.factorisations();
     made.lost = static_cast<double>(mesh.nodes.size()) * push.lost_factorisations();
@@ -107,15 +111,22 @@ PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vert
                       const PairPath& path, const PairOptions& options, const SampleSink& sink) {
   PairResult result;
   std::string causes;
-  PairResult straight;  // the last that passed of a pair that was not accepted
-  bool contact_failed = false;
+  PairResult straight;   // the deepest and last that passed of a pair that was not accepted
+  double reached = 0.0;  // m, its depth
+  bool contact_failed = false, no_deeper = false;
   double lost = 0.0;
   const auto lost_too_much = [&] { return lost > options.most_lost; };
   const auto solve = [&](const TetMesh& mesh, const PairOptions& with, double scale, bool last) {
     Attempt made = attempt(body, tool, vertex, frame, path, with, mesh, last);
     result = std::move(made.result);
     if (result.outcome.accepted) straight = {};  // a check may refuse all of it yet
-    if (!result.outcome.accepted && !made.straight.empty()) straight = {result.outcome, std::move(made.straight), {}};
+    if (!result.outcome.accepted && !made.straight.empty()) {
+      no_deeper = !straight.samples.empty() && made.reached <= reached;
+      if (made.reached >= reached) {
+        straight = {result.outcome, std::move(made.straight), {}};
+        reached = made.reached;
+      }
+    }
     contact_failed = made.contact_failed;
     lost += made.lost;
     if (!result.outcome.accepted || !options.check) return;
@@ -137,16 +148,16 @@ PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vert
     result = {};
     contact_failed = false;
     if (mesh.usable) {
-      solve(mesh.mesh, options, scale, scale == 0.6);
+      solve(mesh.mesh, options, scale, scale == 0.6 || !straight.samples.empty());
     } else {
       result.outcome.cause = "mesh: " + mesh.cause;
     }
     if (result.outcome.accepted) break;
     add_cause(causes, "finer", result.outcome.cause);
-    if (lost_too_much()) break;
+    if (no_deeper || lost_too_much()) break;
   }
   for (const Rung& rung : kLastRungs) {
-    if (!contact_failed || options.method != ContactMethod::penalty || lost_too_much()) break;
+    if (no_deeper || !contact_failed || options.method != ContactMethod::penalty || lost_too_much()) break;
     PairOptions with = options;
     with.method = rung.method;
     with.penalty *= rung.penalty;

@@ -111,9 +111,10 @@ using SampleSink = std::function<void(const Sample&)>;
 inline constexpr int kSolverRevision = 17;
 
 /// Solves `plan` along `path`. A solve that fails a gate or finds no equilibrium is tried again on finer meshes, then
-/// on the finest with a stiffer penalty, with multipliers and with a log barrier, as long as not too much was lost. If
-/// only what followed the straight push failed, the last such push is accepted alone, "stopped short". Never throws for
-/// a numerical failure: the outcome names the cause of every attempt. Deterministic: the same inputs give the same bits.
+/// on the finest with a stiffer penalty, with multipliers and with a log barrier, until one reaches no deeper than the
+/// one before or too much was lost. What passed of the straight push is then accepted alone, "stopped short", if it has
+/// GateLimits::curve_points depths. Never throws for a numerical failure: the outcome names the cause of every attempt.
+/// Deterministic: the same inputs give the same bits.
 PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
                       const PairPath& path, const PairOptions& options, const SampleSink& sink = {});
 

@@ -27,7 +27,7 @@ public:
   explicit WayEnergy(const Push& push);
   /// After a move of the push.
   void moved();
-  [[nodiscard]] double work() const { return work_; }               ///< J
+  [[nodiscard]] double work() const { return work_; }                ///< J
   [[nodiscard]] double stored() const { return energy() - start_; }  ///< J
 
 private:
@@ -46,7 +46,8 @@ struct PairRun {
   const PairPath& path;
   const PairOptions& options;
   const TetMesh& mesh;
-  bool last = false;  ///< no finer mesh is to come: a sideways push keeps what it answered before it failed
+  bool last = false;  ///< an attempt before failed too, or no finer mesh is to come: a sideways push keeps what it
+                      ///< answered before it failed
   Push& push;
   PairResult& result;
   Eigen::Vector3d start{0, 0, 0};   ///< m, the tool's translation at first touch
@@ -83,7 +84,8 @@ struct PairRun {
 
 /// Prestress, then the tool comes to where it first touches.
 bool approach(PairRun& run);
-/// The curve of the straight push.
+/// The curve of the straight push. False: its samples end at the last depth that passed, or are none where these are
+/// fewer than GateLimits::curve_points.
 bool straight_push(PairRun& run);
 /// Sideways pushes of a contact that sticks.
 bool sticking_pushes(PairRun& run);

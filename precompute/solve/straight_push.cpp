@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace palpate {
 namespace {
@@ -44,58 +45,70 @@ double slip_ratio(const PairRun& run) {
   return mean;
 }
 
+// The push to one depth: appends a point and its sample, nothing where the contact is still too small to resolve. The
+// cause where it fails.
+std::optional<std::string> push_to(PairRun& run, double depth, double& work) {
+  const GateLimits limits;
+  const double deepest = run.path.normal_depths.back();
+  const bool sticking = run.path.friction > 0 && !run.path.form_frictionless;
+  const auto fail = [&run](const std::string& cause, bool of_contact) {
+    run.contact_failed = of_contact;
+    return cause;
+  };
+  const StepResult step = run.move_to(run.start - depth * run.frame.n, depth, sticking);
+  ++run.result.outcome.normal_solves;
+  if (!step.converged) {
+    return fail("normal push at depth " + std::to_string(1e3 * depth) + " mm: " + step.cause, true);
+  }
+  CurvePoint point{depth, run.push.report(), 0.0, run.push.state(), step.energy_error};
+  point.force = point.contact.force.dot(run.frame.n);
+  const double last_force = run.curve.empty() ? 0.0 : run.curve.back().force;
+  const double last_depth = run.curve.empty() ? 0.0 : run.curve.back().depth;
+  if (point.contact.points < limits.resolved_points) {
+    if (depth < deepest) return std::nullopt;
+    return fail("contact resolution: " + std::to_string(point.contact.points) + " points in contact at full depth, " +
+                    std::to_string(limits.resolved_points) + " wanted",
+                false);
+  }
+  work += run.curve.empty() ? point.force * depth / (run.vertex.flat_radius > 0 ? 2.0 : 2.5)
+                            : power_law_work(last_depth, last_force, depth, point.force);
+  Sample sample = run.sample(step.iterations);
+  const GateState gate{depth,
+                       run.radius(depth),
+                       point.force,
+                       last_force,
+                       work,
+                       run.push.elastic_energy() + point.contact.normal_energy + point.contact.tangential_energy,
+                       run.work_scale(deepest),
+                       sample.min_jacobian,
+                       point.contact};
+  if (const auto failed = failed_gate(gate, limits)) return fail(*failed, !sinks_into_held(gate, limits));
+  if (run.options.watch) run.options.watch(run.mesh, run.push.state().x, depth);
+  run.curve.push_back(std::move(point));
+  sample.friction_limit = run.path.friction > 0 ? run.path.friction * slip_ratio(run) : 0.0;
+  sample.index = static_cast<std::uint16_t>(run.curve.size() - 1);
+  run.result.samples.push_back(sample);
+  return std::nullopt;
+}
+
 }  // namespace
 
 bool straight_push(PairRun& run) {
   const PairPath& path = run.path;
   const GateLimits limits;
-  const bool sticking = path.friction > 0 && !path.form_frictionless;
-  const double deepest = path.normal_depths.back();
-  run.push.set_anchor_stiffness(run.options.penalty * run.body.material.young / run.radius(deepest));
+  run.push.set_anchor_stiffness(run.options.penalty * run.body.material.young / run.radius(path.normal_depths.back()));
   std::vector<CurvePoint>& curve = run.curve;
   double work = 0.0;
-  for (const double depth : path.normal_depths) {
-    const StepResult step = run.move_to(run.start - depth * run.frame.n, depth, sticking);
-    ++run.result.outcome.normal_solves;
-    if (!step.converged) {
-      return run.refuse_contact("normal push at depth " + std::to_string(1e3 * depth) + " mm: " + step.cause);
-    }
-    CurvePoint point{depth, run.push.report(), 0.0, run.push.state(), step.energy_error};
-    point.force = point.contact.force.dot(run.frame.n);
-    const double last_force = curve.empty() ? 0.0 : curve.back().force;
-    const double last_depth = curve.empty() ? 0.0 : curve.back().depth;
-    // Too few points to be a resolved contact: the point is dropped, which is no error while it is shallow.
-    if (point.contact.points < limits.resolved_points) {
-      if (depth < deepest) continue;
-      return run.refuse("contact resolution: " + std::to_string(point.contact.points) +
-                        " points in contact at full depth, " + std::to_string(limits.resolved_points) + " wanted");
-    }
-    work += curve.empty() ? point.force * depth / (run.vertex.flat_radius > 0 ? 2.0 : 2.5)
-                          : power_law_work(last_depth, last_force, depth, point.force);
-    Sample sample = run.sample(step.iterations);
-    const GateState gate{depth,
-                         run.radius(depth),
-                         point.force,
-                         last_force,
-                         work,
-                         run.push.elastic_energy() + point.contact.normal_energy + point.contact.tangential_energy,
-                         run.work_scale(deepest),
-                         sample.min_jacobian,
-                         point.contact};
-    if (const auto failed = failed_gate(gate, limits)) {
-      return sinks_into_held(gate, limits) ? run.refuse(*failed) : run.refuse_contact(*failed);
-    }
-    if (run.options.watch) run.options.watch(run.mesh, run.push.state().x, depth);
-    curve.push_back(std::move(point));
-    sample.friction_limit = path.friction > 0 ? path.friction * slip_ratio(run) : 0.0;
-    sample.index = static_cast<std::uint16_t>(curve.size() - 1);
-    run.result.samples.push_back(sample);
+  std::optional<std::string> cause;
+  for (auto depth = path.normal_depths.begin(); !cause && depth != path.normal_depths.end(); ++depth) {
+    cause = push_to(run, *depth, work);
   }
   const std::size_t wanted = std::min(limits.curve_points, path.normal_depths.size());
   if (curve.size() < wanted) {
-    return run.refuse("contact resolution: " + std::to_string(curve.size()) + " of " +
-                      std::to_string(path.normal_depths.size()) + " depths have enough points in contact, " +
-                      std::to_string(wanted) + " wanted");
+    return run.refuse(cause ? *cause
+                            : "contact resolution: " + std::to_string(curve.size()) + " of " +
+                                  std::to_string(path.normal_depths.size()) +
+                                  " depths have enough points in contact, " + std::to_string(wanted) + " wanted");
   }
   for (std::size_t k = 0; k < curve.size(); ++k) {
     const CurvePoint& point = curve[k];
@@ -106,7 +119,8 @@ bool straight_push(PairRun& run) {
         error_estimate({point.contact.force.norm(), point.depth, point.depth - depth, point.energy_error,
                         point.state.penalty * point.contact.area, point.contact.points, run.options.growth});
   }
-  return true;
+  run.result.outcome.cause = cause.value_or("");
+  return !cause;
 }
 
 }  // namespace palpate
