@@ -296,6 +296,10 @@ Scene read_scene(const std::filesystem::path& file) {
   }
   read_tools(scene, root, place);
   read_section(scene, root, "contact", contact_keys(), place);
+  for (const ToolScene& tool : scene.tools) {  // without a depth in the scene
+    const bool round = tool.shape == ToolScene::Shape::sphere || tool.shape == ToolScene::Shape::capsule;
+    if (round) scene.sampling.depth = std::min(scene.sampling.depth, tool.radius);
+  }
   read_section(scene.sampling, root, "sampling", sampling_keys(), place);
   check_removed(root, place);
   read_section(scene.response, root, "response", response_keys(), place);

@@ -165,7 +165,9 @@ const Keys<SamplingScene>& sampling_keys() {
                                        "Without a spacing: no more sites are added once there are so many.")),
       number("margin_spacing", &S::margin_spacing, {0, 1, false, "m"},
              "Edge length at sharp margins, at most spacing, and only with one; 0: spacing / 2."),
-      number("depth", &S::depth, {0, 1, true, "m"}, "Deepest push."),
+      number("depth", &S::depth, {0, 1, true, "m"},
+             "Deepest push; without it no deeper than the radius of a sphere or a capsule, whose handle "
+             "would touch as well."),
       number("depth_fraction", &S::depth_fraction, {0, 0.8, true, ""},
              "Deepest push as a share of the local thickness, where that is less than depth; over a cavity of wall and "
              "cavity together."),

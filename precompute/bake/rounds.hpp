@@ -22,12 +22,12 @@ struct Sampled {
 };
 
 /// Part of a plan's identity: raise it whenever the same outcomes give another next round.
-inline constexpr int kRoundsRevision = 1;
+inline constexpr int kRoundsRevision = 2;
 
 /// Numbers of automatic sampling.
 struct RoundLimits {
   double first_sites = 60;     ///< in the first round, on a body without margins or thin walls
-  double least_edge = 0.35;    ///< of the smallest tool's radius: shorter edges are not split
+  double least_edge = 0.2;     ///< of the smallest tool's radius: shorter edges are not split
   double full_share = 0.1;     ///< of the sites, that are solved in full
   std::size_t least_full = 8;  ///< sites solved in full
   std::size_t hidden = 40;     ///< hidden places of the first round

@@ -112,9 +112,9 @@ inline constexpr int kSolverRevision = 17;
 
 /// Solves `plan` along `path`. A solve that fails a gate or finds no equilibrium is tried again on finer meshes, then
 /// on the finest with a stiffer penalty, with multipliers and with a log barrier, until one reaches no deeper than the
-/// one before or too much was lost. What passed of the straight push is then accepted alone, "stopped short", if it has
-/// GateLimits::curve_points depths. Never throws for a numerical failure: the outcome names the cause of every attempt.
-/// Deterministic: the same inputs give the same bits.
+/// one before or too much was lost. The depths that passed of the straight push are then accepted alone, "stopped
+/// short", if there are GateLimits::curve_points of them. Never throws for a numerical failure: the outcome names the
+/// cause of every attempt. Deterministic: the same inputs give the same bits.
 PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
                       const PairPath& path, const PairOptions& options, const SampleSink& sink = {});
 
