@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "device/loop.hpp"
+#include "device/run_writer.hpp"
 #include "device/stop_signals.hpp"
 #include "formats/error.hpp"
 #include "formats/file.hpp"

@@ -80,7 +80,8 @@ std::optional<std::string> Bonded::take(Stand& now, Stand&& next, double work, d
 
 std::optional<std::string> Bonded::move(Stand& now, const Vector3d& target) {
   const Vector3d way = target - now.state.translation;
-  const StepResult step = move_by(run_.options, run_.push, target, at_.depth, radius_, scale_, run_.path.friction > 0);
+  const StepResult step =
+      move_by(run_.options.method, run_.push, target, at_.depth, radius_, scale_, run_.path.friction > 0);
   ++run_.result.outcome.tangential_solves;
   if (!step.converged) return step.cause;
   Stand next = stand(step);
@@ -100,7 +101,7 @@ std::optional<std::string> Bonded::turn(Stand& now, const Stand& from, const Vec
     const Vector3d next = start + to * way;
     const Matrix3d turned = rotation(next);
     run_.push.set_rotation(turned);
-    const StepResult s = move_by(run_.options, run_.push, rests - turned * run_.vertex.point, at_.depth, radius_,
+    const StepResult s = move_by(run_.options.method, run_.push, rests - turned * run_.vertex.point, at_.depth, radius_,
                                  scale_, run_.path.friction > 0);
     if (s.converged) {
       reached = next;

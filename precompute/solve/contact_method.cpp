@@ -6,10 +6,9 @@
 
 namespace palpate {
 
-StepResult move_by(const PairOptions& options, Push& push, const Eigen::Vector3d& target, double depth,
-                   double contact_radius, double work_scale, bool sticking,
-                   const std::vector<Eigen::VectorXd>& starts) {
-  switch (options.method) {
+StepResult move_by(ContactMethod method, Push& push, const Eigen::Vector3d& target, double depth, double contact_radius,
+                   double work_scale, bool sticking, const std::vector<Eigen::VectorXd>& starts) {
+  switch (method) {
     case ContactMethod::augmented:
       return move_augmented(push, target, depth, contact_radius, work_scale, sticking, starts);
     case ContactMethod::barrier:

@@ -33,7 +33,8 @@ Attempt attempt(const Body& body, const Tool& tool, const ToolVertex& vertex, co
   result.outcome.nodes = static_cast<std::uint32_t>(mesh.nodes.size());
   try {
     Push push(stress_free(body), mesh, *tool.shape, touching_pose(vertex, frame),
-              {body.material.young, normal_penalty(options), options.tolerance}, options.materials);
+              {body.material.young, normal_penalty(options.method, options.penalty), options.tolerance},
+              options.materials);
     PairRun run{body, tool, vertex, frame, path, options, mesh, last, push, result};
     if (!push.held_anywhere()) {
       run.refuse("support: no node of the mesh is held");

@@ -7,6 +7,7 @@
 #include "precompute/body.hpp"
 #include "precompute/fem/material.hpp"
 #include "precompute/mesh/volume_mesh.hpp"
+#include "precompute/solve/contact_method.hpp"
 #include "precompute/tool/tool.hpp"
 
 #include <functional>
@@ -70,10 +71,6 @@ void add_grasp(PairPath& path, const Scene& scene, const ToolScene& tool, double
 
 /// Paths that only test: diagonal, side then deeper, lift under side load, within `path`'s depths and reach.
 std::vector<SidePath> test_paths(const PairPath& path, double angle);
-
-/// How the tool is kept out of the body: by a penalty whose give is taken off the depth, by multipliers
-/// (augmented.hpp), by a log barrier (barrier.hpp).
-enum class ContactMethod { penalty, augmented, barrier };
 
 struct PairOptions {
   double refine = 1.0;      ///< factor of every element size, the tools' edges and the supports' rim included

@@ -41,7 +41,7 @@ double PairRun::work_scale(double depth) const { return body.material.young * ra
 
 StepResult PairRun::move_to(const Eigen::Vector3d& target, double depth, bool sticking,
                             const std::vector<Eigen::VectorXd>& starts) const {
-  return move_by(options, push, target, depth, radius(depth), work_scale(depth), sticking, starts);
+  return move_by(options.method, push, target, depth, radius(depth), work_scale(depth), sticking, starts);
 }
 
 Sample PairRun::sample(std::uint32_t iterations) const {

@@ -3,13 +3,16 @@
 #pragma once
 
 #include "device/device_table.hpp"
-#include "device/hand_model.hpp"
+#include "device/hand_types.hpp"
 #include "palpate/math/pose.hpp"
 
 #include <algorithm>
 #include <cstdint>
 
 namespace palpate::device {
+
+using runtime::Pose;
+using runtime::Vec3;
 
 inline constexpr double kPi = 3.141592653589793;
 

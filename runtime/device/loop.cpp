@@ -12,8 +12,8 @@ const char* LoopOptions::validate() const {
   return seconds >= 0 && seconds < 1e6 ? nullptr : "the length of the run is outside 0 to 1e6 s";
 }
 
-ForceLoop::ForceLoop(Device& device, ForceSource& source, const LoopOptions& options, StopFlags& stop,
-                     RunWriter* record, Clock& clock)
+ForceLoop::ForceLoop(Device& device, ForceSource& source, const LoopOptions& options, StopFlags& stop, TickSink* record,
+                     Clock& clock)
     : device_(device),
       source_(source),
       options_(options),
@@ -64,7 +64,7 @@ void ForceLoop::run() noexcept {
     out = governor_.step(seen, source_);
     device_.write(out.command);
     const double done = clock_.now();
-    if (record_ != nullptr) record_->put(to_tick(seen, out));
+    if (record_ != nullptr) record_->put(seen, out);
 
     missed = static_cast<std::uint32_t>(std::fmin(1e6, std::fmax(0, std::floor((done - seen.due) / period_))));
     index += 1 + missed;

@@ -7,8 +7,8 @@
 #include "device/governor.hpp"
 #include "device/histogram.hpp"
 #include "device/realtime.hpp"
-#include "device/run_writer.hpp"
 #include "device/stop_flags.hpp"
+#include "device/tick_sink.hpp"
 #include "palpate/threading/triple_buffer.hpp"
 
 #include <atomic>
@@ -51,7 +51,7 @@ class ForceLoop {
 public:
   /// All references must outlive the loop. The options must be valid. `record`: null for none.
   ForceLoop(Device& device, ForceSource& source, const LoopOptions& options, StopFlags& stop,
-            RunWriter* record = nullptr, Clock& clock = system_clock());
+            TickSink* record = nullptr, Clock& clock = system_clock());
   ~ForceLoop();  ///< requests an emergency stop if it still runs, and waits
   ForceLoop(const ForceLoop&) = delete;
   ForceLoop& operator=(const ForceLoop&) = delete;
@@ -79,7 +79,7 @@ private:
   ForceSource& source_;
   LoopOptions options_;
   StopFlags& stop_;
-  RunWriter* record_;
+  TickSink* record_;
   Clock& clock_;
   Governor governor_;
   double period_;        // s

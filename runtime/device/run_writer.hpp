@@ -5,6 +5,7 @@
 #include "device/ring.hpp"
 #include "device/run_hand.hpp"
 #include "device/run_record.hpp"
+#include "device/tick_sink.hpp"
 
 #include <atomic>
 #include <cstdint>
@@ -22,13 +23,13 @@ struct RunWritten {
 };
 
 /// put() is for the force loop, everything else for the thread that made the writer.
-class RunWriter {
+class RunWriter : public TickSink {
 public:
   /// Creates or replaces the file, unless another writer has it, and starts the thread; error() says whether that went
   /// well. `hand`: of a glove's run. `capacity`: ticks that wait for a slow disk.
   RunWriter(const std::string& path, RunHeader header, const std::optional<RunHand>& hand = {},
             std::size_t capacity = std::size_t{1} << 14);
-  ~RunWriter();  ///< finishes
+  ~RunWriter() override;  ///< finishes
   RunWriter(const RunWriter&) = delete;
   RunWriter& operator=(const RunWriter&) = delete;
 
@@ -37,6 +38,7 @@ public:
 
   /// Never waits: what finds no room is dropped and counted.
   void put(const RunTick& tick) noexcept;
+  void put(const TickInput& seen, const TickOutput& out) noexcept override { put(to_tick(seen, out)); }
 
   /// Counted so far.
   [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }

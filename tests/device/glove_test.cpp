@@ -8,6 +8,7 @@
 
 #include "device/device.hpp"
 #include "device/replay.hpp"
+#include "device/run_writer.hpp"
 #include "device/sim_glove.hpp"
 #include "palpate/palpate.hpp"
 #include "tests/device/golden.hpp"

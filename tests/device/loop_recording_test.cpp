@@ -2,6 +2,7 @@
 // The recording of a run: the same bits when it is replayed, a disk that is slow or full, files that are damaged.
 #include "device/contact_source.hpp"
 #include "device/replay.hpp"
+#include "device/run_writer.hpp"
 #include "tests/device/scripted_device.hpp"
 #include "tests/runtime/support.hpp"
 #include "tests/support/temporary_folder.hpp"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The force thread makes no system call but its sleep: after a hundred ticks the kernel kills it for any other. A lock
 // that had to wait would make one (futex).
+#include "device/run_writer.hpp"
 #include "tests/device/loop_child.hpp"
 #include "tests/support/temporary_folder.hpp"
 
