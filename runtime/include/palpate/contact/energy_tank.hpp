@@ -64,8 +64,7 @@ public:
     // W grows at least like z and at most like z^4, so this start is near the root where the last depth says nothing.
     double d = smaller(z, larger(last, z * std::sqrt(energy / work)));
     for (int step = 0; step < EnergyConstants::kNewtonSteps; ++step) {
-      ResponseAtDepth r;
-      law.set_normal(d, r);
+      const NormalResponse r = law.normal(d);
       if (!(r.normal_force > 0)) break;
       const double root = std::sqrt(r.work);
       d += 2 * root * (wanted - root) / r.normal_force;
