@@ -176,6 +176,7 @@ private:
     // Against the surface as baked: a search may have been made on a deformed one.
     place.foot = local_closest_point(*view_, at, state_.tool.apply(touch.core.point));
     place.foot.signed_distance = std::copysign(place.foot.signed_distance, touch.body.signed_distance);
+    state_.tool = in_body(tool, body.frame(place.foot.at));  // the frame at c, in which the motion goes on
     place.body_point = place.foot;
     place.target = place.foot.point;
     place.normal = smooth_normal(*view_, at);
