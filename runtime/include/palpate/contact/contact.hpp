@@ -362,7 +362,7 @@ private:
       energy = energy_after(depth, before, factor, motion, trial);
       if (!deficit && round == 0) full = trial.response;
       const double spare = factor > 0 ? energy / factor - trial.other : 0;
-      const bool covered = spare >= trial.response.work - EnergyConstants::kMissing * full.work;
+      const bool covered = spare >= (1 - EnergyConstants::kMissing) * trial.response.work;
       if (covered || round == EnergyConstants::kRounds || !(depth > least)) break;
       depth = larger(EnergyTank::counted_depth(response_.law(), spare, depth, trial.response.work, depth), least);
       state_.springs = springs;
