@@ -44,7 +44,7 @@ std::string figure() {
     f.values.push_back(state.touching ? 1e3 * state.place.foot.point.x : nowhere);
     c.values.push_back(state.touching ? 1e3 * state.place.body_point.point.x : nowhere);
     for (std::size_t k = 0; k < layers.size(); ++k) {
-      const runtime::Vec2 e = state.springs.deflection[shown[k]];
+      const runtime::Vec2 e = state.springs.layer[shown[k]].deflection;
       layers[k].values.push_back(state.touching ? 1e3 * std::hypot(e.x, e.y) : nowhere);
     }
   };

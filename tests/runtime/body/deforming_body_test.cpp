@@ -249,6 +249,25 @@ TEST(DeformingBody, ToolSlidesOverTheStretchedSurface) {
   }
 }
 
+// The point of the deformed surface that is closest to the tool and c lie apart, and their frames differ.
+TEST(DeformingBody, ToolAtRestBeginsWithoutForceInABentBody) {
+  Deformed ball(ball_content(searched()));
+  for (int k = 0; k < 3; ++k) {
+    const ShapeResult set = ball.set([](const Vec3& x) {
+      return Vec3{x.x + 4 * x.z * x.z, x.y, 1.2 * x.z + 6 * x.x * x.y};
+    });
+    ASSERT_TRUE(set) << set.error;
+    ball.surface.advance(2 * kFrame);
+  }
+  for (int i = 0; i < 20; ++i) {
+    Contact contact(ball.body.view, 0);
+    const double angle = 0.3 * i, out = kBallRadius + kTipRadius - 0.003;
+    const Pose tool = upright({out * std::sin(angle), 0.3 * out * std::cos(7 * angle), out * std::cos(angle)});
+    EXPECT_EQ(length(contact.tick(tool, DeformingBody{&ball.surface}).force), 0) << i;
+    EXPECT_LT(contact.state().energy.energy(), 1e-12) << i;
+  }
+}
+
 TEST(DeformingBody, WrongPoseIsAFaultAndTheContactBeginsAnew) {
   Deformed box(box_content({}));
   Contact contact(box.body.view, 0);

@@ -256,11 +256,11 @@ TEST(FrictionSprings, LimitsSumToTheFrictionConeAtEveryDepth) {
   for (const double z : {1e-6, 2e-5, 3e-4, 0.001, 0.003, 0.005, 0.0065}) {
     runtime::SpringState state;
     const auto r = contact.response().law().at(z);
-    const auto f = update_springs(layers, r, {0, z, {1.0, 0.0}}, state, state);  // far beyond every limit
+    const auto f = update_springs(layers, r, {0, z, {1.0, 0.0}}, state);  // far beyond every limit
     EXPECT_TRUE(f.slides);
     const double lost = kSoftening * std::min(1.0, z / kDepthScale);
     EXPECT_NEAR(length(f.force), (1 - lost) * r.friction_coefficient * r.normal_force, 1e-6 * r.normal_force) << z;
-    const auto again = update_springs(layers, r, {z, z, {1.0, 0.0}}, state, state);
+    const auto again = update_springs(layers, r, {z, z, {1.0, 0.0}}, state);
     EXPECT_NEAR(again.lost_force, lost * r.normal_force, 1e-6 * r.normal_force) << "all layers have slipped";
     EXPECT_NEAR(again.lost_work, lost * r.work, 1e-3 * r.work) << z;
     const double kept = response::slipping_bias_share(std::sqrt(std::min(1.0, z / kDepthScale)));
@@ -278,10 +278,10 @@ TEST(FrictionSprings, RestChangesNothing) {
     for (const double way : {1e-6, 1e-4, 1e-3}) {
       runtime::SpringState state;
       const auto r = contact.response().law().at(z);
-      update_springs(layers, r, {0, z, {0.6 * way, 0.8 * way}}, state, state);
-      const auto first = update_springs(layers, r, {z, z, {}}, state, state);
+      update_springs(layers, r, {0, z, {0.6 * way, 0.8 * way}}, state);
+      const auto first = update_springs(layers, r, {z, z, {}}, state);
       for (int k = 0; k < 100; ++k) {
-        const auto again = update_springs(layers, r, {z, z, {}}, state, state);
+        const auto again = update_springs(layers, r, {z, z, {}}, state);
         ASSERT_EQ(again.force.x, first.force.x) << z << ' ' << way;
         ASSERT_EQ(again.force.y, first.force.y) << z << ' ' << way;
       }

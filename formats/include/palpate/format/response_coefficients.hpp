@@ -11,13 +11,13 @@ inline constexpr int kMaxDegree = 6;
 
 namespace detail {
 struct Binomials {
-  double at[kMaxDegree + 1][kMaxDegree + 1] = {};
+  std::uint8_t at[kMaxDegree + 1][kMaxDegree + 1] = {};
 };
 constexpr Binomials make_binomials() {
   Binomials b;
   for (int n = 0; n <= kMaxDegree; ++n) {
     b.at[n][0] = 1;
-    for (int k = 1; k <= n; ++k) b.at[n][k] = b.at[n - 1][k - 1] + b.at[n - 1][k];
+    for (int k = 1; k <= n; ++k) b.at[n][k] = static_cast<std::uint8_t>(b.at[n - 1][k - 1] + b.at[n - 1][k]);
   }
   return b;
 }

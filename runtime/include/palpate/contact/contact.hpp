@@ -69,16 +69,17 @@ public:
       if (!found.touches) return {};
       start(found.touch, body.surface_frame() * found.pose, body);
     }
-    const auto jumped = [&](const auto& frame) {
-      const Motion motion(state_.tool, in_body(tool, frame));
-      return length(motion.of(state_.place.tool_point.point)) > size(view_->meta->depth_scale);
-    };
-    if (state_.touching && jumped(body.frame(state_.place.body_point.at)) && !put_elsewhere(tool, body, latest)) {
-      free_.leave(tool, body, state_.place.foot.at);
-      return released();
+    auto frame = body.frame(state_.place.body_point.at);
+    Motion way(state_.tool, in_body(tool, frame));
+    if (length(way.of(state_.place.tool_point.point)) > size(view_->meta->depth_scale)) {
+      if (!put_elsewhere(tool, body, latest)) {
+        free_.leave(tool, body, state_.place.foot.at);
+        return released();
+      }
+      frame = body.frame(state_.place.body_point.at);
+      way = Motion(state_.tool, in_body(tool, frame));
     }
-    const auto frame = body.frame(state_.place.body_point.at);
-    Tick tick = step(in_body(tool, frame), body, latest);
+    Tick tick = step(in_body(tool, frame), way, body, latest);
     if (!state_.touching) {
       free_.leave(tool, body, state_.place.foot.at);
       return lasted ? tick : Tick{};
@@ -175,6 +176,7 @@ private:
     // Against the surface as baked: a search may have been made on a deformed one.
     place.foot = local_closest_point(*view_, at, state_.tool.apply(touch.core.point));
     place.foot.signed_distance = std::copysign(place.foot.signed_distance, touch.body.signed_distance);
+    state_.tool = in_body(tool, body.frame(place.foot.at));  // the frame at c, in which the motion goes on
     place.body_point = place.foot;
     place.target = place.foot.point;
     place.normal = smooth_normal(*view_, at);
@@ -187,18 +189,17 @@ private:
     foot_tracker_.reset();
   }
 
-  /// One tick of a contact that lasts; `tool` in the frame of the body near c.
+  /// One tick of a contact that lasts; `tool` in the frame of the body near c, `way` since the last tick.
   template <class Body>
-  Tick step(const Pose& tool, const Body& body, const Search* latest) {
+  Tick step(const Pose& tool, const Motion& way, const Body& body, const Search* latest) {
     ContactPlace& place = state_.place;
-    const Motion way(state_.tool, tool);
     TickMotion motion;
     motion.moved = way.travel(shape_.extent());
     const double reach = ContactConstants::kPointSpeed * motion.moved;
     const CorePoint from = place.tool_point;
     place.tool_point = shape_.advance(from, tool, place.foot, place.normal, reach);
     const Vec3 q = tool.apply(place.tool_point.point);
-    advance_foot(q, length(way.of(from.point) + tool.rotate(place.tool_point.point - from.point)), latest);
+    advance_foot(q, length(q - state_.tool.apply(from.point)), latest);
     // A search that arrives late may find less than was felt: it is lost as the tool moves.
     const double z = larger(shape_.skin() - place.foot.signed_distance, state_.indentation - motion.moved);
     if (!(z > 0)) {
@@ -330,8 +331,8 @@ private:
     const double wanted = body.factor(state_.place.body_point.at), step = body.factor_step();
     const double factor = smaller(larger(wanted, state_.factor - step), state_.factor + step);
     const double last = state_.indentation, covered_work = factor > 0 ? state_.energy.energy() / factor - state_.other : 0;
-    ResponseAtDepth before, full;
-    if (last > 0) response_.law().set_normal(last, before);
+    NormalResponse before, full;
+    if (last > 0) before = response_.law().normal(last);
     // An indentation that grows by more than the tool's way was found, not made.
     const double deepened = smaller(z - last, motion.moved);
     const double kept = state_.counted_depth + deepened;
@@ -344,13 +345,12 @@ private:
     const double slack = smaller(EnergyConstants::kRounding * view_->meta->depth_scale, motion.moved);  // m
     const bool deficit = covered_work < before.work - slack * before.normal_force || kept < z - slack;
     if (deficit) {
-      response_.law().set_normal(z, full);
+      full = response_.law().normal(z);
       const double counted =
           EnergyTank::counted_depth(response_.law(), covered_work, last, before.work, state_.counted_depth);
       depth = smaller(clamped(counted + deepened, least, kept + most), z);
       limit = EnergyTank::recovery_limit(before.work > 0 ? covered_work / before.work : 0, full.normal_force);
-      before = ResponseAtDepth{};
-      if (state_.counted_depth > 0) response_.law().set_normal(state_.counted_depth, before);
+      before = state_.counted_depth > 0 ? response_.law().normal(state_.counted_depth) : NormalResponse{};
     } else {
       state_.counted_depth = last;  // but for rounding it was
     }
@@ -358,13 +358,14 @@ private:
     Trial trial;
     double energy = 0;
     for (int round = 0;; ++round) {
-      try_depth(depth, z, full.normal_slope, limit, motion, springs, trial);
+      try_depth(depth, z, full.normal_slope, limit, motion, trial);
       energy = energy_after(depth, before, factor, motion, trial);
       if (!deficit && round == 0) full = trial.response;
       const double spare = factor > 0 ? energy / factor - trial.other : 0;
-      const bool covered = spare >= trial.response.work - EnergyConstants::kMissing * full.work;
+      const bool covered = spare >= (1 - EnergyConstants::kMissing) * trial.response.work;
       if (covered || round == EnergyConstants::kRounds || !(depth > least)) break;
       depth = larger(EnergyTank::counted_depth(response_.law(), spare, depth, trial.response.work, depth), least);
+      state_.springs = springs;
     }
     state_.energy.settle(energy, factor * (full.work + trial.other),
                          motion.moved / (EnergyConstants::kHoldTravel * rounding()));
@@ -377,15 +378,14 @@ private:
     return report(tool, trial);
   }
 
-  /// Force at a counted depth, and the springs there from those `before` the tick. `limit` (N) and `stiffness` (N/m,
-  /// where depth < z): of the recovery layer.
-  void try_depth(double depth, double z, double stiffness, double limit, const TickMotion& motion,
-                 const SpringState& before, Trial& trial) {
+  /// Force at a counted depth, to which the springs go. `limit` (N) and `stiffness` (N/m, where depth < z): of the
+  /// recovery layer.
+  void try_depth(double depth, double z, double stiffness, double limit, const TickMotion& motion, Trial& trial) {
     trial.response = depth > 0 ? response_.law().at(depth) : ResponseAtDepth{};
     const ResponseAtDepth& r = trial.response;
     trial.friction = {};
     if ((kFeatures & layout::feature_friction) != 0 && response_.law().has_friction()) {
-      trial.friction = update_springs(layers_, r, {state_.counted_depth, depth, motion.way}, before, state_.springs);
+      trial.friction = update_springs(layers_, r, {state_.counted_depth, depth, motion.way}, state_.springs);
     }
     const Vec2& mean = state_.springs.mean;
     // The recovery layer: its deflection shrinks no faster than the tool moves.
@@ -406,8 +406,8 @@ private:
 
   /// J in the contact after the tick: the hand's work against the last force and this one (trapezoid), with the normal
   /// part of it exact where the response stays.
-  [[nodiscard]] double energy_after(double depth, const ResponseAtDepth& before, double factor,
-                                    const TickMotion& motion, const Trial& trial) const {
+  [[nodiscard]] double energy_after(double depth, const NormalResponse& before, double factor, const TickMotion& motion,
+                                    const Trial& trial) const {
     const double work = -0.5 * (dot(state_.applied.force, motion.before) + factor * dot(trial.force, motion.after));
     const double deepened = depth - state_.counted_depth;
     const double mean = 0.5 * (trial.response.normal_force + before.normal_force);

@@ -16,8 +16,8 @@ struct EnergyConstants {
   /// Largest correction of the counted depth in a tick, over the way of tool and response. It bounds the change of the force
   /// per metre; one tick's own work needs no correction.
   static constexpr double kCorrection = 1.5;
-  /// Rounds in which d is lowered within a tick, and the share of W that may be missing without one: ticks of a hand's
-  /// motion need none.
+  /// Rounds in which d is lowered within a tick, and the share of W(d) that may be missing without one: ticks of a
+  /// hand's motion need none.
   static constexpr int kRounds = 2;
   static constexpr double kMissing = 0.02;
   /// Of Z: a depth that is missing by less is rounding, and the whole depth counts.
@@ -64,8 +64,7 @@ public:
     // W grows at least like z and at most like z^4, so this start is near the root where the last depth says nothing.
     double d = smaller(z, larger(last, z * std::sqrt(energy / work)));
     for (int step = 0; step < EnergyConstants::kNewtonSteps; ++step) {
-      ResponseAtDepth r;
-      law.set_normal(d, r);
+      const NormalResponse r = law.normal(d);
       if (!(r.normal_force > 0)) break;
       const double root = std::sqrt(r.work);
       d += 2 * root * (wanted - root) / r.normal_force;

@@ -30,62 +30,62 @@ inline constexpr double kLayerDepth[SpringConstants::kLayers] = {
     0.037037037037037028, 0.072337962962962979, 0.125, 0.19849537037037041,
     0.29629629629629622, 0.421875, 0.57870370370370383, 0.77025462962962954};
 
-/// The layers of a blended response: stiffness, and force and work as polynomials of the depth.
-class FrictionLayers {
-public:
+/// A layer of a blended response. The tangent L to F at the depth `start` is a line, its integral a parabola of the
+/// depth.
+struct FrictionLayer {
+  double start = 0;                       ///< z_k, m
+  double force = 0, slope = 0, work = 0;  ///< N, N/m, J: of the tangent, at z = 0; 0 for the first layer
+  Sym2 stiffness;                         ///< K(s_k), N/m; 0 for the first layer
+  Sym2 whole;                             ///< K(s_k+1) - K(s_k), N/m: stiffness while the next layer is engaged
+
+  /// L(z).
+  [[nodiscard]] double tangent(double z) const { return force + slope * z; }
+  /// Integral of F up to the start, and of L from there on.
+  [[nodiscard]] double tangent_work(double z) const { return work + z * (force + 0.5 * z * slope); }
+};
+
+/// The layers of a blended response.
+struct FrictionLayers {
   static constexpr int kCount = SpringConstants::kLayers;
 
-  /// `softening`: k, share of a layer's normal force that is lost at z = Z where the layer has slipped.
-  void set(const ResponseLaw& law, double softening) {
-    depth_scale_ = law.depth_scale();
-    softening_ = softening;
+  double depth_scale = 1;  ///< Z, m
+  double softening = 0;    ///< k, share of a layer's normal force that is lost at z = Z where the layer has slipped
+  FrictionLayer at[kCount];
+
+  void set(const ResponseLaw& law, double slip_softening) {
+    depth_scale = law.depth_scale();
+    softening = slip_softening;
     if (!law.has_friction()) return;
-    ResponseAtDepth r;
     for (int k = 1; k < kCount; ++k) {
-      law.set_normal_within(kLayerAbscissa[k], r);
-      slope_[k] = r.normal_slope;
-      force_[k] = r.normal_force - r.normal_slope * start(k);
-      work_[k] = r.work - start(k) * (r.normal_force - 0.5 * start(k) * r.normal_slope);
-      stiffness_[k] = law.stiffness_at(kLayerAbscissa[k]);
-      whole_[k - 1] = stiffness_[k] - stiffness_[k - 1];
+      FrictionLayer& layer = at[k];
+      const NormalResponse r = law.normal_within(kLayerAbscissa[k]);
+      const double z = layer.start = kLayerDepth[k] * depth_scale;
+      layer.slope = r.normal_slope;
+      layer.force = r.normal_force - r.normal_slope * z;
+      layer.work = r.work - z * (r.normal_force - 0.5 * z * r.normal_slope);
+      layer.stiffness = law.stiffness_at(kLayerAbscissa[k]);
+      at[k - 1].whole = layer.stiffness - at[k - 1].stiffness;
     }
   }
-
-  /// m, Z.
-  [[nodiscard]] double depth_scale() const { return depth_scale_; }
-  /// k, share of a layer's normal force that is lost at z = Z where the layer has slipped.
-  [[nodiscard]] double softening() const { return softening_; }
   /// Number of layers engaged at a depth (m).
   [[nodiscard]] int engaged(double depth) const {
-    const double share = depth / depth_scale_;
     int count = 0;
-    while (count < kCount && share > kLayerDepth[count]) ++count;
+    while (count < kCount && depth > at[count].start) ++count;
     return count;
   }
-  /// m, z_k.
-  [[nodiscard]] double start(int k) const { return kLayerDepth[k] * depth_scale_; }
-  /// K(s_k) (N/m); 0 for k = 0.
-  [[nodiscard]] const Sym2& stiffness(int k) const { return stiffness_[k]; }
-  /// K(s_k+1) - K(s_k) (N/m): stiffness of a layer below which another one is engaged.
-  [[nodiscard]] const Sym2& whole(int k) const { return whole_[k]; }
-  /// L_k(z): the tangent to F at z_k; 0 for k = 0.
-  [[nodiscard]] double tangent(int k, double z) const { return force_[k] + slope_[k] * z; }
-  /// Its integral from no depth, along F up to z_k; 0 for k = 0.
-  [[nodiscard]] double tangent_work(int k, double z) const { return work_[k] + z * (force_[k] + 0.5 * z * slope_[k]); }
+};
 
-private:
-  double depth_scale_ = 1;  ///< Z, m
-  double softening_ = 0;
-  double force_[kCount] = {}, slope_[kCount] = {}, work_[kCount] = {};  ///< N, N/m, J: of the tangents, at z = 0
-  Sym2 stiffness_[kCount] = {}, whole_[kCount] = {};                    ///< N/m
+/// The spring of one layer. All is 0 while the layer is not engaged.
+struct Spring {
+  Vec2 deflection;       ///< e_k, m
+  double stiffness = 0;  ///< mean of K_k, N/m
+  double slipped = 0;    ///< [0, 1]: how far the layer has slipped since it engaged
 };
 
 /// The springs of one contact.
 struct SpringState {
-  Vec2 deflection[SpringConstants::kLayers] = {};    ///< e_k, m
-  double stiffness[SpringConstants::kLayers] = {};   ///< mean of K_k, N/m; 0 where the layer is not engaged
-  double slipped[SpringConstants::kLayers] = {};     ///< [0, 1]: how far the layer has slipped since it engaged
-  Vec2 mean;                                         ///< K^-1 sum of K_k e_k, m
+  Spring layer[SpringConstants::kLayers];
+  Vec2 mean;  ///< K^-1 sum of K_k e_k, m
 };
 
 /// Force of the springs after an update.
@@ -104,8 +104,7 @@ struct SpringMotion {
   Vec2 way;                 ///< m, across the normal
 };
 
-/// Moves the springs `before` by one tick to `after`, which may be the same. `r`: the response at the depth
-/// `motion.to` > 0, of the layers `layers`.
+/// Moves the springs by one tick. `r`: the response at the depth `motion.to` > 0, of the layers `layers`.
 ///
 ///     K_k(z) = K(min(s, s_k+1)) - K(s_k)                    layer k's stiffness; the last layer is open-ended
 ///     limit  = mu (L_k+1(z) - L_k(z)) (1 - k z/Z slipped_k) telescopes to mu F (1 - k r z/Z); negative shares (F not
@@ -114,26 +113,23 @@ struct SpringMotion {
 ///     where K_k grew:  e_k *= K_k(before) / K_k             new area is unstressed
 ///     where |K_k e_k| > limit:  e_k *= limit / |K_k e_k|    radial return (Simo and Hughes 1998, chapter 3)
 ///
-/// A contact in partial slip is such a row of layers (Jaeger 1993, Ciavarella 1998). Slip removes part of the tangential
-/// bias, which was solved sticking: with r the slipped share of F, g (1 - r (1 - slipping_bias_share(s))) remains.
+/// A contact in partial slip is such a row of layers (Jaeger 1993, Ciavarella 1998). Slip removes part of the
+/// tangential bias, which was solved sticking: with r the slipped share of F, g (1 - r (1 - slipping_bias_share(s)))
+/// remains.
 inline SpringForce update_springs(const FrictionLayers& layers, const ResponseAtDepth& r, const SpringMotion& motion,
-                                  const SpringState& before, SpringState& after) {
+                                  SpringState& springs) {
   constexpr int kCount = SpringConstants::kLayers;
   SpringForce result;
-  const double mu = r.friction_coefficient, force = r.normal_force;
-  const int engaged = force > 0 ? layers.engaged(motion.to) : 0;
-  for (int k = engaged; k < kCount; ++k) {
-    after.deflection[k] = {};
-    after.stiffness[k] = after.slipped[k] = 0;
-  }
-  after.mean = {};
+  const double mu = r.friction_coefficient, force = r.normal_force, z = motion.to;
+  const int engaged = force > 0 ? layers.engaged(z) : 0, last = engaged - 1;
+  for (int k = engaged; k < kCount; ++k) springs.layer[k] = {};
+  springs.mean = {};
   if (engaged == 0) return result;
-  const double share_of_depth = smaller(1, motion.to / layers.depth_scale());
-  const double softening = layers.softening() * share_of_depth;
+  const double share_of_depth = smaller(1, z / layers.depth_scale), softening = layers.softening * share_of_depth;
 
   double normal[kCount], sum = 0, below = 0;  // N, of the normal force
   for (int k = 0; k < engaged; ++k) {
-    const double above = k + 1 < engaged ? layers.tangent(k + 1, motion.to) : force;
+    const double above = k < last ? layers.at[k + 1].tangent(z) : force;
     normal[k] = larger(0, above - below);
     sum += normal[k];
     below = above;
@@ -142,40 +138,37 @@ inline SpringForce update_springs(const FrictionLayers& layers, const ResponseAt
 
   result.slides = true;
   for (int k = 0; k < engaged; ++k) {
-    const bool last = k + 1 == engaged;
-    const Sym2 stiffness = last ? r.stiffness - layers.stiffness(k) : layers.whole(k);
-    Vec2 e = before.deflection[k];
-    if (stiffness.m > before.stiffness[k]) e = (before.stiffness[k] / stiffness.m) * e;
-    const double start = layers.start(k);
-    e = e + (motion.from >= start ? 1 : (motion.to - start) / (motion.to - motion.from)) * motion.way;
-    Vec2 elastic = stiffness * e;
-    double slipped = before.slipped[k];
+    const FrictionLayer& layer = layers.at[k];
+    Spring& spring = springs.layer[k];
+    const Sym2 stiffness = k < last ? layer.whole : r.stiffness - layer.stiffness;
+    if (stiffness.m > spring.stiffness) spring.deflection = (spring.stiffness / stiffness.m) * spring.deflection;
+    spring.stiffness = stiffness.m;
+    Vec2 way = motion.way;
+    if (layer.start > motion.from) way = ((z - layer.start) / (z - motion.from)) * way;
+    spring.deflection = spring.deflection + way;
+    Vec2 elastic = stiffness * spring.deflection;
     normal[k] *= scale;
-    double limit = mu * normal[k] * (1 - softening * slipped);
+    const double limit = mu * normal[k] * (1 - softening * spring.slipped);
     const double squared = dot(elastic, elastic), most = limit * limit;
     // Rounding neither moves what is at its limit nor lets it stick.
     constexpr double kRounding = 1e-12;
-    if (squared > most * (1 + kRounding)) {
-      const double size = std::sqrt(squared), over = size / limit - 1;  // slip over the deflection at the limit
-      slipped += (1 - slipped) * smaller(1, over / SpringConstants::kSlipTravel);
-      limit = mu * normal[k] * (1 - softening * slipped);
-      e = (limit / size) * e;
-      elastic = stiffness * e;  // the same bits as in the next tick at rest
-    } else if (squared < most * (1 - kRounding)) {
+    if (squared < most * (1 - kRounding)) {
       result.slides = false;
+    } else if (squared > most * (1 + kRounding)) {
+      const double size = std::sqrt(squared), over = size / limit - 1;  // slip over the deflection at the limit
+      spring.slipped += (1 - spring.slipped) * smaller(1, over / SpringConstants::kSlipTravel);
+      spring.deflection = (mu * normal[k] * (1 - softening * spring.slipped) / size) * spring.deflection;
+      elastic = stiffness * spring.deflection;  // the same bits as in the next tick at rest
     }
-    after.deflection[k] = e;
-    after.stiffness[k] = stiffness.m;
-    after.slipped[k] = slipped;
     result.force = result.force + elastic;
-    result.energy += dot(e, elastic);
-    if (slipped > 0) {
-      const double work = (last ? r.work : layers.tangent_work(k + 1, motion.to)) - layers.tangent_work(k, motion.to);
-      result.lost_force += slipped * normal[k];
-      result.lost_work += slipped * larger(0, work);
+    result.energy += dot(spring.deflection, elastic);
+    if (spring.slipped > 0) {
+      const double work = (k < last ? layers.at[k + 1].tangent_work(z) : r.work) - layer.tangent_work(z);
+      result.lost_force += spring.slipped * normal[k];
+      result.lost_work += spring.slipped * larger(0, work);
     }
   }
-  after.mean = solve(r.stiffness, result.force);
+  springs.mean = solve(r.stiffness, result.force);
   result.energy *= 0.5;
   result.lost_bias = (1 - response::slipping_bias_share(std::sqrt(share_of_depth))) * result.lost_force / force;
   result.lost_force *= softening;

@@ -204,15 +204,19 @@ inline bool closest_point_where(const View& view, const Vec3& p, const Accept& a
   return true;
 }
 
+/// Accepts every point.
+struct AnyPoint {
+  bool operator()(const Vec3& /*point*/) const { return true; }
+};
+
 /// Closest point of the whole surface to p, which lies within 1e6 m. `near`: any point of the surface; the result does
 /// not depend on it, the time does.
 template <std::uint32_t kFeatures = layout::feature_all>
 PALPATE_NOINLINE inline Location closest_point(const View& view, const Vec3& p, const BodyPoint& near = {}) {
   constexpr double kSlack = 1 + 1e-9;  // rounding must not exclude `near` itself
-  const auto any = [](const Vec3& /*point*/) { return true; };
   Location found;
-  if (!closest_point_where<kFeatures>(view, p, any, kSlack * length(p - position(view, near)), found)) {
-    closest_point_where<kFeatures>(view, p, any, HUGE_VAL, found);
+  if (!closest_point_where<kFeatures>(view, p, AnyPoint(), kSlack * length(p - position(view, near)), found)) {
+    closest_point_where<kFeatures>(view, p, AnyPoint(), HUGE_VAL, found);
   }
   return found;
 }

@@ -60,8 +60,7 @@ public:
   }
   /// Triangles that are sampled at their corners: a contact's point runs over them.
   [[nodiscard]] bool is_mesh() const {
-    return kPatches && record_->kind == static_cast<std::uint32_t>(layout::ToolKind::mesh) &&
-           view_->tool_patches != nullptr;
+    return patched() && record_->kind == static_cast<std::uint32_t>(layout::ToolKind::mesh);
   }
 
   /// The core point nearest to the body at a pose. `surface`: the view whose vertices and search tree say where the
@@ -80,6 +79,7 @@ public:
     CorePoint to = from;
     if (!is_profile()) return to;
     to.point.z = nearest_on_axis(from.point.z, pose, foot, reach);
+    if (!patched()) return to;
     const double last = meridian_of(from.at), meridian = meridian_at(to.point.z, dot(pose.axis(), n));
     to.at = profile_point(last + clamped(meridian - last, -reach, reach));
     return to;
@@ -87,7 +87,8 @@ public:
 
   /// The sampled point of a core point at the first touch, with n the body's normal there.
   [[nodiscard]] ToolPoint sampled_point(const CorePoint& core, const Pose& pose, const Vec3& n) const {
-    return is_profile() ? profile_point(meridian_at(core.point.z, dot(pose.axis(), n))) : core.at;
+    if (!is_profile() || !patched()) return core.at;
+    return profile_point(meridian_at(core.point.z, dot(pose.axis(), n)));
   }
 
   /// Calls use(core) for core points spread over the tool: the centre of a sphere, five points of an axis, corners and
@@ -113,6 +114,8 @@ public:
   }
 
 private:
+  [[nodiscard]] bool patched() const { return kPatches && view_->tool_patches != nullptr; }
+
   /// A search that goes from core point to core point. Points that cannot be nearer
   /// than the best so far cost a look at a few boxes.
   class Walk {
@@ -145,8 +148,7 @@ private:
         return true;
       }
       const double reach = larger(best + radius, length(q - best_at_) - best + radius);
-      return closest_point_where<kFeatures>(
-          surface_, q, [](const Vec3& /*point*/) { return true; }, (1 + 1e-9) * reach, found);
+      return closest_point_where<kFeatures>(surface_, q, AnyPoint(), (1 + 1e-9) * reach, found);
     }
     const View& surface_;
     Location best_;
@@ -239,7 +241,6 @@ private:
     return smaller(skin() * std::acos(smaller(larger(cosine, 0.0), 1.0)), stem);
   }
   [[nodiscard]] double meridian_of(const ToolPoint& at) const {
-    if (view_->tool_patches == nullptr) return 0;
     const auto& vertex = view_->tool_patches[at.patch].vertex;
     return at.weights[0] * view_->tool_vertices[vertex[0]].meridian +
            at.weights[1] * view_->tool_vertices[vertex[1]].meridian;
@@ -248,7 +249,6 @@ private:
   [[nodiscard]] ToolPoint profile_point(double meridian) const {
     ToolPoint at;
     at.patch = record_->first_patch;
-    if (view_->tool_patches == nullptr) return at;
     for (std::uint32_t p = record_->first_patch; p < record_->first_patch + record_->patch_count; ++p) {
       const auto& vertex = view_->tool_patches[p].vertex;
       const double low = view_->tool_vertices[vertex[0]].meridian, high = view_->tool_vertices[vertex[1]].meridian;

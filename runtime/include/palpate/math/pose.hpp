@@ -50,13 +50,12 @@ struct Pose {
   /// Finite, within 1e6 m, and orthonormal to 1e-3.
   [[nodiscard]] bool valid() const {
     const double* r = rotation;
-    const Vec3 a{r[0], r[1], r[2]}, b{r[3], r[4], r[5]}, c{r[6], r[7], r[8]};
+    const Vec3 a{r[0], r[1], r[2]}, b{r[3], r[4], r[5]}, third = cross(a, b) - Vec3{r[6], r[7], r[8]};
     constexpr double kFar = 1e6, kLoose = 1e-3;
     // Each comparison is false for a NaN.
     return std::fabs(translation.x) < kFar && std::fabs(translation.y) < kFar && std::fabs(translation.z) < kFar &&
-           std::fabs(dot(a, a) - 1) < kLoose && std::fabs(dot(b, b) - 1) < kLoose &&
-           std::fabs(dot(c, c) - 1) < kLoose && std::fabs(dot(a, b)) < kLoose && std::fabs(dot(b, c)) < kLoose &&
-           std::fabs(dot(cross(a, b), c) - 1) < 4 * kLoose;
+           std::fabs(dot(a, a) - 1) < kLoose && std::fabs(dot(b, b) - 1) < kLoose && std::fabs(dot(a, b)) < kLoose &&
+           dot(third, third) < kLoose * kLoose;
   }
 };
 

@@ -114,9 +114,8 @@ inline void for_each_share(const View& view, std::uint32_t tool, const BodyPoint
       continue;
     }
     if constexpr ((kFeatures & layout::feature_spin) != 0) {
-      const auto direction = [](double angle) { return Vec2{std::cos(angle), std::sin(angle)}; };
       const double spacing = kFullTurn / spins;  // rad
-      const Vec2 step = direction(-spacing);
+      const Vec2 step{std::cos(spacing), -std::sin(spacing)};
       const detail::LaidTangent laid = detail::laid_tangent(view, view.tools[tool], vertex, *lies.pose, frame.normal(),
                                                             frame.basis_x(), frame.basis_y());
       for (int k = 0; k < 3; ++k) {
@@ -125,7 +124,10 @@ inline void for_each_share(const View& view, std::uint32_t tool, const BodyPoint
         if (at < 0) at += spins;
         const double below = std::floor(at), share = at - below;
         const auto sample = static_cast<std::uint32_t>(below) % spins;
-        const Vec2 x_of_sample = product(laid.axis, direction(-spacing * sample));
+        Vec2 x_of_sample = laid.axis, turn = step;
+        for (std::uint32_t left = sample; left > 0; left /= 2, turn = product(turn, turn)) {
+          if (left % 2 == 1) x_of_sample = product(x_of_sample, turn);
+        }
         answer(k, sample, laid.confidence * (1 - share), x_of_sample);
         answer(k, (sample + 1) % spins, laid.confidence * share, product(x_of_sample, step));
         answer(k, 0, 1 - laid.confidence, axis[k]);

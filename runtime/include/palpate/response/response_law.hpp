@@ -9,11 +9,15 @@
 
 namespace palpate::runtime {
 
-/// Everything of a response at one depth z. Vectors and tensors are in the response's basis across the normal.
-struct ResponseAtDepth {
-  double normal_force = 0;    ///< F (N): force of a normal indentation
+/// A normal indentation to one depth z.
+struct NormalResponse {
+  double normal_force = 0;    ///< F (N)
   double normal_slope = 0;    ///< dF/dz (N/m)
   double work = 0;            ///< W (J): integral of F from the surface to z
+};
+
+/// Everything of a response at one depth z. Vectors and tensors are in the response's basis across the normal.
+struct ResponseAtDepth : NormalResponse {
   Vec2 bias, bias_slope;      ///< g (N), dg/dz (N/m): tangential push of the hand in a normal indentation
   Sym2 stiffness;             ///< K (N/m): tangential stiffness
   Sym2 normal_coupling;       ///< A (N/m^2): the normal force has the part e . A e / 2
@@ -75,8 +79,8 @@ public:
   /// All terms at a depth z > 0 (m).
   [[nodiscard]] ResponseAtDepth at(double z) const {
     ResponseAtDepth r;
+    static_cast<NormalResponse&>(r) = normal(z);
     const double s = abscissa(z), further = beyond(z);
-    set_normal(z, r);
     const double per_s = 1 / (2 * depth_scale_ * s);  // ds/dz
     if (degrees_.bias > 0) {
       double value[2], slope[2];
@@ -99,29 +103,29 @@ public:
   }
 
   /// F, dF/dz and W alone, at a depth z > 0.
-  void set_normal(double z, ResponseAtDepth& r) const {
-    set_normal_within(abscissa(z), r);
+  [[nodiscard]] NormalResponse normal(double z) const {
+    NormalResponse r = normal_within(abscissa(z));
     const double further = beyond(z);
     r.work += further * (r.normal_force + 0.5 * further * r.normal_slope);
     r.normal_force += further * r.normal_slope;
+    return r;
   }
 
   /// The same at an abscissa s = sqrt(z / Z) in [0, 1].
-  void set_normal_within(double s, ResponseAtDepth& r) const {
+  [[nodiscard]] NormalResponse normal_within(double s) const {
     constexpr double kReciprocal[response::kMaxDegree + 3] = {0,       1,       1.0 / 2, 1.0 / 3, 1.0 / 4,
                                                               1.0 / 5, 1.0 / 6, 1.0 / 7, 1.0 / 8};
-    // W = integral of F 2 Z s ds: the power k of F gives 2 Z s^(k + 2) / (k + 2).
-    double force = 0, slope = 0, work = 0;
+    // F = s^2 p(s), so dF/dz = F'(s) / (2 Z s) = (2 p + s p') / (2 Z). W = integral of F 2 Z s ds: the power k of F
+    // gives 2 Z s^(k + 2) / (k + 2).
+    double p = 0, slope = 0, work = 0;
     for (int k = degrees_.normal; k >= 2; --k) {
       const double c = normal_[k - 2][0];
       work = work * s + kReciprocal[k + 2] * c;
-      slope = slope * s + k * c;
-      force = force * s + c;
+      slope = slope * s + p;
+      p = p * s + c;
     }
     const double squared = s * s, scale = 2 * depth_scale_;
-    r.normal_force = force * squared;
-    r.normal_slope = slope / scale;  // dF/dz = F'(s) / (2 Z s), F'(s) = s slope
-    r.work = work * scale * (squared * squared);
+    return {p * squared, (2 * p + s * slope) / scale, work * scale * (squared * squared)};
   }
 
   /// K (N/m) at an abscissa s = sqrt(z / Z) in [0, 1].
@@ -147,20 +151,16 @@ private:
   [[nodiscard]] double beyond(double z) const { return z > depth_scale_ ? z - depth_scale_ : 0; }
 
   /// Coefficients `first` to `degree` of a family of so many parts, from the Bernstein basis to powers of s, times
-  /// `scale`: the power k has binomial(n, k) times the k-th forward difference of the coefficients.
+  /// `scale`: s^first times a polynomial of degree m = degree - first, which is built by
+  /// p_j = (1 - s) p_j-1 + binomial(degree, first + j) b_j s^j, p_m at last.
   template <int kParts>
   static void to_powers(const double* from, int first, int degree, double scale, double (*to)[kParts]) {
-    double b[response::kMaxDegree + 1][kParts] = {};
-    for (int k = first; k <= degree; ++k) {
-      for (int c = 0; c < kParts; ++c) b[k][c] = from[kParts * (k - first) + c];
-    }
-    for (int order = 1; order <= degree; ++order) {
-      for (int k = degree; k >= order; --k) {
-        for (int c = 0; c < kParts; ++c) b[k][c] -= b[k - 1][c];
+    for (int j = 0; j <= degree - first; ++j) {
+      const double by = scale * response::binomial(degree, first + j);
+      for (int c = 0; c < kParts; ++c) to[j][c] = by * from[kParts * j + c];
+      for (int i = j; i > 0; --i) {
+        for (int c = 0; c < kParts; ++c) to[i][c] -= to[i - 1][c];
       }
-    }
-    for (int k = first; k <= degree; ++k) {
-      for (int c = 0; c < kParts; ++c) to[k - first][c] = scale * response::binomial(degree, k) * b[k][c];
     }
   }
 
