@@ -273,8 +273,35 @@ FittedFile fit_file(const Pipeline& p, const JournalContent& journal, const FitS
   const ContactSurface contact =
       make_contact_surface(p.body.query->surface(), p.mesh.points, p.mesh.triangles, tolerance);
   file.fitted.report.surface = {contact.triangles.size(), tolerance, contact.distance, contact.fault};
-  file.bytes = encode(assemble_response(p.scene, p.tools, contact, p.plan, p.manifest, file.fitted, p.sources));
+  ResponseFileContent content =
+      assemble_response(p.scene, p.tools, contact, p.plan, p.manifest, file.fitted, p.sources);
+  if (p.scene.compliance.between == ComplianceScene::Between::contacts) {
+    BakedCompliance baked = compliance(p);
+    content.compliance = std::move(baked.file);
+    file.fitted.report.compliance = std::move(baked.report);
+  }
+  file.bytes = encode(content);
   return file;
+}
+
+BakedCompliance compliance(const Pipeline& p) {
+  ComplianceSites sites;
+  sites.triangles = p.mesh.triangles;
+  for (const PlanSite& site : p.plan.sites) {
+    sites.places.push_back({site.frame.origin, site.frame.n});
+    sites.touchable.push_back(!site.held && site.selected);
+  }
+  ComplianceOptions options;
+  options.tolerance = p.scene.compliance.tolerance;
+  options.modes = p.scene.compliance.modes;
+  options.solver = pair_options(p.scene);
+  options.contact_radius = std::numeric_limits<double>::infinity();
+  for (const Tool& tool : p.tools) {
+    for (const ToolVertex& vertex : tool.vertices) {
+      options.contact_radius = std::min(options.contact_radius, contact_radius(vertex, 0.5 * p.scene.sampling.depth));
+    }
+  }
+  return bake_compliance(p.body, sites, options);
 }
 
 FitReport fit(const Pipeline& p) {

@@ -12,6 +12,7 @@
 #include "precompute/bake/plan.hpp"
 #include "precompute/bake/shard.hpp"
 #include "precompute/body.hpp"
+#include "precompute/compliance/bake_compliance.hpp"
 #include "precompute/fit/fit.hpp"
 #include "precompute/fit/given_pairs.hpp"
 #include "precompute/mesh/haptic_mesh.hpp"
@@ -96,6 +97,9 @@ struct FittedFile {
   std::vector<std::byte> bytes;
 };
 FittedFile fit_file(const Pipeline& pipeline, const JournalContent& journal, const FitSettings& settings);
+
+/// The compliance between the sites of the plan, by the settings of the scene's [compliance]. Needs find_pairs().
+BakedCompliance compliance(const Pipeline& pipeline);
 
 /// Fits the journal and writes the response file. Needs plan().
 FitReport fit(const Pipeline& pipeline);

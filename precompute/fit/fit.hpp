@@ -12,6 +12,7 @@
 #include "formats/journal.hpp"
 #include "formats/response.hpp"
 #include "precompute/bake/plan.hpp"
+#include "precompute/compliance/report.hpp"
 #include "precompute/fit/given_pairs.hpp"
 #include "precompute/fit/pair_fit.hpp"
 #include "precompute/fit/potential_degrees.hpp"
@@ -79,6 +80,7 @@ struct FitReport {
   std::vector<double> softenings;         ///< of accepted pairs (slip_softening), ascending; empty where all are 0
   std::vector<PairFigures> pairs;         ///< by pair
   SurfaceFigures surface;                 ///< set with the file
+  std::optional<ComplianceReport> compliance;  ///< set with the file, where the scene has [compliance]
 };
 
 struct FittedResponses {
