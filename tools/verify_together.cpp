@@ -29,23 +29,30 @@ using Eigen::Vector3d;
 using Json = nlohmann::ordered_json;
 
 constexpr double kBlockHalf = 0.02, kBlockRadius = 0.01, kBlockDepth = 1e-4;  // m, of the block: 40 contact radii wide, 20 deep
-constexpr double kBlockSpacing = 4e-3;                         // m, between sites of the block
+constexpr double kBlockSpacing = 5e-3;                         // m, between sites of the block
+constexpr double kBlockTolerance = 1e-3;                        // of the fit to the solved push
 constexpr int kPressTicks = 400;                                    // of a press
 
 /// The largest error on the block at a spacing (contact radii).
 double allowed_on_block(double spacing) { return spacing < 1.25 ? 0.06 : spacing < 1.75 ? 0.02 : 0.01; }
 
-/// A response file of the block: the solved push of one tip alone at every site, and the block's compliance.
-std::vector<std::byte> block_file(const ContactCase& c, const TwoTipsResult& solved) {
+/// The block as a scene, before its first solve.
+pipeline::Pipeline block_pipeline(const ContactCase& c) {
   pipeline::Pipeline p;
   p.scene = c.scene;
   p.scene.sampling.spacing = p.scene.sampling.margin_spacing = kBlockSpacing;
   p.scene.sampling.depth = kBlockDepth;
-  p.scene.compliance.between = ComplianceScene::Between::contacts;
+  p.scene.response.tolerance = kBlockTolerance;
   p.body = c.body;
   p.tools = {c.tool};
   p.mesh = make_haptic_mesh(p.scene, p.body);
   pipeline::find_pairs(p);
+  return p;
+}
+
+/// A response file of the block: the solved push of one tip alone at every site, and the block's compliance.
+std::vector<std::byte> block_file(pipeline::Pipeline& p, const TwoTipsResult& solved,
+                                  const ResponseCompliance& compliance) {
   // Between solved depths the force over depth^1.5 is linear.
   const auto force = [&](const Vector3d& deflection) {
     const double z = deflection.z();
@@ -60,7 +67,7 @@ std::vector<std::byte> block_file(const ContactCase& c, const TwoTipsResult& sol
   for (std::uint32_t pair = 0; pair < p.plan.pairs.size(); ++pair) {
     p.sources.given[pair].samples = fit::sample_along(bake_path(p.scene, p.plan.pairs[pair].depth), force);
   }
-  return pipeline::fit_file(p, {}, pipeline::fit_settings(p.scene)).bytes;
+  return pipeline::fit_file(p, {}, pipeline::fit_settings(p.scene), &compliance).bytes;
 }
 
 runtime::Pose to_pose(const Eigen::Isometry3d& pose) {
@@ -145,6 +152,12 @@ void run_together(const TogetherCommand& command, const Globals& globals) {
                      "| along the normal | one alone is off by | share of C |\n|---|---|---|---|---|---|---|---|\n";
   std::vector<double> errors;
   std::string beyond;
+  std::optional<pipeline::Pipeline> baked;
+  ResponseCompliance compliance;
+  if (block) {
+    baked = block_pipeline(c);
+    compliance = pipeline::compliance(*baked).file;
+  }
   for (const CheckedTips& tips : all) {
     const TwoTipsResult& r = tips.result;
     if (!r.usable) {
@@ -156,7 +169,7 @@ void run_together(const TogetherCommand& command, const Globals& globals) {
     std::vector<std::byte> bytes;
     runtime::View view;
     if (block) {
-      bytes = block_file(c, r);
+      bytes = block_file(*baked, r, compliance);
       view = runtime::View::open(bytes.data(), bytes.size()).view;
     } else {
       view = input->view();

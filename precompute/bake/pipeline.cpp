@@ -264,7 +264,8 @@ JournalContent samples(const Pipeline& p) {
   return read_journal(p.paths.samples, p.manifest);
 }
 
-FittedFile fit_file(const Pipeline& p, const JournalContent& journal, const FitSettings& settings) {
+FittedFile fit_file(const Pipeline& p, const JournalContent& journal, const FitSettings& settings,
+                    const ResponseCompliance* shared) {
   std::vector<std::uint32_t> tool_vertices;
   for (const Tool& tool : p.tools) tool_vertices.push_back(static_cast<std::uint32_t>(tool.vertices.size()));
   FittedFile file;
@@ -275,7 +276,9 @@ FittedFile fit_file(const Pipeline& p, const JournalContent& journal, const FitS
   file.fitted.report.surface = {contact.triangles.size(), tolerance, contact.distance, contact.fault};
   ResponseFileContent content =
       assemble_response(p.scene, p.tools, contact, p.plan, p.manifest, file.fitted, p.sources);
-  if (p.scene.compliance.between == ComplianceScene::Between::contacts) {
+  if (shared != nullptr) {
+    content.compliance = *shared;
+  } else if (p.scene.compliance.between == ComplianceScene::Between::contacts) {
     BakedCompliance baked = compliance(p);
     content.compliance = std::move(baked.file);
     file.fitted.report.compliance = std::move(baked.report);

@@ -92,11 +92,13 @@ FitSettings fit_settings(const Scene& scene);
 JournalContent samples(const Pipeline& pipeline);
 
 /// The responses of a journal by some settings, and the bytes of their file; nothing is written. Needs plan().
+/// `shared`: a compliance that was baked before; null: where the scene has [compliance] it is baked here.
 struct FittedFile {
   FittedResponses fitted;
   std::vector<std::byte> bytes;
 };
-FittedFile fit_file(const Pipeline& pipeline, const JournalContent& journal, const FitSettings& settings);
+FittedFile fit_file(const Pipeline& pipeline, const JournalContent& journal, const FitSettings& settings,
+                    const ResponseCompliance* shared = nullptr);
 
 /// The compliance between the sites of the plan, by the settings of the scene's [compliance]. Needs find_pairs().
 BakedCompliance compliance(const Pipeline& pipeline);

@@ -23,6 +23,7 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kFirstColumns = 48;  // sites: 144 solves
 constexpr std::size_t kLeftOut = 21;       // sites: 63 columns
+constexpr std::size_t kAtOnce = 8;         // sites: 24 right-hand sides of one solve
 constexpr std::size_t kMoreColumns = 48;   // sites that join where the tolerance is not met
 constexpr double kMinSiteShare = 0.5;      // of the site spacing: an element's edge
 /// Rounding of the half-space over the smallest tool's contact radius: the force of two contacts one radius apart changes by
@@ -107,26 +108,11 @@ public:
       : linear_(linear), sites_(sites), neighbours_(neighbours_of(sites)), shear_(shear), poisson_(poisson),
         rounding_(rounding) {}
 
-  /// Appends the columns of a site. The site's own block is the mean of its neighbours': that is smooth, and not used of
+  /// Solves and appends the columns of sites. A site's own block is the mean of its neighbours': that is smooth, and not used of
   /// one contact.
-  void add(std::size_t site) {
-    const auto size = static_cast<Index>(3 * sites_.places.size());
-    const Eigen::MatrixX3d column = linear_.column(site);
-    self_.push_back(column.block<3, 3>(static_cast<Index>(3 * site), 0).norm() / std::sqrt(3.0));
-    Eigen::MatrixX3d rest(size, 3);
-    for (std::size_t s = 0; s < sites_.places.size(); ++s) {
-      if (s == site) continue;
-      const auto row = static_cast<Index>(3 * s);
-      rest.block<3, 3>(row, 0) =
-          column.block<3, 3>(row, 0) - half_space_between(sites_.places[site], sites_.places[s], shear_, poisson_,
-                                                          rounding_, linear_.load_radius());
-    }
-    Matrix3d own = Matrix3d::Zero();
-    for (const std::size_t n : neighbours_[site]) own += rest.block<3, 3>(static_cast<Index>(3 * n), 0);
-    rest.block<3, 3>(static_cast<Index>(3 * site), 0) = own / std::max<double>(1, double(neighbours_[site].size()));
-    values_.conservativeResize(size, values_.cols() + 3);
-    values_.rightCols<3>() = rest;
-    for (int k = 0; k < 3; ++k) known_.push_back(static_cast<Index>(3 * site) + k);
+  void add(const std::vector<std::size_t>& sites) {
+    const MatrixXd columns = linear_.columns(sites);
+    for (std::size_t k = 0; k < sites.size(); ++k) add(sites[k], columns.middleCols<3>(static_cast<Index>(3 * k)));
   }
 
   [[nodiscard]] Index columns() const { return values_.cols(); }
@@ -161,6 +147,25 @@ public:
   }
 
 private:
+  void add(std::size_t site, const Eigen::MatrixX3d& column) {
+    const auto size = static_cast<Index>(3 * sites_.places.size());
+    self_.push_back(column.block<3, 3>(static_cast<Index>(3 * site), 0).norm() / std::sqrt(3.0));
+    Eigen::MatrixX3d rest(size, 3);
+    for (std::size_t s = 0; s < sites_.places.size(); ++s) {
+      if (s == site) continue;
+      const auto row = static_cast<Index>(3 * s);
+      rest.block<3, 3>(row, 0) =
+          column.block<3, 3>(row, 0) - half_space_between(sites_.places[site], sites_.places[s], shear_, poisson_,
+                                                          rounding_, linear_.load_radius());
+    }
+    Matrix3d own = Matrix3d::Zero();
+    for (const std::size_t n : neighbours_[site]) own += rest.block<3, 3>(static_cast<Index>(3 * n), 0);
+    rest.block<3, 3>(static_cast<Index>(3 * site), 0) = own / std::max<double>(1, double(neighbours_[site].size()));
+    values_.conservativeResize(size, values_.cols() + 3);
+    values_.rightCols<3>() = rest;
+    for (int k = 0; k < 3; ++k) known_.push_back(static_cast<Index>(3 * site) + k);
+  }
+
   const LinearBody& linear_;
   const ComplianceSites& sites_;
   std::vector<std::vector<std::size_t>> neighbours_;
@@ -202,7 +207,10 @@ BakedCompliance bake_compliance(const Body& body, const ComplianceSites& sites, 
   Rest rest(linear, sites, file.shear[0], file.poisson, file.rounding);
   std::size_t used = std::min(kFirstColumns, order.size());
   const auto solve_to = [&](std::size_t count) {
-    for (auto k = static_cast<std::size_t>(rest.columns() / 3); k < count; ++k) rest.add(order[k]);
+    for (auto k = static_cast<std::size_t>(rest.columns() / 3); k < count; k += kAtOnce) {
+      rest.add({order.begin() + static_cast<std::ptrdiff_t>(k),
+                order.begin() + static_cast<std::ptrdiff_t>(std::min(k + kAtOnce, count))});
+    }
   };
   SignedModes chosen;
   for (;;) {

@@ -17,6 +17,7 @@
 namespace palpate {
 namespace {
 
+using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
@@ -24,8 +25,6 @@ using Sparse = Eigen::SparseMatrix<double>;
 constexpr double kEdgeGrowth = 0.5;        // of the elements, per distance beyond a site's surroundings
 constexpr double kSiteReach = 2;           // edges: radius of a site's surroundings, half of the way to the next site
 constexpr double kEnergyTolerance = 1e-9;  // of the settled state, over Young's modulus times the cube of an edge
-constexpr double kResidual = 1e-9;         // of a solve, relative
-constexpr int kMostSteps = 200;            // of conjugate gradients: a factor in single precision takes about 5
 constexpr int kCells = 4;                  // parts of a face's side: 16 points a face
 
 [[noreturn]] void fail(const std::string& what) { throw Error(ExitCode::numerical, "compliance: " + what); }
@@ -39,25 +38,6 @@ TetMesh mesh_of(const Body& body, const std::vector<Vector3d>& sites, double edg
   VolumeMeshResult made = mesh_volume(body, size, {}, options.solver.mesh);
   if (!made.usable) fail("the body could not be meshed: " + made.cause);
   return std::move(made.mesh);
-}
-
-// Conjugate gradients with the factor as preconditioner.
-VectorXd solve(const Factor& factor, const Sparse& lower, const VectorXd& b) {
-  const auto matrix = lower.selfadjointView<Eigen::Lower>();
-  VectorXd x = factor.solve(b), r = b - matrix * x, z, p;
-  double before = 0;
-  for (int step = 0; r.norm() > kResidual * b.norm(); ++step) {
-    if (step == kMostSteps) fail("a solve does not converge");
-    z = factor.solve(r);
-    const double now = r.dot(z);
-    p = step == 0 ? z : VectorXd(z + (now / before) * p);
-    before = now;
-    const VectorXd q = matrix * p;
-    const double alpha = now / p.dot(q);
-    x += alpha * p;
-    r -= alpha * q;
-  }
-  return x;
 }
 
 }  // namespace
@@ -149,22 +129,20 @@ LinearBody::LinearBody(const Body& body, const std::vector<LoadSite>& sites, con
   impl_->factor = std::make_unique<Factor>(matrix);
   impl_->radius = std::max(options.contact_radius, kLoadEdges * edge);
   impl_->spread(mesh, x, energy.fixed(), sites);
-  const VectorXd load = impl_->loads * VectorXd::Ones(impl_->loads.cols());
-  if (!impl_->factor->factorise(matrix, load)) {
+  if (!impl_->factor->factorise_double(matrix)) {
     fail("the body has no stiffness against some motion in the state from which contact starts (it buckles)");
   }
 }
 
 LinearBody::~LinearBody() = default;
 
-Eigen::MatrixX3d LinearBody::column(std::size_t site) const {
-  Eigen::MatrixX3d result(impl_->loads.cols(), 3);
-  for (int k = 0; k < 3; ++k) {
-    const VectorXd load = impl_->loads.col(static_cast<Eigen::Index>(3 * site) + k);
-    result.col(k) = load.norm() > 0 ? VectorXd(impl_->loads.transpose() * solve(*impl_->factor, impl_->hessian.matrix(), load))
-                                    : VectorXd::Zero(impl_->loads.cols());
+MatrixXd LinearBody::columns(const std::vector<std::size_t>& sites) const {
+  MatrixXd loads(impl_->loads.rows(), static_cast<Eigen::Index>(3 * sites.size()));
+  for (std::size_t k = 0; k < sites.size(); ++k) {
+    loads.middleCols<3>(static_cast<Eigen::Index>(3 * k)) =
+        MatrixXd(impl_->loads.middleCols(static_cast<Eigen::Index>(3 * sites[k]), 3));
   }
-  return result;
+  return impl_->loads.transpose() * impl_->factor->solve_all(loads);
 }
 
 double LinearBody::load_radius() const { return impl_->radius; }

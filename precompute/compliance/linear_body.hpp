@@ -36,9 +36,9 @@ public:
   LinearBody(const Body& body, const std::vector<LoadSite>& sites, const LinearBodyOptions& options);
   ~LinearBody();
 
-  /// Displacements of all sites (3 sites x 3, m/N) by unit forces along x, y, z at one site. The relative residual of
-  /// each solve is below 1e-9.
-  [[nodiscard]] Eigen::MatrixX3d column(std::size_t site) const;
+  /// Displacements of all sites by unit forces along x, y, z at each of `sites` (3 sites x 3 of these, m/N). Several at
+  /// once take little more time than one.
+  [[nodiscard]] Eigen::MatrixXd columns(const std::vector<std::size_t>& sites) const;
   /// m, of the loads.
   [[nodiscard]] double load_radius() const;
   [[nodiscard]] std::size_t nodes() const;
