@@ -64,7 +64,7 @@ std::string scene_reference() {
   append_reference(text, "[solver]", "Meshes and limits of the solves.", solver_keys(), scene.solver, true);
   append_reference(text, "[compliance]",
                    "Contacts near each other on one organ feel each other. Left out: their forces are added.",
-                   compliance_keys(), scene.compliance, true);
+                   compliance_keys(), scene.compliance, false);
   append_reference(text, "[sources]", "Responses of sites without a recording and without a law.", sources_keys(),
                    SceneSources{}, true);
   append_reference(text, "[[measured]]",
