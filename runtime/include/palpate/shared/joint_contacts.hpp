@@ -37,18 +37,17 @@ struct JointConstants {
 ///
 ///     C  the file's compliance (m/N)      P  poses of the tools      f  forces on the tools (N)
 ///
-/// A force on a tool is borne by the body with the other sign, so the dent of one adds to the way out of the other. The
+/// The body has the force of a tool with the other sign, so the dent of one adds to the way out of the other. The
 /// equation is solved by Newton's method with the contacts' own slopes K, from a prediction by the tools' motions: each
 /// look ticks all contacts from one state. C rests within a tick.
 ///
 /// Energy. With the trapezoid the work of the hands is what the contacts take and the change of (1/2) f . C f, and
-/// (1/2) f . dC f where a contact slides. The last is negative where two contacts part: it is paid from what it gave when they
-/// came nearer and from work against the drag
+/// (1/2) f . dC f where a contact slides. The last is negative where two contacts part. An account holds what it was when they
+/// came nearer, and the work against the drag of the dents
 ///
 ///     g_k = d/dc_k sum over j of f_k . C(c_k, c_j) f_j
 ///
-/// of the dents, which is on a frictionless tool. In a file with friction the slip pays. Where all of this is less, C
-/// changes by a share.
+/// on a frictionless tool, or in a file with friction the work of the slip. C changes by the share that the account covers.
 template <int Count, std::uint32_t kFeatures>
 class JointContacts {
   static constexpr std::size_t kCount = static_cast<std::size_t>(Count);
@@ -190,7 +189,7 @@ private:
     grip_[k] = clamped(-dot(change, way) / (stiffness * square), JointConstants::kLeastGrip, 1);
   }
 
-  /// C at the places of now, as far as the account pays for the change.
+  /// C at the places of now, as far as the account covers the change.
   void update() {
     std::array<Matrix3, kCount * kCount> now = used_;
     double change = 0;
@@ -202,11 +201,11 @@ private:
         change += dot(force_[k], now[pair(k, j)] * force_[j]) - dot(force_[k], used_[pair(k, j)] * force_[j]);
       }
     }
-    const double paid = change < 0 && account_ < -change ? account_ / -change : 1;
+    const double covered = change < 0 && account_ < -change ? account_ / -change : 1;
     for (std::size_t i = 0; i < now.size(); ++i) {
-      for (int r = 0; r < 3; ++r) used_[i].row[r] = used_[i].row[r] + paid * (now[i].row[r] - used_[i].row[r]);
+      for (int r = 0; r < 3; ++r) used_[i].row[r] = used_[i].row[r] + covered * (now[i].row[r] - used_[i].row[r]);
     }
-    account_ = larger(0, account_ + paid * change);
+    account_ = larger(0, account_ + covered * change);
   }
 
   /// A contact that began in this tick joins the others.
@@ -330,7 +329,7 @@ private:
     }
   }
 
-  /// Adds the drag of the dents, books what sliding paid, and keeps the tools' poses.
+  /// Adds the drag of the dents, books the work of the slip, and keeps the tools' poses.
   template <class FrameOf>
   void end(const Contacts& contacts, const std::array<Pose, kCount>& tools, const FrameOf& frame_of,
            std::array<Tick, kCount>& ticks) {
