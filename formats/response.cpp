@@ -6,6 +6,7 @@
 #include "palpate/format/checksum.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <map>
 
@@ -183,6 +184,32 @@ void put_coefficients(std::byte* law, const ResponseFileContent& c, const Respon
   }
 }
 
+void add_compliance(Sections& sections, const ResponseCompliance& c) {
+  layout::ComplianceHead head{};
+  head.modes = c.modes;
+  head.negative = c.negative;
+  head.poisson = c.poisson;
+  head.rounding = c.rounding;
+  sections.add(Section::compliance, &head, sizeof head, 1);
+  constexpr double kLargest = 32767;
+  const std::size_t size = layout::compliance_site_size(c.modes), values = std::size_t{3} * c.modes;
+  std::vector<std::byte> records(size * c.shear.size());
+  for (std::size_t s = 0; s < c.shear.size(); ++s) {
+    const double* const from = c.values.data() + s * values;
+    double most = 0;
+    for (std::size_t k = 0; k < values; ++k) most = std::max(most, std::abs(from[k]));
+    const layout::ComplianceSite site{static_cast<float>(c.shear[s]), static_cast<float>(most / kLargest)};
+    std::vector<std::int16_t> packed(values, 0);
+    const double unit = static_cast<double>(site.unit);
+    for (std::size_t k = 0; k < values && unit > 0; ++k) {
+      packed[k] = static_cast<std::int16_t>(std::lround(std::clamp(from[k] / unit, -kLargest, kLargest)));
+    }
+    std::memcpy(records.data() + s * size, &site, sizeof site);
+    std::memcpy(records.data() + s * size + sizeof site, packed.data(), values * sizeof(std::int16_t));
+  }
+  sections.add(Section::compliance_sites, records.data(), size, c.shear.size());
+}
+
 void add_bonded(Sections& sections, const ResponseFileContent& c) {
   const std::size_t size = layout::bonded_size(c.bonded_coefs);
   std::vector<std::byte> records(size * c.responses.size());
@@ -255,6 +282,7 @@ std::vector<std::byte> encode(const ResponseFileContent& c) {
   add_body(sections, c);
   add_tools(sections, c, meta);
   add_responses(sections, c, meta);
+  if (c.compliance) add_compliance(sections, *c.compliance);
   sections.add(Section::meta, &meta, sizeof meta, 1);
   sections.add(Section::provenance, c.provenance.data(), 1, c.provenance.size());
   const std::uint32_t features =
@@ -263,7 +291,7 @@ std::vector<std::byte> encode(const ResponseFileContent& c) {
       (has_tool_patches(c) ? layout::feature_tool_patches : 0u) | (c.search.empty() ? 0u : layout::feature_search) |
       (c.bonded_coefs > 0 ? layout::feature_bonded : 0u) |
       (c.has_bonded_torque ? layout::feature_bonded_torque : 0u) | (has_spins(c) ? layout::feature_spin : 0u) |
-      (c.slip_softening ? layout::feature_slip_softening : 0u);
+      (c.slip_softening ? layout::feature_slip_softening : 0u) | (c.compliance ? layout::feature_compliance : 0u);
   std::vector<std::byte> bytes = sections.assemble(features);
   detail::check_bytes(bytes);
   return bytes;

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -75,6 +76,16 @@ struct Response {
   std::vector<float> bonded_torque;  ///< layout::kTorqueCurves curves, one after the other
 };
 
+/// The compliance between points of the surface (formats/response-file.md, COMPLIANCE).
+struct ResponseCompliance {
+  std::uint32_t modes = 0;     ///< a multiple of layout::kModeStep, up to layout::kMaxModes
+  std::uint32_t negative = 0;  ///< the last modes of negative sign
+  double poisson = 0.0;        ///< of the half-space, [0, 0.5)
+  double rounding = 0.0;       ///< m, > 0
+  std::vector<double> shear;   ///< Pa, a site
+  std::vector<double> values;  ///< sqrt(m/N): x, y, z of mode m at site s from index 3 (modes s + m) on
+};
+
 /// Everything that a file holds.
 struct ResponseFileContent {
   double depth_scale = 0.0;         ///< Z, m, > 0
@@ -93,6 +104,7 @@ struct ResponseFileContent {
   std::vector<ResponseTool> tools;
   std::vector<Response> responses;         ///< index = site * tool_vertex_count() + tool vertex over all tools
   std::vector<layout::SearchNode> search;  ///< filled by add_search
+  std::optional<ResponseCompliance> compliance;
   std::string provenance = "{}";  ///< a JSON object, UTF-8: inputs' hashes, settings, errors, units; no clock time
 
   [[nodiscard]] std::uint32_t tool_vertex_count() const;

@@ -85,6 +85,14 @@ void check_content(const ResponseFileContent& c) {
     const std::uint32_t patch = c.surface_triangles[i].patch;
     require(patch < c.patches.size(), at("contact surface triangle", i), "no patch " + std::to_string(patch));
   }
+  if (c.compliance) {
+    const ResponseCompliance& shared = *c.compliance;
+    require(shared.shear.size() == c.sites.size() && shared.values.size() == 3 * shared.modes * c.sites.size(),
+            "compliance", "has " + std::to_string(shared.shear.size()) + " sites and " +
+                              std::to_string(shared.values.size()) + " values, expected " +
+                              std::to_string(c.sites.size()) + " and " +
+                              std::to_string(3 * shared.modes * c.sites.size()));
+  }
   check_tools(c);
   check_responses(c);
 }
@@ -95,7 +103,7 @@ void check_bytes(const std::vector<std::byte>& bytes) {
   const std::string fault = opened.error;
   // Responses come from the fit, everything else from the scene and its surfaces.
   bool fitted = false;
-  for (const char* section : {"RESPONSES: ", "BONDED: ", "BONDED_TORQUE: "}) {
+  for (const char* section : {"RESPONSES: ", "BONDED: ", "BONDED_TORQUE: ", "COMPLIANCE: ", "COMPLIANCE_SITES: "}) {
     fitted = fitted || fault.rfind(section, 0) == 0;
   }
   throw Error(fitted ? ExitCode::numerical : ExitCode::bad_input, "response file: " + fault);

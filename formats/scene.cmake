@@ -4,7 +4,8 @@ find_path(TOMLPLUSPLUS_INCLUDE_DIR toml++/toml.h REQUIRED)
 find_library(TOMLPLUSPLUS_LIBRARY tomlplusplus REQUIRED)
 mark_as_advanced(TOMLPLUSPLUS_INCLUDE_DIR TOMLPLUSPLUS_LIBRARY)
 
-add_library(palpate_scene STATIC scene.cpp scene_keys.cpp scene_material.cpp scene_prestress.cpp scene_reference.cpp
+add_library(palpate_scene STATIC scene.cpp scene_keys.cpp scene_material.cpp scene_compliance.cpp scene_prestress.cpp
+            scene_reference.cpp
             scene_region.cpp scene_source.cpp scene_sources.cpp scene_support.cpp scene_value.cpp tissues.cpp)
 target_include_directories(palpate_scene PRIVATE ${CMAKE_CURRENT_LIST_DIR}/include)
 target_include_directories(palpate_scene SYSTEM PRIVATE ${TOMLPLUSPLUS_INCLUDE_DIR})

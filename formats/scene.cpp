@@ -250,6 +250,7 @@ void check_outside(const toml::table& root, const Place& place) {
   look("tool", tool_keys());
   look("response", response_keys());
   look("solver", solver_keys());
+  look("compliance", compliance_keys());
 }
 
 SceneSources to_sources(const toml::table& root, const Place& place) {
@@ -304,6 +305,10 @@ Scene read_scene(const std::filesystem::path& file) {
   check_removed(root, place);
   read_section(scene.response, root, "response", response_keys(), place);
   read_section(scene.solver, root, "solver", solver_keys(), place);
+  if (const toml::table* table = section(root, "compliance", place)) {
+    scene.compliance.between = ComplianceScene::Between::contacts;
+    read_table(scene.compliance, *table, compliance_keys(), place.below("compliance"));
+  }
   static_cast<void>(to_sources(root, place));  // kept apart; what is wrong there is wrong in the scene
 
   if (scene.body.surfaces.empty() && scene.body.labels.file.empty()) {

@@ -170,6 +170,14 @@ struct SolverScene {
   int check_seed = 1;  ///< of the draw of these pairs
 };
 
+/// Compliance of the body, by which contacts that lie near each other feel each other.
+struct ComplianceScene {
+  enum class Between { none, contacts };
+  Between between = Between::none;
+  double tolerance = 0.03;  ///< error between sites over a site's own compliance, (0, 1): it chooses the modes
+  int modes = 0;            ///< [0, 128], a multiple of 8; 0: chosen
+};
+
 /// A whole scene. Every member has its documented default; read_scene checks ranges.
 struct Scene {
   std::filesystem::path file;
@@ -187,6 +195,7 @@ struct Scene {
   SamplingScene sampling;
   ResponseScene response;
   SolverScene solver;
+  ComplianceScene compliance;  ///< none given: contacts are added
 };
 
 /// Reads and checks a scene. Throws Error(bad_input) "file:line: key: what, allowed range" on unknown

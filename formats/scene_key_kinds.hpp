@@ -25,7 +25,10 @@ Key<T> integer(const char* name, int T::*member, Range range, const char* help, 
   return {name,
           Affects::solves,
           help,
-          (multiple_of == 2 ? "even, " : "") + range.text(),
+          (multiple_of == 1   ? ""
+           : multiple_of == 2 ? "even, "
+                              : "a multiple of " + std::to_string(multiple_of) + ", ") +
+              range.text(),
           [=](T& target, const toml::node& value, const toml::table&, const Place& place) {
             target.*member = to_integer(place, value, range, multiple_of);
           },

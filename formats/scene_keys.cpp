@@ -20,7 +20,7 @@ constexpr std::size_t kLongestToolName = sizeof(layout::ToolRecord::name) - 1;
 const std::vector<std::string>& section_names() {
   static const std::vector<std::string> names{"body",      "material", "region",   "cavity",   "support",
                                               "prestress", "tool",     "contact",  "sampling", "response",
-                                              "solver",    "sources",  "measured", "analytic"};
+                                              "solver",    "compliance", "sources",  "measured", "analytic"};
   return names;
 }
 

@@ -47,6 +47,7 @@ const Keys<Scene>& contact_keys();
 const Keys<SamplingScene>& sampling_keys();
 const Keys<ResponseScene>& response_keys();
 const Keys<SolverScene>& solver_keys();
+const Keys<ComplianceScene>& compliance_keys();  ///< in scene_compliance.cpp
 const Keys<SceneSources>& sources_keys();
 const Keys<MeasuredScene>& measured_keys();  ///< with what their keys must meet together, in scene_sources.cpp
 const Keys<AnalyticScene>& analytic_keys();

@@ -62,6 +62,9 @@ std::string scene_reference() {
   append_reference(text, "[sampling]", "Sites and depths of the solves.", sampling_keys(), scene.sampling, true);
   append_reference(text, "[response]", "The response fitted to the solves.", response_keys(), scene.response, true);
   append_reference(text, "[solver]", "Meshes and limits of the solves.", solver_keys(), scene.solver, true);
+  append_reference(text, "[compliance]",
+                   "Contacts near each other on one organ feel each other. Left out: their forces are added.",
+                   compliance_keys(), scene.compliance, false);
   append_reference(text, "[sources]", "Responses of sites without a recording and without a law.", sources_keys(),
                    SceneSources{}, true);
   append_reference(text, "[[measured]]",
@@ -120,6 +123,7 @@ std::string canonical_text(const Scene& scene, CanonicalScope scope) {
   if (only_solves && scene.friction > 0) text += "sampling.coupled = " + show(scene.response.path_share) + "\n";
   append_canonical(text, "response", response_keys(), scene.response, only_solves);
   append_canonical(text, "solver", solver_keys(), scene.solver, only_solves);
+  append_canonical(text, "compliance", compliance_keys(), scene.compliance, only_solves);
   return text;
 }
 

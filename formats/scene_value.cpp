@@ -80,7 +80,10 @@ double to_number(const Place& place, const toml::node& node, const Range& range)
 }
 
 int to_integer(const Place& place, const toml::node& node, const Range& range, int multiple_of) {
-  const std::string allowed = (multiple_of == 2 ? "an even whole number, " : "a whole number, ") + range.text();
+  const std::string allowed = (multiple_of == 1   ? "a whole number, "
+                               : multiple_of == 2 ? "an even whole number, "
+                                                  : "a multiple of " + std::to_string(multiple_of) + ", ") +
+                              range.text();
   const auto* integer = node.as_integer();
   if (integer == nullptr) fail_value(place, node, allowed);
   const std::int64_t value = integer->get();

@@ -102,6 +102,7 @@ const std::vector<FeatureName>& feature_names() {
       {layout::feature_bonded, "bonded", "no tool bonds to the body: a pull ends the contact"},
       {layout::feature_bonded_torque, "bonded_torque", "rotations of a bonded tool have no torque"},
       {layout::feature_spin, "spin", "the rotation of a tool about the contact normal has no influence"},
+      {layout::feature_compliance, "compliance", "contacts near each other do not feel each other: forces are added"},
       {layout::feature_search, "search", "no search tree: the contact surface is searched triangle by triangle"}};
   return names;
 }
@@ -130,6 +131,12 @@ Json contents_of(const runtime::View& v, const std::string& file) {
   json["surface_triangles"] = m.triangle_count;
   json["tools"] = tools_json(v);
   json["responses"] = m.response_count;
+  if (v.compliance != nullptr) {
+    json["compliance"] = {{"modes", v.compliance->modes},
+                          {"negative_modes", v.compliance->negative},
+                          {"poisson", v.compliance->poisson},
+                          {"rounding", v.compliance->rounding}};
+  }
   for (const std::uint32_t source : kSources) {
     json[std::string("responses_") + layout::source_name(source)] = s.of(source);
   }
@@ -188,6 +195,10 @@ std::string as_text(const runtime::View& v, const Json& json) {
          response::count(response::degrees(m)), m.coef_bits, m.normal_degree, m.bias_degree, m.stiffness_degree,
          m.friction_degree);
   append(text, "depth scale %.4g mm, tangential scale %.4g mm\n", 1e3 * m.depth_scale, 1e3 * m.tangential_scale);
+  if (v.compliance != nullptr) {
+    append(text, "compliance: half-space of Poisson ratio %.4g, rounded at %.3g mm, and %u modes (%u negative)\n",
+           v.compliance->poisson, 1e3 * v.compliance->rounding, v.compliance->modes, v.compliance->negative);
+  }
   for (std::uint32_t i = 0; i < m.tool_count; ++i) {
     const layout::ToolRecord& t = v.tools[i];
     const ToolPoints counted = count_points(v, t);

@@ -25,6 +25,7 @@
 #endif
 #include "tools/verify_paper.hpp"
 #include "tools/verify_strokes.hpp"
+#include "tools/verify_together.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -42,8 +43,9 @@ struct VerifyArguments {
   std::uint32_t count = 40;
   std::uint64_t seed = 1;
   bool closed_forms = false, loops = false, slide = false, strokes = false, two_tips = false;
-  int contacts = 3;
-  double radii = 3.5, rate = 1000, scale = 1;
+  int contacts = 3, together = 0;
+  std::string layout = "line";
+  double radii = 3.5, rate = 1000, scale = 1, max_together = 0.05;
   VerifyLimits limits;
 };
 
@@ -265,6 +267,7 @@ void check_usage(const VerifyArguments& options) {
                                                 {"--samples", !options.samples.empty()},
                                                 {"--slide", options.slide},
                                                 {"--strokes", options.strokes},
+                                                {"--together", options.together > 0},
                                                 {"--two-tips", options.two_tips}};
   const char* chosen = nullptr;
   for (const auto& [name, given] : kinds) {
@@ -296,10 +299,10 @@ void check_usage(const VerifyArguments& options) {
   if (options.device.empty() && (options.rate != 1000 || options.scale != 1)) {
     throw Error(ExitCode::usage, "--rate and --scale belong to --device");
   }
-  if (options.input.empty() && !own && !options.slide && !options.two_tips) {
+  if (options.input.empty() && !own && !options.slide && !options.two_tips && options.together == 0) {
     throw Error(ExitCode::usage,
                 "verify needs a scene, a response file, or --battery, --closed-forms, --compare, --paper, "
-                "--slide, --two-tips");
+                "--slide, --together, --two-tips");
   }
 }
 
@@ -313,6 +316,17 @@ void run_verify(const VerifyArguments& options, const Globals& globals) {
                        globals);
   }
   if (options.two_tips) return run_two_tips(contacts, globals);
+  if (options.together > 0) {
+    TogetherCommand together;
+    together.scene = options.input;
+    together.response = options.response;
+    together.report = options.report;
+    together.count = options.together;
+    together.layout = options.layout;
+    together.contacts = options.contacts;
+    together.max_p95 = options.max_together;
+    return run_together(together, globals);
+  }
   if (!options.battery.empty())
     return run_battery_command({options.report, options.family, options.cases, options.seed}, globals);
   if (options.closed_forms) return run_closed_forms({options.report}, globals);
@@ -359,8 +373,18 @@ void add_verify(CLI::App& app, Globals& globals) {
                  "Plot (SVG) of the errors at held-out contacts; with --strokes those of the first contact");
   command.flag("--two-tips", options->two_tips, "Two tips at once at a few contacts of the scene, or on a block");
   command
+      .option("--together", options->together,
+              "As many tools at once at a few contacts of a baked scene, or on a block: the runtime's forces, by the "
+              "file's compliance, beside solved ones")
+      .check(whole_in(2, 2));
+  command.option("--layout", options->layout, "Of --together, how the tools lie").check(one_of({"line"})).shows_default();
+  command
+      .option("--max-p95-together", options->max_together, "Largest 95th percentile of the error of --together on a scene")
+      .check(number_in(0, 1000))
+      .shows_default();
+  command
       .option("--contacts", options->contacts,
-              "Of --slide, --strokes and --two-tips, spread evenly over the scene's plan")
+              "Of --slide, --strokes, --together and --two-tips, spread evenly over the scene's plan")
       .check(whole_in(1, 10000))
       .shows_default();
   command.option("--radii", options->radii, "Length of a slide in contact radii")

@@ -54,6 +54,32 @@ std::string recorded_text(const RecordedFigures& f, const Plan& plan) {
   return line + "\n";
 }
 
+nlohmann::ordered_json to_json(const ComplianceReport& report) {
+  nlohmann::ordered_json errors = nlohmann::ordered_json::array();
+  for (const ComplianceError& e : report.errors) {
+    errors.push_back({{"modes", e.modes}, {"median", e.median}, {"p95", e.p95}, {"worst", e.worst}});
+  }
+  return {{"modes", report.chosen.modes},
+          {"p95", report.chosen.p95},
+          {"reached", report.reached},
+          {"nodes", report.nodes},
+          {"solved_sites", report.columns},
+          {"left_out_sites", report.left_out},
+          {"load_radius_m", report.load_radius},
+          {"self_m_per_N", report.self},
+          {"errors", errors}};
+}
+
+std::string to_text(const ComplianceReport& report) {
+  char line[256];
+  std::snprintf(line, sizeof line,
+                "compliance: %d modes, error between sites %.2f %% median, %.2f %% 95th percentile of a site's own "
+                "(%zu of %zu solved sites left out)%s\n",
+                report.chosen.modes, 100 * report.chosen.median, 100 * report.chosen.p95, report.left_out,
+                report.columns, report.reached ? "" : "; the tolerance is not met");
+  return line;
+}
+
 }  // namespace
 
 std::string sampling_text(const SamplingEstimate& estimate, double tolerance) {
@@ -183,6 +209,7 @@ nlohmann::ordered_json fit_json(const pipeline::Pipeline& p, const FitReport& re
                               {"file", p.paths.response.string()},
                               {"bytes", std::filesystem::file_size(p.paths.response)},
                               {"pairs", nlohmann::ordered_json::array()}};
+  if (report.compliance) json["compliance"] = to_json(*report.compliance);
   for (const RecordedFigures& f : report.recorded) {
     json["measured"].push_back({{"pair", f.pair},
                                 {"site", p.plan.pairs[f.pair].site},
@@ -277,6 +304,7 @@ std::string fit_text(const pipeline::Pipeline& p, const FitReport& report) {
                 "contact surface: %zu triangles, at most %.3g mm from the body's (allowed: %.3g mm)\n",
                 surface.triangles, 1e3 * surface.distance, 1e3 * surface.tolerance);
   text += line;
+  if (report.compliance) text += to_text(*report.compliance);
   if (!surface.fault.empty()) text += surface.fault + "; the patches themselves stand for the body's surface\n";
   return text + p.paths.response.string() + ", " + std::to_string(std::filesystem::file_size(p.paths.response)) +
          " bytes\n";

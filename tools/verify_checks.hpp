@@ -5,7 +5,9 @@
 #include "palpate/palpate.hpp"
 #include "precompute/bake/pipeline.hpp"
 
+#include <cstdio>
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 
 namespace palpate::cli {
 
@@ -49,5 +51,13 @@ void write_report(const std::filesystem::path& file, const nlohmann::ordered_jso
 
 /// The components.
 nlohmann::ordered_json list(const Eigen::Vector3d& vector);
+
+/// The text of printf, at most 255 bytes.
+template <class... Values>
+std::string printed(const char* format, Values... values) {
+  char text[256];
+  std::snprintf(text, sizeof text, format, values...);
+  return text;
+}
 
 }  // namespace palpate::cli

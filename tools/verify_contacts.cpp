@@ -23,13 +23,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kCoulomb = 0.02;  // largest relative deviation from mu
 
-template <class... Values>
-std::string line(const char* format, Values... values) {
-  char text[256];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
-
 ContactCase contacts_of(const ContactsCommand& command) {
   if (!command.report.empty()) check_writable(command.report);
   if (!command.scene.empty()) refuse_same({command.report}, files_of(read_scene(command.scene)));
@@ -89,8 +82,8 @@ Json to_json(const BenchContact& contact, const CheckedSlide& slide) {
 
 std::string row(const BenchContact& contact, const CheckedSlide& slide, std::size_t k) {
   const SlideResult& r = slide.result;
-  if (!r.usable) return line("| %zu | %.3g |", k, 1e3 * contact.depth) + " refused: " + r.cause + " |\n";
-  return line("| %zu | %.3g | %.3g | %.4f | %.2f %% | %.4f | %.4f | %.3f | %.2f %% | %u | %.1f |\n", k,
+  if (!r.usable) return printed("| %zu | %.3g |", k, 1e3 * contact.depth) + " refused: " + r.cause + " |\n";
+  return printed("| %zu | %.3g | %.3g | %.4f | %.2f %% | %.4f | %.4f | %.3f | %.2f %% | %u | %.1f |\n", k,
               1e3 * contact.depth, 1e3 * r.contact_radius, r.ratio, 100 * r.spread, r.foretold, r.local_ratio,
               r.gross_at / r.contact_radius, 100 * r.imbalance, r.nodes, slide.seconds);
 }
@@ -100,7 +93,7 @@ std::string transition(const SlideResult& r, double friction) {
   std::string text = "\n| way, contact radii | tangential force / mu P | share that slips |\n|---|---|---|\n";
   for (const SlideStep& s : r.steps) {
     if (s.travelled > 2 * r.gross_at) break;
-    text += line("| %.4f | %.3f | %.2f |\n", s.travelled / r.contact_radius, s.force.x() / s.force.z() / friction,
+    text += printed("| %.4f | %.3f | %.2f |\n", s.travelled / r.contact_radius, s.force.x() / s.force.z() / friction,
                  s.slipping);
   }
   return text;
@@ -122,7 +115,7 @@ void run_slide(const ContactsCommand& command, const Globals& globals) {
             {"friction", mu},
             {"radii", command.radii},
             {"contacts", Json::array()}};
-  std::string text = c.name + line(": slides of %.3g contact radii, friction %.3g\n\n", command.radii, mu) +
+  std::string text = c.name + printed(": slides of %.3g contact radii, friction %.3g\n\n", command.radii, mu) +
                      "| contact | depth, mm | contact radius, mm | force ratio | deviates by | of the slopes | "
                      "point by point | full slip at, radii | energy off | nodes | s |\n"
                      "|---|---|---|---|---|---|---|---|---|---|---|\n";
@@ -145,7 +138,7 @@ void run_slide(const ContactsCommand& command, const Globals& globals) {
   const double off = command.scene.empty() ? std::max(local, force) : local;
   if (off > kCoulomb) {
     throw Error(ExitCode::tolerance,
-                line("slides differ from Coulomb's law by %.2f %%, allowed %.0f %%", 100 * off, 100 * kCoulomb));
+                printed("slides differ from Coulomb's law by %.2f %%, allowed %.0f %%", 100 * off, 100 * kCoulomb));
   }
 }
 
@@ -178,10 +171,10 @@ void run_two_tips(const ContactsCommand& command, const Globals& globals) {
                                 {"nodes", r.nodes},
                                 {"seconds", tips.seconds}});
     usable += r.usable;
-    text += r.usable ? line("| %zu | %.3g | %.4g | %.4g | %.1f %% | %u | %.1f |\n", tips.contact, tips.spacing,
+    text += r.usable ? printed("| %zu | %.3g | %.4g | %.4g | %.1f %% | %u | %.1f |\n", tips.contact, tips.spacing,
                             0.5 * (r.alone[0] + r.alone[1]).z(), 0.5 * (r.together[0] + r.together[1]).z(),
                             100 * r.difference, r.nodes, tips.seconds)
-                     : line("| %zu | %.3g |", tips.contact, tips.spacing) + " refused: " + r.cause + " |\n";
+                     : printed("| %zu | %.3g |", tips.contact, tips.spacing) + " refused: " + r.cause + " |\n";
   }
   publish(command, globals, json, text);
   if (usable == 0) throw Error(ExitCode::numerical, "no solve is usable; the first: " + all.front().result.cause);

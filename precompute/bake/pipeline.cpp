@@ -328,7 +328,8 @@ ContactSurface contact_surface(const Pipeline& p) {
   return make_contact_surface(p.body.query->surface(), p.mesh.points, p.mesh.triangles, surface_tolerance(p.scene));
 }
 
-FittedFile fit_file(const Pipeline& p, const JournalContent& journal, const FitSettings& settings) {
+FittedFile fit_file(const Pipeline& p, const JournalContent& journal, const FitSettings& settings,
+                    const ResponseCompliance* shared) {
   std::vector<std::uint32_t> tool_vertices;
   for (const Tool& tool : p.tools) tool_vertices.push_back(static_cast<std::uint32_t>(tool.vertices.size()));
   FittedFile file;
@@ -336,8 +337,37 @@ FittedFile fit_file(const Pipeline& p, const JournalContent& journal, const FitS
   file.fitted.report.sampling = p.sampling;
   const ContactSurface contact = contact_surface(p);
   file.fitted.report.surface = {contact.triangles.size(), surface_tolerance(p.scene), contact.distance, contact.fault};
-  file.bytes = encode(assemble_response(p.scene, p.tools, contact, p.plan, p.manifest, file.fitted, p.sources));
+  ResponseFileContent content =
+      assemble_response(p.scene, p.tools, contact, p.plan, p.manifest, file.fitted, p.sources);
+  if (shared != nullptr) {
+    content.compliance = *shared;
+  } else if (p.scene.compliance.between == ComplianceScene::Between::contacts) {
+    BakedCompliance baked = compliance(p);
+    content.compliance = std::move(baked.file);
+    file.fitted.report.compliance = std::move(baked.report);
+  }
+  file.bytes = encode(content);
   return file;
+}
+
+BakedCompliance compliance(const Pipeline& p) {
+  ComplianceSites sites;
+  sites.triangles = p.mesh.triangles;
+  for (const PlanSite& site : p.plan.sites) {
+    sites.places.push_back({site.frame.origin, site.frame.n});
+    sites.touchable.push_back(!site.held && site.selected);
+  }
+  ComplianceOptions options;
+  options.tolerance = p.scene.compliance.tolerance;
+  options.modes = p.scene.compliance.modes;
+  options.solver = pair_options(p.scene);
+  options.contact_radius = std::numeric_limits<double>::infinity();
+  for (const Tool& tool : p.tools) {
+    for (const ToolVertex& vertex : tool.vertices) {
+      options.contact_radius = std::min(options.contact_radius, contact_radius(vertex, 0.5 * p.scene.sampling.depth));
+    }
+  }
+  return bake_compliance(p.body, sites, options);
 }
 
 FitReport fit(const Pipeline& p) {

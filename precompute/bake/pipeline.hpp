@@ -13,6 +13,7 @@
 #include "precompute/bake/rounds.hpp"
 #include "precompute/bake/shard.hpp"
 #include "precompute/body.hpp"
+#include "precompute/compliance/bake_compliance.hpp"
 #include "precompute/fit/fit.hpp"
 #include "precompute/fit/given_pairs.hpp"
 #include "precompute/mesh/contact_surface.hpp"
@@ -105,11 +106,16 @@ JournalContent samples(const Pipeline& pipeline);
 ContactSurface contact_surface(const Pipeline& pipeline);
 
 /// The responses of a journal by some settings, and the bytes of their file; nothing is written. Needs plan().
+/// `shared`: a compliance that was baked before; null: where the scene has [compliance] it is baked here.
 struct FittedFile {
   FittedResponses fitted;
   std::vector<std::byte> bytes;
 };
-FittedFile fit_file(const Pipeline& pipeline, const JournalContent& journal, const FitSettings& settings);
+FittedFile fit_file(const Pipeline& pipeline, const JournalContent& journal, const FitSettings& settings,
+                    const ResponseCompliance* shared = nullptr);
+
+/// The compliance between the sites of the plan, by the settings of the scene's [compliance]. Needs find_pairs().
+BakedCompliance compliance(const Pipeline& pipeline);
 
 /// Fits the journal and writes the response file. Needs plan().
 FitReport fit(const Pipeline& pipeline);

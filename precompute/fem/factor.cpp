@@ -14,6 +14,7 @@
 namespace palpate {
 namespace {
 
+using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Relative error up to which a solve in single precision preconditions as well as one in double.
@@ -66,7 +67,7 @@ struct Factor::Impl {
   Impl& operator=(const Impl&) = delete;
 
   [[nodiscard]] bool factorise(const Matrix& lower);
-  [[nodiscard]] VectorXd solve(const VectorXd& b) const;
+  [[nodiscard]] MatrixXd solve(const MatrixXd& b) const;
 
   // CHOLMOD's workspace, which solves write to: one object belongs to one thread.
   mutable cholmod_common common{};
@@ -103,16 +104,17 @@ bool Factor::Impl::factorise(const Matrix& lower) {
   return common.status == CHOLMOD_OK && factor->minor >= factor->n;
 }
 
-VectorXd Factor::Impl::solve(const VectorXd& b) const {
+MatrixXd Factor::Impl::solve(const MatrixXd& b) const {
   cholmod_dense right{};
-  right.nrow = right.d = right.nzmax = static_cast<std::size_t>(b.size());
-  right.ncol = 1;
+  right.nrow = right.d = static_cast<std::size_t>(b.rows());
+  right.ncol = static_cast<std::size_t>(b.cols());
+  right.nzmax = static_cast<std::size_t>(b.size());
   right.x = const_cast<double*>(b.data());
   right.xtype = CHOLMOD_REAL;
   right.dtype = CHOLMOD_DOUBLE;
   cholmod_dense* x = cholmod_solve(CHOLMOD_A, factor, &right, &common);
   if (x == nullptr) throw std::bad_alloc();
-  VectorXd result = Eigen::Map<const VectorXd>(static_cast<const double*>(x->x), b.size());
+  MatrixXd result = Eigen::Map<const MatrixXd>(static_cast<const double*>(x->x), b.rows(), b.cols());
   cholmod_free_dense(&x, &common);
   return result;
 }
@@ -137,6 +139,16 @@ bool Factor::factorise(const Matrix& lower, const VectorXd& load) {
 
 bool Factor::single() const { return impl_->single; }
 
-VectorXd Factor::solve(const VectorXd& b) const { return impl_->single ? impl_->in_single->solve(b) : impl_->solve(b); }
+bool Factor::factorise_double(const Matrix& lower) {
+  impl_->single = false;
+  return impl_->factorise(lower);
+}
+
+MatrixXd Factor::solve_all(const MatrixXd& b) const { return impl_->solve(b); }
+
+VectorXd Factor::solve(const VectorXd& b) const {
+  if (impl_->single) return impl_->in_single->solve(b);
+  return impl_->solve(b);
+}
 
 }  // namespace palpate

@@ -21,11 +21,15 @@ public:
   /// `lower` has the pattern of the constructor's. False where it is not positive definite. `load` is a right-hand side
   /// of the kind to come: a factor in single precision stays only where it solves for that one within 2 %.
   bool factorise(const Matrix& lower, const Eigen::VectorXd& load);
+  /// The same in double precision, for solves that nothing refines.
+  bool factorise_double(const Matrix& lower);
   /// Whether the factor is in single precision.
   [[nodiscard]] bool single() const;
 
   /// x with A x = b. Needs a factor.
   [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
+  /// The same of several right-hand sides at once. Needs factorise_double().
+  [[nodiscard]] Eigen::MatrixXd solve_all(const Eigen::MatrixXd& b) const;
 
 private:
   struct Impl;

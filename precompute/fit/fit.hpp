@@ -13,6 +13,7 @@
 #include "formats/response.hpp"
 #include "precompute/bake/plan.hpp"
 #include "precompute/bake/sampling_estimate.hpp"
+#include "precompute/compliance/report.hpp"
 #include "precompute/fit/given_pairs.hpp"
 #include "precompute/fit/pair_fit.hpp"
 #include "precompute/fit/potential_degrees.hpp"
@@ -73,17 +74,18 @@ struct FitReport {
   std::size_t support = 0, outside = 0, unreachable = 0;  ///< of the filled ones, the reason why they were skipped
   bool bias = false, friction = false, grasp = false, turn = false;  ///< parts that the file has
   ErrorFigures normal, tangential;
-  ErrorFigures paths;                        ///< along paths that the fit did not read
-  ErrorFigures grasped;                      ///< of tools that bond
-  ErrorFigures turned;                       ///< of the torques of rotated tools
-  ErrorFigures laws;                         ///< of the fits to closed forms
-  ErrorFigures left_out, left_out_sideways;  ///< of responses carried to sites that were solved in full
-  std::vector<RecordedFigures> recorded;     ///< by pair
-  std::optional<SamplingEstimate> sampling;  ///< of automatic sampling; filled by pipeline::fit_file
-  fit::HeldOutFigures held_out;              ///< of samples left out, by which the degrees were chosen
-  std::vector<double> softenings;            ///< of accepted pairs (slip_softening), ascending; empty where all are 0
-  std::vector<PairFigures> pairs;            ///< by pair
-  SurfaceFigures surface;                    ///< set with the file
+  ErrorFigures paths;                          ///< along paths that the fit did not read
+  ErrorFigures grasped;                        ///< of tools that bond
+  ErrorFigures turned;                         ///< of the torques of rotated tools
+  ErrorFigures laws;                           ///< of the fits to closed forms
+  ErrorFigures left_out, left_out_sideways;    ///< of responses carried to sites that were solved in full
+  std::vector<RecordedFigures> recorded;       ///< by pair
+  std::optional<SamplingEstimate> sampling;    ///< of automatic sampling; filled by pipeline::fit_file
+  fit::HeldOutFigures held_out;                ///< of samples left out, by which the degrees were chosen
+  std::vector<double> softenings;              ///< of accepted pairs (slip_softening), ascending; empty where all are 0
+  std::vector<PairFigures> pairs;              ///< by pair
+  SurfaceFigures surface;                      ///< set with the file
+  std::optional<ComplianceReport> compliance;  ///< set with the file, where the scene has [compliance]
 };
 
 /// The 95th percentile that normal forces at other contacts are expected to have: those of interpolation, of carrying
@@ -99,11 +101,11 @@ struct FittedResponses {
 /// Median, 95th percentile (nearest rank) and worst of `errors`; all zero when there are none.
 ErrorFigures error_figures(const std::vector<std::pair<double, std::uint32_t>>& errors);
 
-/// Fits every pair that was solved in full, carries these responses to sites that were pushed straight alone, and fills
-/// the rest, whatever was refused. `triangles`: patches of the haptic mesh; `tool_vertices`: their number per tool;
-/// `sources`: recordings and closed forms in place of the journal. Throws Error(bad_input) when a pair to be solved has
-/// no outcome (the bake is not finished) and as fit_recorded, Error(numerical) with the causes when no pair at all was
-/// solved in full.
+/// Fits every pair that was solved in full, carries these responses to sites that were pushed straight alone, and
+/// fills the rest, whatever was refused. `triangles`: patches of the haptic mesh; `tool_vertices`: their number per
+/// tool; `sources`: recordings and closed forms in place of the journal. Throws Error(bad_input) when a pair to be
+/// solved has no outcome (the bake is not finished) and as fit_recorded, Error(numerical) with the causes when no
+/// pair at all was solved in full.
 FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std::int32_t, 3>>& triangles,
                               const std::vector<std::uint32_t>& tool_vertices, const JournalContent& journal,
                               const FitSettings& settings, const PairSources& sources = {});

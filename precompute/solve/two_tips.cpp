@@ -20,6 +20,7 @@ using Eigen::VectorXd;
 struct Press {
   std::string cause;  // empty: the forces are valid
   Vector3d first{0, 0, 0}, second{0, 0, 0};
+  std::vector<std::array<double, 2>> pushed;  // depths, and forces of the first along n
 };
 
 class TwoTips {
@@ -63,6 +64,7 @@ public:
       }
       const StepResult step = push.move_to(*down, radius, body_.material.young * radius * depth * depth, false);
       if (!step.converged) result.cause = step.cause + " at depth " + std::to_string(1e3 * depth) + " mm";
+      result.pushed.push_back({depth, push.report().force.dot(frame_.n)});
     }
     if (!result.cause.empty()) return result;
     result.first = believe(push, push.report(), result.cause);
@@ -122,6 +124,7 @@ TwoTipsResult solve_two_tips(const Body& body, const Tool& tool, const ToolVerte
     result.cause = "second tip: the surface is held at " + std::to_string(1e3 * path.spacing) + " mm";
     return result;
   }
+  result.beside = beside;
   const SizeField size = contact_size(body, tool, vertex, frame, path.depth, options.refine, options, {beside});
   const VolumeMeshResult mesh = mesh_volume(body, size, {frame.origin}, options.mesh);
   if (!mesh.usable) {
@@ -138,6 +141,7 @@ TwoTipsResult solve_two_tips(const Body& body, const Tool& tool, const ToolVerte
                 both = tips.press(first, second);
     result.alone = {one.first, other.first};
     result.together = {both.first, both.second};
+    result.pushed = one.pushed;
     for (const Press* p : {&one, &other, &both}) {
       if (result.cause.empty()) result.cause = p->cause;
     }

@@ -58,6 +58,7 @@ TEST_F(Frame, WrongUsageEndsWithOne) {
   expect_failure(run({"verify", "--slide", "--two-tips"}), 1, {"--slide", "exclude each other"});
   for (const std::vector<std::string>& kind : {std::vector<std::string>{"--slide"},
                                                {"--two-tips"},
+                                               {"--together", "2"},
                                                {"--closed-forms"},
                                                {"--battery", "stiff"},
                                                {"--compare", "ccx"},
@@ -71,6 +72,7 @@ TEST_F(Frame, WrongUsageEndsWithOne) {
   }
   expect_failure(run({"verify", "--strokes"}), 1, {"needs a scene"});
   expect_failure(run({"verify", "x.palp", "--loops", "--plot", "x.svg"}), 1, {"--plot", "--strokes"});
+  expect_failure(run({"verify", "--together", "7"}), 1, {"--together"});
   expect_failure(run({"verify", "--slide", "--radii", "nan"}), 1, {"--radii", "got nan; allowed [0.1, 100]"});
   expect_failure(run({"bench", "x.palp", "--seconds", "nan"}), 1, {"--seconds", "got nan; allowed [0.001, 10]"});
 }

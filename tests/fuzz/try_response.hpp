@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "palpate/contact/contact.hpp"
+#include "palpate/contact/tool_set.hpp"
 #include "palpate/format/checksum.hpp"
 #include "palpate/format/open.hpp"
 #include "palpate/response/interpolation.hpp"
@@ -68,10 +69,25 @@ inline void try_ticks(const runtime::View& view) {
   }
 }
 
+/// Two tools that press beside each other, each in the other's dent, where the file has a compliance.
+inline void try_together(const runtime::View& view) {
+  if (!view.has(layout::feature_compliance)) return;
+  runtime::ToolSet<2> tools(view, {0, view.meta->tool_count - 1});
+  const runtime::Vec3 c = position(view, {0, {0.4, 0.3, 0.3}}), d = position(view, {view.meta->triangle_count - 1, {0.2, 0.3, 0.5}});
+  const double z = view.meta->depth_scale;
+  for (int i = 0; i < 24; ++i) {
+    const runtime::Vec3 way{0.1 * i * z, 0, (4 - 0.5 * (i < 16 ? i : 32 - i)) * z};
+    for (const runtime::Tick& tick : tools.tick({runtime::Pose{{1, 0, 0, 0, 1, 0, 0, 0, 1}, c + way}, runtime::Pose{{1, 0, 0, 0, 1, 0, 0, 0, 1}, (i % 2 == 0 ? c : d) + way}})) {
+      expect(finite(tick.force) && finite(tick.torque), "ticks of tools beside each other are numbers");
+    }
+  }
+}
+
 /// Everything about a file that opened.
 inline void try_view(const runtime::View& view) {
   try_fields(view);
   try_ticks(view);
+  try_together(view);
   for (std::uint32_t tool = 0; tool < view.meta->tool_count; ++tool) {
     expect(view.find_tool(view.tools[tool].name) <= tool, "a tool is found by its name");
   }

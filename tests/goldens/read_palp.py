@@ -15,7 +15,7 @@ import struct
 import sys
 
 M64 = (1 << 64) - 1
-BIAS, FRICTION, TOOL_PATCHES, SEARCH, BONDED, TORQUE, SPIN, SOFTENING = (1 << bit for bit in range(8))
+BIAS, FRICTION, TOOL_PATCHES, SEARCH, BONDED, TORQUE, SPIN, SOFTENING, COMPLIANCE = (1 << bit for bit in range(9))
 
 
 class Bad(Exception):
@@ -101,14 +101,14 @@ class File:
         need(version == 3, "version")
         need(size == len(data) and size % 64 == 0, "size")
         need(xxh64(data[:24] + bytes(8) + data[32:]) == checksum, "checksum")
-        need(count <= 32 and not any(data[36:64]) and self.features < 256, "header")
+        need(count <= 32 and not any(data[36:64]) and self.features < 512, "header")
         self.sections = {}
         covered = bytearray(len(data))
         covered[:64 + 32 * count] = b"\1" * (64 + 32 * count)
         last, end = 0, 64 + 32 * count
         for i in range(count):
             number, element, offset, size, elements = struct.unpack_from("<2I3Q", data, 64 + 32 * i)
-            need(number > last and number < 14, "section ids")
+            need(number > last and number < 16, "section ids")
             need(offset % 64 == 0 and offset >= end and offset + size <= len(data), "section place")
             need(1 <= elements < 1 << 31 and size == elements * element, "section size")
             self.sections[number] = (element, elements, data[offset:offset + size])
@@ -123,6 +123,7 @@ class File:
         self.read_bonded()
         self.read_torques()
         self.read_search()
+        self.read_compliance()
         provenance = self.section(13, 1)
         self.provenance = json.loads(provenance)
         need(isinstance(self.provenance, dict), "PROVENANCE")
@@ -160,7 +161,8 @@ class File:
         need(self.features == (BIAS * (bias > 0) | FRICTION * self.friction_families
                                | TOOL_PATCHES * bool(self.tool_patch_count) | SEARCH * bool(self.search_nodes)
                                | BONDED * (self.bonded_coefs > 0) | TORQUE * (11 in self.sections)
-                               | SPIN * (8 in self.sections) | SOFTENING * self.softenings), "features")
+                               | SPIN * (8 in self.sections) | SOFTENING * self.softenings
+                               | COMPLIANCE * (14 in self.sections)), "features")
 
     def is_limit(self, depth):
         return 0 < depth <= self.Z * (1 + 1e-5)
@@ -400,6 +402,47 @@ class File:
         need(len(visited) == self.search_nodes and next_triangle == self.triangle_count, "SEARCH: left out")
 
     # Evaluation.
+
+    def read_compliance(self):
+        self.compliance = []
+        if not self.features & COMPLIANCE:
+            return
+        self.modes, self.negative, self.poisson, self.rounding = struct.unpack_from("<2I2d", self.section_head())
+        need(self.modes <= 128 and self.modes % 8 == 0 and self.negative <= self.modes, "COMPLIANCE: modes")
+        need(0 <= self.poisson < 0.5 and 1e-9 <= self.rounding < 1000, "COMPLIANCE: numbers")
+        for r in self.records(15, "<2f%dh" % (3 * self.modes), len(self.sites)):
+            need(1e-6 <= r[0] < 1e15 and 0 <= r[1] < 1e6, "COMPLIANCE_SITES")
+            self.compliance.append((r[0], [mul(r[1], r[2 + 3 * m:5 + 3 * m]) for m in range(self.modes)]))
+
+    def section_head(self):
+        head = self.section(14, 64, 1)
+        need(not any(head[24:]), "COMPLIANCE: reserved bytes")
+        return head
+
+    def shared(self, start, end):
+        """Rows of C(end, start)."""
+        places = []
+        for triangle, b in (start, end):
+            numbers, a, n, _ = self.contact(triangle, b)
+            c = add(*(mul(x, self.vertices[v]) for x, v in zip(b, self.triangles[triangle]["vertex"])))
+            shear = sum(x * self.compliance[site][0] for x, site in zip(a, numbers))
+            modes = [add(*(mul(x, self.compliance[site][1][m]) for x, site in zip(a, numbers)))
+                     for m in range(self.modes)]
+            places.append((c, n, shear, modes))
+        (c0, n0, g0, v0), (c1, n1, g1, v1) = places
+        d, N = sub(c1, c0), add(n0, n1)
+        rho = math.sqrt(dot(d, d) + self.rounding ** 2)
+        u = unit(N) if dot(N, N) > 0 else (0, 0, 0)
+        t = mul(1 / rho, sub(d, mul(dot(d, u), u)))
+        factor, nu = dot(N, N) / 4 / (4 * math.pi * math.sqrt(g0 * g1) * rho), self.poisson
+        rows = []
+        for i in range(3):
+            for j in range(3):
+                x = factor * (2 * (1 - nu) * (i == j) + 2 * nu * t[i] * t[j] + (1 - 2 * nu) * (t[i] * u[j] - u[i] * t[j]))
+                for m in range(self.modes):
+                    x += (1 if m < self.modes - self.negative else -1) * v1[m][i] * v0[m][j]
+                rows.append(x)
+        return rows
 
     def contact(self, triangle, b):
         """Weights of the patch's sites, n(c), and each site's frame carried to c."""
@@ -693,7 +736,7 @@ def compare(folder):
             asked, answered = (part.split() for part in line.split("="))
             word, a = asked[0], [float(x) for x in asked[1:]]
             answered = [float(x) for x in answered]
-            where = (int(a[0]), a[1:4], int(a[4]), int(a[5]), a[6:9]) if word != "distance" else ()
+            where = (int(a[0]), a[1:4], int(a[4]), int(a[5]), a[6:9]) if word not in ("distance", "compliance") else ()
             tolerance = 1e-6
             if word == "force":
                 now = file.force(*where, tuple(a[9:12]))
@@ -703,6 +746,8 @@ def compare(folder):
                 now = file.bonded_wrench(*where, tuple(a[9:12]))[:3]
             elif word == "torque":
                 now = file.bonded_wrench(*where, tuple(a[9:12]), tuple(a[12:15]))
+            elif word == "compliance":
+                now = file.shared((int(a[0]), a[1:4]), (int(a[4]), a[5:8]))
             else:
                 need(word == "distance", "unknown line: " + line)
                 now = (file.distance(tuple(a)),)

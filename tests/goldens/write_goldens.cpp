@@ -93,6 +93,14 @@ std::string forces(const View& view) {
     const Vec3 turn{draw.between(-most, most), draw.between(-most, most), draw.between(-most, most)};
     text += as_line(view, "torque", with({held.x, held.y, held.z, turn.x, turn.y, turn.z}));
   }
+  for (int i = 0; i < 12 && view.compliance != nullptr; ++i) {
+    std::vector<double> points;
+    for (int k = 0; k < 2; ++k) {
+      points.push_back(draw.below(view.meta->triangle_count));
+      draw.weights(points, i % 6 == 5);
+    }
+    text += as_line(view, "compliance", points);
+  }
   for (int i = 0; i < 8; ++i) {
     text +=
         as_line(view, "distance", {draw.between(-0.05, 0.05), draw.between(-0.05, 0.05), draw.between(-0.03, 0.03)});
@@ -161,6 +169,10 @@ void write_all(const std::filesystem::path& folder) {
   bonded.tools = Options::Tools::sphere;
   bonded.bonded_torque = true;
   write(folder, "bonded_torque", box_content(bonded));
+
+  Options shared = smooth;
+  shared.modes = 8;
+  write(folder, "compliance", box_content(shared));
 }
 
 }  // namespace

@@ -29,6 +29,7 @@ TEST(ResponseFile, ReadsBackWhatWasWritten) {
   options.subdivision = 3;
   options.search = true;
   options.softening = options.bonded = options.bonded_torque = true;
+  options.modes = 8;
   const ResponseFileContent content = test::ball_content(options);
   const std::vector<std::byte> bytes = encode(content);
   const runtime::OpenResult opened = View::open(bytes.data(), bytes.size());
@@ -106,7 +107,8 @@ TEST(ResponseFile, FrictionlessOneTipFlatFileHasNoSectionItDoesNotUse) {
   ASSERT_TRUE(opened) << opened.error;
   EXPECT_EQ(opened.view.features, 0U);
   for (const Section absent : {Section::tool_vertices, Section::tool_patches, Section::spins, Section::search,
-                               Section::bonded, Section::bonded_torque}) {
+                               Section::bonded, Section::bonded_torque, Section::compliance,
+                               Section::compliance_sites}) {
     EXPECT_EQ(opened.view.section_bytes(absent), 0U);
   }
   EXPECT_EQ(opened.view.header().section_count, 7U);

@@ -32,6 +32,7 @@ std::vector<std::byte> small_file(bool friction = true) {
   options.spins = 2;
   options.search = true;
   options.bonded = options.bonded_torque = true;
+  options.modes = 8;
   return encode(test::box_content(options));
 }
 

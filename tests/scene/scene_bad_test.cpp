@@ -115,6 +115,8 @@ std::vector<Case> cases() {
        {"response.slip: was removed: every contact with friction slips in part"}},
       {"array_section", "[[sampling]]\ndepth = 0.1\n", 3, {"sampling: got", "a table"}},
       {"capsule_without_modulus", "capsule_thickness = 1e-4\n", 1, {"body.capsule_young: missing"}},
+      {"compliance_modes", "[compliance]\nmodes = 12\n", 4, {"compliance.modes: got 12", "a multiple of 8", "0 <= x <= 128"}},
+      {"compliance_tolerance", "[compliance]\ntolerance = 0\n", 4, {"compliance.tolerance: got 0", "0 < x"}},
       {"prestress_density", "[prestress]\ndensity = 1000\n", 4, {"prestress.density: changes nothing without gravity"}},
       {"prestress_cavity", "[prestress]\ncavity = \"c\"\n", 4, {"prestress.cavity: changes nothing without pressure"}},
       {"prestress_pressure", "[prestress]\npressure = -1\n", 4, {"prestress.pressure: got -1", "0 <= x"}},

@@ -249,6 +249,19 @@ time_limit = 60
   EXPECT_EQ(scene.solver.time_limit, 60.0);
 }
 
+TEST_F(SceneTest, ComplianceIsOfTheFileAlone) {
+  const std::string body = "[body]\nsurface = \"a.ply\"\n";
+  EXPECT_EQ(read(body).compliance.between, ComplianceScene::Between::none);
+  const Scene scene = read(body + "[compliance]\nmodes = 32\n");
+  EXPECT_EQ(scene.compliance.between, ComplianceScene::Between::contacts);
+  EXPECT_EQ(scene.compliance.tolerance, 0.03);
+  EXPECT_EQ(scene.compliance.modes, 32);
+  // A scene that gains the section keeps its solves.
+  EXPECT_EQ(canonical_text(scene, CanonicalScope::solves), canonical_text(read(body), CanonicalScope::solves));
+  EXPECT_NE(canonical_text(scene), canonical_text(read(body)));
+  EXPECT_EQ(canonical_text(read(body + "[compliance]\nbetween = \"none\"\n")), canonical_text(read(body)));
+}
+
 TEST_F(SceneTest, Prestress) {
   const std::string body = "body = {surface = \"a\"}\n";
   const PrestressScene none = read(body + "[prestress]\n").prestress;

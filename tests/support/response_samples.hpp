@@ -30,6 +30,7 @@ struct ResponseSampleOptions {
   int spins = 1;               ///< of every point of capsule and mesh but the capsule's pole
   std::uint32_t subdivision = 1;
   int cells = 4;  ///< box: cells along an edge
+  int modes = -1;  ///< of the compliance, beside a half-space; -1: no compliance
   enum class Tools { sphere, capsule, mesh, all } tools = Tools::sphere;
 };
 
@@ -40,6 +41,7 @@ inline constexpr double kHertzForce = 2.0;  ///< N at the depth scale
 inline constexpr double kBondedStiffness = 500.0, kBondedTangential = 300.0;
 /// N m, of a twist and of a roll; N, force of a roll; rad, angle of rotation.
 inline constexpr double kTwistStiffness = 6e-3, kRollStiffness = 4e-3, kRollForce = 0.4, kRotated = 0.2;
+inline constexpr double kSampleShear = 15e3;  ///< Pa; Hertz' law with it is nearly that of the uniform samples
 inline constexpr double kSoftening = 0.04;  ///< share of F, as over a thin layer
 
 namespace sample_detail {
@@ -218,6 +220,24 @@ inline void add_bonded_torque(ResponseFileContent& content, const ResponseSample
 }
 
 /// Adds tools, responses and the search tree to sites, patches and contact surface.
+/// A half-space as stiff as the responses' tip feels, and modes that vary smoothly over the body; a quarter are negative.
+inline void add_compliance(ResponseFileContent& content, int modes) {
+  ResponseCompliance c;
+  c.modes = static_cast<std::uint32_t>(modes);
+  c.negative = c.modes / 4;
+  c.poisson = 0.49;
+  c.rounding = 1e-3;
+  for (const ResponseSite& site : content.sites) {
+    c.shear.push_back(kSampleShear);
+    for (int m = 0; m < modes; ++m) {
+      for (int k = 0; k < 3; ++k) {
+        c.values.push_back(3e-3 / (m + 1) * std::cos(30.0 * (m + 1) * site.position[(k + m) % 3] + k));
+      }
+    }
+  }
+  content.compliance = c;
+}
+
 inline void add_rest(ResponseFileContent& content, const ResponseSampleOptions& options) {
   add_tools(content, options.tools);
   add_spins(content, options.spins);
@@ -225,6 +245,7 @@ inline void add_rest(ResponseFileContent& content, const ResponseSampleOptions& 
   if (options.bonded) add_bonded(content, options);
   if (options.bonded_torque) add_bonded_torque(content, options);
   if (options.search) add_search(content);
+  if (options.modes >= 0) add_compliance(content, options.modes);
 }
 
 }  // namespace sample_detail

@@ -17,4 +17,6 @@
 #include "palpate/output/output_chain.hpp"
 #include "palpate/output/passivity_controller.hpp"
 #include "palpate/output/virtual_coupling.hpp"
+#include "palpate/shared/compliance.hpp"
+#include "palpate/shared/joint_contacts.hpp"
 #include "palpate/threading/triple_buffer.hpp"

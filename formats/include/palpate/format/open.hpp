@@ -114,6 +114,15 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
   const bool bonded = m.bonded_coefs > 0, torque = v.has(layout::feature_bonded_torque);
   if (spun && !patched) return fault.fail("section SPINS without TOOL_VERTICES");
   if (torque && !bonded) return fault.fail("section BONDED_TORQUE without BONDED");
+  const bool shared = v.has(layout::feature_compliance);
+  std::uint32_t modes = 0;
+  if (const auto* head = entry[static_cast<std::uint32_t>(Section::compliance)];
+      head != nullptr && head->size == sizeof(layout::ComplianceHead)) {
+    modes = reinterpret_cast<const layout::ComplianceHead*>(v.bytes + head->offset)->modes;
+    if (modes > layout::kMaxModes || modes % layout::kModeStep != 0) {
+      return fault.fail("COMPLIANCE: % modes, allowed a multiple of 8 up to 128", modes);
+    }
+  }
   const struct {
     Section id;
     std::uint64_t element, count;
@@ -128,7 +137,9 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
                   {Section::responses, layout::response_size(m), m.response_count},
                   {Section::bonded, layout::bonded_size(m.bonded_coefs), bonded ? m.response_count : 0},
                   {Section::bonded_torque, layout::torque_size(m.bonded_coefs), torque ? m.response_count : 0},
-                  {Section::search, sizeof(layout::SearchNode), m.search_nodes}};
+                  {Section::search, sizeof(layout::SearchNode), m.search_nodes},
+                  {Section::compliance, sizeof(layout::ComplianceHead), shared ? 1u : 0u},
+                  {Section::compliance_sites, layout::compliance_site_size(modes), shared ? m.site_count : 0}};
   const unsigned char* at[layout::kSectionIds] = {};
   for (const auto& want : expected) {
     const auto id = static_cast<std::uint32_t>(want.id);
@@ -155,7 +166,8 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
                {bonded, layout::feature_bonded},
                {torque, layout::feature_bonded_torque},
                {spun, layout::feature_spin},
-               {m.softening_count > 0, layout::feature_slip_softening}};
+               {m.softening_count > 0, layout::feature_slip_softening},
+               {shared, layout::feature_compliance}};
   std::uint32_t features = 0;
   for (const auto& part : parts)
     if (part.present) features |= part.feature;
@@ -180,6 +192,8 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
   bind(v.bonded, Section::bonded);
   bind(v.bonded_torque, Section::bonded_torque);
   bind(v.search, Section::search);
+  bind(v.compliance, Section::compliance);
+  bind(v.compliance_sites, Section::compliance_sites);
   v.response_size = layout::response_size(m);
   v.head_size = layout::response_head_size(m);
   v.provenance = reinterpret_cast<const char*>(v.bytes + text->offset);

@@ -38,10 +38,12 @@ enum class Section : std::uint32_t {
   bonded = 10,            ///< BondedHead, float[6 * coefs]; absent when no tool bonds to the body
   bonded_torque = 11,     ///< BondedTorqueHead, float[15 * coefs]; absent when no bonded tool was rotated
   search = 12,            ///< SearchNode; absent when the scene leaves the search tree out
-  provenance = 13         ///< UTF-8 JSON text
+  provenance = 13,        ///< UTF-8 JSON text
+  compliance = 14,        ///< one ComplianceHead; absent when the scene has no [compliance]
+  compliance_sites = 15   ///< ComplianceSite, int16[3 * modes]; absent with compliance
 };
 
-inline constexpr std::uint32_t kSectionIds = 14;  ///< ids are below this
+inline constexpr std::uint32_t kSectionIds = 16;  ///< ids are below this
 
 /// The section's name as the specification spells it. "?" stands for an unknown id.
 inline constexpr const char* section_name(std::uint32_t id) {
@@ -58,7 +60,9 @@ inline constexpr const char* section_name(std::uint32_t id) {
                                                "BONDED",
                                                "BONDED_TORQUE",
                                                "SEARCH",
-                                               "PROVENANCE"};
+                                               "PROVENANCE",
+                                               "COMPLIANCE",
+                                               "COMPLIANCE_SITES"};
   return id < kSectionIds ? kNames[id] : kNames[0];
 }
 
@@ -71,8 +75,12 @@ enum Feature : std::uint32_t {
   feature_bonded_torque = 1u << 5,
   feature_spin = 1u << 6,
   feature_slip_softening = 1u << 7,
-  feature_all = 255u
+  feature_compliance = 1u << 8,
+  feature_all = 511u
 };
+
+/// Features that change no single contact.
+inline constexpr std::uint32_t kFeaturesBesideContacts = feature_bonded | feature_bonded_torque | feature_compliance;
 
 /// The feature in words, for messages.
 inline constexpr const char* feature_name(Feature feature) {
@@ -83,6 +91,7 @@ inline constexpr const char* feature_name(Feature feature) {
          : feature == feature_bonded        ? "bonded contacts"
          : feature == feature_bonded_torque ? "torques of bonded contacts"
          : feature == feature_spin          ? "spins of tools"
+         : feature == feature_compliance    ? "compliance between contacts"
                                             : "softening of contacts that slip";
 }
 
@@ -205,6 +214,22 @@ struct BondedTorqueHead {
   float rotated;  ///< rad, largest angle by which the bonded tool was rotated
 };
 
+/// The compliance between two points of the surface: a half-space in closed form and modes of the rest.
+struct ComplianceHead {
+  std::uint32_t modes;     ///< r, a multiple of kModeStep up to kMaxModes
+  std::uint32_t negative;  ///< the last modes of negative sign, at most r
+  double poisson;          ///< of the half-space, [0, 0.5)
+  double rounding;         ///< m, > 0: half_space::compliance
+  std::uint32_t reserved[10];
+};
+inline constexpr std::uint32_t kModeStep = 8, kMaxModes = 128;
+
+/// A site's part of the compliance. Its modes follow as int16 x, y, z (body frame) of each mode.
+struct ComplianceSite {
+  float shear;  ///< Pa, of the half-space here
+  float unit;   ///< sqrt(m/N) of one unit of a mode's value
+};
+
 /// Box over the triangles below a node. count 0: children are nodes `first` and `first + 1`.
 struct SearchNode {
   float lower[3];
@@ -220,6 +245,7 @@ static_assert(sizeof(Meta) == 128 && offsetof(Meta, site_count) == 16 && offseto
 static_assert(sizeof(Site) == 48 && sizeof(ToolPatch) == 12 && sizeof(Point) == 12);
 static_assert(sizeof(SurfaceTriangle) == 48 && sizeof(ToolRecord) == 64 && sizeof(ToolVertexRecord) == 64);
 static_assert(sizeof(ResponseHead) == 8 && sizeof(BondedHead) == 8 && sizeof(BondedTorqueHead) == 4 && sizeof(SearchNode) == 32);
+static_assert(sizeof(ComplianceHead) == 64 && sizeof(ComplianceSite) == 8);
 static_assert(std::is_trivially_copyable_v<Meta> && std::is_trivially_copyable_v<ToolRecord>);
 
 /// Index of the response of (site, tool vertex); tool vertices are numbered over all tools.
@@ -270,6 +296,9 @@ inline void unpack_coefficients(const unsigned char* law, const response::Offset
   response::unpack(law + 4, bits, o.friction, to);
   response::unpack(law + friction_offset(o, bits), 16, o.end - o.friction, to + o.friction);
 }
+
+/// Bytes of one element of COMPLIANCE_SITES.
+inline constexpr std::uint32_t compliance_site_size(std::uint32_t modes) { return 8 + 6 * modes; }
 
 /// BONDED: curves Fx, Fy, Fn, kxx, kxy, kyy of as many coefficients each, over (z / (kBondedRange Z) + 1) / 2.
 inline constexpr std::uint32_t kBondedCurves = 6;

@@ -41,6 +41,8 @@ struct View {
   const unsigned char* bonded = nullptr;         ///< null when no tool bonds to the body
   const unsigned char* bonded_torque = nullptr;  ///< null when no bonded tool was rotated
   const layout::SearchNode* search = nullptr;
+  const layout::ComplianceHead* compliance = nullptr;  ///< null when the scene has no [compliance]
+  const unsigned char* compliance_sites = nullptr;     ///< null with compliance
   const char* provenance = nullptr;  ///< JSON text, not zero-terminated
   std::size_t provenance_size = 0;
 
@@ -102,6 +104,15 @@ struct View {
   /// Coefficients of T, K and C, see layout::kTorqueCurves.
   [[nodiscard]] const float* torque_curves(std::uint64_t index) const {
     return reinterpret_cast<const float*>(&torque_head(index) + 1);
+  }
+
+  /// Requires feature_compliance.
+  [[nodiscard]] const layout::ComplianceSite& compliance_site(std::uint32_t site) const {
+    return *reinterpret_cast<const layout::ComplianceSite*>(compliance_sites + std::size_t{site} * layout::compliance_site_size(compliance->modes));
+  }
+  /// x, y, z of each mode, in units of compliance_site(site).unit.
+  [[nodiscard]] const std::int16_t* compliance_modes(std::uint32_t site) const {
+    return reinterpret_cast<const std::int16_t*>(&compliance_site(site) + 1);
   }
 
   [[nodiscard]] bool has(layout::Feature feature) const { return (features & feature) != 0; }

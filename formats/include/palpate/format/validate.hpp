@@ -133,6 +133,30 @@ inline bool check_tools(const View& v, Fault& fault) {
   return true;
 }
 
+/// Checks the numbers of COMPLIANCE and COMPLIANCE_SITES. The bounds keep every compliance finite.
+inline bool check_compliance(const View& v, Fault& fault) {
+  if (v.compliance == nullptr) return true;
+  const layout::ComplianceHead& head = *v.compliance;
+  if (head.negative > head.modes) return fault.fail("COMPLIANCE: % of % modes are negative", head.negative, head.modes);
+  if (!(head.poisson >= 0 && head.poisson < 0.5)) return fault.fail("COMPLIANCE: poisson must be at least 0 and below 0.5");
+  if (!(head.rounding >= 1e-9 && head.rounding < 1e3)) {
+    return fault.fail("COMPLIANCE: rounding must be at least 1e-9 and below 1000 m");
+  }
+  for (const std::uint32_t r : head.reserved) {
+    if (r != 0) return fault.fail("COMPLIANCE: reserved bytes are not zero");
+  }
+  for (std::uint32_t i = 0; i < v.meta->site_count; ++i) {
+    const layout::ComplianceSite& site = v.compliance_site(i);
+    if (!(site.shear >= 1e-6f && site.shear < 1e15f)) {
+      return fault.fail("COMPLIANCE_SITES: site %: shear must be at least 1e-6 and below 1e15 Pa", i);
+    }
+    if (!(site.unit >= 0 && site.unit < 1e6f)) {
+      return fault.fail("COMPLIANCE_SITES: site %: unit must be at least 0 and below 1e6", i);
+    }
+  }
+  return true;
+}
+
 template <std::uint32_t kFeatures>
 bool check_records(const View& v, Fault& fault) {
   if (v.provenance_size < 2 || v.provenance[0] != '{' || v.provenance[v.provenance_size - 1] != '}') {
@@ -145,6 +169,9 @@ bool check_records(const View& v, Fault& fault) {
   if (!check_responses<kFeatures>(v, fault)) return false;
   if constexpr ((kFeatures & layout::feature_bonded) != 0) {
     if (!check_bonded_contacts(v, fault)) return false;
+  }
+  if constexpr ((kFeatures & layout::feature_compliance) != 0) {
+    if (!check_compliance(v, fault)) return false;
   }
   if constexpr ((kFeatures & layout::feature_search) != 0) return check_search(v, fault);
   return true;

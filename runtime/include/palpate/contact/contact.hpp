@@ -140,7 +140,7 @@ private:
 
   template <class Body>
   [[nodiscard]] Fault check(const Pose& tool, const Body& body, const Search* latest) const {
-    constexpr std::uint32_t kContact = layout::feature_all & ~(layout::feature_bonded | layout::feature_bonded_torque);
+    constexpr std::uint32_t kContact = layout::feature_all & ~layout::kFeaturesBesideContacts;
     if ((view_->features & kContact & ~kFeatures) != 0) return Fault::feature_left_out;
     if (!(tool_ < view_->meta->tool_count)) return Fault::no_such_tool;
     if (!tool.valid() || !body.valid()) return Fault::bad_pose;

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Figures of a baked compliance.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace palpate {
+
+/// Error of the compliance between sites at one number of modes.
+struct ComplianceError {
+  int modes = 0;
+  double median = 0.0, p95 = 0.0, worst = 0.0;  ///< of 3x3 blocks, over the median compliance of a site itself
+};
+
+struct ComplianceReport {
+  std::size_t nodes = 0;         ///< of the mesh
+  std::size_t columns = 0;       ///< sites whose columns were solved, those left out among them
+  std::size_t left_out = 0;      ///< of these, sites that the modes were not made from
+  double load_radius = 0.0;      ///< m
+  double self = 0.0;             ///< m/N, median compliance of a site itself under its own load
+  bool reached = false;          ///< the tolerance is met
+  ComplianceError chosen;
+  std::vector<ComplianceError> errors;  ///< on the columns left out, from 0 modes to 128
+};
+
+}  // namespace palpate

@@ -1,0 +1,397 @@
+// SPDX-License-Identifier: MIT
+// Several contacts on one body, each in the dents of the others.
+#pragma once
+
+#include "palpate/contact/contact.hpp"
+#include "palpate/shared/compliance.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+namespace palpate::runtime {
+
+/// Constants of the balance of several contacts.
+struct JointConstants {
+  /// Most ticks of each contact in one tick; two suffice nearly always.
+  static constexpr int kLooks = 8;
+  /// Largest residual times a contact's slope over the largest force. A hand notices 7 %.
+  static constexpr double kForceTolerance = 1e-3;
+  /// Largest residual over a contact's size, for small forces.
+  static constexpr double kPositionTolerance = 1e-5;
+  /// Least pivot of I + K^1/2 C K^1/2: nearer to 0 two contacts would push each other out. It is reached when they lie
+  /// two thirds of a contact radius apart.
+  static constexpr double kLeastPivot = 0.1;
+  /// Bisections of the share of C that keeps that pivot.
+  static constexpr int kBisections = 6;
+  /// Least share of the tangential stiffness that a contact counts with; 0 would never grow again.
+  static constexpr double kLeastGrip = 1e-3;
+  /// Largest change of a displacement in one tick over a contact's size.
+  static constexpr double kMostShift = 0.5;
+};
+
+/// Finds the displacements s of the surface at the contacts, by the forces of the others, in balance with these forces:
+///
+///     s_k = sum over j of C(c_k, c_j) f_j(P_j + s_j),          f_j(x): force of contact j alone with its tool at x
+///
+///     C  the file's compliance (m/N)      P  poses of the tools      f  forces on the tools (N)
+///
+/// The body has the force of a tool with the other sign, so the dent of one adds to the way out of the other. The
+/// equation is solved by Newton's method with the contacts' own slopes K, from a prediction by the tools' motions: each
+/// look ticks all contacts from one state. C rests within a tick.
+///
+/// Energy. With the trapezoid the work of the hands is what the contacts take and the change of (1/2) f . C f, and
+/// (1/2) f . dC f where a contact slides. The last is negative where two contacts part. An account holds what it was when they
+/// came nearer, and the work against the drag of the dents
+///
+///     g_k = d/dc_k sum over j of f_k . C(c_k, c_j) f_j
+///
+/// on a frictionless tool, or in a file with friction the work of the slip. C changes by the share that the account covers.
+template <int Count, std::uint32_t kFeatures>
+class JointContacts {
+  static constexpr std::size_t kCount = static_cast<std::size_t>(Count);
+  static constexpr std::size_t kSize = 3 * kCount;
+
+public:
+  using Contacts = std::array<BasicContact<kFeatures>, kCount>;
+
+  /// `view`: a file with layout::feature_compliance, which must outlive this.
+  explicit JointContacts(const View& view) : view_(&view), compliance_(view) { grip_.fill(1); }
+
+  void reset() { *this = JointContacts(*view_); }
+
+  /// One tick of all contacts. `tick_at(k, pose)`: the tick of contact k at a pose; `frame_of(at)`: the body's frame near a
+  /// point of its surface, as a Pose.
+  template <class TickAt, class FrameOf>
+  std::array<Tick, kCount> tick(Contacts& contacts, const std::array<Pose, kCount>& tools, const TickAt& tick_at,
+                                const FrameOf& frame_of) {
+    begin(contacts, tools, frame_of);
+    std::array<Tick, kCount> ticks;
+    const auto look = [&] {
+      ++looks_;
+      const std::array<Vec3, kCount> force = force_;
+      for (std::size_t k = 0; k < kCount; ++k) {
+        Pose pose = tools[k];
+        pose.translation = pose.translation + frame_of(at_[k]).rotate(shift_[k]);
+        ticks[k] = tick_at(k, pose);
+        force_[k] = ticks[k].touches() ? contacts[k].state().applied.force : Vec3{};
+        if (looks_ > 1) learn(k, contacts[k].state().place.normal, force_[k] - force[k]);
+        looked_[k] = shift_[k];
+      }
+    };
+    if (!coupled_) {
+      look();
+    } else {
+      const Contacts before = contacts;
+      for (;;) {
+        look();
+        for (const Tick& tick : ticks) {
+          if (tick.state == State::fault) return reset(), ticks;
+        }
+        meet(contacts, ticks);
+        balanced_ = improve(contacts);
+        if (balanced_ || looks_ == JointConstants::kLooks) break;
+        contacts = before;
+      }
+    }
+    end(contacts, tools, frame_of, ticks);
+    return ticks;
+  }
+
+  [[nodiscard]] int looks() const { return looks_; }            ///< ticks of each contact in the last tick
+  [[nodiscard]] bool balanced() const { return balanced_; }     ///< the last tick found its balance
+  [[nodiscard]] double share() const { return share_; }         ///< of C that was used, 1 where it was definite
+  [[nodiscard]] const Vec3& shift(int k) const { return shift_[static_cast<std::size_t>(k)]; }  ///< m, body frame
+  /// J that sliding contacts have put into the dents and not got back.
+  [[nodiscard]] double account() const { return account_; }
+
+private:
+  /// Slope of a contact: `normal` along n, `across` across it, as square roots (sqrt(N/m)).
+  struct Slope {
+    Vec3 n{0, 0, 1};
+    double normal = 0, across = 0;
+    [[nodiscard]] Vec3 times(const Vec3& v) const {
+      const double along = dot(n, v);
+      return across * v + (normal - across) * along * n;
+    }
+  };
+
+  [[nodiscard]] static std::size_t pair(std::size_t k, std::size_t j) { return k * kCount + j; }
+
+  /// Takes up where contacts are now, and predicts the displacements of this tick.
+  template <class FrameOf>
+  void begin(const Contacts& contacts, const std::array<Pose, kCount>& tools, const FrameOf& frame_of) {
+    looks_ = 0;
+    balanced_ = true;
+    int pressing = 0;
+    for (std::size_t k = 0; k < kCount; ++k) pressing += contacts[k].state().touching;
+    coupled_ = pressing > 0;
+    if (!coupled_) {
+      for (std::size_t k = 0; k < kCount; ++k) {
+        shift_[k] = force_[k] = drag_[k] = {};
+        known_[k] = false;
+      }
+      account_ = 0;
+      return;
+    }
+    std::array<Vec3, kCount> moved{};
+    for (std::size_t k = 0; k < kCount; ++k) {
+      const ContactState& state = contacts[k].state();
+      // A tool that has left the body walks on over the surface, so that it comes back to the dented one.
+      if (state.touching) {
+        place(k, state.place.body_point);
+      } else if (known_[k]) {
+        place(k, local_closest_point(*view_, at_[k], inverse(frame_of(at_[k])).apply(tools[k].apply(point_[k]))));
+      }
+      if (!state.touching) grip_[k] = 1;
+      slope_[k] = slope_of(contacts[k], grip_[k]);
+      if (state.touching) moved[k] = frame_of(at_[k]).unrotate(tools[k].apply(point_[k]) - last_[k].apply(point_[k]));
+    }
+    update();
+    // The residual that the tools' motions will leave, to first order.
+    std::array<Vec3, kCount> residual = residuals();
+    for (std::size_t k = 0; k < kCount; ++k) {
+      for (std::size_t j = 0; j < kCount; ++j) {
+        if (j != k) residual[k] = residual[k] - used_[pair(k, j)] * slope_[j].times(slope_[j].times(moved[j]));
+      }
+    }
+    step(contacts, residual);
+  }
+
+  void place(std::size_t k, const Location& here) {
+    const bool rests = known_[k] && !(length(here.point - here_[k]) > 0);
+    at_[k] = here.at;
+    here_[k] = here.point;
+    if (!rests) compliance_.locate(here.at, part_[k]);
+    moved_[k] = !rests;
+    known_[k] = true;
+  }
+
+  [[nodiscard]] static Slope slope_of(const BasicContact<kFeatures>& contact, double grip) {
+    const ContactState& state = contact.state();
+    Slope slope;
+    if (!state.touching || !state.blended || !(state.counted_depth > 0)) return slope;
+    const ResponseAtDepth r = contact.response().law().at(state.counted_depth);
+    slope.n = state.place.normal;
+    slope.normal = std::sqrt(state.factor * larger(0, r.normal_slope));
+    if (contact.response().law().has_friction()) {
+      slope.across = std::sqrt(state.factor * grip * larger(0, r.stiffness.m));
+    }
+    return slope;
+  }
+
+  /// The share of the tangential stiffness that a contact has, from what a look changed: less where it slips.
+  void learn(std::size_t k, const Vec3& n, const Vec3& change) {
+    const Vec3 way = tangential(shift_[k] - looked_[k], n);
+    const double square = dot(way, way), stiffness = slope_[k].across * slope_[k].across / grip_[k];
+    if (!(stiffness * square > 0)) return;
+    grip_[k] = clamped(-dot(change, way) / (stiffness * square), JointConstants::kLeastGrip, 1);
+  }
+
+  /// C at the places of now, as far as the account covers the change.
+  void update() {
+    std::array<Matrix3, kCount * kCount> now = used_;
+    double change = 0;
+    for (std::size_t k = 0; k < kCount; ++k) {
+      for (std::size_t j = 0; j < k; ++j) {
+        if (!known_[k] || !known_[j] || (!moved_[k] && !moved_[j])) continue;
+        now[pair(k, j)] = compliance_.between(part_[j], part_[k]);
+        now[pair(j, k)] = transposed(now[pair(k, j)]);
+        change += dot(force_[k], now[pair(k, j)] * force_[j]) - dot(force_[k], used_[pair(k, j)] * force_[j]);
+      }
+    }
+    const double covered = change < 0 && account_ < -change ? account_ / -change : 1;
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      for (int r = 0; r < 3; ++r) used_[i].row[r] = used_[i].row[r] + covered * (now[i].row[r] - used_[i].row[r]);
+    }
+    account_ = larger(0, account_ + covered * change);
+  }
+
+  /// A contact that began in this tick joins the others.
+  void meet(const Contacts& contacts, const std::array<Tick, kCount>& ticks) {
+    for (std::size_t k = 0; k < kCount; ++k) {
+      if (!ticks[k].touches() || known_[k]) continue;
+      point_[k] = contacts[k].state().applied.point;
+      place(k, contacts[k].state().place.body_point);
+      for (std::size_t j = 0; j < kCount; ++j) {
+        if (j == k || !known_[j]) continue;
+        used_[pair(k, j)] = compliance_.between(part_[j], part_[k]);
+        used_[pair(j, k)] = transposed(used_[pair(k, j)]);
+      }
+    }
+  }
+
+  /// m, by which the displacements are short.
+  [[nodiscard]] std::array<Vec3, kCount> residuals() const {
+    std::array<Vec3, kCount> residual;
+    for (std::size_t k = 0; k < kCount; ++k) {
+      residual[k] = -shift_[k];
+      for (std::size_t j = 0; j < kCount; ++j) {
+        if (j != k && known_[k] && known_[j]) residual[k] = residual[k] + share_ * (used_[pair(k, j)] * force_[j]);
+      }
+    }
+    return residual;
+  }
+
+  /// True where the displacements are in balance with the forces; else improves them.
+  bool improve(const Contacts& contacts) {
+    for (std::size_t k = 0; k < kCount; ++k) slope_[k] = slope_of(contacts[k], grip_[k]);
+    const std::array<Vec3, kCount> residual = residuals();
+    double most = 0;
+    for (const Vec3& f : force_) most = larger(most, length(f));
+    bool good = true;
+    for (std::size_t k = 0; k < kCount; ++k) {
+      const double stiffness = larger(slope_[k].normal, slope_[k].across), off = length(residual[k]);
+      const double size = contacts[k].size(contacts[k].state().indentation);
+      good = good && (off * stiffness * stiffness <= JointConstants::kForceTolerance * most ||
+                      off <= JointConstants::kPositionTolerance * size);
+    }
+    if (!good) step(contacts, residual);
+    return good;
+  }
+
+  /// s += (I + C K)^-1 residual, by the Cholesky factor of I + K^1/2 C K^1/2.
+  void step(const Contacts& contacts, const std::array<Vec3, kCount>& residual) {
+    std::size_t index[kCount], count = 0;
+    for (std::size_t k = 0; k < kCount; ++k) {
+      if (slope_[k].normal > 0) index[count++] = k;
+    }
+    double coupling[kSize][kSize] = {};
+    for (std::size_t a = 0; a < count; ++a) {
+      for (std::size_t b = 0; b < a; ++b) {
+        const Matrix3& c = used_[pair(index[a], index[b])];
+        const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+        for (std::size_t j = 0; j < 3; ++j) {
+          const Vec3 column = slope_[index[a]].times(c * slope_[index[b]].times(axes[j]));
+          coupling[3 * a][3 * b + j] = column.x;
+          coupling[3 * a + 1][3 * b + j] = column.y;
+          coupling[3 * a + 2][3 * b + j] = column.z;
+        }
+      }
+    }
+    double factor[kSize][kSize];
+    share_ = 1;
+    if (!factorise(coupling, 3 * count, share_, factor)) {
+      double low = 0, high = 1;
+      for (int i = 0; i < JointConstants::kBisections; ++i) {
+        const double middle = 0.5 * (low + high);
+        (factorise(coupling, 3 * count, middle, factor) ? low : high) = middle;
+      }
+      share_ = low;
+      factorise(coupling, 3 * count, share_, factor);
+    }
+    double y[kSize];
+    for (std::size_t a = 0; a < count; ++a) {
+      const Vec3 right = slope_[index[a]].times(residual[index[a]]);
+      y[3 * a] = right.x;
+      y[3 * a + 1] = right.y;
+      y[3 * a + 2] = right.z;
+    }
+    solve(factor, 3 * count, y);
+    for (std::size_t k = 0; k < kCount; ++k) {
+      Vec3 ds = residual[k];
+      for (std::size_t b = 0; b < count; ++b) {
+        const std::size_t j = index[b];
+        if (j == k || !known_[k]) continue;
+        ds = ds - share_ * (used_[pair(k, j)] * slope_[j].times({y[3 * b], y[3 * b + 1], y[3 * b + 2]}));
+      }
+      const double reach = JointConstants::kMostShift * contacts[k].size(view_->meta->depth_scale), way = length(ds);
+      shift_[k] = shift_[k] + (way > reach ? reach / way : 1) * ds;
+    }
+  }
+
+  /// Lower Cholesky factor of I + share coupling; false where a pivot is below kLeastPivot.
+  static bool factorise(const double (&coupling)[kSize][kSize], std::size_t size, double share,
+                        double (&factor)[kSize][kSize]) {
+    for (std::size_t i = 0; i < size; ++i) {
+      for (std::size_t j = 0; j <= i; ++j) {
+        double sum = i == j ? 1 : share * coupling[i][j];
+        for (std::size_t k = 0; k < j; ++k) sum -= factor[i][k] * factor[j][k];
+        if (i == j) {
+          if (!(sum >= JointConstants::kLeastPivot)) return false;
+          factor[i][i] = std::sqrt(sum);
+        } else {
+          factor[i][j] = sum / factor[j][j];
+        }
+      }
+    }
+    return true;
+  }
+  static void solve(const double (&factor)[kSize][kSize], std::size_t size, double (&y)[kSize]) {
+    for (std::size_t i = 0; i < size; ++i) {
+      for (std::size_t k = 0; k < i; ++k) y[i] -= factor[i][k] * y[k];
+      y[i] /= factor[i][i];
+    }
+    for (std::size_t i = size; i-- > 0;) {
+      for (std::size_t k = i + 1; k < size; ++k) y[i] -= factor[k][i] * y[k];
+      y[i] /= factor[i][i];
+    }
+  }
+
+  /// Adds the drag of the dents, books the work of the slip, and keeps the tools' poses.
+  template <class FrameOf>
+  void end(const Contacts& contacts, const std::array<Pose, kCount>& tools, const FrameOf& frame_of,
+           std::array<Tick, kCount>& ticks) {
+    for (std::size_t k = 0; k < kCount; ++k) {
+      Tick& tick = ticks[k];
+      last_[k] = tools[k];
+      if (!tick.touches()) {
+        drag_[k] = {};
+        continue;
+      }
+      const ContactState& state = contacts[k].state();
+      const Pose rotation = frame_of(at_[k]);
+      tick.tool_point = tick.tool_point - rotation.rotate(shift_[k]);
+      const Vec3 slid = known_[k] ? state.place.body_point.point - here_[k] : Vec3{};
+      const bool friction = contacts[k].response().law().has_friction();
+      const Vec3 before = friction ? tangential(state.applied.force, state.place.normal) : drag_[k];
+      drag_[k] = friction ? Vec3{} : drag(k, state.place.normal);
+      const Vec3 after = friction ? before : drag_[k];
+      if (coupled_) account_ += friction ? larger(0, -dot(after, slid)) : -0.5 * dot(before + after, slid);
+      const Vec3 force = rotation.rotate(drag_[k]);
+      tick.force = tick.force + force;
+      tick.torque = tick.torque + cross(tick.tool_point - tools[k].translation, force);
+      point_[k] = state.applied.point;
+    }
+    if (account_ < 0) account_ = 0;
+  }
+
+  /// The part of g that the half-space's 1 / rho gives, across n.
+  [[nodiscard]] Vec3 drag(std::size_t k, const Vec3& n) const {
+    Vec3 sum;
+    if (!coupled_ || !known_[k]) return sum;
+    const double rounding = view_->compliance->rounding;
+    for (std::size_t j = 0; j < kCount; ++j) {
+      if (j == k || !known_[j] || !(dot(force_[j], force_[j]) > 0)) continue;
+      const Vec3 apart = here_[k] - here_[j];
+      double c[9];
+      half_space::compliance(part_[j].place, part_[k].place, view_->compliance->poisson, rounding, c);
+      const Matrix3 closed{{{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}}};
+      const double q = share_ * dot(force_[k], closed * force_[j]);
+      sum = sum - (q / (dot(apart, apart) + rounding * rounding)) * tangential(apart, n);
+    }
+    return sum;
+  }
+
+  const View* view_;
+  Compliance compliance_;
+  std::array<CompliancePoint, kCount> part_;
+  std::array<Matrix3, kCount * kCount> used_{};  ///< m/N, C of pairs
+  std::array<BodyPoint, kCount> at_;
+  std::array<Vec3, kCount> here_{};   ///< m, points of at_
+  std::array<Vec3, kCount> point_{};  ///< m, of the tool's frame, where the force last acted
+  std::array<bool, kCount> known_{}, moved_{};
+  std::array<Vec3, kCount> shift_{};   ///< m, s
+  std::array<Vec3, kCount> looked_{};  ///< m, s of the last look
+  std::array<double, kCount> grip_{};  ///< share of the tangential stiffness, learnt
+  std::array<Vec3, kCount> force_{};  ///< N, without drag
+  std::array<Vec3, kCount> drag_{};   ///< N
+  std::array<Slope, kCount> slope_;
+  std::array<Pose, kCount> last_;
+  double share_ = 1, account_ = 0;
+  int looks_ = 0;
+  bool coupled_ = false, balanced_ = true;
+};
+
+}  // namespace palpate::runtime
