@@ -32,7 +32,7 @@ TEST_F(SceneTest, FiveLinesAreEnough) {
   EXPECT_EQ(scene.tools[0].shape, ToolScene::Shape::sphere);
   EXPECT_EQ(scene.tools[0].radius, 0.004);
   EXPECT_EQ(scene.friction, 0.0);
-  EXPECT_EQ(scene.sampling.depth, 0.005);
+  EXPECT_EQ(scene.sampling.depth, 0.004);
   EXPECT_FALSE(scene.sampling.within_box.has_value());
   EXPECT_EQ(scene.response.search, ResponseScene::Search::automatic);
 }

@@ -130,7 +130,7 @@ TEST_F(Playback, InspectListsSectionsFeaturesAndProvenance) {
   ASSERT_EQ(result.exit_code, 0) << result.error;
   const Json json = Json::parse(result.out);
   EXPECT_EQ(json["features"], Json({"tangential_bias", "friction", "tool_patches"}));
-  EXPECT_EQ(json["left_out"], (Json{"slip_softening", "bonded", "bonded_torque", "spin", "search"}));
+  EXPECT_EQ(json["left_out"], (Json{"slip_softening", "bonded", "bonded_torque", "spin", "compliance", "search"}));
   EXPECT_EQ(json["provenance"]["generator"], "test");
   EXPECT_EQ(json["responses"].get<int>(), json["responses_solved"].get<int>() + json["responses_filled"].get<int>());
   EXPECT_EQ(json["tools"].size(), 3U);

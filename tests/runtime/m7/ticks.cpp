@@ -16,14 +16,13 @@ struct Program {
   std::uint32_t features;
   ProgramTick (*begin)(const runtime::View&, std::uint32_t tool);
 };
-constexpr Program kPrograms[] = {{0, begin_program<0>},   {1, begin_program<1>},     {2, begin_program<2>},
-                                 {4, begin_program<4>},   {3, begin_program<3>},     {6, begin_program<6>},
-                                 {7, begin_program<7>},   {11, begin_program<11>},   {71, begin_program<71>},
+constexpr Program kPrograms[] = {{0, begin_program<0>},    {1, begin_program<1>},   {2, begin_program<2>},
+                                 {4, begin_program<4>},    {3, begin_program<3>},   {6, begin_program<6>},
+                                 {7, begin_program<7>},    {11, begin_program<11>}, {71, begin_program<71>},
                                  {131, begin_program<131>}};
 
 ProgramTick begin(const runtime::View& view, std::uint32_t tool) {
-  const std::uint32_t needed =
-      view.features & ~(layout::feature_bonded | layout::feature_bonded_torque);  // no part of a contact
+  const std::uint32_t needed = view.features & ~layout::kFeaturesBesideContacts;
   for (const Program& program : kPrograms) {
     if ((needed & ~program.features) == 0) return program.begin(view, tool);
   }
