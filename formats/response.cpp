@@ -289,9 +289,9 @@ std::vector<std::byte> encode(const ResponseFileContent& c) {
       (c.degrees.bias > 0 ? layout::feature_tangential_bias : 0u) |
       (c.degrees.friction_families ? layout::feature_friction : 0u) |
       (has_tool_patches(c) ? layout::feature_tool_patches : 0u) | (c.search.empty() ? 0u : layout::feature_search) |
-      (c.bonded_coefs > 0 ? layout::feature_bonded : 0u) |
-      (c.has_bonded_torque ? layout::feature_bonded_torque : 0u) | (has_spins(c) ? layout::feature_spin : 0u) |
-      (c.slip_softening ? layout::feature_slip_softening : 0u) | (c.compliance ? layout::feature_compliance : 0u);
+      (c.bonded_coefs > 0 ? layout::feature_bonded : 0u) | (c.has_bonded_torque ? layout::feature_bonded_torque : 0u) |
+      (has_spins(c) ? layout::feature_spin : 0u) | (c.slip_softening ? layout::feature_slip_softening : 0u) |
+      (c.compliance ? layout::feature_compliance : 0u);
   std::vector<std::byte> bytes = sections.assemble(features);
   detail::check_bytes(bytes);
   return bytes;

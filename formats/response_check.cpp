@@ -88,10 +88,10 @@ void check_content(const ResponseFileContent& c) {
   if (c.compliance) {
     const ResponseCompliance& shared = *c.compliance;
     require(shared.shear.size() == c.sites.size() && shared.values.size() == 3 * shared.modes * c.sites.size(),
-            "compliance", "has " + std::to_string(shared.shear.size()) + " sites and " +
-                              std::to_string(shared.values.size()) + " values, expected " +
-                              std::to_string(c.sites.size()) + " and " +
-                              std::to_string(3 * shared.modes * c.sites.size()));
+            "compliance",
+            "has " + std::to_string(shared.shear.size()) + " sites and " + std::to_string(shared.values.size()) +
+                " values, expected " + std::to_string(c.sites.size()) + " and " +
+                std::to_string(3 * shared.modes * c.sites.size()));
   }
   check_tools(c);
   check_responses(c);

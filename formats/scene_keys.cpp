@@ -18,9 +18,9 @@ constexpr std::size_t kLongestToolName = sizeof(layout::ToolRecord::name) - 1;
 }  // namespace
 
 const std::vector<std::string>& section_names() {
-  static const std::vector<std::string> names{"body",      "material", "region",   "cavity",   "support",
-                                              "prestress", "tool",     "contact",  "sampling", "response",
-                                              "solver",    "compliance", "sources",  "measured", "analytic"};
+  static const std::vector<std::string> names{"body",      "material",   "region",  "cavity",   "support",
+                                              "prestress", "tool",       "contact", "sampling", "response",
+                                              "solver",    "compliance", "sources", "measured", "analytic"};
   return names;
 }
 

@@ -84,8 +84,8 @@ Job array_job(const pipeline::Pipeline& p, const SubmitArguments& options, const
   return job;
 }
 
-/// The last job: it runs whatever became of the shards, and says what is missing. With automatic sampling it submits the
-/// next round, until none follows.
+/// The last job: it runs whatever became of the shards, and says what is missing. With automatic sampling it submits
+/// the next round, until none follows.
 Job merge_job(const pipeline::Pipeline& p, const SubmitArguments& options, const std::string& array) {
   Job job;
   job.options = {"--job-name=palpate-merge", "--open-mode=append", log_file(p, "merge.log")};

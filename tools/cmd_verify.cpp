@@ -377,9 +377,12 @@ void add_verify(CLI::App& app, Globals& globals) {
               "As many tools at once at a few contacts of a baked scene, or on a block: the runtime's forces, by the "
               "file's compliance, beside solved ones")
       .check(whole_in(2, 2));
-  command.option("--layout", options->layout, "Of --together, how the tools lie").check(one_of({"line"})).shows_default();
+  command.option("--layout", options->layout, "Of --together, how the tools lie")
+      .check(one_of({"line"}))
+      .shows_default();
   command
-      .option("--max-p95-together", options->max_together, "Largest 95th percentile of the error of --together on a scene")
+      .option("--max-p95-together", options->max_together,
+              "Largest 95th percentile of the error of --together on a scene")
       .check(number_in(0, 1000))
       .shows_default();
   command

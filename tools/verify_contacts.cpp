@@ -84,8 +84,8 @@ std::string row(const BenchContact& contact, const CheckedSlide& slide, std::siz
   const SlideResult& r = slide.result;
   if (!r.usable) return printed("| %zu | %.3g |", k, 1e3 * contact.depth) + " refused: " + r.cause + " |\n";
   return printed("| %zu | %.3g | %.3g | %.4f | %.2f %% | %.4f | %.4f | %.3f | %.2f %% | %u | %.1f |\n", k,
-              1e3 * contact.depth, 1e3 * r.contact_radius, r.ratio, 100 * r.spread, r.foretold, r.local_ratio,
-              r.gross_at / r.contact_radius, 100 * r.imbalance, r.nodes, slide.seconds);
+                 1e3 * contact.depth, 1e3 * r.contact_radius, r.ratio, 100 * r.spread, r.foretold, r.local_ratio,
+                 r.gross_at / r.contact_radius, 100 * r.imbalance, r.nodes, slide.seconds);
 }
 
 // Up to twice the way to full slip.
@@ -94,7 +94,7 @@ std::string transition(const SlideResult& r, double friction) {
   for (const SlideStep& s : r.steps) {
     if (s.travelled > 2 * r.gross_at) break;
     text += printed("| %.4f | %.3f | %.2f |\n", s.travelled / r.contact_radius, s.force.x() / s.force.z() / friction,
-                 s.slipping);
+                    s.slipping);
   }
   return text;
 }
@@ -172,8 +172,8 @@ void run_two_tips(const ContactsCommand& command, const Globals& globals) {
                                 {"seconds", tips.seconds}});
     usable += r.usable;
     text += r.usable ? printed("| %zu | %.3g | %.4g | %.4g | %.1f %% | %u | %.1f |\n", tips.contact, tips.spacing,
-                            0.5 * (r.alone[0] + r.alone[1]).z(), 0.5 * (r.together[0] + r.together[1]).z(),
-                            100 * r.difference, r.nodes, tips.seconds)
+                               0.5 * (r.alone[0] + r.alone[1]).z(), 0.5 * (r.together[0] + r.together[1]).z(),
+                               100 * r.difference, r.nodes, tips.seconds)
                      : printed("| %zu | %.3g |", tips.contact, tips.spacing) + " refused: " + r.cause + " |\n";
   }
   publish(command, globals, json, text);

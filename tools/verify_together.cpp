@@ -28,10 +28,11 @@ namespace {
 using Eigen::Vector3d;
 using Json = nlohmann::ordered_json;
 
-constexpr double kBlockHalf = 0.02, kBlockRadius = 0.01, kBlockDepth = 1e-4;  // m, of the block: 40 contact radii wide, 20 deep
-constexpr double kBlockSpacing = 5e-3;                         // m, between sites of the block
-constexpr double kBlockTolerance = 1e-3;                        // of the fit to the solved push
-constexpr int kPressTicks = 400;                                    // of a press
+constexpr double kBlockHalf = 0.02, kBlockRadius = 0.01,
+                 kBlockDepth = 1e-4;      // m, of the block: 40 contact radii wide, 20 deep
+constexpr double kBlockSpacing = 5e-3;    // m, between sites of the block
+constexpr double kBlockTolerance = 1e-3;  // of the fit to the solved push
+constexpr int kPressTicks = 400;          // of a press
 
 /// The largest error on the block at a spacing (contact radii).
 double allowed_on_block(double spacing) { return spacing < 1.25 ? 0.06 : spacing < 1.75 ? 0.02 : 0.01; }
@@ -86,7 +87,7 @@ struct RuntimeForces {
 };
 
 RuntimeForces press_together(const runtime::View& view, const ContactCase& c, const BenchContact& contact,
-                    const TwoTipsResult& solved) {
+                             const TwoTipsResult& solved) {
   const Eigen::Isometry3d first = touching_pose(c.tool.vertices.at(0), contact.frame);
   runtime::ToolSet<2> tools(view, {0, 0});
   std::array<runtime::Contact, 2> single{runtime::Contact(view, 0), runtime::Contact(view, 0)};
@@ -114,8 +115,8 @@ RuntimeForces press_together(const runtime::View& view, const ContactCase& c, co
 
 void run_together(const TogetherCommand& command, const Globals& globals) {
   if (command.count != 2 || command.layout != "line") {
-    throw Error(ExitCode::usage, "--together: " + std::to_string(command.count) + " tools in layout '" + command.layout +
-                                     "'; allowed 2 in layout 'line'");
+    throw Error(ExitCode::usage, "--together: " + std::to_string(command.count) + " tools in layout '" +
+                                     command.layout + "'; allowed 2 in layout 'line'");
   }
   if (!command.report.empty()) check_writable(command.report);
   const bool block = command.scene.empty();
@@ -128,7 +129,8 @@ void run_together(const TogetherCommand& command, const Globals& globals) {
     if (file.empty()) file = std::filesystem::path(command.scene).replace_extension(".palp");
     input.emplace(file.string());
     if (!input->view().has(layout::feature_compliance)) {
-      throw Error(ExitCode::bad_input, file.string() + ": has no compliance; add [compliance] to the scene and fit again");
+      throw Error(ExitCode::bad_input,
+                  file.string() + ": has no compliance; add [compliance] to the scene and fit again");
     }
   }
   ContactCheckOptions options;
@@ -186,11 +188,11 @@ void run_together(const TogetherCommand& command, const Globals& globals) {
     errors.push_back(off);
     if (block && off > allowed_on_block(tips.spacing) && beyond.empty()) {
       beyond = printed("at %.3g contact radii the force is off by %.2f %%, allowed %.3g %%", tips.spacing, 100 * off,
-                    100 * allowed_on_block(tips.spacing));
+                       100 * allowed_on_block(tips.spacing));
     }
-    text += printed("| %zu | %.3g | %.4g | %.1f %% | %.2f %% | %.2f %% | %.2f %% | %.2f |\n", tips.contact, tips.spacing,
-                 0.5 * (r.together[0] + r.together[1]).z(), 100 * sum, 100 * off, 100 * normal, 100 * alone,
-                 forces.share);
+    text += printed("| %zu | %.3g | %.4g | %.1f %% | %.2f %% | %.2f %% | %.2f %% | %.2f |\n", tips.contact,
+                    tips.spacing, 0.5 * (r.together[0] + r.together[1]).z(), 100 * sum, 100 * off, 100 * normal,
+                    100 * alone, forces.share);
     json["contacts"].push_back({{"contact", tips.contact},
                                 {"spacing_radii", tips.spacing},
                                 {"usable", true},
@@ -210,8 +212,8 @@ void run_together(const TogetherCommand& command, const Globals& globals) {
   globals.json ? print_json(json) : print(text);
   if (!beyond.empty()) throw Error(ExitCode::tolerance, "--together: " + beyond);
   if (!block && p95 > command.max_p95) {
-    throw Error(ExitCode::tolerance, printed("--together: the 95th percentile is off by %.2f %%, allowed %.3g %%", 100 * p95,
-                                          100 * command.max_p95));
+    throw Error(ExitCode::tolerance, printed("--together: the 95th percentile is off by %.2f %%, allowed %.3g %%",
+                                             100 * p95, 100 * command.max_p95));
   }
 }
 

@@ -26,15 +26,15 @@ constexpr std::size_t kLeftOut = 21;       // sites: 63 columns
 constexpr std::size_t kAtOnce = 8;         // sites: 24 right-hand sides of one solve
 constexpr std::size_t kMoreColumns = 48;   // sites that join where the tolerance is not met
 constexpr double kMinSiteShare = 0.5;      // of the site spacing: an element's edge
-/// Rounding of the half-space over the smallest tool's contact radius: the force of two contacts one radius apart changes by
-/// 0.5 % of it.
+/// Rounding of the half-space over the smallest tool's contact radius: the force of two contacts one radius apart
+/// changes by 0.5 % of it.
 constexpr double kRounding = 0.25;
 /// Mean square of the distance to the centre under Hertz's traction, over the square of the radius.
 constexpr double kHertzSpread = 0.4;
 constexpr int kRing = 8;  // points of a ring that stands for the discs of load and reading
 
-/// Half-space between two sites as their discs of radius `disc` feel it: the mean over a ring whose square radius is the
-/// sum of both discs' mean squares, which is the mean over both discs to the second order of radius over distance.
+/// Half-space between two sites as their discs of radius `disc` feel it: the mean over a ring whose square radius is
+/// the sum of both discs' mean squares, which is the mean over both discs to the second order of radius over distance.
 Matrix3d half_space_between(const LoadSite& from, const LoadSite& to, double shear, double poisson, double rounding,
                             double disc) {
   const auto point = [&](const Vector3d& p, const Vector3d& n) {
@@ -105,11 +105,15 @@ double median_edge(const ComplianceSites& sites) {
 class Rest {
 public:
   Rest(const LinearBody& linear, const ComplianceSites& sites, double shear, double poisson, double rounding)
-      : linear_(linear), sites_(sites), neighbours_(neighbours_of(sites)), shear_(shear), poisson_(poisson),
+      : linear_(linear),
+        sites_(sites),
+        neighbours_(neighbours_of(sites)),
+        shear_(shear),
+        poisson_(poisson),
         rounding_(rounding) {}
 
-  /// Solves and appends the columns of sites. A site's own block is the mean of its neighbours': that is smooth, and not used of
-  /// one contact.
+  /// Solves and appends the columns of sites. A site's own block is the mean of its neighbours': that is smooth, and
+  /// not used of one contact.
   void add(const std::vector<std::size_t>& sites) {
     const MatrixXd columns = linear_.columns(sites);
     for (std::size_t k = 0; k < sites.size(); ++k) add(sites[k], columns.middleCols<3>(static_cast<Index>(3 * k)));
@@ -155,8 +159,8 @@ private:
       if (s == site) continue;
       const auto row = static_cast<Index>(3 * s);
       rest.block<3, 3>(row, 0) =
-          column.block<3, 3>(row, 0) - half_space_between(sites_.places[site], sites_.places[s], shear_, poisson_,
-                                                          rounding_, linear_.load_radius());
+          column.block<3, 3>(row, 0) -
+          half_space_between(sites_.places[site], sites_.places[s], shear_, poisson_, rounding_, linear_.load_radius());
     }
     Matrix3d own = Matrix3d::Zero();
     for (const std::size_t n : neighbours_[site]) own += rest.block<3, 3>(static_cast<Index>(3 * n), 0);

@@ -79,7 +79,8 @@ void LinearBody::Impl::spread(const TetMesh& mesh, const VectorXd& x, const std:
     double total = 0;
     for (std::size_t f = 0; f < faces.size(); ++f) {
       const Face& face = faces[f];
-      if ((face.middle - sites[s].point).norm() > radius + face.reach || face.normal.dot(sites[s].normal) <= 0) continue;
+      if ((face.middle - sites[s].point).norm() > radius + face.reach || face.normal.dot(sites[s].normal) <= 0)
+        continue;
       for (int i = 0; i < kCells; ++i) {
         for (int j = 0; j < 2 * (kCells - i) - 1; ++j) {
           // The middles of the small triangles that a face is cut into.
@@ -119,8 +120,7 @@ LinearBody::LinearBody(const Body& body, const std::vector<LoadSite>& sites, con
   VectorXd x = energy.rest();
   if (body.prestress.any()) {
     Minimiser minimiser(mesh, energy.fixed());
-    const Settled settled =
-        settle(energy, minimiser, x, kEnergyTolerance * start.material.young * std::pow(edge, 3));
+    const Settled settled = settle(energy, minimiser, x, kEnergyTolerance * start.material.young * std::pow(edge, 3));
     if (!settled.reached) fail(settled.cause);
   }
   impl_ = std::make_unique<Impl>(mesh, energy.fixed());

@@ -19,14 +19,14 @@ struct LoadSite {
 };
 
 struct LinearBodyOptions {
-  double edge = 0.0;           ///< m, > 0: of the elements at the surface
-  double contact_radius = 0.0; ///< m, > 0: of the loads; at least kLoadEdges edges are taken
-  PairOptions solver;          ///< mesh options and materials
+  double edge = 0.0;            ///< m, > 0: of the elements at the surface
+  double contact_radius = 0.0;  ///< m, > 0: of the loads; at least kLoadEdges edges are taken
+  PairOptions solver;           ///< mesh options and materials
 };
 
-/// The second derivative of the body's energy at the equilibrium under its prestress, and its factor. Loads and readings
-/// use one operator P: the traction of Hertz, sqrt(1 - r^2 / radius^2), over the surface within `radius` of a site. So
-/// the compliance P^T H^-1 P is symmetric and positive semi-definite.
+/// The second derivative of the body's energy at the equilibrium under its prestress, and its factor. Loads and
+/// readings use one operator P: the traction of Hertz, sqrt(1 - r^2 / radius^2), over the surface within `radius` of a
+/// site. So the compliance P^T H^-1 P is symmetric and positive semi-definite.
 class LinearBody {
 public:
   static constexpr double kLoadEdges = 1.5;

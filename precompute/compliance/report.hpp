@@ -14,12 +14,12 @@ struct ComplianceError {
 };
 
 struct ComplianceReport {
-  std::size_t nodes = 0;         ///< of the mesh
-  std::size_t columns = 0;       ///< sites whose columns were solved, those left out among them
-  std::size_t left_out = 0;      ///< of these, sites that the modes were not made from
-  double load_radius = 0.0;      ///< m
-  double self = 0.0;             ///< m/N, median compliance of a site itself under its own load
-  bool reached = false;          ///< the tolerance is met
+  std::size_t nodes = 0;     ///< of the mesh
+  std::size_t columns = 0;   ///< sites whose columns were solved, those left out among them
+  std::size_t left_out = 0;  ///< of these, sites that the modes were not made from
+  double load_radius = 0.0;  ///< m
+  double self = 0.0;         ///< m/N, median compliance of a site itself under its own load
+  bool reached = false;      ///< the tolerance is met
   ComplianceError chosen;
   std::vector<ComplianceError> errors;  ///< on the columns left out, from 0 modes to 128
 };

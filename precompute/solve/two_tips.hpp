@@ -25,8 +25,8 @@ struct TwoTipsResult {
   bool usable = false;
   std::string cause;                               ///< why not
   std::array<Eigen::Vector3d, 2> alone, together;  ///< N on each tip, in the contact frame (x, y, n)
-  Eigen::Vector3d beside{0, 0, 0};  ///< m, from the place of the first tip to that of the second
-  std::vector<std::array<double, 2>> pushed;  ///< m and N along n: depths and forces of the first tip alone
+  Eigen::Vector3d beside{0, 0, 0};                 ///< m, from the place of the first tip to that of the second
+  std::vector<std::array<double, 2>> pushed;       ///< m and N along n: depths and forces of the first tip alone
   double difference = 0.0;  ///< of the sums, over that of the tips alone: what adding is wrong by
   std::uint32_t nodes = 0;
 };

@@ -49,7 +49,8 @@ Matrix3d evaluate(const ResponseCompliance& c, const ComplianceSites& sites, std
   half_space::compliance(point(from), point(to), c.poisson, c.rounding, closed);
   Matrix3d sum = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(closed);
   for (std::uint32_t m = 0; m < c.modes; ++m) {
-    const Eigen::Map<const Vector3d> u(c.values.data() + 3 * (c.modes * to + m)), v(c.values.data() + 3 * (c.modes * from + m));
+    const Eigen::Map<const Vector3d> u(c.values.data() + 3 * (c.modes * to + m)),
+        v(c.values.data() + 3 * (c.modes * from + m));
     sum += (m < c.modes - c.negative ? 1 : -1) * u * v.transpose();
   }
   return sum;
@@ -67,8 +68,8 @@ TEST(LinearBody, ComplianceIsSymmetricAndThatOfAHalfSpaceNearby) {
   const Matrix3d ba = at_a.block<3, 3>(3 * Eigen::Index(b), 0), ab = at_b.block<3, 3>(3 * Eigen::Index(a), 0);
   EXPECT_LT((ba - ab.transpose()).norm(), 1e-9 * ba.norm());
 
-  // The block's bottom and sides add what is smooth. The terms between the normal and the way across it change sign with
-  // the direction of the force, as in a half-space.
+  // The block's bottom and sides add what is smooth. The terms between the normal and the way across it change sign
+  // with the direction of the force, as in a half-space.
   const auto half = [&](std::size_t to) {
     double closed[9];
     const auto point = [&](std::size_t s) {

@@ -73,11 +73,14 @@ inline void try_ticks(const runtime::View& view) {
 inline void try_together(const runtime::View& view) {
   if (!view.has(layout::feature_compliance)) return;
   runtime::ToolSet<2> tools(view, {0, view.meta->tool_count - 1});
-  const runtime::Vec3 c = position(view, {0, {0.4, 0.3, 0.3}}), d = position(view, {view.meta->triangle_count - 1, {0.2, 0.3, 0.5}});
+  const runtime::Vec3 c = position(view, {0, {0.4, 0.3, 0.3}}),
+                      d = position(view, {view.meta->triangle_count - 1, {0.2, 0.3, 0.5}});
   const double z = view.meta->depth_scale;
   for (int i = 0; i < 24; ++i) {
     const runtime::Vec3 way{0.1 * i * z, 0, (4 - 0.5 * (i < 16 ? i : 32 - i)) * z};
-    for (const runtime::Tick& tick : tools.tick({runtime::Pose{{1, 0, 0, 0, 1, 0, 0, 0, 1}, c + way}, runtime::Pose{{1, 0, 0, 0, 1, 0, 0, 0, 1}, (i % 2 == 0 ? c : d) + way}})) {
+    for (const runtime::Tick& tick :
+         tools.tick({runtime::Pose{{1, 0, 0, 0, 1, 0, 0, 0, 1}, c + way},
+                     runtime::Pose{{1, 0, 0, 0, 1, 0, 0, 0, 1}, (i % 2 == 0 ? c : d) + way}})) {
       expect(finite(tick.force) && finite(tick.torque), "ticks of tools beside each other are numbers");
     }
   }

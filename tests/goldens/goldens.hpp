@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "palpate/format/open.hpp"
 #include "palpate/contact/bonded_contact.hpp"
+#include "palpate/format/open.hpp"
 #include "palpate/response/interpolation.hpp"
 #include "palpate/shared/compliance.hpp"
 
@@ -23,11 +23,11 @@ namespace palpate::test {
 ///     compliance triangle b0 b1 b2 triangle b0 b1 b2 = C
 ///
 /// force: the contact (triangle and barycentric weights on the body; tool, tool patch and weights on the tool), the
-/// deflection p - c (m), the force on the tool (N) while it sticks, and mu F (N, inf in a frictionless file). A tool with
-/// spins has its first. spun: the same with the rotation of the tool (tool frame to body frame). distance: a point (m)
-/// and its distance from the contact surface (m), negative inside. bonded: the force on a tool that is bonded. torque:
-/// the same for a tool that was rotated by a rotation vector (rad), and its torque about p (N m). compliance: the
-/// displacement of the second point by unit forces at the first (m/N, row by row).
+/// deflection p - c (m), the force on the tool (N) while it sticks, and mu F (N, inf in a frictionless file). A tool
+/// with spins has its first. spun: the same with the rotation of the tool (tool frame to body frame). distance: a point
+/// (m) and its distance from the contact surface (m), negative inside. bonded: the force on a tool that is bonded.
+/// torque: the same for a tool that was rotated by a rotation vector (rad), and its torque about p (N m). compliance:
+/// the displacement of the second point by unit forces at the first (m/N, row by row).
 struct GoldenLine {
   std::string word;
   std::vector<double> asked, answered;

@@ -106,9 +106,9 @@ TEST(ResponseFile, FrictionlessOneTipFlatFileHasNoSectionItDoesNotUse) {
   const runtime::OpenResult opened = View::open(bytes.data(), bytes.size());
   ASSERT_TRUE(opened) << opened.error;
   EXPECT_EQ(opened.view.features, 0U);
-  for (const Section absent : {Section::tool_vertices, Section::tool_patches, Section::spins, Section::search,
-                               Section::bonded, Section::bonded_torque, Section::compliance,
-                               Section::compliance_sites}) {
+  for (const Section absent :
+       {Section::tool_vertices, Section::tool_patches, Section::spins, Section::search, Section::bonded,
+        Section::bonded_torque, Section::compliance, Section::compliance_sites}) {
     EXPECT_EQ(opened.view.section_bytes(absent), 0U);
   }
   EXPECT_EQ(opened.view.header().section_count, 7U);

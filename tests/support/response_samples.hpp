@@ -220,7 +220,8 @@ inline void add_bonded_torque(ResponseFileContent& content, const ResponseSample
 }
 
 /// Adds tools, responses and the search tree to sites, patches and contact surface.
-/// A half-space as stiff as the responses' tip feels, and modes that vary smoothly over the body; a quarter are negative.
+/// A half-space as stiff as the responses' tip feels, and modes that vary smoothly over the body; a quarter are
+/// negative.
 inline void add_compliance(ResponseFileContent& content, int modes) {
   ResponseCompliance c;
   c.modes = static_cast<std::uint32_t>(modes);

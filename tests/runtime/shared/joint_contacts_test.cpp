@@ -60,7 +60,8 @@ TEST(Compliance, IsTheTransposeTheOtherWayRound) {
   for (int k = 0; k < 50; ++k) {
     const auto point = [&] {
       const double a = draw(random), b = (1 - a) * draw(random);
-      return runtime::BodyPoint{static_cast<std::uint32_t>(random() % file.view.meta->triangle_count), {a, b, 1 - a - b}};
+      return runtime::BodyPoint{static_cast<std::uint32_t>(random() % file.view.meta->triangle_count),
+                                {a, b, 1 - a - b}};
     };
     const runtime::BodyPoint a = point(), b = point();
     const Matrix3 there = compliance.between(a, b), back = runtime::transposed(compliance.between(b, a));
@@ -91,8 +92,8 @@ TEST(JointContacts, TwoLooksSufficeNearlyAlways) {
   for (double t = 0; t < 6; t += 1e-3) {
     std::array<Pose, 5> poses;
     for (int k = 0; k < 5; ++k) {
-      poses[static_cast<std::size_t>(k)] =
-          upright(centre(0.0015 + 0.001 * std::sin(3 * t + k), 0.006 * (k - 2) + 0.001 * std::sin(t), 0.002 * std::cos(2 * t + k)));
+      poses[static_cast<std::size_t>(k)] = upright(centre(
+          0.0015 + 0.001 * std::sin(3 * t + k), 0.006 * (k - 2) + 0.001 * std::sin(t), 0.002 * std::cos(2 * t + k)));
     }
     tools.tick(poses);
     looks += tools.joint()->looks(), ++ticks;

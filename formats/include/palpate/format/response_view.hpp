@@ -108,7 +108,8 @@ struct View {
 
   /// Requires feature_compliance.
   [[nodiscard]] const layout::ComplianceSite& compliance_site(std::uint32_t site) const {
-    return *reinterpret_cast<const layout::ComplianceSite*>(compliance_sites + std::size_t{site} * layout::compliance_site_size(compliance->modes));
+    return *reinterpret_cast<const layout::ComplianceSite*>(
+        compliance_sites + std::size_t{site} * layout::compliance_site_size(compliance->modes));
   }
   /// x, y, z of each mode, in units of compliance_site(site).unit.
   [[nodiscard]] const std::int16_t* compliance_modes(std::uint32_t site) const {

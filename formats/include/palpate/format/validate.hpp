@@ -138,7 +138,8 @@ inline bool check_compliance(const View& v, Fault& fault) {
   if (v.compliance == nullptr) return true;
   const layout::ComplianceHead& head = *v.compliance;
   if (head.negative > head.modes) return fault.fail("COMPLIANCE: % of % modes are negative", head.negative, head.modes);
-  if (!(head.poisson >= 0 && head.poisson < 0.5)) return fault.fail("COMPLIANCE: poisson must be at least 0 and below 0.5");
+  if (!(head.poisson >= 0 && head.poisson < 0.5))
+    return fault.fail("COMPLIANCE: poisson must be at least 0 and below 0.5");
   if (!(head.rounding >= 1e-9 && head.rounding < 1e3)) {
     return fault.fail("COMPLIANCE: rounding must be at least 1e-9 and below 1000 m");
   }

@@ -14,8 +14,8 @@
 namespace palpate::runtime {
 
 /// Count tools, each with a contact of its own. In a file with compliance each tool feels the dents of the others
-/// (JointContacts). Without, the forces are those of each tool alone; superposition() bounds the error of adding them where
-/// the tools are near each other. kFeatures as for BasicContact.
+/// (JointContacts). Without, the forces are those of each tool alone; superposition() bounds the error of adding them
+/// where the tools are near each other. kFeatures as for BasicContact.
 template <int Count, std::uint32_t kFeatures = layout::feature_all>
 class ToolSet {
   static constexpr std::size_t kCount = static_cast<std::size_t>(Count);

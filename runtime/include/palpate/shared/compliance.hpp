@@ -17,7 +17,9 @@ struct Matrix3 {
 };
 
 inline Matrix3 transposed(const Matrix3& m) {
-  return {{{m.row[0].x, m.row[1].x, m.row[2].x}, {m.row[0].y, m.row[1].y, m.row[2].y}, {m.row[0].z, m.row[1].z, m.row[2].z}}};
+  return {{{m.row[0].x, m.row[1].x, m.row[2].x},
+           {m.row[0].y, m.row[1].y, m.row[2].y},
+           {m.row[0].z, m.row[1].z, m.row[2].z}}};
 }
 
 /// A point of the surface with its part of the compliance, blended from its three sites once a move.

@@ -42,12 +42,13 @@ struct JointConstants {
 /// look ticks all contacts from one state. C rests within a tick.
 ///
 /// Energy. With the trapezoid the work of the hands is what the contacts take and the change of (1/2) f . C f, and
-/// (1/2) f . dC f where a contact slides. The last is negative where two contacts part. An account holds what it was when they
-/// came nearer, and the work against the drag of the dents
+/// (1/2) f . dC f where a contact slides. The last is negative where two contacts part. An account holds what it was
+/// when they came nearer, and the work against the drag of the dents
 ///
 ///     g_k = d/dc_k sum over j of f_k . C(c_k, c_j) f_j
 ///
-/// on a frictionless tool, or in a file with friction the work of the slip. C changes by the share that the account covers.
+/// on a frictionless tool, or in a file with friction the work of the slip. C changes by the share that the account
+/// covers.
 template <int Count, std::uint32_t kFeatures>
 class JointContacts {
   static constexpr std::size_t kCount = static_cast<std::size_t>(Count);
@@ -61,8 +62,8 @@ public:
 
   void reset() { *this = JointContacts(*view_); }
 
-  /// One tick of all contacts. `tick_at(k, pose)`: the tick of contact k at a pose; `frame_of(at)`: the body's frame near a
-  /// point of its surface, as a Pose.
+  /// One tick of all contacts. `tick_at(k, pose)`: the tick of contact k at a pose; `frame_of(at)`: the body's frame
+  /// near a point of its surface, as a Pose.
   template <class TickAt, class FrameOf>
   std::array<Tick, kCount> tick(Contacts& contacts, const std::array<Pose, kCount>& tools, const TickAt& tick_at,
                                 const FrameOf& frame_of) {
@@ -99,9 +100,9 @@ public:
     return ticks;
   }
 
-  [[nodiscard]] int looks() const { return looks_; }            ///< ticks of each contact in the last tick
-  [[nodiscard]] bool balanced() const { return balanced_; }     ///< the last tick found its balance
-  [[nodiscard]] double share() const { return share_; }         ///< of C that was used, 1 where it was definite
+  [[nodiscard]] int looks() const { return looks_; }         ///< ticks of each contact in the last tick
+  [[nodiscard]] bool balanced() const { return balanced_; }  ///< the last tick found its balance
+  [[nodiscard]] double share() const { return share_; }      ///< of C that was used, 1 where it was definite
   [[nodiscard]] const Vec3& shift(int k) const { return shift_[static_cast<std::size_t>(k)]; }  ///< m, body frame
   /// J that sliding contacts have put into the dents and not got back.
   [[nodiscard]] double account() const { return account_; }
@@ -191,7 +192,7 @@ private:
 
   /// C at the places of now, as far as the account covers the change.
   void update() {
-    std::array<Matrix3, kCount * kCount> now = used_;
+    std::array<Matrix3, kCount* kCount> now = used_;
     double change = 0;
     for (std::size_t k = 0; k < kCount; ++k) {
       for (std::size_t j = 0; j < k; ++j) {
@@ -385,8 +386,8 @@ private:
   std::array<Vec3, kCount> shift_{};   ///< m, s
   std::array<Vec3, kCount> looked_{};  ///< m, s of the last look
   std::array<double, kCount> grip_{};  ///< share of the tangential stiffness, learnt
-  std::array<Vec3, kCount> force_{};  ///< N, without drag
-  std::array<Vec3, kCount> drag_{};   ///< N
+  std::array<Vec3, kCount> force_{};   ///< N, without drag
+  std::array<Vec3, kCount> drag_{};    ///< N
   std::array<Slope, kCount> slope_;
   std::array<Pose, kCount> last_;
   double share_ = 1, account_ = 0;
