@@ -2,12 +2,7 @@
 # The property test over the shapes of organs: synthetic ones, and the female liver where PALPATE_ORGANS names the
 # folder with its file. Their responses are Hertz's everywhere, for the shape counts here: nothing is solved.
 cmake_minimum_required(VERSION 3.25)
-file(REMOVE_RECURSE ${FOLDER})
-file(MAKE_DIRECTORY ${FOLDER})
-set(PALPATE_ORGANS "$ENV{PALPATE_ORGANS}")
-set(hertz "\n[sources]\nrest = \"covered\"\n[[analytic]]\nlaw = \"hertz\"\nyoung = 5000\npoisson = 0.49\n")
-
-include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
+include(${CMAKE_CURRENT_LIST_DIR}/shapes.cmake)
 
 foreach(organ IN ITEMS liver kidney bladder)
   run(synth ${organ} --out ${organ})

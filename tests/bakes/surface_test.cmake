@@ -3,12 +3,7 @@
 # organs, coarse and wrapped ones, and organs where PALPATE_ORGANS names the folder with their files. Their responses are
 # Hertz's everywhere, for the shape counts here: nothing is solved.
 cmake_minimum_required(VERSION 3.25)
-file(REMOVE_RECURSE ${FOLDER})
-file(MAKE_DIRECTORY ${FOLDER})
-set(PALPATE_ORGANS "$ENV{PALPATE_ORGANS}")
-set(hertz "\n[sources]\nrest = \"covered\"\n[[analytic]]\nlaw = \"hertz\"\nyoung = 5000\npoisson = 0.49\n")
-
-include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
+include(${CMAKE_CURRENT_LIST_DIR}/shapes.cmake)
 
 # build(NAME SCENE): fits the scene of that file and notes how far its contact surface lies from the body's.
 function(build name scene)
