@@ -107,22 +107,51 @@ inline bool check_meta(const layout::Meta& m, Fault& fault) {
   return true;
 }
 
+/// The feature bits that the header's and META's numbers imply.
+inline std::uint32_t implied_features(const View& v) {
+  const layout::Meta& m = *v.meta;
+  const struct {
+    bool present;
+    layout::Feature feature;
+  } parts[] = {{m.bias_degree > 0, layout::feature_tangential_bias},
+               {layout::has_friction(m), layout::feature_friction},
+               {m.tool_patch_count > 0, layout::feature_tool_patches},
+               {m.search_nodes > 0, layout::feature_search},
+               {m.bonded_coefs > 0, layout::feature_bonded},
+               {v.has(layout::feature_bonded_torque), layout::feature_bonded_torque},
+               {v.has(layout::feature_spin), layout::feature_spin},
+               {m.softening_count > 0, layout::feature_slip_softening},
+               {v.has(layout::feature_compliance), layout::feature_compliance}};
+  std::uint32_t features = 0;
+  for (const auto& part : parts) {
+    if (part.present) features |= part.feature;
+  }
+  return features;
+}
+
+/// Checks what one section needs of another. Writes the number of modes of COMPLIANCE, 0 without it: the size of an
+/// element of COMPLIANCE_SITES follows from it.
+inline bool check_companions(const View& v, const layout::SectionEntry* compliance, std::uint32_t& modes, Fault& fault) {
+  if (v.has(layout::feature_spin) && !v.has(layout::feature_tool_patches)) {
+    return fault.fail("section SPINS without TOOL_VERTICES");
+  }
+  if (v.has(layout::feature_bonded_torque) && v.meta->bonded_coefs == 0) {
+    return fault.fail("section BONDED_TORQUE without BONDED");
+  }
+  if (compliance == nullptr || compliance->size != sizeof(layout::ComplianceHead)) return true;  // refused by its size
+  modes = reinterpret_cast<const layout::ComplianceHead*>(v.bytes + compliance->offset)->modes;
+  return (modes <= layout::kMaxModes && modes % layout::kModeStep == 0) ||
+         fault.fail("COMPLIANCE: % modes, allowed a multiple of 8 up to 128", modes);
+}
+
 /// Checks that exactly the sections that META implies are present, each of the implied size, and binds them.
 inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[layout::kSectionIds], Fault& fault) {
   const layout::Meta& m = *v.meta;
   const bool patched = v.has(layout::feature_tool_patches), spun = v.has(layout::feature_spin);
   const bool bonded = m.bonded_coefs > 0, torque = v.has(layout::feature_bonded_torque);
-  if (spun && !patched) return fault.fail("section SPINS without TOOL_VERTICES");
-  if (torque && !bonded) return fault.fail("section BONDED_TORQUE without BONDED");
   const bool shared = v.has(layout::feature_compliance);
   std::uint32_t modes = 0;
-  if (const auto* head = entry[static_cast<std::uint32_t>(Section::compliance)];
-      head != nullptr && head->size == sizeof(layout::ComplianceHead)) {
-    modes = reinterpret_cast<const layout::ComplianceHead*>(v.bytes + head->offset)->modes;
-    if (modes > layout::kMaxModes || modes % layout::kModeStep != 0) {
-      return fault.fail("COMPLIANCE: % modes, allowed a multiple of 8 up to 128", modes);
-    }
-  }
+  if (!check_companions(v, entry[static_cast<std::uint32_t>(Section::compliance)], modes, fault)) return false;
   const struct {
     Section id;
     std::uint64_t element, count;
@@ -156,21 +185,7 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
   }
   const auto* text = entry[static_cast<std::uint32_t>(Section::provenance)];
   if (text == nullptr || text->element_size != 1) return fault.fail("section PROVENANCE is missing");
-  const struct {
-    bool present;
-    layout::Feature feature;
-  } parts[] = {{m.bias_degree > 0, layout::feature_tangential_bias},
-               {layout::has_friction(m), layout::feature_friction},
-               {m.tool_patch_count > 0, layout::feature_tool_patches},
-               {m.search_nodes > 0, layout::feature_search},
-               {bonded, layout::feature_bonded},
-               {torque, layout::feature_bonded_torque},
-               {spun, layout::feature_spin},
-               {m.softening_count > 0, layout::feature_slip_softening},
-               {shared, layout::feature_compliance}};
-  std::uint32_t features = 0;
-  for (const auto& part : parts)
-    if (part.present) features |= part.feature;
+  const std::uint32_t features = implied_features(v);
   if (features != v.features) return fault.fail("feature bits %, the sections and META imply %", Bits{v.features}, Bits{features});
   for (const Section id :
        {Section::sites, Section::surface_vertices, Section::surface_triangles, Section::tools, Section::responses}) {

@@ -82,17 +82,21 @@ enum Feature : std::uint32_t {
 /// Features that change no single contact.
 inline constexpr std::uint32_t kFeaturesBesideContacts = feature_bonded | feature_bonded_torque | feature_compliance;
 
-/// The feature in words, for messages.
+/// The feature in words, for messages. "?" stands for an unknown bit.
 inline constexpr const char* feature_name(Feature feature) {
-  return feature == feature_tangential_bias ? "tangential forces of normal indentations"
-         : feature == feature_friction      ? "friction"
-         : feature == feature_tool_patches  ? "tools of several vertices"
-         : feature == feature_search        ? "a search tree"
-         : feature == feature_bonded        ? "bonded contacts"
-         : feature == feature_bonded_torque ? "torques of bonded contacts"
-         : feature == feature_spin          ? "spins of tools"
-         : feature == feature_compliance    ? "compliance between contacts"
-                                            : "softening of contacts that slip";
+  constexpr const char* kNames[] = {"tangential forces of normal indentations",
+                                    "friction",
+                                    "tools of several vertices",
+                                    "a search tree",
+                                    "bonded contacts",
+                                    "torques of bonded contacts",
+                                    "spins of tools",
+                                    "softening of contacts that slip",
+                                    "compliance between contacts"};
+  for (std::uint32_t bit = 0; bit < sizeof kNames / sizeof *kNames; ++bit) {
+    if (feature == 1u << bit) return kNames[bit];
+  }
+  return "?";
 }
 
 enum SiteFlag : std::uint32_t {
