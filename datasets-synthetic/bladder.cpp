@@ -2,7 +2,7 @@
 // Two ellipsoids, the inner one facing inward.
 #include "datasets-synthetic/bladder.hpp"
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "precompute/geometry/solids.hpp"
 
 #include <cmath>

@@ -2,7 +2,7 @@
 // A bladder-like organ: a closed ellipsoidal shell, 70 x 64 x 80 mm outside, with a wall of 4 mm, held at its neck.
 #pragma once
 
-#include "formats/surface.hpp"
+#include "formats/surface/surface.hpp"
 
 namespace palpate::synth {
 

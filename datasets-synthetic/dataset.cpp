@@ -9,9 +9,9 @@
 #include "datasets-synthetic/random.hpp"
 #include "datasets-synthetic/scene_text.hpp"
 #include "datasets-synthetic/shapes.hpp"
-#include "formats/error.hpp"
-#include "formats/file.hpp"
-#include "formats/surface_io.hpp"
+#include "formats/io/error.hpp"
+#include "formats/io/file.hpp"
+#include "formats/surface/surface_io.hpp"
 
 #include <algorithm>
 #include <functional>
@@ -85,7 +85,7 @@ MadeOrgan make_liver(const DatasetOptions& options) {
   return organ;
 }
 
-constexpr double kKidneyYoung = 14.6e3;  // Pa, of formats/tissues.cpp at nu = 0.49
+constexpr double kKidneyYoung = 14.6e3;  // Pa, of formats/scene/tissues.cpp at nu = 0.49
 
 MadeOrgan make_kidney(const DatasetOptions& options) {
   const KidneyShape shape(options.scale);

@@ -3,7 +3,7 @@
 // pyramids in a row under its convex border.
 #pragma once
 
-#include "formats/surface.hpp"
+#include "formats/surface/surface.hpp"
 
 #include <vector>
 

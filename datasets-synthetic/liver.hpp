@@ -2,7 +2,7 @@
 // A liver-like organ: three lobes, a flat underside, a thin margin; about 160 mm wide.
 #pragma once
 
-#include "formats/surface.hpp"
+#include "formats/surface/surface.hpp"
 
 #include <array>
 #include <cstdint>

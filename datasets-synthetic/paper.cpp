@@ -2,8 +2,8 @@
 #include "datasets-synthetic/paper.hpp"
 
 #include "datasets-synthetic/shapes.hpp"
-#include "formats/file.hpp"
-#include "formats/surface_io.hpp"
+#include "formats/io/file.hpp"
+#include "formats/surface/surface_io.hpp"
 
 #include <string>
 

@@ -2,7 +2,7 @@
 // Points where a vertical line meets a surface from above: the places that the motions probe.
 #pragma once
 
-#include "formats/surface.hpp"
+#include "formats/surface/surface.hpp"
 
 #include <optional>
 #include <vector>

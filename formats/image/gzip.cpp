@@ -2,7 +2,7 @@
 // Expands gzip data without keeping them.
 #include "formats/image/gzip.hpp"
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 
 #include <zlib.h>
 

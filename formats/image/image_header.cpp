@@ -2,7 +2,7 @@
 // Text headers of NRRD (teem.sourceforge.net/nrrd/format.html) and MetaImage: fields by name, and what they must hold.
 #include "formats/image/image_header.hpp"
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 
 #include <zlib.h>
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "formats/image/image_file.hpp"
-#include "formats/scene.hpp"
+#include "formats/scene/scene.hpp"
 
 #include <filesystem>
 #include <string>

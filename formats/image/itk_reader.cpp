@@ -2,9 +2,9 @@
 // ITK's readers of NRRD and MetaImage, used without its pipeline: header, then all voxels at once.
 #include "formats/image/itk_reader.hpp"
 
-#include "formats/error.hpp"
 #include "formats/image/gzip.hpp"
 #include "formats/image/voxel_values.hpp"
+#include "formats/io/error.hpp"
 
 #include <itkMetaDataObject.h>
 #include <itkMetaImageIO.h>

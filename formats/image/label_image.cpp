@@ -2,10 +2,10 @@
 // Label images: units and segments of a file, and masks of labels with their islands and holes.
 #include "formats/image/label_image.hpp"
 
-#include "formats/error.hpp"
 #include "formats/image/image_header.hpp"
 #include "formats/image/itk_reader.hpp"
 #include "formats/image/nifti_reader.hpp"
+#include "formats/io/error.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>

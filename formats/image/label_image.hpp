@@ -2,7 +2,7 @@
 // Label images: NIfTI, NRRD (with Slicer's segments) and MetaImage, and the voxels of some of their labels.
 #pragma once
 
-#include "formats/scene.hpp"
+#include "formats/scene/scene.hpp"
 
 #include <Eigen/Core>
 #include <array>

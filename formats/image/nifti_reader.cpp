@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "formats/image/nifti_reader.hpp"
 
-#include "formats/error.hpp"
 #include "formats/image/gzip.hpp"
 #include "formats/image/voxel_values.hpp"
+#include "formats/io/error.hpp"
 
 #include <nifti1_io.h>
 

@@ -2,7 +2,7 @@
 // Numbers of voxels as labels: whole numbers of 32 bits, or an error that names the voxel.
 #pragma once
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 
 #include <algorithm>
 #include <cstdint>

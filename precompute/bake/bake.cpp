@@ -12,7 +12,7 @@
 #include <thread>
 #include <utility>
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 
 namespace palpate {
 namespace {

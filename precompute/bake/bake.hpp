@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "formats/journal.hpp"
-#include "precompute/solve/pair.hpp"
+#include "formats/journal/journal.hpp"
+#include "precompute/solve/pair/pair.hpp"
 
 namespace palpate {
 

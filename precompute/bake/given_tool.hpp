@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "precompute/tool/tool.hpp"
 
 namespace palpate {

@@ -2,7 +2,7 @@
 // The manifest: a plan as JSON, to the bit.
 #include <nlohmann/json.hpp>
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "precompute/bake/plan.hpp"
 
 namespace palpate {

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "formats/error.hpp"
-#include "formats/scene.hpp"
+#include "formats/io/error.hpp"
+#include "formats/scene/scene.hpp"
 #include "precompute/bake/reach.hpp"
-#include "precompute/body.hpp"
-#include "precompute/mesh/haptic_mesh.hpp"
-#include "precompute/solve/pair.hpp"
+#include "precompute/common/body.hpp"
+#include "precompute/sites/haptic_mesh.hpp"
+#include "precompute/solve/pair/pair.hpp"
 #include "precompute/tool/tool.hpp"
 
 namespace palpate {

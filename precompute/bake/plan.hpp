@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "formats/hash.hpp"
-#include "formats/samples.hpp"
+#include "formats/io/hash.hpp"
+#include "formats/journal/samples.hpp"
 
 namespace palpate {
 

@@ -2,7 +2,7 @@
 // Places where a tool can make first contact: clear of supports, and not in a fold narrower than itself.
 #pragma once
 
-#include "precompute/body.hpp"
+#include "precompute/common/body.hpp"
 #include "precompute/tool/tool.hpp"
 
 namespace palpate {

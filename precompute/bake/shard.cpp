@@ -6,7 +6,7 @@
 #include <charconv>
 #include <map>
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 
 namespace palpate {
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-#include "formats/journal.hpp"
+#include "formats/journal/journal.hpp"
 #include "precompute/bake/bake.hpp"
 
 namespace palpate {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "precompute/compliance/bake_compliance.hpp"
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "palpate/format/half_space.hpp"
 #include "precompute/compliance/rest_modes.hpp"
 

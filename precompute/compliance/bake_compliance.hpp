@@ -2,7 +2,7 @@
 // The compliance between the sites of a body: a half-space in closed form, and modes of the rest.
 #pragma once
 
-#include "formats/response.hpp"
+#include "formats/response/response.hpp"
 #include "precompute/compliance/linear_body.hpp"
 #include "precompute/compliance/report.hpp"
 

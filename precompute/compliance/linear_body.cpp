@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "precompute/compliance/linear_body.hpp"
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "precompute/fem/face_shape.hpp"
-#include "precompute/fem/factor.hpp"
-#include "precompute/mesh/volume_mesh.hpp"
-#include "precompute/solve/contact_size.hpp"
-#include "precompute/solve/settle.hpp"
+#include "precompute/fem/matrix/factor.hpp"
+#include "precompute/mesh/volume/volume_mesh.hpp"
+#include "precompute/solve/contact/settle.hpp"
+#include "precompute/solve/pair/contact_size.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -2,8 +2,8 @@
 // Linear elasticity of a settled body: displacements of its sites by forces at its sites, from one factor.
 #pragma once
 
-#include "precompute/body.hpp"
-#include "precompute/solve/pair.hpp"
+#include "precompute/common/body.hpp"
+#include "precompute/solve/pair/pair.hpp"
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>

@@ -2,7 +2,7 @@
 // Element-local energy, gradient and Hessian of the P2/P0 element.
 #include "precompute/fem/elastic.hpp"
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

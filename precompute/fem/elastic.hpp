@@ -2,9 +2,9 @@
 // Elastic energy of a quadratic tetrahedral mesh: ten-node tetrahedra with one mean dilatation each (P2/P0).
 #pragma once
 
-#include "precompute/fem/block_matrix.hpp"
 #include "precompute/fem/element_batch.hpp"
-#include "precompute/fem/material.hpp"
+#include "precompute/fem/materials/material.hpp"
+#include "precompute/fem/matrix/block_matrix.hpp"
 #include "precompute/mesh/tet_mesh.hpp"
 
 #include <Eigen/Core>

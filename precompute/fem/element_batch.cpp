@@ -3,7 +3,7 @@
 // nodes alone, shared by the four points.
 #include "precompute/fem/element_batch.hpp"
 
-#include "precompute/fem/registers.hpp"
+#include "precompute/fem/matrix/registers.hpp"
 
 #include <algorithm>
 #include <cstring>

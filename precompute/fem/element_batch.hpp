@@ -2,7 +2,7 @@
 // Eight quadratic tetrahedra side by side, one in each lane of wide registers.
 #pragma once
 
-#include "precompute/fem/material.hpp"
+#include "precompute/fem/materials/material.hpp"
 
 #include <Eigen/Core>
 #include <array>

@@ -2,7 +2,7 @@
 // L-BFGS on a stale CHOLMOD factor (two-loop recursion of Nocedal and Wright 2006, algorithm 7.4).
 #include "precompute/fem/minimiser.hpp"
 
-#include "precompute/fem/factor.hpp"
+#include "precompute/fem/matrix/factor.hpp"
 
 #include <cmath>
 #include <deque>

@@ -3,8 +3,8 @@
 // Newton and to a convexified Newton.
 #pragma once
 
-#include "precompute/fem/block_matrix.hpp"
 #include "precompute/fem/elastic.hpp"
+#include "precompute/fem/matrix/block_matrix.hpp"
 
 #include <Eigen/Core>
 #include <memory>

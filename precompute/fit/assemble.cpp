@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "formats/scene.hpp"
-#include "precompute/fit/grasp_fit.hpp"
+#include "formats/scene/scene.hpp"
+#include "precompute/fit/laws/grasp_fit.hpp"
 #include "precompute/tool/tool.hpp"
 
 namespace palpate {

@@ -4,10 +4,10 @@
 
 #include <vector>
 
-#include "formats/hash.hpp"
-#include "formats/response.hpp"
+#include "formats/io/hash.hpp"
+#include "formats/response/response.hpp"
 #include "precompute/fit/fit.hpp"
-#include "precompute/mesh/contact_surface.hpp"
+#include "precompute/mesh/surface/contact_surface.hpp"
 
 namespace palpate {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "precompute/fit/closed_form.hpp"
 
 namespace palpate::fit {

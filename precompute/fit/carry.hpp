@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "precompute/fit/fill.hpp"
-#include "precompute/solve/pair.hpp"
+#include "precompute/solve/pair/pair.hpp"
 
 namespace palpate::fit {
 

@@ -6,9 +6,9 @@
 #include <functional>
 #include <vector>
 
-#include "formats/samples.hpp"
-#include "formats/scene_sources.hpp"
-#include "precompute/solve/pair.hpp"
+#include "formats/journal/samples.hpp"
+#include "formats/scene/scene_sources.hpp"
+#include "precompute/solve/pair/pair.hpp"
 
 namespace palpate::fit {
 

@@ -7,7 +7,7 @@
 #include <complex>
 #include <set>
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "precompute/algebra/rotation_between.hpp"
 
 namespace palpate::fit {

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "precompute/fit/grasp_fit.hpp"
-#include "precompute/fit/pair_fit.hpp"
-#include "precompute/fit/turn_fit.hpp"
+#include "precompute/fit/laws/grasp_fit.hpp"
+#include "precompute/fit/laws/pair_fit.hpp"
+#include "precompute/fit/laws/turn_fit.hpp"
 
 namespace palpate::fit {
 

@@ -10,12 +10,12 @@
 #include <optional>
 #include <set>
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "precompute/bake/bake.hpp"
 #include "precompute/fit/carry.hpp"
 #include "precompute/fit/fill.hpp"
 #include "precompute/fit/given_pairs.hpp"
-#include "precompute/fit/potential_degrees.hpp"
+#include "precompute/fit/laws/potential_degrees.hpp"
 #include "precompute/fit/push_field.hpp"
 
 namespace palpate {

@@ -9,16 +9,16 @@
 #include <string>
 #include <vector>
 
-#include "formats/journal.hpp"
-#include "formats/response.hpp"
+#include "formats/journal/journal.hpp"
+#include "formats/response/response.hpp"
 #include "precompute/bake/plan.hpp"
 #include "precompute/bake/sampling_estimate.hpp"
 #include "precompute/compliance/report.hpp"
 #include "precompute/fit/given_pairs.hpp"
-#include "precompute/fit/pair_fit.hpp"
-#include "precompute/fit/potential_degrees.hpp"
+#include "precompute/fit/laws/pair_fit.hpp"
+#include "precompute/fit/laws/potential_degrees.hpp"
 #include "precompute/fit/refusals.hpp"
-#include "precompute/solve/pair.hpp"
+#include "precompute/solve/pair/pair.hpp"
 
 namespace palpate {
 

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "formats/error.hpp"
-#include "formats/journal.hpp"
+#include "formats/io/error.hpp"
+#include "formats/journal/journal.hpp"
 #include "precompute/bake/bake.hpp"
 #include "precompute/bake/plan.hpp"
 #include "precompute/fit/closed_form.hpp"
 #include "precompute/fit/fit.hpp"
-#include "precompute/fit/recorded_fit.hpp"
+#include "precompute/fit/laws/recorded_fit.hpp"
 
 namespace palpate {
 namespace {

@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "formats/hash.hpp"
-#include "formats/samples.hpp"
+#include "formats/io/hash.hpp"
+#include "formats/journal/samples.hpp"
 #include "precompute/fit/fill.hpp"
-#include "precompute/fit/potential_degrees.hpp"
+#include "precompute/fit/laws/potential_degrees.hpp"
 
 namespace palpate {
 

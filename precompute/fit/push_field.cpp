@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "precompute/solve/pair.hpp"
+#include "precompute/solve/pair/pair.hpp"
 
 namespace palpate::fit {
 namespace {

@@ -2,8 +2,8 @@
 // Surface to CGAL::Surface_mesh and back; for the few files that use CGAL's mesh algorithms.
 #pragma once
 
-#include "formats/error.hpp"
-#include "formats/surface.hpp"
+#include "formats/io/error.hpp"
+#include "formats/surface/surface.hpp"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Surface_mesh.h>

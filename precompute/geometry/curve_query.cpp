@@ -2,7 +2,7 @@
 // Tangents at the ends of every piece, made once, and the tree.
 #include "precompute/geometry/curve_query.hpp"
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "precompute/geometry/cgal_mesh.hpp"
 
 #include <CGAL/AABB_segment_primitive.h>

@@ -2,7 +2,7 @@
 // The direction of the nearest place on curves (CGAL AABB tree behind a narrow header). Safe to share between threads.
 #pragma once
 
-#include "formats/curve_io.hpp"
+#include "formats/surface/curve_io.hpp"
 
 #include <memory>
 

@@ -2,7 +2,7 @@
 // Pseudo-normals, and the closest point of a triangle by its Voronoi regions.
 #include "precompute/geometry/feature_normals.hpp"
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "precompute/geometry/coincident.hpp"
 #include "precompute/geometry/topology.hpp"
 

@@ -2,7 +2,7 @@
 // Normals of a triangle surface's faces, edges and vertices, for the sign of a distance.
 #pragma once
 
-#include "formats/surface.hpp"
+#include "formats/surface/surface.hpp"
 
 #include <array>
 #include <vector>

@@ -2,7 +2,7 @@
 // Whether triangle surfaces cross themselves or each other. Exact.
 #pragma once
 
-#include "formats/surface.hpp"
+#include "formats/surface/surface.hpp"
 
 #include <array>
 #include <cstddef>

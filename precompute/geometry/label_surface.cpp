@@ -3,7 +3,7 @@
 // surface is closed and manifold whatever the values.
 #include "precompute/geometry/label_surface.hpp"
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "precompute/geometry/intersections.hpp"
 #include "precompute/geometry/topology.hpp"
 

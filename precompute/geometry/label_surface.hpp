@@ -3,7 +3,7 @@
 #pragma once
 
 #include "formats/image/label_image.hpp"
-#include "formats/surface.hpp"
+#include "formats/surface/surface.hpp"
 
 #include <string>
 

@@ -2,7 +2,7 @@
 // SurfaceQuery over a CGAL AABB tree, built whole in the constructor so that queries only read.
 #include "precompute/geometry/query.hpp"
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "precompute/geometry/cgal_mesh.hpp"
 #include "precompute/geometry/feature_normals.hpp"
 

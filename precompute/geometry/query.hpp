@@ -2,7 +2,7 @@
 // Point queries on a triangle surface (CGAL AABB tree behind a narrow header). Safe to share between threads.
 #pragma once
 
-#include "formats/surface.hpp"
+#include "formats/surface/surface.hpp"
 
 #include <array>
 #include <memory>

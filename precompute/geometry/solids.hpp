@@ -2,7 +2,7 @@
 // Closed manifold surfaces of spheres, ellipsoids, boxes and turned profiles: outward triangles, one named part.
 #pragma once
 
-#include "formats/surface.hpp"
+#include "formats/surface/surface.hpp"
 
 #include <string>
 #include <vector>

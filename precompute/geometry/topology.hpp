@@ -2,7 +2,7 @@
 // Counts and measures of a triangle soup: what is open, non-manifold, doubled, flipped, and how large it is.
 #pragma once
 
-#include "formats/surface.hpp"
+#include "formats/surface/surface.hpp"
 
 #include <algorithm>
 #include <cstddef>

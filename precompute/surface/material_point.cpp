@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // From the prestressed surface back to the stress-free one: the same weights in the same triangle.
-#include "precompute/body.hpp"
+#include "precompute/common/body.hpp"
 #include "precompute/geometry/feature_normals.hpp"
 #include "precompute/geometry/topology.hpp"
 

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // prepare_body: reads, joins and cleans the scene's surfaces, places inclusions and supports.
-#include "formats/error.hpp"
-#include "formats/surface_io.hpp"
-#include "precompute/body.hpp"
+#include "formats/io/error.hpp"
+#include "formats/surface/surface_io.hpp"
+#include "precompute/common/body.hpp"
 #include "precompute/geometry/intersections.hpp"
 #include "precompute/geometry/topology.hpp"
-#include "precompute/mesh/remesh.hpp"
-#include "precompute/surface/cavities.hpp"
-#include "precompute/surface/clean.hpp"
-#include "precompute/surface/examine.hpp"
-#include "precompute/surface/report.hpp"
+#include "precompute/mesh/surface/remesh.hpp"
+#include "precompute/surface/repair/cavities.hpp"
+#include "precompute/surface/repair/clean.hpp"
+#include "precompute/surface/repair/examine.hpp"
+#include "precompute/surface/repair/report.hpp"
+#include "precompute/surface/repair/weld.hpp"
 #include "precompute/surface/sources.hpp"
 #include "precompute/surface/support_rim.hpp"
 #include "precompute/surface/supports.hpp"
-#include "precompute/surface/weld.hpp"
 
 #include <fmt/format.h>
 

@@ -2,16 +2,16 @@
 // Contents of a file: which of it is the body, what lies inside, and the text of a scene.
 #include "precompute/surface/propose.hpp"
 
-#include "formats/error.hpp"
 #include "formats/image/label_image.hpp"
-#include "formats/surface_io.hpp"
-#include "formats/tissues.hpp"
+#include "formats/io/error.hpp"
+#include "formats/scene/tissues.hpp"
+#include "formats/surface/surface_io.hpp"
 #include "precompute/geometry/intersections.hpp"
 #include "precompute/geometry/label_surface.hpp"
 #include "precompute/geometry/query.hpp"
 #include "precompute/geometry/topology.hpp"
-#include "precompute/surface/clean.hpp"
-#include "precompute/surface/weld.hpp"
+#include "precompute/surface/repair/clean.hpp"
+#include "precompute/surface/repair/weld.hpp"
 
 #include <fmt/format.h>
 

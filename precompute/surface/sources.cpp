@@ -2,11 +2,11 @@
 // Reading, turning and naming of a scene's surfaces.
 #include "precompute/surface/sources.hpp"
 
-#include "formats/error.hpp"
-#include "formats/surface_io.hpp"
+#include "formats/io/error.hpp"
+#include "formats/surface/surface_io.hpp"
 #include "precompute/geometry/label_surface.hpp"
 #include "precompute/geometry/solids.hpp"
-#include "precompute/surface/weld.hpp"
+#include "precompute/surface/repair/weld.hpp"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 // The rim of what the supports hold: elements there decide how much of the surface a mesh really holds.
 #pragma once
 
-#include "precompute/body.hpp"
+#include "precompute/common/body.hpp"
 
 namespace palpate {
 

@@ -2,11 +2,11 @@
 // Which points of the surface the supports hold, and what is refused.
 #include "precompute/surface/supports.hpp"
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "precompute/algebra/spectrum.hpp"
 #include "precompute/geometry/topology.hpp"
 #include "precompute/surface/pieces.hpp"
-#include "precompute/surface/weld.hpp"
+#include "precompute/surface/repair/weld.hpp"
 
 #include <fmt/format.h>
 

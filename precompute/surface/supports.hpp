@@ -2,7 +2,7 @@
 // Default supports of a body, and a check whether the scene's own supports can hold it.
 #pragma once
 
-#include "precompute/body.hpp"
+#include "precompute/common/body.hpp"
 
 namespace palpate {
 

@@ -2,7 +2,7 @@
 // The lattice is filled once, in a band about the surface; evaluations then read 64 values.
 #include "precompute/tool/mesh_shape.hpp"
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,10 +2,10 @@
 // Vertices of an even remeshing, each with the profile that a flat body would meet there; sharp edges.
 #include "precompute/tool/mesh_tool.hpp"
 
-#include "formats/error.hpp"
-#include "formats/surface_io.hpp"
+#include "formats/io/error.hpp"
+#include "formats/surface/surface_io.hpp"
 #include "precompute/geometry/topology.hpp"
-#include "precompute/mesh/remesh.hpp"
+#include "precompute/mesh/surface/remesh.hpp"
 #include "precompute/tool/mesh_shape.hpp"
 
 #include <algorithm>

@@ -2,8 +2,8 @@
 // Rigid tools: a signed distance function in the tool's frame, and the points by which they may touch first.
 #pragma once
 
-#include "formats/samples.hpp"
-#include "formats/scene.hpp"
+#include "formats/journal/samples.hpp"
+#include "formats/scene/scene.hpp"
 
 #include <Eigen/Geometry>
 #include <array>
@@ -61,7 +61,7 @@ struct ToolEdgePoint {
   double size = 0.0;  ///< m
 };
 
-/// How the runtime finds the tool's contact point; see formats/response-file.md.
+/// How the runtime finds the tool's contact point; see formats/response/response-file.md.
 enum class ToolKind : std::uint32_t { point_sphere = 0, profile = 1, mesh = 2 };
 
 /// A tool as scene, shape and contact vertices. Tool frame: the tip points along -z, the handle along +z.

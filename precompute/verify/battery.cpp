@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "precompute/verify/battery.hpp"
 
-#include "formats/error.hpp"
-#include "precompute/draw.hpp"
-#include "precompute/solve/pair.hpp"
-#include "precompute/solve/sample_difference.hpp"
+#include "formats/io/error.hpp"
+#include "precompute/common/draw.hpp"
+#include "precompute/solve/pair/pair.hpp"
+#include "precompute/solve/pair/sample_difference.hpp"
 #include "precompute/verify/parallel.hpp"
 
 #include <algorithm>

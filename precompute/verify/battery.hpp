@@ -2,7 +2,7 @@
 // Runs stiff cells and checks a seeded share of the converged ones against finer meshes, or another contact.
 #pragma once
 
-#include "formats/samples.hpp"
+#include "formats/journal/samples.hpp"
 #include "precompute/verify/stiff_cells.hpp"
 
 #include <cstdint>

@@ -3,8 +3,8 @@
 #include "precompute/verify/closed_forms.hpp"
 
 #include "precompute/geometry/solids.hpp"
-#include "precompute/solve/coulomb_push.hpp"
-#include "precompute/solve/pair.hpp"
+#include "precompute/solve/pair/pair.hpp"
+#include "precompute/solve/push/coulomb_push.hpp"
 #include "precompute/verify/bonded_layer.hpp"
 
 #include <algorithm>

@@ -2,8 +2,8 @@
 // Solves beyond what a bake solves, at a few contacts: gross sliding, strokes, and two tips beside each other.
 #pragma once
 
-#include "precompute/solve/slide.hpp"
-#include "precompute/solve/two_tips.hpp"
+#include "precompute/solve/reference/slide.hpp"
+#include "precompute/solve/reference/two_tips.hpp"
 #include "precompute/verify/solver_bench.hpp"
 #include "precompute/verify/strokes.hpp"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "precompute/verify/paper.hpp"
 
-#include "formats/error.hpp"
-#include "precompute/solve/pair.hpp"
+#include "formats/io/error.hpp"
+#include "precompute/solve/pair/pair.hpp"
 #include "precompute/verify/parallel.hpp"
 
 #include <algorithm>

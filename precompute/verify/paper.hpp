@@ -2,7 +2,7 @@
 // Figures 2 and 4 of Mahvash and Hayward (2004), solved, and what the paper says of them as figures with limits.
 #pragma once
 
-#include "formats/scene.hpp"
+#include "formats/scene/scene.hpp"
 
 #include <string>
 #include <vector>

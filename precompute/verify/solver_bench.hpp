@@ -2,8 +2,8 @@
 // Cost and error of a curve set, over the mesh sizes that a scene allows.
 #pragma once
 
-#include "precompute/solve/pair.hpp"
-#include "precompute/solve/sample_difference.hpp"
+#include "precompute/solve/pair/pair.hpp"
+#include "precompute/solve/pair/sample_difference.hpp"
 
 #include <functional>
 #include <string>

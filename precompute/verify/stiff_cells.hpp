@@ -2,8 +2,8 @@
 // The cells of the stiff battery: contacts at and beyond the ends of every range that a scene allows.
 #pragma once
 
-#include "formats/scene.hpp"
-#include "formats/surface.hpp"
+#include "formats/scene/scene.hpp"
+#include "formats/surface/surface.hpp"
 
 #include <string>
 #include <vector>

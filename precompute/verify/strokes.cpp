@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "precompute/verify/strokes.hpp"
 
-#include "precompute/solve/coulomb_push.hpp"
+#include "precompute/solve/push/coulomb_push.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 // and sliding, turned round, lifted under load.
 #pragma once
 
-#include "precompute/solve/stroke.hpp"
+#include "precompute/solve/reference/stroke.hpp"
 
 #include <string>
 #include <vector>

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <set>
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "precompute/bake/progress.hpp"
 #include "tests/bake/fake_pairs.hpp"
 

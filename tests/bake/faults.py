@@ -7,7 +7,7 @@ in the response file of an undisturbed one.
 Mounts need root, the clock needs libfaketime; a trial without them says so. Exit code 1 where something is wrong."""
 import argparse, os, pathlib, random, re, shutil, struct, subprocess, sys, tempfile, time
 
-HEADER = 64  # bytes of a journal before its first record (formats/journal-file.md)
+HEADER = 64  # bytes of a journal before its first record (formats/journal/journal-file.md)
 FAKETIME = pathlib.Path("/usr/lib/x86_64-linux-gnu/faketime/libfaketimeMT.so.1")
 
 

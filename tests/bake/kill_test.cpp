@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <random>
 
-#include "formats/scene.hpp"
+#include "formats/scene/scene.hpp"
 #include "precompute/fit/assemble.hpp"
 #include "precompute/tool/tool.hpp"
 #include "tests/bake/fake_pairs.hpp"

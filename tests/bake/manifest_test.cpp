@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "precompute/bake/plan.hpp"
 
 namespace palpate::test {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // From a scene file to a response file with real contact solves: sections, threads, kill -9, changed scenes.
-#include "precompute/bake/pipeline.hpp"
+#include "precompute/pipeline/pipeline.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,10 +9,10 @@
 #include <fstream>
 #include <random>
 
-#include "formats/error.hpp"
-#include "formats/file.hpp"
-#include "palpate/format/open.hpp"
+#include "formats/io/error.hpp"
+#include "formats/io/file.hpp"
 #include "palpate/contact/bonded_contact.hpp"
+#include "palpate/format/open.hpp"
 #include "tests/bake/kill_driver.hpp"
 #include "tests/support/label_ball.hpp"
 #include "tests/support/slab.hpp"

@@ -8,10 +8,10 @@
 #include <memory>
 #include <tuple>
 
-#include "formats/error.hpp"
-#include "formats/scene.hpp"
-#include "precompute/body.hpp"
-#include "precompute/mesh/haptic_mesh.hpp"
+#include "formats/io/error.hpp"
+#include "formats/scene/scene.hpp"
+#include "precompute/common/body.hpp"
+#include "precompute/sites/haptic_mesh.hpp"
 #include "precompute/tool/tool.hpp"
 
 namespace palpate::test {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Rounds of automatic sampling on a ball whose stiffness is known everywhere, without any contact solve.
-#include "precompute/bake/rounds.hpp"
+#include "precompute/pipeline/rounds.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <random>
 
 #include "precompute/geometry/feature_normals.hpp"
-#include "precompute/solve/pair.hpp"
+#include "precompute/solve/pair/pair.hpp"
 #include "tests/mesh/bodies.hpp"
 
 namespace palpate::test {

@@ -6,7 +6,7 @@
 
 #include <set>
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "tests/bake/fake_pairs.hpp"
 #include "tests/support/temporary_folder.hpp"
 

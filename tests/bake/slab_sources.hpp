@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "palpate/format/open.hpp"
 #include "palpate/response/interpolation.hpp"
-#include "precompute/bake/pipeline.hpp"
-#include "precompute/bake/sources.hpp"
+#include "precompute/pipeline/pipeline.hpp"
+#include "precompute/pipeline/sources.hpp"
 #include "tests/support/slab.hpp"
 #include "tests/support/temporary_folder.hpp"
 

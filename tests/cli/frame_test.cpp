@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Shared behaviour of all commands: help, version, usage errors, output, the choice of BLAS kernels.
 #include "tests/cli/palpate_program.hpp"
-#include "tools/blas.hpp"
+#include "tools/cli/blas.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -2,7 +2,7 @@
 // The compliance between sites of a block, against direct linear solves and the half-space.
 #include "precompute/compliance/bake_compliance.hpp"
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "palpate/format/half_space.hpp"
 #include "precompute/compliance/rest_modes.hpp"
 #include "tests/support/bodies.hpp"

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "device/admit.hpp"
-#include "device/protocol.hpp"
+#include "device/usb/protocol.hpp"
 
 #include <cmath>
 #include <cstddef>

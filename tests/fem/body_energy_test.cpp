@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The sum that a bake minimises, with every load and support at once: its derivatives by the nodes and by the loads'
 // share.
-#include "precompute/solve/body_energy.hpp"
+#include "precompute/solve/contact/body_energy.hpp"
 
 #include "tests/fem/deformed_block.hpp"
 #include "tests/fem/hollow_block.hpp"

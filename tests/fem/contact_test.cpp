@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Contact energy: derivatives of every tool and of the anchors, and the forces that it reports.
-#include "precompute/solve/contact.hpp"
+#include "precompute/solve/contact/contact.hpp"
 
 #include "precompute/tool/shapes.hpp"
 #include "tests/support/block_mesh.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Derivatives of contact and friction on bodies that are flat, inside out, a needle, a point: by every method that
 // keeps the tool out.
-#include "precompute/solve/friction.hpp"
+#include "precompute/solve/contact/friction.hpp"
 
 #include "precompute/tool/shapes.hpp"
 #include "tests/fem/deformed_block.hpp"

@@ -2,7 +2,7 @@
 // A body with a void in it, for what acts in cavities.
 #pragma once
 
-#include "precompute/mesh/quadratic.hpp"
+#include "precompute/mesh/volume/quadratic.hpp"
 #include "tests/support/block_mesh.hpp"
 
 #include <vector>

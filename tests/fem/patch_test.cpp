@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The patch test, solved: nodes of the boundary held where a constant F has them, the others left to find their places.
+#include "precompute/fem/materials/scene_material.hpp"
 #include "precompute/fem/minimiser.hpp"
-#include "precompute/fem/scene_material.hpp"
 
 #include "tests/fem/deformed_block.hpp"
 #include "tests/support/laws.hpp"

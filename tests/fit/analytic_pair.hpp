@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "formats/samples.hpp"
+#include "formats/journal/samples.hpp"
 
 namespace palpate::test {
 

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "formats/scene.hpp"
+#include "formats/scene/scene.hpp"
 #include "precompute/tool/tool.hpp"
 #include "tests/fit/analytic_pair.hpp"
 #include "tests/fit/ball_plan.hpp"

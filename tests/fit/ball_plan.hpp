@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "precompute/bake/plan.hpp"
-#include "precompute/mesh/contact_surface.hpp"
-#include "precompute/mesh/haptic_mesh.hpp"
+#include "precompute/mesh/surface/contact_surface.hpp"
+#include "precompute/sites/haptic_mesh.hpp"
 
 namespace palpate::test {
 

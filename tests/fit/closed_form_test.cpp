@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "precompute/fit/pair_fit.hpp"
+#include "precompute/fit/laws/pair_fit.hpp"
 
 namespace palpate::test {
 namespace {

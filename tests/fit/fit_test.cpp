@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "tests/fit/grid_plan.hpp"
 
 namespace palpate::test {

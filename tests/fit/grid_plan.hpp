@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "formats/journal.hpp"
+#include "formats/journal/journal.hpp"
 #include "precompute/bake/plan.hpp"
 #include "tests/fit/analytic_pair.hpp"
 

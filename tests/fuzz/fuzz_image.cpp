@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // libFuzzer's entry: any bytes as a label image. The first byte chooses the format.
-#include "formats/error.hpp"
 #include "formats/image/label_image.hpp"
+#include "formats/io/error.hpp"
 #include "tests/fuzz/promise.hpp"
 
 #include <unistd.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // libFuzzer's entry: any bytes as a surface file. The first byte chooses the format.
-#include "formats/error.hpp"
-#include "formats/surface_plain.hpp"
+#include "formats/io/error.hpp"
+#include "formats/surface/surface_plain.hpp"
 #include "tests/fuzz/promise.hpp"
 
 #include <cmath>

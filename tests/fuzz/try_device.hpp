@@ -7,10 +7,10 @@
 #include <cstring>
 #include <vector>
 
-#include "device/falcon_protocol.hpp"
-#include "device/firmware/open_link_firmware.hpp"
-#include "device/open_link_protocol.hpp"
-#include "device/wooden_protocol.hpp"
+#include "device/falcon/falcon_protocol.hpp"
+#include "device/open_link/firmware/open_link_firmware.hpp"
+#include "device/open_link/open_link_protocol.hpp"
+#include "device/wooden_haptics/wooden_protocol.hpp"
 #include "tests/device/try_protocol.hpp"
 #include "tests/fuzz/promise.hpp"
 

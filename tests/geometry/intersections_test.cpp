@@ -2,7 +2,7 @@
 // Surfaces that cross themselves or each other, and near misses.
 #include "precompute/geometry/intersections.hpp"
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/surface/faulty_shapes.hpp"
 

@@ -2,7 +2,7 @@
 // The surface round a ball's voxels against the ball: closed, of the voxels' volume, nearer with smaller voxels.
 #include "precompute/geometry/label_surface.hpp"
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "tests/support/label_ball.hpp"
 #include "tests/support/shapes.hpp"
 

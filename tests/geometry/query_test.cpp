@@ -2,7 +2,7 @@
 // Surface queries against the ball, the box and thin plates, whose answers are known.
 #include "precompute/geometry/query.hpp"
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "tests/support/shapes.hpp"
 
 #include <gtest/gtest.h>

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "formats/response.hpp"
+#include "formats/response/response.hpp"
 #include "tests/goldens/goldens.hpp"
 
 namespace palpate::test {

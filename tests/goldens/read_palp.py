@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads response files and evaluates them, written from formats/response-file.md alone: Python's standard library, no
+"""Reads response files and evaluates them, written from formats/response/response-file.md alone: Python's standard library, no
 line of Palpate's own code.
 
 read_palp.py FOLDER      every FOLDER/*.palp: reads all fields, checks what the specification says that a reader checks,

@@ -5,7 +5,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "formats/file.hpp"
+#include "formats/io/file.hpp"
 #include "tests/goldens/goldens.hpp"
 #include "tests/support/response_samples.hpp"
 

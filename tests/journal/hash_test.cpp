@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Content hashes: published values, pieces against the whole, reading back.
-#include "formats/hash.hpp"
+#include "formats/io/hash.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cstdio>
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 
 namespace palpate {
 namespace {

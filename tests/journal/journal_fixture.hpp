@@ -9,8 +9,8 @@
 #include <iterator>
 #include <string>
 
-#include "formats/error.hpp"
-#include "formats/journal.hpp"
+#include "formats/io/error.hpp"
+#include "formats/journal/journal.hpp"
 
 namespace palpate::test {
 

@@ -2,9 +2,9 @@
 // Bodies built by hand, without surface preparation, and size fields round one site.
 #pragma once
 
-#include "precompute/body.hpp"
-#include "precompute/mesh/remesh.hpp"
+#include "precompute/common/body.hpp"
 #include "precompute/mesh/size_field.hpp"
+#include "precompute/mesh/surface/remesh.hpp"
 #include "tests/support/shapes.hpp"
 
 #include <algorithm>

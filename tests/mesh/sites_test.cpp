@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sites of a ball, a block and a plate: spacing, frames and depths.
-#include "precompute/mesh/haptic_mesh.hpp"
+#include "precompute/sites/haptic_mesh.hpp"
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "tests/mesh/bodies.hpp"
 
 #include <gtest/gtest.h>

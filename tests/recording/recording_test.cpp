@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Recordings as users write them, and those that are wrong, each with the line that its message must name.
-#include "formats/recording.hpp"
+#include "formats/recording/recording.hpp"
 
 #include <gtest/gtest.h>
 
 #include <ostream>
 #include <vector>
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace palpate::test {

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <functional>
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "palpate/format/open.hpp"
 #include "tests/support/response_samples.hpp"
 

@@ -9,10 +9,10 @@
 #include <random>
 #include <string>
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
+#include "palpate/contact/bonded_contact.hpp"
 #include "palpate/format/checksum.hpp"
 #include "palpate/format/open.hpp"
-#include "palpate/contact/bonded_contact.hpp"
 #include "palpate/response/interpolation.hpp"
 #include "tests/support/response_samples.hpp"
 

@@ -5,7 +5,7 @@
 
 #include "tests/runtime/support.hpp"
 #include "tests/support/concave_samples.hpp"
-#include "tools/plot.hpp"
+#include "tools/play/plot.hpp"
 
 namespace palpate::test {
 namespace {

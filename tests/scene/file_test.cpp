@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Whole files: what is written reads back, a failed write leaves the old file, causes are named.
-#include "formats/file.hpp"
+#include "formats/io/file.hpp"
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 #include <fcntl.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Scenes that are wrong as files: without a body, cut short, no text, not there.
-#include "formats/error.hpp"
-#include "formats/scene.hpp"
+#include "formats/io/error.hpp"
+#include "formats/scene/scene.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 #include <gtest/gtest.h>

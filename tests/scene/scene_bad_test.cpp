@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Scenes with a wrong key, each with the line, the key and the range that its message must name.
-#include "formats/error.hpp"
-#include "formats/scene.hpp"
+#include "formats/io/error.hpp"
+#include "formats/scene/scene.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 #include <gtest/gtest.h>

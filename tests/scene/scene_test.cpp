@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Scenes that are right: defaults, every section, the reference and the canonical text.
-#include "formats/scene.hpp"
-#include "formats/scene_sources.hpp"
-#include "formats/tissues.hpp"
+#include "formats/scene/scene.hpp"
+#include "formats/scene/scene_sources.hpp"
+#include "formats/scene/tissues.hpp"
 
 #include "tests/support/temporary_folder.hpp"
 

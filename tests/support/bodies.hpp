@@ -2,8 +2,8 @@
 // Prepared bodies for solver tests, made without files.
 #pragma once
 
-#include "precompute/body.hpp"
-#include "precompute/mesh/remesh.hpp"
+#include "precompute/common/body.hpp"
+#include "precompute/mesh/surface/remesh.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace palpate::test {

@@ -2,7 +2,7 @@
 // Every material law with moduli that organs have, as a scene would give them.
 #pragma once
 
-#include "formats/scene.hpp"
+#include "formats/scene/scene.hpp"
 
 #include <array>
 

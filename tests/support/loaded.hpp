@@ -3,7 +3,7 @@
 #pragma once
 
 #include "precompute/fem/minimiser.hpp"
-#include "precompute/solve/bed.hpp"
+#include "precompute/solve/contact/bed.hpp"
 
 #include <Eigen/Geometry>
 #include <utility>

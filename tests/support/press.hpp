@@ -2,7 +2,7 @@
 // One pair at the origin, through the entry point that the bake uses.
 #pragma once
 
-#include "precompute/solve/pair.hpp"
+#include "precompute/solve/pair/pair.hpp"
 #include "tests/support/bodies.hpp"
 
 namespace palpate::test {

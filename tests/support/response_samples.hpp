@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "formats/response.hpp"
+#include "formats/response/response.hpp"
 #include "palpate/format/spline.hpp"
 
 namespace palpate::test {

@@ -2,7 +2,7 @@
 // Closed triangle surfaces with known answers: box, ball, and what the tests do to them.
 #pragma once
 
-#include "formats/surface.hpp"
+#include "formats/surface/surface.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -2,7 +2,7 @@
 // Surfaces with one known fault each, and sheets bent into bags, rods and plates.
 #pragma once
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "tests/support/shapes.hpp"
 
 #include <gtest/gtest.h>

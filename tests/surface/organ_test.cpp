@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Three real organs. Their files are not part of the project (licence and size): the folder comes from the
 // variable PALPATE_ORGANS, and without it these tests report themselves skipped.
-#include "formats/surface_io.hpp"
-#include "precompute/body.hpp"
-#include "precompute/surface/clean.hpp"
-#include "precompute/surface/examine.hpp"
-#include "precompute/surface/report.hpp"
+#include "formats/surface/surface_io.hpp"
+#include "precompute/common/body.hpp"
+#include "precompute/surface/repair/clean.hpp"
+#include "precompute/surface/repair/examine.hpp"
+#include "precompute/surface/repair/report.hpp"
 #include "tests/surface/faulty_shapes.hpp"
 
 #include <chrono>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // prepare_body: files joined, inclusions placed, supports checked, coarse copies made.
-#include "formats/surface_io.hpp"
-#include "precompute/body.hpp"
+#include "formats/surface/surface_io.hpp"
+#include "precompute/common/body.hpp"
 #include "precompute/geometry/intersections.hpp"
 #include "precompute/geometry/topology.hpp"
-#include "precompute/mesh/haptic_mesh.hpp"
-#include "precompute/surface/examine.hpp"
+#include "precompute/sites/haptic_mesh.hpp"
+#include "precompute/surface/repair/examine.hpp"
 #include "tests/surface/faulty_shapes.hpp"
 
 #include <cstdlib>

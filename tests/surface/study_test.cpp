@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A study as hospitals have it (an organ, a tumour, a vessel; turned axes, thick slices, compressed): every format ends
 // in the same body, and what scene --from proposes prepares without editing.
-#include "formats/scene.hpp"
-#include "precompute/body.hpp"
+#include "formats/scene/scene.hpp"
+#include "precompute/common/body.hpp"
 #include "precompute/geometry/topology.hpp"
 #include "precompute/surface/propose.hpp"
-#include "precompute/surface/report.hpp"
+#include "precompute/surface/repair/report.hpp"
 #include "tests/image/label_files.hpp"
 #include "tests/support/temporary_folder.hpp"
 

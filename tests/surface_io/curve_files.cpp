@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Curves from lines and from tables of points; what is refused, by line and cause.
-#include "formats/curve_io.hpp"
+#include "formats/surface/curve_io.hpp"
 #include "tests/surface_io/scratch.hpp"
 
 namespace palpate::test {

@@ -2,7 +2,7 @@
 // Writes small GLB files with every freedom of the format, right and wrong.
 #pragma once
 
-#include "formats/surface.hpp"
+#include "formats/surface/surface.hpp"
 
 #include <nlohmann/json.hpp>
 

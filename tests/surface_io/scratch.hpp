@@ -2,8 +2,8 @@
 // A folder that vanishes with the test, and reading of texts and bytes as surface files.
 #pragma once
 
-#include "formats/error.hpp"
-#include "formats/surface_io.hpp"
+#include "formats/io/error.hpp"
+#include "formats/surface/surface_io.hpp"
 
 #include <gtest/gtest.h>
 

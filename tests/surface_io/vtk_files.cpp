@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // VTK's polydata in every form that it is written in, damaged ones, and the grid of a solved contact.
-#include "formats/volume_vtu.hpp"
+#include "formats/fields/volume_vtu.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/surface_io/scratch.hpp"
 

@@ -2,9 +2,9 @@
 // A written data set is a scene that reads back, the same bytes for the same seed, and refused when it cannot be.
 #include "datasets-synthetic/dataset.hpp"
 
-#include "formats/error.hpp"
-#include "formats/scene.hpp"
-#include "formats/surface_io.hpp"
+#include "formats/io/error.hpp"
+#include "formats/scene/scene.hpp"
+#include "formats/surface/surface_io.hpp"
 #include "tests/synth/surface_checks.hpp"
 
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 // Measures of a triangle surface that the tests compare with known values.
 #pragma once
 
-#include "formats/surface.hpp"
+#include "formats/surface/surface.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>

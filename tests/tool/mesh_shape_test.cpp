@@ -2,8 +2,8 @@
 // Signed distance of meshes: exact away from the surface, its own derivatives at it, sharpness as it is.
 #include "precompute/tool/mesh_shape.hpp"
 
-#include "formats/error.hpp"
-#include "formats/surface_io.hpp"
+#include "formats/io/error.hpp"
+#include "formats/surface/surface_io.hpp"
 #include "precompute/geometry/solids.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/temporary_folder.hpp"

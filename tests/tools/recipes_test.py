@@ -72,7 +72,7 @@ for row in rows:
 
 shutil.rmtree(folder, ignore_errors=True)
 follow("a gate of the solver")
-run(compiler, *flags, folder / "precompute/solve/gates.cpp", folder / "tests/solve/gates_test.cpp", "-lgtest", "-lgtest_main",
+run(compiler, *flags, folder / "precompute/solve/contact/gates.cpp", folder / "tests/solve/contact/gates_test.cpp", "-lgtest", "-lgtest_main",
     "-o", folder / "gates_test")
 if "[       OK ] Gates.AContactMuchDeeperThanWideIsRefused" not in run(folder / "gates_test"):
     raise SystemExit("the recipe's test did not run")
@@ -91,10 +91,10 @@ int main() {
   return std::abs(law.exponent - 1.5) < 1e-9 && std::abs(law.force({0, 0, 0.002}).z() / samples[1].force.z() - 1) < 1e-9 ? 0 : 1;
 }
 """, encoding="utf-8")
-run(compiler, *flags, folder / "precompute/verify/baselines/power_law.cpp", source / "precompute/fit/pair_samples.cpp",
+run(compiler, *flags, folder / "precompute/verify/baselines/power_law.cpp", source / "precompute/fit/laws/pair_samples.cpp",
     folder / "check.cpp", "-o", folder / "check")
 run(folder / "check")
-run(compiler, *flags, "-fsyntax-only", folder / "tools/bench_models.cpp")
+run(compiler, *flags, "-fsyntax-only", folder / "tools/bench/bench_models.cpp")
 if "power_law.cpp" not in (folder / "precompute/verify/baselines/CMakeLists.txt").read_text(encoding="utf-8"):
     raise SystemExit("the recipe does not build its file")
 print("2 recipes followed")

@@ -3,8 +3,8 @@
 // All cells: palpate verify --battery stiff.
 #include "precompute/verify/battery.hpp"
 
-#include "precompute/draw.hpp"
-#include "precompute/solve/sample_difference.hpp"
+#include "precompute/common/draw.hpp"
+#include "precompute/solve/pair/sample_difference.hpp"
 #include "precompute/verify/parallel.hpp"
 #include "precompute/verify/solver_bench.hpp"
 #include "tests/support/shapes.hpp"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The laws that scenes choose, at large strain, beside GetFEM: another element code, Newton's method and assembly
 // (CalculiX has other volume terms, see ccx_compare.hpp).
-#include "precompute/fem/scene_material.hpp"
-#include "precompute/mesh/child_process.hpp"
-#include "precompute/verify/ccx_compare.hpp"
+#include "precompute/fem/materials/scene_material.hpp"
+#include "precompute/mesh/volume/child_process.hpp"
+#include "precompute/verify/ccx/ccx_compare.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 #include <gtest/gtest.h>

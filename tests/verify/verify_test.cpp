@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Statistics, limits and recorded contacts.
-#include "precompute/verify/recorded.hpp"
+#include "precompute/verify/held_out/recorded.hpp"
 
-#include "formats/error.hpp"
-#include "precompute/verify/limits.hpp"
+#include "formats/io/error.hpp"
+#include "precompute/verify/held_out/limits.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

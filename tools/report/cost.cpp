@@ -6,12 +6,12 @@
 #include <cstdio>
 #include <set>
 
-#include "formats/error.hpp"
-#include "precompute/verify/statistics.hpp"
-#include "tools/bench_models.hpp"
-#include "tools/output.hpp"
+#include "formats/io/error.hpp"
+#include "precompute/verify/held_out/statistics.hpp"
+#include "tools/bench/bench_models.hpp"
+#include "tools/bench/tick_bench.hpp"
+#include "tools/cli/output.hpp"
 #include "tools/report/numbers.hpp"
-#include "tools/tick_bench.hpp"
 
 namespace palpate::report {
 namespace {

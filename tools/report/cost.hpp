@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "precompute/bake/pipeline.hpp"
-#include "precompute/verify/held_out.hpp"
-#include "tools/commands.hpp"
-#include "tools/response_input.hpp"
+#include "precompute/pipeline/pipeline.hpp"
+#include "precompute/verify/held_out/held_out.hpp"
+#include "tools/cli/commands.hpp"
+#include "tools/cli/response_input.hpp"
 
 namespace palpate::report {
 

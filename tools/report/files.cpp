@@ -4,11 +4,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "formats/file.hpp"
-#include "formats/same_file.hpp"
-#include "tools/output.hpp"
+#include "formats/io/file.hpp"
+#include "formats/io/same_file.hpp"
+#include "tools/cli/output.hpp"
+#include "tools/cli/verify_checks.hpp"
 #include "tools/report/page.hpp"
-#include "tools/verify_checks.hpp"
 
 namespace palpate::report {
 namespace {

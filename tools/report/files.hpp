@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <string>
 
-#include "tools/commands.hpp"
+#include "tools/cli/commands.hpp"
 #include "tools/report/report.hpp"
 
 namespace palpate::report {

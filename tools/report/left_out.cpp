@@ -6,13 +6,13 @@
 #include <cstdio>
 #include <limits>
 
-#include "formats/error.hpp"
-#include "precompute/fit/grasp_fit.hpp"
-#include "precompute/verify/statistics.hpp"
-#include "tools/inspect.hpp"
-#include "tools/output.hpp"
+#include "formats/io/error.hpp"
+#include "precompute/fit/laws/grasp_fit.hpp"
+#include "precompute/verify/held_out/statistics.hpp"
+#include "tools/bench/tick_bench.hpp"
+#include "tools/cli/output.hpp"
+#include "tools/inspect/inspect.hpp"
 #include "tools/report/numbers.hpp"
-#include "tools/tick_bench.hpp"
 
 namespace palpate::report {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "precompute/bake/pipeline.hpp"
-#include "tools/commands.hpp"
+#include "precompute/pipeline/pipeline.hpp"
+#include "tools/cli/commands.hpp"
 #include "tools/report/cost.hpp"
 
 namespace palpate::report {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <set>
 
-#include "tools/one_response.hpp"
+#include "tools/inspect/one_response.hpp"
 #include "tools/report/numbers.hpp"
 
 namespace palpate::report {

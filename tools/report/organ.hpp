@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "palpate/format/response_view.hpp"
-#include "precompute/bake/pipeline.hpp"
-#include "precompute/verify/held_out.hpp"
+#include "precompute/pipeline/pipeline.hpp"
+#include "precompute/verify/held_out/held_out.hpp"
 
 namespace palpate::report {
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "tools/report/page_template.hpp"
 
 namespace palpate::report {

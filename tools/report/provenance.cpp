@@ -5,8 +5,8 @@
 #include <ctime>
 #include <nlohmann/json.hpp>
 
-#include "formats/hash.hpp"
-#include "tools/tick_bench.hpp"
+#include "formats/io/hash.hpp"
+#include "tools/bench/tick_bench.hpp"
 
 namespace palpate::report {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "palpate/format/response_view.hpp"
-#include "precompute/bake/pipeline.hpp"
+#include "precompute/pipeline/pipeline.hpp"
 
 namespace palpate::report {
 

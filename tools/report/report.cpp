@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "formats/error.hpp"
-#include "formats/file.hpp"
-#include "precompute/verify/recorded.hpp"
-#include "tools/inspect.hpp"
-#include "tools/output.hpp"
+#include "formats/io/error.hpp"
+#include "formats/io/file.hpp"
+#include "precompute/verify/held_out/recorded.hpp"
+#include "tools/cli/output.hpp"
+#include "tools/inspect/inspect.hpp"
 #include "tools/report/cost.hpp"
 #include "tools/report/left_out.hpp"
 #include "tools/report/organ.hpp"

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "precompute/bake/pipeline.hpp"
-#include "tools/commands.hpp"
-#include "tools/response_input.hpp"
+#include "precompute/pipeline/pipeline.hpp"
+#include "tools/cli/commands.hpp"
+#include "tools/cli/response_input.hpp"
 
 namespace palpate::report {
 

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <vector>
 
-#include "formats/error.hpp"
-#include "tools/motion_file.hpp"
-#include "tools/play.hpp"
+#include "formats/io/error.hpp"
+#include "tools/play/motion_file.hpp"
+#include "tools/play/play.hpp"
 #include "tools/report/numbers.hpp"
 #ifdef PALPATE_DRIVE
-#include "tools/play_run.hpp"
+#include "tools/play/play_run.hpp"
 #endif
 
 namespace palpate::report {

@@ -6,7 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "tools/response_input.hpp"
+#include "tools/cli/response_input.hpp"
 
 namespace palpate::report {
 

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <map>
 
-#include "formats/error.hpp"
-#include "precompute/verify/statistics.hpp"
+#include "formats/io/error.hpp"
+#include "precompute/verify/held_out/statistics.hpp"
 #include "precompute/verify/stiff_cells.hpp"
+#include "tools/cli/verify_checks.hpp"
 #include "tools/report/numbers.hpp"
-#include "tools/verify_checks.hpp"
 #ifdef PALPATE_DEVICES
-#include "device/safety.hpp"
+#include "device/stability/safety.hpp"
 #endif
 
 namespace palpate::report {

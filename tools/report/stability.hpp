@@ -5,7 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "palpate/format/response_view.hpp"
-#include "precompute/bake/pipeline.hpp"
+#include "precompute/pipeline/pipeline.hpp"
 
 namespace palpate::report {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "precompute/fit/least_squares.hpp"
-#include "precompute/fit/pair_samples.hpp"
+#include "precompute/fit/laws/pair_samples.hpp"
+#include "precompute/fit/least_squares/least_squares.hpp"
 
 namespace palpate::fit {
 namespace {

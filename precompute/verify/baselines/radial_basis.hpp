@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/samples.hpp"
+#include "formats/journal/samples.hpp"
 
 namespace palpate::fit {
 

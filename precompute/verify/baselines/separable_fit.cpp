@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "formats/error.hpp"
+#include "formats/io/error.hpp"
 #include "palpate/format/spline.hpp"
-#include "precompute/fit/least_squares.hpp"
-#include "precompute/fit/pair_samples.hpp"
-#include "precompute/fit/spline_rows.hpp"
+#include "precompute/fit/laws/pair_samples.hpp"
+#include "precompute/fit/least_squares/least_squares.hpp"
+#include "precompute/fit/least_squares/spline_rows.hpp"
 
 namespace palpate::fit {
 namespace {

@@ -2,7 +2,7 @@
 // Plugs in an emulated device and opens its driver: the common interface of the two front ends.
 #pragma once
 
-#include "device/registry.hpp"
+#include "device/registry/registry.hpp"
 #include "tests/device/models/usb_port.hpp"
 
 #include <memory>

@@ -3,8 +3,8 @@
 // driver was written from and none of the driver's code but its kinematics and its packets.
 #pragma once
 
-#include "device/falcon_codec.hpp"
-#include "device/falcon_kinematics.hpp"
+#include "device/falcon/falcon_codec.hpp"
+#include "device/falcon/falcon_kinematics.hpp"
 #include "tests/device/models/usb_model.hpp"
 
 #include <array>

@@ -2,7 +2,7 @@
 // A device on the open link: the example firmware's core, as it goes onto a microcontroller, above hardware of memory.
 #pragma once
 
-#include "device/firmware/open_link_firmware.hpp"
+#include "device/open_link/firmware/open_link_firmware.hpp"
 #include "tests/device/models/usb_model.hpp"
 
 #include <array>

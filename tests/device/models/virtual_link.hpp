@@ -2,7 +2,7 @@
 // A protocol and a model of its device with nothing between them but virtual time: a transport without threads or wire.
 #pragma once
 
-#include "device/protocol.hpp"
+#include "device/usb/protocol.hpp"
 #include "tests/device/models/usb_model.hpp"
 
 #include <functional>

@@ -3,7 +3,7 @@
 // any.
 #pragma once
 
-#include "device/wooden_kinematics.hpp"
+#include "device/wooden_haptics/wooden_kinematics.hpp"
 #include "tests/device/models/usb_model.hpp"
 
 #include <cstdint>

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/response.hpp"
+#include "formats/response/response.hpp"
 #include "tests/runtime/m7/ticks.hpp"
 
 namespace palpate::test {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The evaluation of formats/response-file.md written apart from the runtime: de Casteljau, Rodrigues, every response
-// alone in its own carried frame.
+// The evaluation of formats/response/response-file.md written apart from the runtime: de Casteljau, Rodrigues, every
+// response alone in its own carried frame.
 #pragma once
 
 #include <array>

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "palpate/palpate.hpp"
-#include "tools/one_response.hpp"
+#include "tools/inspect/one_response.hpp"
 
 #define PALPATE_EXPORT(name) __attribute__((export_name(#name))) name
 

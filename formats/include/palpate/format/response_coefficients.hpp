@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The coefficients of a response: how many there are and in which order. formats/response-file.md says what they mean.
+// The coefficients of a response: how many there are and in which order. formats/response/response-file.md says what
+// they mean.
 #pragma once
 
 #include <cstdint>

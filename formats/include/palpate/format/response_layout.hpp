@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The bytes of a .palp response file, version 3. formats/response-file.md is the specification in prose.
+// The bytes of a .palp response file, version 3. formats/response/response-file.md is the specification in prose.
 #pragma once
 
 #include "palpate/format/response_coefficients.hpp"
@@ -9,7 +9,7 @@
 #include <cstring>
 #include <type_traits>
 
-/// C++17 and the standard library alone: shared by the writer (formats/response.cpp) and the runtime.
+/// C++17 and the standard library alone: shared by the writer (formats/response/response.cpp) and the runtime.
 /// Little-endian, IEEE 754; every section starts at a multiple of kAlignment bytes. Lengths in metres, forces in
 /// newtons.
 namespace palpate::layout {

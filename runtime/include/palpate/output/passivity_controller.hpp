@@ -120,14 +120,15 @@ private:
 ///     share = max(1 - E / trace, 2 damping / ((delay + T (1 + ceil(delay / T))) k)),    in [0, 1]
 ///
 /// with k (N/m) the steepest secant of force over motion so far. The second value is passive for every hand (Colgate
-/// and Schenkel 1997, with a delay; device/stability.hpp). The share only falls within a contact, which removes energy.
-/// Added damping would be as late as the forces that it corrects.
+/// and Schenkel 1997, with a delay; device/stability/stability.hpp). The share only falls within a contact, which
+/// removes energy. Added damping would be as late as the forces that it corrects.
 ///
 /// After `pause` seconds without force E is 0, because hand and handle have dissipated it (in a few times 0.1 s for
 /// 0.3 kg and 3 N s/m). Shorter times count for nothing, because a bouncing handle would get the trace at each touch.
 ///
-/// Bound: E <= trace + 2 F W between two pauses, if k was met or stated before (tests/device/stability.md). F (N) is
-/// the largest force, W (m) the longest path of the handle in a delay and two ticks. Sent forces cannot be recalled.
+/// Bound: E <= trace + 2 F W between two pauses, if k was met or stated before (tests/device/stability/stability.md). F
+/// (N) is the largest force, W (m) the longest path of the handle in a delay and two ticks. Sent forces cannot be
+/// recalled.
 class PassivityController {
 public:
   explicit PassivityController(const PassivityOptions& options) : options_(options), slope_(options.stiffness) {}

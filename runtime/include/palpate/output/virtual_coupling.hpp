@@ -27,7 +27,7 @@ struct Rigid {
 
 struct CouplingOptions {
   double stiffness = 500;  ///< N/m, (0, 1e12]: upper bound of the stiffness that the hand feels
-  double damping = 0;      ///< N s/m, [0, 1e9]; the device needs as much damping more (device/stability.hpp)
+  double damping = 0;      ///< N s/m, [0, 1e9]; the device needs as much damping more (device/stability/stability.hpp)
   int trials = 8;          ///< [2, 64]: most ticks of the contact in one tick of the coupling
 
   /// Returns null, or the option that is out of range.

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "precompute/fit/laws/potential_degrees.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "formats/io/error.hpp"
+#include "precompute/fit/laws/pair_samples.hpp"
+
+namespace palpate::fit {
+namespace {
+
+constexpr std::size_t kMostPairs = 24;
+constexpr int kLeaveEvery = 5;
+constexpr double kRounding = 0.1;  // share of the tolerance that rounding the coefficients may take
+
+std::vector<response::Degrees> candidates(bool bias, bool friction) {
+  std::vector<response::Degrees> all;
+  // A bias below the threshold may still serve the whole, so candidates with a bias are always tried.
+  for (int normal = 2; !friction && normal <= response::kMaxDegree; ++normal) {
+    if (!bias) all.push_back({normal, 0, 0, 0, false});
+    all.push_back({normal, std::max(2, normal - 1), 0, 0, false});
+  }
+  if (friction && !bias) all = {response::kSpring, {3, 0, 2, 2, true}};
+  for (int stiffness = 2; friction && stiffness <= 4; ++stiffness) {
+    for (const int more : {2, 3}) {
+      if (stiffness + more > response::kMaxDegree) continue;
+      if (!bias) all.push_back({stiffness + more, 0, stiffness, 3, true});
+      all.push_back({stiffness + more, stiffness + 1, stiffness, 3, true});
+    }
+  }
+  std::stable_sort(all.begin(), all.end(), [](const response::Degrees& a, const response::Degrees& b) {
+    return response::count(a) < response::count(b);
+  });
+  return all;
+}
+
+// Degrees of a scene with too few samples to leave any out. Throws when no pair can be fitted.
+DegreeChoice usual_degrees(const std::vector<const std::vector<Sample>*>& pairs, ResponseScales scales, bool bias) {
+  scales.degrees = scales.friction() ? response::Degrees{5, bias ? 4 : 0, 3, 3, true}
+                                     : response::Degrees{4, bias ? 3 : 0, 0, 0, false};
+  std::string cause = "there is none";
+  for (const auto* samples : pairs) {
+    try {
+      fit_pair(*samples, scales, "degrees");
+      return {scales.degrees, 16, {}, false};
+    } catch (const Error& error) {
+      cause = error.what();
+    }
+  }
+  throw Error(ExitCode::numerical, "responses: no accepted pair can be fitted: " + cause);
+}
+
+// Nearest rank.
+HeldOutFigures figures(std::vector<double> errors) {
+  HeldOutFigures f;
+  f.samples = errors.size();
+  if (errors.empty()) return f;
+  std::sort(errors.begin(), errors.end());
+  const std::size_t n = errors.size();
+  f.median = errors[(n - 1) / 2];
+  f.p95 = errors[(95 * n + 99) / 100 - 1];
+  f.worst = errors.back();
+  return f;
+}
+
+}  // namespace
+
+SampleSplit split_samples(const std::vector<Sample>& samples) {
+  SampleSplit split;
+  std::uint16_t first = 0xFFFF, last = 0;
+  for (const Sample& s : samples) {
+    if (s.kind != SampleKind::normal) continue;
+    first = std::min(first, s.index);
+    last = std::max(last, s.index);
+  }
+  for (const Sample& s : samples) {
+    // The offset and a step prime to directions and points leave out no direction and no depth as a whole.
+    const bool inner =
+        s.kind == SampleKind::tangential || (s.kind == SampleKind::normal && s.index > first && s.index < last);
+    (inner && (s.index + (s.kind == SampleKind::normal ? 2 : 1)) % kLeaveEvery == 0 ? split.left_out : split.kept)
+        .push_back(s);
+  }
+  return split;
+}
+
+HeldOutFigures held_out_figures(const std::vector<const std::vector<Sample>*>& pairs, const LawFitter& fit) {
+  std::vector<double> errors;
+  for (const auto* samples : pairs) {
+    const SampleSplit split = split_samples(*samples);
+    ForceLaw law;
+    try {
+      law = fit(split.kept);
+    } catch (const Error&) {  // filled from its neighbours in the fit
+      continue;
+    }
+    const PairSamples data = sort_samples(*samples, "held out");
+    for (const Sample& s : split.left_out) errors.push_back((law(s.deflection) - s.force).norm() * data.weight(s));
+  }
+  return figures(std::move(errors));
+}
+
+HeldOutFigures held_out_figures(const std::vector<const std::vector<Sample>*>& pairs, const ResponseScales& scales) {
+  return held_out_figures(pairs, [&](const std::vector<Sample>& samples) -> ForceLaw {
+    return [law = Potential(fit_pair(samples, scales, "held out").coefs, scales)](const Eigen::Vector3d& deflection) {
+      return law.force(deflection);
+    };
+  });
+}
+
+DegreeChoice choose_degrees(const std::vector<const std::vector<Sample>*>& pairs, ResponseScales scales, bool bias,
+                            double tolerance) {
+  std::vector<const std::vector<Sample>*> drawn;
+  const std::size_t count = std::min(kMostPairs, pairs.size());
+  for (std::size_t k = 0; k < count; ++k) drawn.push_back(pairs[k * pairs.size() / count]);
+  DegreeChoice best;
+  best.held_out.p95 = HUGE_VAL;
+  for (const response::Degrees& degrees : candidates(bias, scales.friction())) {
+    scales.degrees = degrees;
+    const HeldOutFigures f = held_out_figures(drawn, scales);
+    if (f.samples == 0 || !(f.p95 < best.held_out.p95)) continue;
+    best = {degrees, 16, f, f.p95 <= tolerance};
+    if (best.met) break;
+  }
+  if (best.held_out.samples == 0) return usual_degrees(drawn, scales, bias);
+  scales.degrees = best.degrees;
+  for (scales.bits = 8; scales.bits < 16; scales.bits += 4) {
+    const HeldOutFigures f = held_out_figures(drawn, scales);
+    const double most = std::max(best.held_out.p95, std::min(tolerance, best.held_out.p95 + kRounding * tolerance));
+    if (!(f.samples == best.held_out.samples && f.p95 <= most)) continue;
+    best.bits = scales.bits;
+    best.held_out = f;
+    break;
+  }
+  return best;
+}
+
+}  // namespace palpate::fit

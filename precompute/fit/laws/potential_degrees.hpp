@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Chooses the degrees of a scene's responses: the fewest coefficients that meet the tolerance at samples left out.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "precompute/fit/laws/pair_fit.hpp"
+
+namespace palpate::fit {
+
+/// Relative errors at normal and tangential samples left out, over a draw of the pairs.
+struct HeldOutFigures {
+  std::size_t samples = 0;
+  double median = 0.0, p95 = 0.0, worst = 0.0;
+};
+
+struct DegreeChoice {
+  response::Degrees degrees;
+  int bits = 16;  ///< of a coefficient: the fewest that add at most a tenth of the tolerance to the error
+  HeldOutFigures held_out;
+  bool met = false;  ///< the tolerance is met; else the degrees have the least 95th percentile
+};
+
+/// Fits every candidate to four fifths of the samples of up to 24 pairs, drawn evenly, and compares it with the rest.
+/// `scales`: Z and X. `bias`: normal indentations have a tangential force that the responses must hold. `tolerance`: of
+/// the 95th percentile of the relative error. Pairs with too few samples to leave any out get usual degrees, 16 bits and
+/// no figures. Throws Error(numerical) when no pair can be fitted.
+DegreeChoice choose_degrees(const std::vector<const std::vector<Sample>*>& pairs, ResponseScales scales, bool bias,
+                            double tolerance);
+
+/// Samples of a pair in two parts, the same for every model: those that a fit reads, and every fifth of the others.
+/// The first part keeps the shallowest and the deepest normal sample and every path.
+struct SampleSplit {
+  std::vector<Sample> kept, left_out;
+};
+SampleSplit split_samples(const std::vector<Sample>& samples);
+
+/// Force (N) at a deflection (m), both in the site's frame.
+using ForceLaw = std::function<Eigen::Vector3d(const Eigen::Vector3d& deflection)>;
+/// A law fitted to samples; throws Error(numerical) where it cannot be.
+using LawFitter = std::function<ForceLaw(const std::vector<Sample>& samples)>;
+
+/// Errors at the parts left out of laws that `fit` fits to the kept parts. Pairs that cannot be fitted are passed over.
+HeldOutFigures held_out_figures(const std::vector<const std::vector<Sample>*>& pairs, const LawFitter& fit);
+
+/// The same for the quadratic potential.
+HeldOutFigures held_out_figures(const std::vector<const std::vector<Sample>*>& pairs, const ResponseScales& scales);
+
+}  // namespace palpate::fit

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "precompute/pipeline/plan_costs.hpp"
+
+#include <sys/resource.h>
+
+#include <vector>
+
+#include "palpate/format/response_layout.hpp"
+
+namespace palpate::pipeline {
+namespace {
+
+constexpr double kResponseBytes = 64;  // of 24 coefficients of 16 bits with their head
+constexpr double kProvenance = 4096;
+
+/// Processor time of this process and of the children that it waited for.
+double processor_seconds() {
+  double seconds = 0;
+  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage usage{};
+    ::getrusage(who, &usage);
+    for (const timeval& t : {usage.ru_utime, usage.ru_stime}) {
+      seconds += static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+    }
+  }
+  return seconds;
+}
+
+double peak_bytes() {
+  double kilobytes = 0;
+  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage usage{};
+    ::getrusage(who, &usage);
+    kilobytes += static_cast<double>(usage.ru_maxrss);
+  }
+  return 1024 * kilobytes;
+}
+
+double file_bytes(const Pipeline& p) {
+  const ContactSurface contact = contact_surface(p);
+  std::size_t vertices = 0;
+  for (const Tool& tool : p.tools) vertices += tool.vertices.size();
+  return kProvenance +
+         static_cast<double>(p.mesh.points.size()) *
+             (sizeof(layout::Site) + kResponseBytes * static_cast<double>(vertices)) +
+         static_cast<double>(contact.points.size()) * sizeof(layout::Point) +
+         static_cast<double>(contact.triangles.size()) * sizeof(layout::SurfaceTriangle);
+}
+
+}  // namespace
+
+PlanCosts cost_plan(const Pipeline& p) {
+  JournalContent journal;
+  if (std::filesystem::exists(p.paths.journal)) journal = read_journal(p.paths.journal, p.manifest);
+  PlanCosts costs;
+  std::array<std::vector<std::uint32_t>, 3> pairs;
+  for (std::uint32_t pair = 0; pair < p.plan.pairs.size(); ++pair) {
+    if (!p.sources.solved(pair)) continue;
+    const auto role = static_cast<std::size_t>(p.plan.pairs[pair].role);
+    pairs[role].push_back(pair);
+    ++costs.roles[role].pairs;
+    const auto at = journal.pairs.find(pair);
+    if (at == journal.pairs.end() || !at->second.outcome) ++costs.roles[role].open;
+  }
+  const PairSolver solver = contact_solver(p);
+  for (std::size_t role = 0; role < 2; ++role) {
+    if (pairs[role].empty()) continue;
+    const double before = processor_seconds();
+    solver(p.plan.pairs[pairs[role][pairs[role].size() / 2]], {});
+    costs.roles[role].seconds = processor_seconds() - before;
+  }
+  costs.roles[2].seconds = costs.roles[1].seconds;
+  for (const RoleCost& role : costs.roles) costs.processor_seconds += static_cast<double>(role.open) * role.seconds;
+  costs.peak_bytes = peak_bytes();
+  costs.file_bytes = file_bytes(p);
+  return costs;
+}
+
+}  // namespace palpate::pipeline

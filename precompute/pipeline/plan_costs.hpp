@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Costs of a plan, from a timed pair of each role.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "precompute/pipeline/pipeline.hpp"
+
+namespace palpate::pipeline {
+
+/// By PairRole.
+struct RoleCost {
+  std::size_t pairs = 0;  ///< planned
+  std::size_t open = 0;   ///< of these without an outcome
+  double seconds = 0.0;   ///< of a processor for one pair: straight for hidden ones, too
+};
+
+struct PlanCosts {
+  std::array<RoleCost, 3> roles;
+  double processor_seconds = 0.0;  ///< of all open pairs of this round
+  double peak_bytes = 0.0;         ///< of memory: this process and its largest child, after the timed pairs
+  double file_bytes = 0.0;         ///< of the response file with the sites of this round
+};
+
+/// Solves the middle pair in full and the middle straight push of the plan (nothing is kept) and multiplies. Needs
+/// plan().
+PlanCosts cost_plan(const Pipeline& pipeline);
+
+}  // namespace palpate::pipeline

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Which pairs of a plan are recorded or follow a closed form, and their samples.
+#pragma once
+
+#include <vector>
+
+#include "formats/scene/scene.hpp"
+#include "formats/scene/scene_sources.hpp"
+#include "precompute/bake/plan.hpp"
+#include "precompute/common/body.hpp"
+#include "precompute/fit/given_pairs.hpp"
+#include "precompute/sites/haptic_mesh.hpp"
+#include "precompute/tool/tool.hpp"
+
+namespace palpate {
+
+/// Reads the scene's recordings and applies its laws. Throws Error(bad_input) that names the recording's line, or the
+/// scene and the law, and what is wrong; Error(io) where a recording cannot be read.
+PairSources find_sources(const Scene& scene, const SceneSources& wanted, const Body& body,
+                         const std::vector<Tool>& tools, const HapticMesh& mesh, const Plan& plan);
+
+}  // namespace palpate

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// CGAL alpha wrap and convex hull.
+#include "precompute/geometry/cgal_mesh.hpp"
+#include "precompute/geometry/topology.hpp"
+#include "precompute/surface/repair/kernel.hpp"
+
+#include <CGAL/alpha_wrap_3.h>
+#include <CGAL/convex_hull_3.h>
+
+namespace palpate {
+
+Surface alpha_wrap(const Surface& soup, double alpha, double offset) {
+  const auto [points, polygons] = to_cgal_soup(soup);
+  std::vector<std::array<std::size_t, 3>> solid;
+  for (std::size_t t = 0; t < polygons.size(); ++t) {
+    if (!is_degenerate(soup, t)) solid.push_back(polygons[t]);
+  }
+  CgalMesh mesh;
+  if (!solid.empty()) CGAL::alpha_wrap_3(points, solid, alpha, offset, mesh);
+  Surface surface = from_cgal_mesh(mesh, FirstCorner::target);
+  surface.part_names = {"wrap"};
+  surface.parts.assign(surface.triangles.size(), 0);
+  return surface;
+}
+
+double hull_volume(const Surface& surface) {
+  const auto points = to_cgal_soup(surface).points;
+  CgalMesh hull;
+  CGAL::convex_hull_3(points.begin(), points.end(), hull);
+  if (hull.number_of_faces() < 4) return 0.0;
+  return signed_volume(from_cgal_mesh(hull));
+}
+
+}  // namespace palpate

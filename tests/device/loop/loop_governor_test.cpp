@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// When there is a force and how much of it: every rule of the governor, each against the one fault that it is for.
+#include "tests/device/loop/scripted_device.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+namespace palpate::test {
+namespace {
+
+using device::Cause;
+using device::Fault;
+using device::Governor;
+using device::GovernorOptions;
+using device::Mode;
+using device::TickInput;
+using device::TickOutput;
+
+constexpr double kPeriod = 1e-3;
+
+/// Ticks of 1 ms with samples of half a millisecond, until a test says otherwise.
+class GovernorRules : public testing::Test {
+protected:
+  TickOutput tick(const std::function<void(TickInput&)>& change = {}) {
+    TickInput seen;
+    seen.number = ++number_;
+    seen.seconds = kPeriod;
+    time_ += kPeriod;
+    seen.time = time_;
+    seen.sample.time = time_ - 0.0005;
+    seen.sample.phase = Phase::ready;
+    if (change) change(seen);
+    return governor_.step(seen, source_);
+  }
+  TickOutput ticks(int count, const std::function<void(TickInput&)>& change = {}) {
+    TickOutput out;
+    for (int k = 0; k < count; ++k) out = tick(change);
+    return out;
+  }
+  void engage() { ASSERT_EQ(ticks(1001).mode, Mode::engaged); }
+
+  Governor governor_{GovernorOptions{}};
+  KnownSource source_;
+
+private:
+  double time_ = 50;
+  std::uint32_t number_ = 0;
+};
+
+double size(const TickOutput& out) { return length(out.command.force); }
+
+TEST_F(GovernorRules, NoForceUntilTheDeviceIsReady) {
+  for (const Phase phase : {Phase::closed, Phase::starting, Phase::homing}) {
+    const TickOutput out = ticks(2000, [&](TickInput& seen) { seen.sample.phase = phase; });
+    EXPECT_EQ(size(out), 0);
+    EXPECT_EQ(out.mode, Mode::waiting);
+    EXPECT_EQ(out.cause, Cause::not_ready);
+  }
+  EXPECT_GT(size(tick()), 0);
+}
+
+TEST_F(GovernorRules, TheForceGrowsOverTheRampAndNoFaster) {
+  double before = 0;
+  for (int k = 1; k <= 1000; ++k) {
+    const TickOutput out = tick();
+    ASSERT_NEAR(size(out), 2e-3 * k, 1e-9);
+    ASSERT_LE(size(out) - before, 2e-3 + 1e-9);
+    before = size(out);
+  }
+  EXPECT_EQ(tick().mode, Mode::engaged);
+  EXPECT_EQ(size(tick()), 2);
+}
+
+TEST_F(GovernorRules, SaturationKeepsTheDirectionOfAnyForce) {
+  engage();
+  const Vec3 directions[] = {{1, 0, 0}, {-1, 2, -3}, {1e-3, -1, 1e-6}};
+  for (const Vec3& d : directions) {
+    for (const double newtons : {1e-6, 2.999, 3.0, 3.001, 40.0, 32768.0, 1e9, 1e150}) {
+      const Vec3 u = (1 / length(d)) * d;
+      source_.next.force = newtons * u;
+      const TickOutput out = tick();
+      ASSERT_NEAR(size(out), std::min(newtons, 3.0), 1e-9 * size(out));
+      ASSERT_NEAR(length(out.command.force - size(out) * u), 0, 1e-9 * size(out));
+    }
+  }
+}
+
+TEST_F(GovernorRules, WhatIsNotFiniteIsNoForce) {
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e200}) {
+    Governor governor{GovernorOptions{}};
+    std::swap(governor, governor_);
+    source_.next.force = {0, 0, 2};
+    engage();
+    source_.next.force = {0, bad, 0};
+    const TickOutput out = tick();
+    EXPECT_EQ(size(out), 0);
+    EXPECT_EQ(out.cause, Cause::source);
+  }
+}
+
+TEST_F(GovernorRules, TorqueIsLeftOutUnlessItHasALimit) {
+  source_.next.torque = {0, 5, 0};
+  engage();
+  EXPECT_EQ(length(tick().command.torque), 0);
+  GovernorOptions options;
+  options.torque_limit = 0.1;
+  governor_ = Governor(options);
+  engage();
+  EXPECT_NEAR(tick().command.torque.y, 0.1, 1e-12);
+}
+
+TEST_F(GovernorRules, AStaleSampleTakesTheForceAtOnceAndTheRampGivesItBack) {
+  engage();
+  EXPECT_GT(size(tick([](TickInput& seen) { seen.sample.time = seen.time - 0.0049; })), 0);
+  for (const double age : {0.0051, 1.0, -0.1, std::numeric_limits<double>::quiet_NaN()}) {
+    engage();
+    const int resets = source_.resets;
+    const TickOutput out = tick([&](TickInput& seen) { seen.sample.time = seen.time - age; });
+    EXPECT_EQ(size(out), 0) << age;
+    EXPECT_EQ(out.mode, Mode::suspended);
+    EXPECT_EQ(out.cause, Cause::stale);
+    EXPECT_EQ(source_.resets, resets + 1) << "a depth reached meanwhile must give no force back";
+    EXPECT_LE(size(tick()), 2e-3 + 1e-9);
+  }
+}
+
+TEST_F(GovernorRules, SilenceForHalfASecondIsTheEnd) {
+  engage();
+  const auto silent = [](TickInput& seen) { seen.sample.time = seen.time - 1; };
+  EXPECT_EQ(ticks(499, silent).mode, Mode::suspended);
+  const TickOutput out = ticks(3, silent);
+  EXPECT_EQ(out.mode, Mode::stopped);
+  EXPECT_EQ(out.cause, Cause::stale);
+  EXPECT_EQ(tick().mode, Mode::stopped) << "it comes back too late";
+}
+
+TEST_F(GovernorRules, ALateTickGivesNoForce) {
+  engage();
+  for (const double seconds : {0.0101, 3.0, 0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    const TickOutput out = tick([&](TickInput& seen) { seen.seconds = seconds; });
+    EXPECT_EQ(size(out), 0) << seconds;
+  }
+}
+
+TEST_F(GovernorRules, APoseThatIsNoneGivesNoForce) {
+  engage();
+  const TickOutput out = tick([](TickInput& seen) { seen.sample.pose.translation.x = NAN; });
+  EXPECT_EQ(size(out), 0);
+  EXPECT_EQ(out.cause, Cause::pose);
+  engage();
+  EXPECT_EQ(size(tick([](TickInput& seen) { seen.sample.pose.rotation[0] = 2; })), 0);
+}
+
+TEST_F(GovernorRules, ATrackerThatDiesTakesTheForceAndThenTheRun) {
+  engage();
+  source_.next.usable = false;
+  TickOutput out = tick();
+  EXPECT_EQ(size(out), 0);
+  EXPECT_EQ(out.mode, Mode::suspended);
+  EXPECT_EQ(out.cause, Cause::source);
+  out = ticks(600);
+  EXPECT_EQ(out.mode, Mode::stopped);
+}
+
+TEST_F(GovernorRules, EmergencyStopsLatch) {
+  const std::function<void(TickInput&)> stops[] = {
+      [](TickInput& seen) { seen.requests = TickInput::emergency_stop; },
+      [](TickInput& seen) { seen.sample.buttons = 8; },
+      [](TickInput& seen) { seen.sample.phase = Phase::stopped, seen.sample.fault = Fault::unplugged; },
+      [](TickInput& seen) { seen.sample.fault = Fault::impossible; }};
+  const Cause causes[] = {Cause::emergency, Cause::button, Cause::device, Cause::device};
+  for (int k = 0; k < 4; ++k) {
+    governor_ = Governor(GovernorOptions{});
+    engage();
+    TickOutput out = tick(stops[k]);
+    EXPECT_EQ(size(out), 0);
+    out = ticks(5000);  // without another request
+    EXPECT_EQ(out.mode, Mode::stopped);
+    EXPECT_EQ(out.cause, causes[k]);
+    EXPECT_EQ(size(out), 0);
+    EXPECT_EQ(out.fault, k == 2 ? Fault::unplugged : k == 3 ? Fault::impossible : Fault::none);
+  }
+}
+
+TEST_F(GovernorRules, OnlyTheButtonsThatAreNamedStop) {
+  GovernorOptions options;
+  options.stop_buttons = 2;
+  governor_ = Governor(options);
+  EXPECT_NE(tick([](TickInput& seen) { seen.sample.buttons = 1; }).mode, Mode::stopped);
+  EXPECT_EQ(tick([](TickInput& seen) { seen.sample.buttons = 3; }).mode, Mode::stopped);
+}
+
+TEST_F(GovernorRules, AStopThatIsAskedForTakesTheForceByTheRamp) {
+  engage();
+  const auto stop = [](TickInput& seen) { seen.requests = TickInput::stop; };
+  double before = 2;
+  for (int k = 1; k < 50; ++k) {
+    const TickOutput out = tick(k == 1 ? stop : std::function<void(TickInput&)>());  // one request is enough
+    ASSERT_EQ(out.mode, Mode::stopping);
+    ASSERT_LT(size(out), before);
+    ASSERT_NEAR(size(out), 2 * (1 - k / 50.0), 1e-9);
+    before = size(out);
+  }
+  const TickOutput out = ticks(2);
+  EXPECT_EQ(out.mode, Mode::stopped);
+  EXPECT_EQ(out.cause, Cause::asked);
+}
+
+TEST_F(GovernorRules, AStopBeforeAnyForceIsAtOnce) {
+  const TickOutput out = tick([](TickInput& seen) {
+    seen.sample.phase = Phase::homing;
+    seen.requests = TickInput::stop;
+  });
+  EXPECT_EQ(out.mode, Mode::stopped);
+  EXPECT_EQ(out.cause, Cause::asked);
+}
+
+TEST_F(GovernorRules, ATenthOfTheDeadlinesMayBeMissedInASecond) {
+  engage();
+  int number = 0;
+  const auto every = [&](int nth) {
+    return [&number, nth](TickInput& seen) { seen.missed = ++number % nth == 0 ? 1 : 0; };
+  };
+  EXPECT_EQ(ticks(5000, every(11)).mode, Mode::engaged);
+  const TickOutput out = ticks(1100, every(9));
+  EXPECT_EQ(out.mode, Mode::stopped);
+  EXPECT_EQ(out.cause, Cause::deadlines);
+}
+
+TEST_F(GovernorRules, MissedDeadlinesCountBeforeThereIsAForceToo) {
+  const TickOutput out = ticks(1100, [](TickInput& seen) {
+    seen.sample.phase = Phase::homing;
+    seen.missed = 1;
+  });
+  EXPECT_EQ(out.cause, Cause::deadlines);
+}
+
+TEST(GovernorOptions, EveryLimitIsChecked) {
+  EXPECT_EQ(GovernorOptions{}.validate(), nullptr);
+  const auto refuses = [](const char* word, auto change) {
+    GovernorOptions options;
+    change(options);
+    const char* wrong = options.validate();
+    ASSERT_NE(wrong, nullptr) << word;
+    EXPECT_NE(std::string(wrong).find(word), std::string::npos) << wrong;
+  };
+  for (const double bad : {-1.0, 1e9, std::numeric_limits<double>::quiet_NaN()}) {
+    refuses("rate", [&](GovernorOptions& o) { o.rate = bad; });
+    refuses("limit of the force", [&](GovernorOptions& o) { o.limit = bad; });
+    refuses("limit of the torque", [&](GovernorOptions& o) { o.torque_limit = bad; });
+    refuses("ramp up", [&](GovernorOptions& o) { o.ramp_up = bad; });
+    refuses("ramp down", [&](GovernorOptions& o) { o.ramp_down = bad; });
+    refuses("stale", [&](GovernorOptions& o) { o.stale = bad; });
+    refuses("gap", [&](GovernorOptions& o) { o.gap = bad; });
+    refuses("usable", [&](GovernorOptions& o) { o.silent = bad; });
+    refuses("missed", [&](GovernorOptions& o) { o.missed_share = bad; });
+  }
+  refuses("stale", [](GovernorOptions& o) { o.stale = 0.02; });
+}
+
+}  // namespace
+}  // namespace palpate::test

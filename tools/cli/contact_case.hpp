@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Contacts for commands that solve a few of them: of a scene's plan, or on a plain block.
+#pragma once
+
+#include "precompute/pipeline/pipeline.hpp"
+#include "precompute/verify/solver_bench.hpp"
+
+#include <string>
+#include <vector>
+
+namespace palpate::cli {
+
+struct ContactCase {
+  std::string name;
+  Scene scene;
+  Body body;
+  Tool tool;  ///< the scene's first; the contacts are of its first vertex
+  std::vector<BenchContact> contacts;
+};
+
+/// Up to `count` contacts spread evenly over the scene's plan. Throws as the pipeline does, and Error(bad_input) where
+/// the plan has none.
+ContactCase scene_contacts(const std::string& scene, int count);
+
+/// The same of a pipeline whose surface and haptic mesh are there.
+ContactCase plan_contacts(const pipeline::Pipeline& pipeline, const std::string& scene, int count);
+
+/// A sphere of `radius` (m) in the middle of a block of 2 half x 2 half x half (m), pressed to `depth` (m).
+ContactCase block_contact(double half, double radius, double depth, double friction);
+
+}  // namespace palpate::cli
