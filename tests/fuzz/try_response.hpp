@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "palpate/contact/contact.hpp"
-#include "palpate/contact/tool_set.hpp"
 #include "palpate/format/checksum.hpp"
 #include "palpate/format/open.hpp"
 #include "palpate/response/interpolation.hpp"
+#include "palpate/shared/tool_set.hpp"
 #include "tests/fuzz/promise.hpp"
 
 namespace palpate::test {

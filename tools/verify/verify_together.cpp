@@ -3,8 +3,8 @@
 
 #include "formats/io/error.hpp"
 #include "formats/io/same_file.hpp"
-#include "palpate/contact/tool_set.hpp"
 #include "palpate/format/open.hpp"
+#include "palpate/shared/tool_set.hpp"
 #include "precompute/fit/closed_form.hpp"
 #include "precompute/pipeline/pipeline.hpp"
 #include "precompute/verify/contact_checks.hpp"

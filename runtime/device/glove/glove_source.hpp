@@ -5,9 +5,9 @@
 #include "device/glove/glove_options.hpp"
 #include "device/glove/hand_calibration.hpp"
 #include "device/loop/force_source.hpp"
-#include "palpate/contact/tool_set.hpp"
 #include "palpate/output/device_frame.hpp"
 #include "palpate/output/output_chain.hpp"
+#include "palpate/shared/tool_set.hpp"
 
 #include <algorithm>
 #include <utility>

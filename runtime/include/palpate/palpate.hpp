@@ -9,7 +9,6 @@
 #include "palpate/contact/contact.hpp"
 #include "palpate/contact/contact_set.hpp"
 #include "palpate/contact/superposition.hpp"
-#include "palpate/contact/tool_set.hpp"
 #include "palpate/format/open.hpp"
 #include "palpate/format/response_view.hpp"
 #include "palpate/output/device_frame.hpp"
@@ -19,4 +18,5 @@
 #include "palpate/output/virtual_coupling.hpp"
 #include "palpate/shared/compliance.hpp"
 #include "palpate/shared/joint_contacts.hpp"
+#include "palpate/shared/tool_set.hpp"
 #include "palpate/threading/triple_buffer.hpp"

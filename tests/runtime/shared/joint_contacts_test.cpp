@@ -2,7 +2,7 @@
 // Tools that feel each other's dents: against the root of their equations, round closed motions, and at extremes.
 #include "palpate/shared/joint_contacts.hpp"
 
-#include "palpate/contact/tool_set.hpp"
+#include "palpate/shared/tool_set.hpp"
 #include "tests/runtime/support.hpp"
 
 #include <algorithm>
