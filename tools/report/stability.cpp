@@ -7,7 +7,7 @@
 
 #include "formats/io/error.hpp"
 #include "precompute/verify/held_out/statistics.hpp"
-#include "precompute/verify/stiff_cells.hpp"
+#include "precompute/verify/battery/stiff_cells.hpp"
 #include "tools/cli/verify_checks.hpp"
 #include "tools/report/numbers.hpp"
 #ifdef PALPATE_DEVICES

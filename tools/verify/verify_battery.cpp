@@ -2,7 +2,7 @@
 #include "tools/verify/verify_battery.hpp"
 
 #include "formats/io/error.hpp"
-#include "precompute/verify/battery.hpp"
+#include "precompute/verify/battery/battery.hpp"
 #include "tools/bench/tick_bench.hpp"
 #include "tools/cli/interrupt.hpp"
 #include "tools/cli/output.hpp"

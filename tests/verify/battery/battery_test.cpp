@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The stiff battery: its cells reach the ends they name, and results are counted, checked and refused as they should.
 // All cells: palpate verify --battery stiff.
-#include "precompute/verify/battery.hpp"
+#include "precompute/verify/battery/battery.hpp"
 
 #include "precompute/common/draw.hpp"
 #include "precompute/solve/pair/sample_difference.hpp"

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "formats/journal/samples.hpp"
-#include "precompute/verify/stiff_cells.hpp"
+#include "precompute/verify/battery/stiff_cells.hpp"
 
 #include <cstdint>
 #include <functional>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One function a family, each a few loops over what it drives to its ends.
-#include "precompute/verify/stiff_cells.hpp"
+#include "precompute/verify/battery/stiff_cells.hpp"
 
 #include "precompute/geometry/solids.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "precompute/verify/battery.hpp"
+#include "precompute/verify/battery/battery.hpp"
 
 #include "formats/io/error.hpp"
 #include "precompute/common/draw.hpp"
