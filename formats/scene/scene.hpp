@@ -53,7 +53,9 @@ struct MaterialScene {
     double mu = 0.0;     ///< Pa
     double alpha = 0.0;  ///< not 0
   };
+  enum class Volumetric { coupled, isochoric };
   Law law = Law::neo_hookean;
+  Volumetric volumetric = Volumetric::coupled;  ///< isochoric: the law sees J^(-1/3) F; not linear, not st_venant
   std::string tissue;              ///< neo_hookean: what young was taken from; empty: the scene says it
   double young = 5e3;              ///< Pa at small strain (of the matrix, where there are fibres), > 0
   double poisson = 0.49;           ///< at small strain, [0, 0.4999]; linear and St. Venant: [0, 0.45]
@@ -135,6 +137,7 @@ struct SamplingScene {
   enum class FrictionLimit { estimated, solved };
   double spacing = 0.0;  ///< m; edge length of the body patches; 0: sites are added until response.tolerance holds
   double margin_spacing = 0.0;    ///< m; edge length at sharp margins; 0 chooses spacing / 2; = spacing: uniform
+  std::vector<Eigen::Vector3d> sites;  ///< m; places that are sampled beside those of the spacing, all of `depth` deep
   double depth = 0.005;           ///< m; deepest push, > 0
   double depth_fraction = 0.6;    ///< of the local thickness, (0, 0.8]
   int normal_points = 12;         ///< points of a normal curve, [4, 64]
@@ -164,7 +167,8 @@ struct SolverScene {
   double growth = 0.7;      ///< growth of the edge length per distance from the contact, (0, 1]
   double max_size = 0.0;    ///< m; longest edge far away; 0: 1/8 of the box's diagonal, or twice the median wall
   double rim_size = 0.0;    ///< element edge at the rim of the deepest contact, in contact radii, [0, 1]; 0: no ring
-  double time_limit = 120;  ///< s for one pair's mesh; beyond it the pair is refused
+  double time_limit = 30;   ///< s of processor time for one pair; what was solved until then is kept
+  double memory_limit = 1000;  ///< MB of a pair's Cholesky factor; a mesh that needs more is refused
   /// Share of the pairs, at least one, whose normal indentation is also solved on a finer mesh, [0, 1]; 0: none.
   double check_share = 0.01;
   int check_seed = 1;  ///< of the draw of these pairs

@@ -96,6 +96,19 @@ Key<M> of_law(Law law, Key<M> key, const char* example) {
   return key;
 }
 
+/// Shown only where it is not the default: other scenes' texts stay as they were without the key.
+Key<M> volumetric_key() {
+  Key<M> key = choice(
+      "volumetric", &M::volumetric, {"coupled", "isochoric"},
+      "How a change of volume, J = det F, enters. coupled: W(F) + K/2 (J - 1)^2 + p (J - 1), with K and p such that F "
+      "= I "
+      "is free of stress and Poisson's ratio holds there. isochoric: W(J^(-1/3) F) + K/2 (J - 1)^2 with the bulk "
+      "modulus K, the split of FEBio, CalculiX and Abaqus. J of the second terms is an element's mean.");
+  key.show = [show = key.show](const M& m) { return m.volumetric == M::Volumetric::coupled ? std::string() : show(m); };
+  key.example = "\"isochoric\"";
+  return key;
+}
+
 /// Shear modulus at small strain (Pa) of laws with moduli of their own.
 double shear_modulus(const M& m) {
   switch (m.law) {
@@ -144,6 +157,7 @@ const Keys<MaterialScene>& material_keys() {
        },
        [](const M&) { return std::string(); }, "\"liver\""},
       number("poisson", &M::poisson, {0, 0.4999, false, ""}, "Poisson's ratio at small strain."),
+      volumetric_key(),
       of_law(Law::mooney_rivlin, number("c10", &M::c10, kModulusOrNone, "mooney-rivlin: factor of I1 - 3."), "500"),
       of_law(Law::mooney_rivlin, number("c01", &M::c01, kModulusOrNone, "mooney-rivlin: factor of I2 - 3."), "300"),
       of_law(Law::ogden,
@@ -194,7 +208,7 @@ void check_material(MaterialScene& m, const toml::table& table, const Place& pla
   const std::string law = show(kLaws[static_cast<std::size_t>(m.law)]);
   for (const Key<M>& key : material_keys()) {
     const toml::node* node = table.get(key.name);
-    if (node == nullptr || key.name == "law" || key.name == "poisson") continue;
+    if (node == nullptr || key.name == "law" || key.name == "poisson" || key.name == "volumetric") continue;
     if (std::find(mine.names.begin(), mine.names.end(), key.name) == mine.names.end()) {
       fail(place.below(key.name), node,
            "a material of law " + law + " has no such key; it has: poisson, " + show(mine.names));
@@ -204,7 +218,13 @@ void check_material(MaterialScene& m, const toml::table& table, const Place& pla
     if (!table.contains(mine.names[k]))
       fail(place.below(mine.names[k]), &table, "missing; a material of law " + law + " needs it");
   }
-  if ((m.law == Law::linear || m.law == Law::st_venant) && m.poisson > kMostPlain) {
+  const bool plain = m.law == Law::linear || m.law == Law::st_venant,
+             isochoric = m.volumetric == M::Volumetric::isochoric;
+  if (plain && isochoric) {
+    fail(place.below("volumetric"), table.get("volumetric"),
+         "got \"isochoric\"; the law " + law + " has its own change of volume: leave the key out");
+  }
+  if (plain && m.poisson > kMostPlain) {
     fail(place.below("poisson"), table.contains("poisson") ? table.get("poisson") : &table,
          "got " + show(m.poisson) + "; allowed 0 <= x <= " + show(kMostPlain) + " for the law " + law);
   }
@@ -216,7 +236,7 @@ void check_material(MaterialScene& m, const toml::table& table, const Place& pla
     fail(place.below(mine.names.front()), &table,
          "the shear modulus at small strain is " + show(shear) + " Pa; allowed x > 0");
   }
-  if (m.law == Law::veronda_westmann && !(volume_modulus(m) > 0)) {
+  if (m.law == Law::veronda_westmann && !isochoric && !(volume_modulus(m) > 0)) {
     fail(place.below("poisson"), table.contains("poisson") ? table.get("poisson") : &table,
          "got " + show(m.poisson) + "; the exponential alone resists changes of volume more than that, so beta = " +
              show(m.beta) + " needs a Poisson's ratio nearer to 0.5");

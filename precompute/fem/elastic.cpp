@@ -3,6 +3,7 @@
 #include "precompute/fem/elastic.hpp"
 
 #include "formats/io/error.hpp"
+#include "precompute/fem/materials/determinant.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -21,14 +22,6 @@ using Eigen::VectorXd;
 using Nodes = Eigen::Matrix<double, 3, 10>;
 
 constexpr int kPoints = kElementPoints;
-
-Matrix3d cofactor(const Matrix3d& f) {
-  Matrix3d c;
-  c.col(0) = f.col(1).cross(f.col(2));
-  c.col(1) = f.col(2).cross(f.col(0));
-  c.col(2) = f.col(0).cross(f.col(1));
-  return c;
-}
 
 Matrix3d skew(const Vector3d& v) {
   Matrix3d m;

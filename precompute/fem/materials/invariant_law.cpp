@@ -2,6 +2,7 @@
 // Derivatives of the invariants, and the laws that are written in them.
 #include "precompute/fem/materials/invariant_law.hpp"
 
+#include "precompute/fem/materials/determinant.hpp"
 #include "precompute/fem/materials/guarded.hpp"
 
 #include <Eigen/Geometry>
@@ -14,23 +15,13 @@ using Eigen::Vector3d;
 namespace {
 
 struct Invariants {
-  explicit Invariants(const Matrix3d& f) {
-    cofactor.col(0) = f.col(1).cross(f.col(2));
-    cofactor.col(1) = f.col(2).cross(f.col(0));
-    cofactor.col(2) = f.col(0).cross(f.col(1));
-    i1 = f.squaredNorm();
-    i2 = cofactor.squaredNorm();
-    j = f.col(0).dot(cofactor.col(0));
-  }
+  explicit Invariants(const Matrix3d& f)
+      : slope(cofactor(f)), i1(f.squaredNorm()), i2(slope.squaredNorm()), j(f.col(0).dot(slope.col(0))) {}
+  Matrix3d slope;  // of j
   double i1, i2, j;
-  Matrix3d cofactor;
 };
 
 Matrix3d slope_of_i2(const Matrix3d& f, double i1) { return 2 * (i1 * f - f * f.transpose() * f); }
-
-Eigen::Matrix<double, 9, 1> stacked(const Matrix3d& m) {
-  return Eigen::Map<const Eigen::Matrix<double, 9, 1>>(m.data());
-}
 
 // d2 I2 = 4 (F:d)(F:d) + 2 I1 d:d - 2 (d C + F d^T F + B d):d
 void add_curvature_of_i2(const Matrix3d& f, double i1, double scale, Tangent& t) {
@@ -48,18 +39,6 @@ void add_curvature_of_i2(const Matrix3d& f, double i1, double scale, Tangent& t)
   }
 }
 
-// d2 J is linear in F: the cross products of its columns.
-void add_curvature_of_j(const Matrix3d& f, double scale, Tangent& t) {
-  for (int a = 0; a < 3; ++a) {
-    const int b = (a + 1) % 3, n = (a + 2) % 3;
-    const Vector3d v = scale * f.col(n);
-    Matrix3d cross;  // cross(i, k) = epsilon_ikm v_m
-    cross << 0, v.z(), -v.y(), -v.z(), 0, v.x(), v.y(), -v.x(), 0;
-    t.block<3, 3>(3 * a, 3 * b) += cross;
-    t.block<3, 3>(3 * b, 3 * a) += cross.transpose();
-  }
-}
-
 }  // namespace
 
 double InvariantLaw::energy(const Matrix3d& f, const Vector3d& /*fibre*/) const {
@@ -70,7 +49,7 @@ double InvariantLaw::energy(const Matrix3d& f, const Vector3d& /*fibre*/) const 
 double InvariantLaw::stress(const Matrix3d& f, const Vector3d& /*fibre*/, Matrix3d& stress) const {
   const Invariants i(f);
   const InvariantEnergy w = at(i.i1, i.i2, i.j);
-  stress = 2 * w.first[0] * f + w.first[1] * slope_of_i2(f, i.i1) + w.first[2] * i.cofactor;
+  stress = 2 * w.first[0] * f + w.first[1] * slope_of_i2(f, i.i1) + w.first[2] * i.slope;
   return w.value;
 }
 
@@ -78,7 +57,7 @@ Tangent InvariantLaw::tangent(const Matrix3d& f, const Vector3d& /*fibre*/) cons
   const Invariants i(f);
   const InvariantEnergy w = at(i.i1, i.i2, i.j);
   Eigen::Matrix<double, 9, 3> slopes;
-  slopes << stacked(2 * f), stacked(slope_of_i2(f, i.i1)), stacked(i.cofactor);
+  slopes << stacked(2 * f), stacked(slope_of_i2(f, i.i1)), stacked(i.slope);
   Tangent t = slopes * w.second * slopes.transpose();
   t.diagonal().array() += 2 * w.first[0];
   if (w.first[1] != 0) add_curvature_of_i2(f, i.i1, w.first[1], t);
@@ -108,17 +87,6 @@ InvariantEnergy StVenantKirchhoff::at(double i1, double i2, double /*j*/) const 
   w.value = lambda_ / 8 * (i1 - 3) * (i1 - 3) + mu_ / 4 * (i1 * i1 - 2 * i2 - 2 * i1 + 3);
   w.first = {lambda_ / 4 * (i1 - 3) + mu_ / 2 * (i1 - 1), -mu_ / 2, 0};
   w.second(0, 0) = lambda_ / 4 + mu_ / 2;
-  return w;
-}
-
-InvariantEnergy Isochoric::at(double i1, double i2, double j) const {
-  const Guarded p = guarded_power(j, -2.0 / 3, kFlattest), q = guarded_power(j, -4.0 / 3, kFlattest);
-  InvariantEnergy w;
-  w.value = c10_ * (p.value * i1 - 3) + c01_ * (q.value * i2 - 3);
-  w.first = {c10_ * p.value, c01_ * q.value, c10_ * p.first * i1 + c01_ * q.first * i2};
-  w.second(0, 2) = w.second(2, 0) = c10_ * p.first;
-  w.second(1, 2) = w.second(2, 1) = c01_ * q.first;
-  w.second(2, 2) = c10_ * p.second * i1 + c01_ * q.second * i2;
   return w;
 }
 

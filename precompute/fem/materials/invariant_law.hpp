@@ -54,17 +54,6 @@ private:
   double mu_, lambda_;
 };
 
-/// c10 (J^(-2/3) I1 - 3) + c01 (J^(-4/3) I2 - 3): Mooney-Rivlin of the distortion alone, as general packages have it.
-/// Below J = 0.1 the powers go on as parabolas.
-class Isochoric final : public InvariantLaw {
-public:
-  Isochoric(double c10, double c01) : c10_(c10), c01_(c01) {}
-
-private:
-  [[nodiscard]] InvariantEnergy at(double i1, double i2, double j) const override;
-  double c10_, c01_;
-};
-
 /// slope (J - 1) + bulk/2 (J - 1)^2, for the comparison element that has no mean dilatation.
 class Volume final : public InvariantLaw {
 public:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "precompute/verify/ccx/ccx_case.hpp"
 
+#include "precompute/fem/materials/distortion.hpp"
 #include "precompute/fem/materials/invariant_law.hpp"
 #include "precompute/geometry/solids.hpp"
 
@@ -10,6 +11,8 @@
 
 namespace palpate {
 namespace {
+
+using Laws = std::vector<std::shared_ptr<const Law>>;
 
 constexpr double kYoung = 5e3, kRadius = 0.005, kDeepest = 0.4, kHalf = 4 * kRadius;
 
@@ -41,7 +44,8 @@ CcxCase make_case(ToolScene::Shape shape, double share_of_i2, double poisson, in
   const double mu = kYoung / (2 * (1 + poisson));
   c.law.c01 = 0.5 * mu * share_of_i2;
   c.law.c10 = 0.5 * mu - c.law.c01;
-  c.material = Material::of(0, {std::make_shared<Isochoric>(c.law.c10, c.law.c01)}, poisson);
+  c.material = Material::of(
+      0, {std::make_shared<Distortion>(2 * c.law.c10, Laws{std::make_shared<SecondInvariant>(c.law.c01)})}, poisson);
   c.law.bulk = c.material.bulk;
   for (int k = 1; k <= depths; ++k) c.depths.push_back(kDeepest * kRadius * k / depths);
   return c;
