@@ -14,6 +14,20 @@ namespace {
 constexpr Range kLengthOrAuto{0, 10, false, "m"};
 const std::vector<std::string> kFrames{"LPS", "RAS"};
 constexpr std::size_t kLongestToolName = sizeof(layout::ToolRecord::name) - 1;
+constexpr double kLeastApart = 1e-6;  // m, of two given sites: nearer ones are one vertex of a mesh
+
+std::vector<Eigen::Vector3d> to_points(const Place& place, const toml::node& value) {
+  const auto* list = value.as_array();
+  if (list == nullptr || list->empty()) fail_value(place, value, "points [[x, y, z], ...], m");
+  std::vector<Eigen::Vector3d> points;
+  for (const toml::node& node : *list) {
+    points.push_back(to_vector(place, node, {-1000, 1000, false, "m"}));
+    for (std::size_t k = 0; k + 1 < points.size(); ++k) {
+      if ((points[k] - points.back()).norm() < kLeastApart) fail_value(place, node, "places at least 1e-6 m apart");
+    }
+  }
+  return points;
+}
 
 }  // namespace
 
@@ -165,6 +179,20 @@ const Keys<SamplingScene>& sampling_keys() {
                                        "Without a spacing: no more sites are added once there are so many.")),
       number("margin_spacing", &S::margin_spacing, {0, 1, false, "m"},
              "Edge length at sharp margins, at most spacing, and only with one; 0: spacing / 2."),
+      {"sites", Affects::solves,
+       "Places that are sampled beside those of the spacing: each becomes a site at the nearest point of the surface, "
+       "at "
+       "most depth away, inside within_box or not, and is pushed to exactly depth.",
+       "[[x, y, z], ...], m, all different",
+       [](S& sampling, const toml::node& value, const toml::table&, const Place& place) {
+         sampling.sites = to_points(place, value);
+       },
+       [](const S& s) {
+         std::string text;
+         for (const Eigen::Vector3d& p : s.sites) text += (text.empty() ? "[" : ", ") + show(p);
+         return text.empty() ? text : text + "]";
+       },
+       "[[0, 0, 0.03]]"},
       number("depth", &S::depth, {0, 1, true, "m"},
              "Deepest push; without it no deeper than the radius of a sphere or a capsule, whose handle "
              "would touch as well."),
@@ -234,7 +262,10 @@ const Keys<SolverScene>& solver_keys() {
       number("rim_size", &S::rim_size, {0, 1, false, ""},
              "Element edge of a ring of fine elements at the deepest contact's rim, in contact radii: for an accurate "
              "tangential stiffness, at the price of time; 0: no ring."),
-      number("time_limit", &S::time_limit, {0, 86400, true, "s"}, "Time for one pair's mesh; beyond it: refused."),
+      number("time_limit", &S::time_limit, {0, 86400, true, "s"},
+             "Processor time for one pair, over all its meshes and pushes; what was solved until then is kept."),
+      number("memory_limit", &S::memory_limit, {0, 1e6, true, "MB"},
+             "Memory for the factor of one pair's stiffness; a mesh that needs more is refused."),
       number(
           "check_share", &S::check_share, {0, 1, false, ""},
           "Share of the pairs, at least one, whose straight push the bake also solves on a finer mesh; one that is far "

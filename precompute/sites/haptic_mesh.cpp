@@ -58,11 +58,30 @@ std::string size_of(const Body& body) {
   return text;
 }
 
+// sampling.sites on the body's surface.
+std::vector<Vector3d> given_sites(const SamplingScene& sampling, const Body& body) {
+  std::vector<Vector3d> on_surface;
+  for (const Vector3d& site : sampling.sites) {
+    const ClosestPoint on = body.query->closest(site);
+    if (on.distance > sampling.depth) {
+      char text[160];
+      std::snprintf(
+          text, sizeof text,
+          "sampling.sites: (%g, %g, %g) m is %.3g mm away from the body's surface; allowed: the depth, %.3g mm",
+          site.x(), site.y(), site.z(), 1e3 * on.distance, 1e3 * sampling.depth);
+      throw Error(ExitCode::bad_input, text);
+    }
+    on_surface.push_back(on.point);
+  }
+  return on_surface;
+}
+
 // Patches too wide for a body's folds may cross: then they are made smaller all over.
 AdaptedSurface adapt_to_sites(const SamplingScene& sampling, const Body& body, AdaptOptions options) {
+  const std::vector<Vector3d> given = given_sites(sampling, body);
   for (int halvings = 0;; ++halvings) {
     try {
-      return adapt_surface(body.base, *body.query, site_spacing(sampling, body), {}, options);
+      return adapt_surface(body.base, *body.query, site_spacing(sampling, body), given, options);
     } catch (const TooFine& error) {
       throw Error(ExitCode::bad_input, "sampling.spacing " +
                                            std::to_string(options.largest > 0 ? options.largest : sampling.spacing) +
@@ -192,6 +211,10 @@ HapticMesh make_haptic_mesh(const Scene& scene, const Body& body) {
                                          std::to_string(body.diagonal / 3) + " m" + size_of(body));
   }
   for (const Vector3d& v : adapted.surface.vertices) add_site(scene, body, body.query->closest(v).point, mesh);
+  for (const std::int32_t site : adapted.anchors) {
+    mesh.depth[std::size_t(site)] = sampling.depth;
+    mesh.selected[std::size_t(site)] = body.in_cavity(mesh.points[std::size_t(site)]) ? 0 : 1;
+  }
   mesh.edges = edge_lengths(mesh);
   return mesh;
 }

@@ -22,9 +22,11 @@ struct HapticMesh {
   std::vector<Eigen::Vector3d> normals;   ///< unit, outward, averaged over a third of the spacing
   std::vector<Eigen::Vector3d> tangents;  ///< unit, orthogonal to normals: the global x axis (y where n is near x)
   std::vector<double> thickness;          ///< m
-  std::vector<double> depth;              ///< m: min(scene depth, depth_fraction * (thickness; over a cavity with it))
+  std::vector<double> depth;              ///< m: min(scene depth, depth_fraction * (thickness; over a cavity with it)),
+                                          ///< at sampling.sites the scene depth
   std::vector<std::uint8_t> held;         ///< on a support
-  std::vector<std::uint8_t> selected;     ///< inside sampling.within_box (or no box given) and not in a cavity
+  std::vector<std::uint8_t> selected;     ///< of sampling.sites, or inside its within_box (or no box given); not in a
+                                          ///< cavity
   std::vector<std::array<std::int32_t, 3>> triangles;
 
   EdgeLengths edges;  ///< of the coarse mesh
@@ -35,9 +37,9 @@ struct HapticMesh {
 double normal_radius(const Scene& scene);
 
 /// Places sites about sampling.spacing apart, down to margin_spacing where the body is sharply curved or thinner
-/// than 1.5 times the spacing, which has to be above 0. Deterministic.
-/// Throws Error(bad_input) where the spacing leaves fewer than four sites or needs more triangles than adapt_surface
-/// makes, Error(numerical) as that.
+/// than 1.5 times the spacing, which has to be above 0, and one at each of sampling.sites. Deterministic.
+/// Throws Error(bad_input) where one of sampling.sites is more than the depth away from the surface, and where the
+/// spacing leaves fewer than four sites or needs more triangles than adapt_surface makes, Error(numerical) as that.
 HapticMesh make_haptic_mesh(const Scene& scene, const Body& body);
 
 /// Two sites of a patch, the lower first.

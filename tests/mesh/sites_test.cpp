@@ -7,8 +7,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <map>
+#include <string>
 
 namespace palpate {
 namespace {
@@ -39,6 +41,34 @@ void expect_sound(const HapticMesh& m, const Body& body) {
   coarse.vertices = m.points;
   coarse.triangles = m.triangles;
   EXPECT_TRUE(test::closed_and_oriented(coarse));
+}
+
+// Off the surface, outside the box and in a part too thin for the depth.
+TEST(Sites, GivenPlacesAreSitesOfExactlyTheDepth) {
+  const Body plate = test::body_of(test::box_surface({-0.05, -0.05, -0.006}, {0.05, 0.05, 0}), 0.01);
+  Scene scene = scene_with(0.02, 0.005);
+  scene.sampling.within_box = std::pair{Vector3d(0.02, 0.02, -1), Vector3d(1, 1, 1)};
+  scene.sampling.sites = {{-0.0131, 0.0072, 0.001}, {0.003, -0.0191, 0}};
+  const HapticMesh m = make_haptic_mesh(scene, plate);
+  expect_sound(m, plate);
+  for (const Vector3d& site : scene.sampling.sites) {
+    const Vector3d on(site.x(), site.y(), 0);
+    const auto at =
+        std::find_if(m.points.begin(), m.points.end(), [&](const Vector3d& p) { return (p - on).norm() < 1e-9; });
+    ASSERT_NE(at, m.points.end()) << site.transpose();
+    const auto k = std::size_t(at - m.points.begin());
+    EXPECT_EQ(m.depth[k], 0.005);
+    EXPECT_EQ(m.selected[k], 1);
+  }
+  for (std::size_t k = 0; k < m.points.size(); ++k) EXPECT_LE(m.depth[k], 0.005);
+  scene.sampling.sites = {{0, 0, 0.0051}};
+  try {
+    make_haptic_mesh(scene, plate);
+    FAIL() << "a site far off the surface was taken";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::bad_input);
+    EXPECT_NE(std::string(error.what()).find("5.1 mm away from the body's surface"), std::string::npos) << error.what();
+  }
 }
 
 TEST(Sites, BallHasEvenSpacingAndRadialNormals) {

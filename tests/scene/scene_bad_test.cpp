@@ -91,8 +91,15 @@ std::vector<Case> cases() {
       bad("solver", "rim_size", "-0.1", "0 <= x <= 1"),
       bad("solver", "rim_size", "1.5", "0 <= x <= 1"),
       bad("solver", "time_limit", "0", "0 < x <= 86400 s"),
+      bad("solver", "memory_limit", "0", "0 < x <= 1e+06 MB"),
+      bad("sampling", "sites", "[]", "points [[x, y, z], ...]"),
+      bad("sampling", "sites", "[[0, 0, 1], [0, 0, 1]]", "places at least 1e-6 m apart"),
   };
   const std::vector<Case> more{
+      {"volumetric_of_a_law_without",
+       "[material]\nlaw = \"linear\"\npoisson = 0.3\nvolumetric = \"isochoric\"\n",
+       6,
+       {"material.volumetric: got \"isochoric\"", "leave the key out"}},
       {"unknown_key", "[sampling]\ndeepth = 0.1\n", 4, {"sampling.deepth: unknown key", "did you mean 'depth'?"}},
       {"unknown_key_far",
        "[sampling]\nxyzzyplugh = 0.1\n",

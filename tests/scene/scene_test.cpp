@@ -195,6 +195,7 @@ tangential_points = 4
 friction_limit = "solved"
 max_refused = 0.1
 within_box = {min = [0, 0, 0], max = [1, 1, 1]}
+sites = [[0, 0, 0.1], [0.1, 0, 0.2]]
 [response]
 search = "bvh"
 tolerance = 0.03
@@ -204,6 +205,7 @@ growth = 0.5
 max_size = 0.02
 rim_size = 0.05
 time_limit = 60
+memory_limit = 200
 )");
   EXPECT_EQ(scene.name, "case 7");
   EXPECT_EQ(scene.body.surfaces[0].meshes, (std::vector<std::string>{"capsule", "bare_area"}));
@@ -247,6 +249,18 @@ time_limit = 60
   EXPECT_EQ(scene.response.search, ResponseScene::Search::bvh);
   EXPECT_EQ(scene.solver.rim_size, 0.05);
   EXPECT_EQ(scene.solver.time_limit, 60.0);
+  EXPECT_EQ(scene.solver.memory_limit, 200.0);
+  ASSERT_EQ(scene.sampling.sites.size(), 2U);
+  EXPECT_EQ(scene.sampling.sites[1], Eigen::Vector3d(0.1, 0, 0.2));
+}
+
+TEST_F(SceneTest, VolumetricSplitIsInTheTextWhereItIsGiven) {
+  const std::string body = "[body]\nsurface = \"a.ply\"\n";
+  const Scene isochoric = read(body + "[material]\nyoung = 1000\nvolumetric = \"isochoric\"\n");
+  EXPECT_EQ(isochoric.material.volumetric, MaterialScene::Volumetric::isochoric);
+  const Scene coupled = read(body + "[material]\nyoung = 1000\nvolumetric = \"coupled\"\n");
+  EXPECT_EQ(canonical_text(coupled), canonical_text(read(body + "[material]\nyoung = 1000\n")));
+  EXPECT_NE(canonical_text(isochoric), canonical_text(coupled));
 }
 
 TEST_F(SceneTest, ComplianceIsOfTheFileAlone) {
