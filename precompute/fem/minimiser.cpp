@@ -20,7 +20,8 @@ struct Correction {
 }  // namespace
 
 struct Minimiser::Impl {
-  Impl(const TetMesh& mesh, const std::vector<char>& fixed) : matrix(mesh, fixed), factor(matrix.matrix()) {
+  Impl(const TetMesh& mesh, const std::vector<char>& fixed, const SolveLimits& allowed)
+      : matrix(mesh, fixed), factor(matrix.matrix(), allowed.factor_bytes), limits(allowed) {
     for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
       if (!fixed[n]) free.push_back(static_cast<std::int32_t>(n));
     }
@@ -51,13 +52,14 @@ struct Minimiser::Impl {
   BlockMatrix matrix;
   std::vector<std::int32_t> free;
   Factor factor;
+  SolveLimits limits;
   bool factored = false;
   // Kept from call to call with the factor: a tool that moved on meets much the same stiffness.
   std::deque<Correction> memory;
 };
 
-Minimiser::Minimiser(const TetMesh& mesh, const std::vector<char>& fixed)
-    : impl_(std::make_unique<Impl>(mesh, fixed)) {}
+Minimiser::Minimiser(const TetMesh& mesh, const std::vector<char>& fixed, const SolveLimits& limits)
+    : impl_(std::make_unique<Impl>(mesh, fixed, limits)) {}
 Minimiser::~Minimiser() = default;
 
 void Minimiser::drop_factor() {
@@ -88,9 +90,11 @@ MinimiserResult Minimiser::minimise(const EnergyProblem& problem, VectorXd& x, c
     return result;
   };
 
+  if (m.limits.out_of_time()) return fail("time limit reached");
   if (!m.factored && !fresh_factor()) return fail("the Hessian could not be factorised at the start");
   for (; result.iterations < options.max_iterations; ++result.iterations) {
     if (!std::isfinite(energy) || !g.allFinite()) return fail("the energy is not finite");
+    if (m.limits.out_of_time()) return fail("time limit reached");
     const bool newton = result.factorisations > options.newton_after;
     if ((on_factor >= options.refresh || (newton && on_factor > 0)) && !fresh_factor()) {
       return fail("the Hessian could not be factorised");

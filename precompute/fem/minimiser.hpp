@@ -3,6 +3,7 @@
 // Newton and to a convexified Newton.
 #pragma once
 
+#include "precompute/common/processor_time.hpp"
 #include "precompute/fem/elastic.hpp"
 #include "precompute/fem/matrix/block_matrix.hpp"
 
@@ -49,12 +50,13 @@ struct MinimiserResult {
 /// Keeps its Cholesky factor and L-BFGS pairs from call to call; one instance a mesh, used by one thread.
 class Minimiser {
 public:
-  Minimiser(const TetMesh& mesh, const std::vector<char>& fixed);
+  /// Throws Error(numerical) where a factor of the mesh's stiffness is beyond `limits`.
+  Minimiser(const TetMesh& mesh, const std::vector<char>& fixed, const SolveLimits& limits = {});
   ~Minimiser();
   Minimiser(const Minimiser&) = delete;
   Minimiser& operator=(const Minimiser&) = delete;
 
-  /// Moves x (fixed nodes stay) to a minimum near it. On failure x is the last iterate.
+  /// Moves x (fixed nodes stay) to a minimum near it. On failure, past the limits' deadline too, x is the last iterate.
   MinimiserResult minimise(const EnergyProblem& problem, Eigen::VectorXd& x, const MinimiserOptions& options);
   /// Forgets the factor, so that the next call starts with a fresh one.
   void drop_factor();

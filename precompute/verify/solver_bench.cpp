@@ -12,6 +12,7 @@ namespace {
 PairResult solve(const Scene& scene, const Body& body, const Tool& tool, const BenchContact& contact,
                  const MeshSetting& setting) {
   PairOptions options = pair_options(scene);
+  without_limits(options);  // a row has the cost of its own mesh alone, and its error against the reference
   options.mesh_size = setting.mesh_size;
   options.growth = setting.growth;
   if (setting.max_size > 0) options.max_size = setting.max_size * body.diagonal;

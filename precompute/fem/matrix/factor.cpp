@@ -2,9 +2,11 @@
 // CHOLMOD orders and analyses; it factorises where single precision does not do.
 #include "precompute/fem/matrix/factor.hpp"
 
+#include "formats/io/error.hpp"
 #include "precompute/fem/matrix/single_cholesky.hpp"
 
 #include <cholmod.h>
+#include <cstdio>
 #include <limits>
 #include <mutex>
 #include <new>
@@ -119,13 +121,20 @@ MatrixXd Factor::Impl::solve(const MatrixXd& b) const {
   return result;
 }
 
-Factor::Factor(const Matrix& lower) : impl_(std::make_unique<Impl>()) {
+Factor::Factor(const Matrix& lower, double most_bytes) : impl_(std::make_unique<Impl>()) {
   cholmod_sparse view = view_of(lower);
   {
     const std::scoped_lock lock(ordering());
     impl_->factor = cholmod_analyze(&view, &impl_->common);
   }
   if (impl_->factor == nullptr) throw std::bad_alloc();
+  const double bytes = static_cast<double>(impl_->factor->xsize) * (sizeof(float) + sizeof(double));
+  if (bytes > most_bytes) {
+    char text[96];
+    std::snprintf(text, sizeof text, "memory: the factor of %td equations takes %.0f MB, allowed %.0f MB",
+                  std::ptrdiff_t(lower.rows()), 1e-6 * bytes, 1e-6 * most_bytes);
+    throw Error(ExitCode::numerical, text);
+  }
   impl_->in_single.emplace(lower, pattern_of(*impl_->factor));
 }
 

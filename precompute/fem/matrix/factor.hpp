@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/SparseCore>
+#include <limits>
 #include <memory>
 
 namespace palpate {
@@ -12,8 +13,9 @@ class Factor {
 public:
   using Matrix = Eigen::SparseMatrix<double>;
 
-  /// Orders and analyses the pattern of `lower`, the lower triangle.
-  explicit Factor(const Matrix& lower);
+  /// Orders and analyses the pattern of `lower`, the lower triangle. Throws Error(numerical) where a factor of it, in
+  /// single and in double precision together, takes more than `most_bytes`.
+  explicit Factor(const Matrix& lower, double most_bytes = std::numeric_limits<double>::infinity());
   ~Factor();
   Factor(const Factor&) = delete;
   Factor& operator=(const Factor&) = delete;

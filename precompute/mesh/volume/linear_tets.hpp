@@ -21,7 +21,8 @@ struct LinearTets {
 /// The result of one attempt of one mesher: tets, or why there are none.
 struct MesherAnswer {
   LinearTets tets;
-  std::string cause;  ///< empty when tets hold a mesh
+  std::string cause;            ///< empty when tets hold a mesh
+  double helper_seconds = 0.0;  ///< processor time of a helper process
 };
 
 }  // namespace palpate

@@ -18,7 +18,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <ctime>
 #include <functional>
 #include <map>
 #include <memory>
@@ -36,25 +35,6 @@ using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 // Mesh_3's sizes are radii of circumscribed spheres and balls; these make edges as long as the field says.
 constexpr double kEdge = 0.95, kFacet = 0.62, kCell = 0.72, kChord = 0.1;
 constexpr double kSliver = 5;  // degrees; perturbation takes its time for every sliver below
-
-// Processor time of this thread (s): that of the clock would make results depend on what else the machine does.
-double thread_time() {
-  timespec now{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-// Throws once the time is up. Mesh_3 evaluates sizes and labels throughout, so they check the time.
-class Deadline {
-public:
-  explicit Deadline(double seconds) : end_(thread_time() + seconds) {}
-  void check() const {
-    if (thread_time() > end_) throw Error(ExitCode::numerical, "time limit reached");
-  }
-
-private:
-  double end_;
-};
 
 // The size field times `scale`; on an inclusion's surface at most `cap` times the inclusion's diagonal.
 struct ScaledSize {
@@ -165,10 +145,10 @@ LinearTets read_out(const Complex& complex) {
 }  // namespace
 
 MesherAnswer mesh_by_mesh3(const Body& body, const SizeField& size, const std::vector<Vector3d>& anchors,
-                           double time_limit) {
+                           const Deadline& deadline) {
   // The perturber draws from this thread's generator.
   CGAL::get_default_random() = CGAL::Random(0);
-  const Deadline deadline(time_limit);
+  // Mesh_3 evaluates sizes and labels throughout, so they check the time.
   const auto regions = std::make_shared<Regions>(body, deadline);
   const std::function<int(const Kernel::Point_3&)> label = [regions](const Kernel::Point_3& p) {
     return (*regions)(to_eigen(p));

@@ -3,15 +3,16 @@
 #pragma once
 
 #include "precompute/common/body.hpp"
+#include "precompute/common/processor_time.hpp"
 #include "precompute/mesh/size_field.hpp"
 #include "precompute/mesh/volume/linear_tets.hpp"
 
 namespace palpate {
 
 /// Meshes body and inclusions to the size field, with a node at every anchor (on the surface) and the feature
-/// lines kept. Ends with a cause after about `time_limit` seconds. Deterministic; safe from several threads.
-/// A failure inside CGAL comes out as a std::exception.
+/// lines kept. Deterministic; safe from several threads. Throws Error(numerical) past `deadline`; a failure inside CGAL
+/// comes out as a std::exception.
 MesherAnswer mesh_by_mesh3(const Body& body, const SizeField& size, const std::vector<Eigen::Vector3d>& anchors,
-                           double time_limit);
+                           const Deadline& deadline);
 
 }  // namespace palpate

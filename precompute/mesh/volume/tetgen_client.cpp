@@ -97,6 +97,7 @@ MesherAnswer run_tetgen(const TetgenInput& input, double time_limit) {
 #endif
   const ChildResult child = run_child(worker, pack(input), limits);
   MesherAnswer answer;
+  answer.helper_seconds = child.cpu_time > 0 ? child.cpu_time : time_limit;  // a killed one has none
   std::string cause = child.finished ? unpack(child.output, answer.tets) : child.cause;
   if (!cause.empty()) {
     answer.tets = {};

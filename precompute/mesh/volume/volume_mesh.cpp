@@ -64,6 +64,22 @@ AdaptedBody adapt_body(const Body& body, const SizeField& size, const std::vecto
   throw Error(ExitCode::numerical, "surfaces of body and inclusions cross at every size tried");
 }
 
+// s of processor time.
+double attempt_limit(const VolumeMeshOptions& options) {
+  if (options.deadline == nullptr) return options.time_limit;
+  return std::clamp(options.deadline->left(), 0.0, options.time_limit);
+}
+
+// `size`, which all surfaces and points are made by, throwing once the time is up. Its clock is read at every so many
+// calls, because reading it takes as long as a size.
+SizeField until(Deadline& deadline, const SizeField& size) {
+  constexpr unsigned kCalls = 64;
+  return [&deadline, &size, calls = 0U](const Vector3d& p) mutable {
+    if (++calls % kCalls == 0) deadline.check();
+    return size(p);
+  };
+}
+
 MesherAnswer mesh_by_tetgen(const AdaptedBody& adapted, const SizeField& size, const VolumeMeshOptions& options,
                             bool bound_dihedral) {
   TetgenInput input;
@@ -94,7 +110,8 @@ MesherAnswer mesh_by_tetgen(const AdaptedBody& adapted, const SizeField& size, c
     std::snprintf(switches, sizeof switches, "pq%.3gmYAQ", std::max(options.radius_edge, 1.4));
   }
   input.switches = switches;
-  MesherAnswer answer = run_tetgen(input, options.time_limit);
+  MesherAnswer answer = run_tetgen(input, attempt_limit(options));
+  if (options.deadline != nullptr) options.deadline->spend(answer.helper_seconds);
   if (answer.cause.empty()) answer.cause = orient_tets(answer.tets);
   if (answer.cause.empty()) answer.cause = find_regions(answer.tets, outer, inner);
   return answer;
@@ -180,6 +197,7 @@ void try_tetgen(const Body& body, const SizeField& size, const std::vector<Vecto
       }
     }
     last = &rung;
+    if (options.deadline != nullptr && options.deadline->passed()) break;
     if (!surfaces_fit) continue;
     MesherAnswer answer = mesh_by_tetgen(adapted, scaled, options, rung.bound_dihedral);
     if (answer.cause.empty()) answer.cause = judge(body, anchors, options, answer.tets, result);
@@ -197,7 +215,9 @@ VolumeMeshResult mesh_volume(const Body& body, const SizeField& size, const std:
                              const VolumeMeshOptions& options) {
   VolumeMeshResult result;
   try {
-    if (options.backend != Backend::mesh3) try_tetgen(body, size, anchors, options, result);
+    if (options.backend != Backend::mesh3) {
+      try_tetgen(body, options.deadline != nullptr ? until(*options.deadline, size) : size, anchors, options, result);
+    }
   } catch (const std::exception& error) {
     const auto* known = dynamic_cast<const Error*>(&error);
     if (known != nullptr && known->code() == ExitCode::io) throw;  // the installation's fault, not the surface's
@@ -205,7 +225,7 @@ VolumeMeshResult mesh_volume(const Body& body, const SizeField& size, const std:
   }
   if (result.usable || options.backend == Backend::tetgen) return result;
   try {
-    MesherAnswer answer = mesh_by_mesh3(body, size, anchors, options.time_limit);
+    MesherAnswer answer = mesh_by_mesh3(body, size, anchors, Deadline(attempt_limit(options)));
     if (answer.cause.empty()) answer.cause = orient_tets(answer.tets);
     if (answer.cause.empty()) answer.cause = judge(body, anchors, options, answer.tets, result);
     if (result.usable) {

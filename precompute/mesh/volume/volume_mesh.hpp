@@ -3,6 +3,7 @@
 #pragma once
 
 #include "precompute/common/body.hpp"
+#include "precompute/common/processor_time.hpp"
 #include "precompute/mesh/size_field.hpp"
 #include "precompute/mesh/tet_mesh.hpp"
 
@@ -20,6 +21,7 @@ struct VolumeMeshOptions {
   double accept_volume = 0.2;     ///< a mesh whose volume is off the surface's by more than this share is refused
   double accept_inclusion = 0.4;  ///< the same for the volume of an inclusion
   double time_limit = 60.0;       ///< s of processor time for one meshing attempt
+  Deadline* deadline = nullptr;   ///< of all attempts together, which take from it; null: none
 };
 
 struct MeshQuality {

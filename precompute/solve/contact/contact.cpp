@@ -240,6 +240,10 @@ bool ContactEnergy::release(const VectorXd& x) {
   return any;
 }
 
+std::size_t ContactEnergy::stuck() const {
+  return std::size_t(std::count(anchors_.held.begin(), anchors_.held.end(), Hold::stuck));
+}
+
 void ContactEnergy::bond(const VectorXd& x) {
   stick(x);
   for_each_near(x, [&](const Face&, std::size_t k, const auto&, const Vector3d& at) {

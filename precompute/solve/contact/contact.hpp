@@ -78,6 +78,7 @@ public:
   void stick(const Eigen::VectorXd& x);
   /// Lets go of anchored points that have left the contact, unless they are bonded. True when any did.
   bool release(const Eigen::VectorXd& x);
+  [[nodiscard]] std::size_t stuck() const;  ///< points that are anchored and not bonded
   /// Bonds every point in contact, with the anchor that it has or is given where it stands: from then on it answers a
   /// gap as it does an overlap, and is not released. Bonds use a penalty alone, without multipliers or barrier.
   void bond(const Eigen::VectorXd& x);

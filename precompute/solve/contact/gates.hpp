@@ -20,6 +20,7 @@ struct GateLimits {
                                        ///< it is less than what the solve's tolerance leaves in a force
   double energy_balance = 0.06;        ///< of the tool's work, and a hundredth of the energy scale of the whole push
   double finer_mesh = 0.1;             ///< relative difference of the force to a finer mesh, see PairCheck
+  double mesh_error = 0.05;            ///< relative, of the force at full depth: a larger estimate needs a finer mesh
   std::size_t curve_points = 3;        ///< resolved depths of a normal curve (all, where fewer were requested)
   std::uint32_t resolved_points = 12;  ///< integration points in contact at the deepest and at a sideways push
 };

@@ -10,6 +10,7 @@ namespace palpate {
 
 struct StepResult {
   bool converged = false;
+  bool peels = false;  ///< most of a sticking contact let go: no mesh and no contact method mends that
   std::string cause;
   std::uint32_t iterations = 0;
   double energy_error = 0.0;  ///< J, half of the last decrement: how far above its minimum the energy may be
@@ -26,6 +27,7 @@ StepResult in_parts(Step&& step) {
     const StepResult s = step(next, part);
     total.iterations += s.iterations;
     total.cause = s.cause;
+    total.peels = s.peels;
     total.energy_error = s.energy_error;
     if (s.converged) {
       done = next;

@@ -58,7 +58,7 @@ Bonded::Stand Bonded::stand(const StepResult& step) const {
 void Bonded::add_error(Stand& s, double way, double give, const StepResult& step) const {
   s.sample.error_estimate +=
       error_estimate({std::max(s.force.norm(), at_.contact.force.norm()), way, give, step.energy_error,
-                      s.state.penalty * s.sample.contact_area, s.sample.contact_points, run_.options.growth});
+                      s.state.penalty * s.sample.contact_area, s.sample.contact_points});
 }
 
 std::optional<std::string> Bonded::take(Stand& now, Stand&& next, double work, double answer) const {

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How far a solved force may be off: what the iteration, the penalty and the mesh each leave.
+// How far a solved force may be off: on its mesh, by the iteration, the penalty and few points of contact; and by the
+// mesh.
 #pragma once
 
+#include "precompute/solve/pair/pair.hpp"
+
 #include <cstdint>
+#include <vector>
 
 namespace palpate {
 
@@ -14,10 +18,19 @@ struct ErrorSources {
   double energy_error = 0.0;       ///< J, see StepResult
   double contact_stiffness = 0.0;  ///< N/m, of the penalty over all of the contact's area
   std::uint32_t points = 0;        ///< integration points in contact
-  double growth = 0.7;             ///< of the mesh's edges per distance from the contact
 };
 
-/// Relative error of the force, calibrated on a block against solves on finer meshes.
+/// Relative error of the force, without what the mesh leaves (add_mesh_errors).
 double error_estimate(const ErrorSources& sources);
+
+/// The pushes that the other mesh is compared by: the straight one, and from each tangential depth one sideways move as
+/// far as the first point of `path`'s.
+PairPath compared_path(PairPath path);
+
+/// Adds `share` of the relative difference to `other` to every sample's error estimate. Straight samples: the largest
+/// of the difference at their own and at the neighbouring depths. Others: that of the nearest depth, and of the change
+/// of the force since the straight push the share by which the sideways moves differ at the nearest depth they have.
+/// False, and nothing added, where no straight sample has a partner in `other` (sample_difference).
+bool add_mesh_errors(std::vector<Sample>& samples, const std::vector<Sample>& other, double share);
 
 }  // namespace palpate

@@ -3,16 +3,28 @@
 #include "precompute/solve/pair/pair.hpp"
 
 #include "formats/io/error.hpp"
+#include "precompute/common/processor_time.hpp"
 #include "precompute/solve/contact/gates.hpp"
 #include "precompute/solve/pair/contact_size.hpp"
+#include "precompute/solve/pair/error_estimate.hpp"
 #include "precompute/solve/pair/pair_run.hpp"
 #include "precompute/solve/pair/sample_difference.hpp"
 #include "precompute/solve/push/contact_method.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <optional>
 
 namespace palpate {
 namespace {
+
+struct PairCase {
+  const Body& body;
+  const Tool& tool;
+  const ToolVertex& vertex;
+  const ContactFrame& frame;
+};
 
 // Meshes are made of the body free of stress, also where it has a prestress.
 const Body& stress_free(const Body& body) { return body.stress_free ? *body.stress_free : body; }
@@ -26,14 +38,15 @@ struct Attempt {
 };
 
 // `last`: no finer mesh is to come, and a sideways push keeps what it answered before it failed.
-Attempt attempt(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
-                const PairPath& path, const PairOptions& options, const TetMesh& mesh, bool last) {
+Attempt attempt(const PairCase& pair, const PairPath& path, const PairOptions& options, const TetMesh& mesh, bool last,
+                const SolveLimits& limits) {
+  const auto& [body, tool, vertex, frame] = pair;
   Attempt made;
   PairResult& result = made.result;
   result.outcome.nodes = static_cast<std::uint32_t>(mesh.nodes.size());
   try {
     Push push(stress_free(body), mesh, *tool.shape, touching_pose(vertex, frame),
-              {body.material.young, normal_penalty(options.method, options.penalty), options.tolerance},
+              {body.material.young, normal_penalty(options.method, options.penalty), options.tolerance, limits},
               options.materials);
     PairRun run{body, tool, vertex, frame, path, options, mesh, last, push, result};
     if (!push.held_anywhere()) {
@@ -72,11 +85,6 @@ constexpr Rung kLastRungs[] = {{"stiffer contact", ContactMethod::penalty, 4.0},
                                {"augmented Lagrange", ContactMethod::augmented, 1.0},
                                {"log barrier", ContactMethod::barrier, 1.0}};
 
-void add_cause(std::string& causes, const char* name, const std::string& cause) {
-  if (!causes.empty()) causes += std::string("; ") + name + ": ";
-  causes += cause;
-}
-
 // The straight push on a mesh finer than the one with `scale`.
 PairCheck check_of(const PairResult& result, const Body& body, const Tool& tool, const ToolVertex& vertex,
                    const ContactFrame& frame, const PairPath& path, const PairOptions& options) {
@@ -86,7 +94,7 @@ PairCheck check_of(const PairResult& result, const Body& body, const Tool& tool,
   straight.tangential_directions = straight.slip_points = 0;
   straight.grasp_depth = 0.0;
   PairOptions finer = finer_options(options, body, kFiner);
-  finer.check = false;
+  finer.check = finer.mesh_errors = false;
   const PairResult fine = solve_pair(body, tool, vertex, frame, straight, finer);
   PairCheck check;
   check.nodes = fine.outcome.nodes;
@@ -101,83 +109,193 @@ PairCheck check_of(const PairResult& result, const Body& body, const Tool& tool,
   return check;
 }
 
+// Growth of edges goes with this power of their size (finer_options).
+constexpr double kGrowthPower = 0.7;
+
+// The other mesh of an error estimate: its elements, and the share of the difference of the forces that counts. The
+// differences to a coarser one are 1.5 to 3 times the error. A finer one stands in where no coarser one is solved.
+struct OtherMesh {
+  double scale, share;
+};
+constexpr OtherMesh kCoarser{1.5, 0.5}, kFinerInstead{0.67, 1.5};
+
+// The ways of solving one pair, and what they led to.
+class PairSolve {
+public:
+  PairSolve(const PairCase& pair, const PairPath& path, const PairOptions& options)
+      : pair_(pair), path_(path), options_(options), deadline_(options.time_limit) {}
+
+  PairResult solve() {
+    VolumeMeshResult mesh;
+    for (const double scale : {1.0, 0.8, 0.6}) {
+      PairOptions with = options_;
+      if (rough_) with.growth *= std::pow(scale, kGrowthPower);
+      mesh = mesh_of(with, scale);
+      if (mesh.usable) {
+        attempt(mesh.mesh, with, scale, scale == 0.6 || straight_.has_value());
+      } else {
+        failed("mesh: " + mesh.cause);
+      }
+      if (accepted_) return std::move(result_);
+      add_cause("finer");
+      if (ends()) break;
+    }
+    for (const Rung& rung : kLastRungs) {
+      if (rough_ || !contact_failed_ || options_.method != ContactMethod::penalty || ends()) break;
+      PairOptions with = options_;
+      with.method = rung.method;
+      with.penalty *= rung.penalty;
+      attempt(mesh.mesh, with, 0.6, true);
+      if (accepted_) return std::move(result_);
+      add_cause(rung.name);
+    }
+    return what_is_left();
+  }
+
+private:
+  // A straight push that passed, of a pair that was not accepted.
+  struct Partial {
+    PairResult result;
+    double reached = 0.0;  // m
+    PairOptions with;
+    double scale = 1.0;
+  };
+
+  [[nodiscard]] bool ends() const { return no_deeper_ || deadline_.passed() || lost_ > options_.most_lost; }
+
+  VolumeMeshResult mesh_of(const PairOptions& with, double scale) {
+    const SizeField size = contact_size(pair_.body, pair_.tool, pair_.vertex, pair_.frame, path_.normal_depths.back(),
+                                        with.refine * scale, with);
+    VolumeMeshOptions options = with.mesh;
+    options.deadline = &deadline_;
+    return mesh_volume(stress_free(pair_.body), size, {pair_.body.material_point(pair_.frame.origin).point}, options);
+  }
+
+  void failed(const std::string& cause) {
+    result_ = {};
+    contact_failed_ = accepted_ = false;
+    result_.outcome.cause = cause;
+  }
+
+  void attempt(const TetMesh& mesh, const PairOptions& with, double scale, bool last) {
+    Attempt made = palpate::attempt(pair_, path_, with, mesh, last, limits());
+    result_ = std::move(made.result);
+    accepted_ = result_.outcome.accepted;
+    contact_failed_ = made.contact_failed;
+    lost_ += made.lost;
+    if (!accepted_ && !made.straight.empty()) {
+      no_deeper_ = straight_ && made.reached <= straight_->reached;
+      if (!straight_ || made.reached >= straight_->reached) {
+        straight_ = {{result_.outcome, std::move(made.straight), {}}, made.reached, with, scale};
+      }
+    }
+    if (accepted_) judge_mesh(with, scale);
+    if (accepted_ && with.check) check(with, scale);
+  }
+
+  // Adds the mesh's errors; a pair that is too far off by them is kept for want of a better one.
+  void judge_mesh(const PairOptions& with, double scale) {
+    if (!with.mesh_errors || !add_errors(result_.samples, with, scale)) return;
+    const double error = error_at_depth(result_.samples);
+    if (error <= GateLimits{}.mesh_error) return;
+    char text[96];
+    std::snprintf(text, sizeof text, "mesh error: the force is off by %.3g by estimate, allowed %.3g", error,
+                  GateLimits{}.mesh_error);
+    accepted_ = false;
+    if (!rough_ || error < error_at_depth(rough_->samples)) rough_ = std::move(result_);
+    failed(text);
+  }
+
+  // False where no other mesh gives an estimate: the limit stands for it.
+  bool add_errors(std::vector<Sample>& samples, const PairOptions& with, double scale) {
+    for (const OtherMesh& other : {kCoarser, kFinerInstead}) {
+      PairOptions options = with;
+      options.growth = std::min(1.0, with.growth * std::pow(other.scale, kGrowthPower));
+      options.watch = {};
+      const VolumeMeshResult mesh = mesh_of(options, scale * other.scale);
+      if (!mesh.usable) continue;
+      const Attempt made = palpate::attempt(pair_, compared_path(path_), options, mesh.mesh, true, limits());
+      if (add_mesh_errors(samples, made.result.outcome.accepted ? made.result.samples : made.straight, other.share)) {
+        return true;
+      }
+    }
+    for (Sample& s : samples) s.error_estimate += GateLimits{}.mesh_error;
+    return false;
+  }
+
+  static double error_at_depth(const std::vector<Sample>& samples) {
+    double error = 0;
+    for (const Sample& s : samples) {
+      if (s.kind == SampleKind::normal) error = s.error_estimate;  // the deepest is the last
+    }
+    return error;
+  }
+
+  void check(const PairOptions& with, double scale) {
+    PairOptions here = with;
+    here.refine *= scale;
+    result_.check = check_of(result_, pair_.body, pair_.tool, pair_.vertex, pair_.frame, path_, here);
+    const auto cause = failed_check(*result_.check, GateLimits{});
+    if (!cause) return;
+    std::optional<PairCheck> kept = result_.check;
+    straight_.reset();  // the check refuses all of it
+    rough_.reset();
+    failed(*cause);
+    result_.check = std::move(kept);
+  }
+
+  void add_cause(const char* name) {
+    if (!causes_.empty()) causes_ += std::string("; ") + name + ": ";
+    causes_ += result_.outcome.cause;
+  }
+
+  PairResult what_is_left() {
+    char text[80] = "";
+    if (deadline_.passed()) {
+      std::snprintf(text, sizeof text, "; given up: after %.3g s of processor time", options_.time_limit);
+    } else if (lost_ > options_.most_lost) {
+      std::snprintf(text, sizeof text, "; given up: %.3g nodes times factorisations without an equilibrium", lost_);
+    }
+    causes_ += text;
+    if (rough_ && error_at_depth(rough_->samples) <= GateLimits{}.finer_mesh) {
+      rough_->outcome.cause = causes_;
+      return std::move(*rough_);
+    }
+    if (!rough_ && straight_) {
+      result_ = std::move(straight_->result);
+      result_.outcome.accepted = true;
+      causes_ = "stopped short: " + causes_;
+      if (options_.mesh_errors) add_errors(result_.samples, straight_->with, straight_->scale);
+    }
+    result_.outcome.cause = causes_;
+    return std::move(result_);
+  }
+
+  [[nodiscard]] SolveLimits limits() { return {&deadline_, options_.memory_limit}; }
+
+  const PairCase& pair_;
+  const PairPath& path_;
+  const PairOptions& options_;
+  Deadline deadline_;
+  PairResult result_;                // of the last attempt
+  std::optional<PairResult> rough_;  // the best whose mesh is too far off
+  std::optional<Partial> straight_;  // the deepest and last
+  bool accepted_ = false, contact_failed_ = false, no_deeper_ = false;
+  double lost_ = 0.0;
+  std::string causes_;
+};
+
 }  // namespace
 
 PairResult solve_on_mesh(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
                          const PairPath& path, const PairOptions& options, const TetMesh& mesh) {
-  return attempt(body, tool, vertex, frame, path, options, mesh, true).result;
+  return attempt({body, tool, vertex, frame}, path, options, mesh, true, {}).result;
 }
 
 PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
                       const PairPath& path, const PairOptions& options, const SampleSink& sink) {
-  PairResult result;
-  std::string causes;
-  PairResult straight;   // the deepest and last that passed of a pair that was not accepted
-  double reached = 0.0;  // m, its depth
-  bool contact_failed = false, no_deeper = false;
-  double lost = 0.0;
-  const auto lost_too_much = [&] { return lost > options.most_lost; };
-  const auto solve = [&](const TetMesh& mesh, const PairOptions& with, double scale, bool last) {
-    Attempt made = attempt(body, tool, vertex, frame, path, with, mesh, last);
-    result = std::move(made.result);
-    if (result.outcome.accepted) straight = {};  // a check may refuse all of it yet
-    if (!result.outcome.accepted && !made.straight.empty()) {
-      no_deeper = !straight.samples.empty() && made.reached <= reached;
-      if (made.reached >= reached) {
-        straight = {result.outcome, std::move(made.straight), {}};
-        reached = made.reached;
-      }
-    }
-    contact_failed = made.contact_failed;
-    lost += made.lost;
-    if (!result.outcome.accepted || !options.check) return;
-    PairOptions here = with;
-    here.refine *= scale;
-    result.check = check_of(result, body, tool, vertex, frame, path, here);
-    if (const auto failed = failed_check(*result.check, GateLimits{})) {
-      result.outcome.accepted = false;
-      result.outcome.cause = *failed;
-      result.samples.clear();
-    }
-  };
-  VolumeMeshResult mesh;
-  for (const double scale : {1.0, 0.8, 0.6}) {
-    const SizeField size =
-        contact_size(body, tool, vertex, frame, path.normal_depths.back(), options.refine * scale, options);
-    const Eigen::Vector3d site = body.material_point(frame.origin).point;
-    mesh = mesh_volume(stress_free(body), size, {site}, options.mesh);
-    result = {};
-    contact_failed = false;
-    if (mesh.usable) {
-      solve(mesh.mesh, options, scale, scale == 0.6 || !straight.samples.empty());
-    } else {
-      result.outcome.cause = "mesh: " + mesh.cause;
-    }
-    if (result.outcome.accepted) break;
-    add_cause(causes, "finer", result.outcome.cause);
-    if (no_deeper || lost_too_much()) break;
-  }
-  for (const Rung& rung : kLastRungs) {
-    if (no_deeper || !contact_failed || options.method != ContactMethod::penalty || lost_too_much()) break;
-    PairOptions with = options;
-    with.method = rung.method;
-    with.penalty *= rung.penalty;
-    solve(mesh.mesh, with, 0.6, true);
-    if (!result.outcome.accepted) add_cause(causes, rung.name, result.outcome.cause);
-  }
-  if (!result.outcome.accepted) {
-    if (lost_too_much()) {
-      char text[80];
-      std::snprintf(text, sizeof text, "%.3g nodes times factorisations without an equilibrium", lost);
-      add_cause(causes, "given up", text);
-    }
-    if (!straight.samples.empty()) {
-      result = std::move(straight);
-      result.outcome.accepted = true;
-      causes = "stopped short: " + causes;
-    }
-    result.outcome.cause = causes;
-  }
+  const PairCase pair{body, tool, vertex, frame};
+  PairResult result = PairSolve(pair, path, options).solve();
   // Samples leave only with a pair that passed: a journal never holds points of an abandoned attempt.
   if (sink) {
     for (const Sample& s : result.samples) sink(s);

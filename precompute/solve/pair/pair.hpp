@@ -11,6 +11,7 @@
 #include "precompute/tool/tool.hpp"
 
 #include <functional>
+#include <limits>
 #include <vector>
 
 namespace palpate {
@@ -82,12 +83,17 @@ struct PairOptions {
   ContactMethod method = ContactMethod::penalty;
   double penalty = 300.0;   ///< contact penalty in units of E / a (a the current contact radius)
   double tolerance = 1e-3;  ///< a step has converged when its energy error is below its square times E a d^2
+  double time_limit = std::numeric_limits<double>::infinity();    ///< s of processor time, over all stages and attempts
+  double memory_limit = std::numeric_limits<double>::infinity();  ///< bytes of a factor
   /// Nodes times factorisations, of steps that found no equilibrium: a pair that lost more is given up after the
   /// attempt that it is at. A punch 5 mm deep at nu 0.4999 lost 4.1 million on three meshes, in seven minutes of a
   /// processor; the three further ways of solving it took another six, and failed as well.
   double most_lost = 3.5e6;
   /// Also solve the straight push on a finer mesh (finer_options); far from it is a gate that fails.
   bool check = false;
+  /// Also push on a coarser mesh: the samples' error estimates hold what the mesh leaves, and a pair that is too far
+  /// off is solved on a finer one. pair_options() sets it.
+  bool mesh_errors = false;
   VolumeMeshOptions mesh;
   std::vector<Material> materials;  ///< per region, for comparisons; empty: the body's
   /// Called with the mesh, the node positions (m) and the depth (m) of every accepted state of a straight push; a pair
@@ -97,6 +103,9 @@ struct PairOptions {
 
 PairOptions pair_options(const Scene& scene);
 
+/// For references: neither limits nor an error estimate of the mesh.
+void without_limits(PairOptions& options);
+
 /// For a check: elements `refine` times as large at the contact, that grow slower and stay smaller far away.
 PairOptions finer_options(PairOptions options, const Body& body, double refine);
 
@@ -105,17 +114,18 @@ using SampleSink = std::function<void(const Sample&)>;
 
 /// Part of a plan's identity: raise it whenever the same inputs give other samples, so that a journal never mixes
 /// solves of two programs.
-inline constexpr int kSolverRevision = 17;
+inline constexpr int kSolverRevision = 18;
 
 /// Solves `plan` along `path`. A solve that fails a gate or finds no equilibrium is tried again on finer meshes, then
 /// on the finest with a stiffer penalty, with multipliers and with a log barrier, until one reaches no deeper than the
-/// one before or too much was lost. The depths that passed of the straight push are then accepted alone, "stopped
-/// short", if there are GateLimits::curve_points of them. Never throws for a numerical failure: the outcome names the
-/// cause of every attempt. Deterministic: the same inputs give the same bits.
+/// one before, too much was lost, or a limit is reached. The depths that passed of the straight push are then accepted
+/// alone, "stopped short", if there are GateLimits::curve_points of them. Never throws for a numerical failure: the
+/// outcome names the cause of every attempt. Deterministic: the same inputs give the same bits.
 PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
                       const PairPath& path, const PairOptions& options, const SampleSink& sink = {});
 
-/// solve_pair on this one mesh of the body: a refusal is not tried again on another.
+/// solve_pair on this one mesh of the body: a refusal is not tried again on another, and the samples' error estimates
+/// lack the mesh's share.
 PairResult solve_on_mesh(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
                          const PairPath& path, const PairOptions& options, const TetMesh& mesh);
 

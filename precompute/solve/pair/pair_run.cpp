@@ -31,8 +31,8 @@ bool PairRun::refuse(const std::string& cause) {
   return false;
 }
 
-bool PairRun::stop_short(const std::string& cause, bool nothing_yet) {
-  if (nothing_yet || !last) return refuse_contact(cause);
+bool PairRun::stop_short(const std::string& cause, bool nothing_yet, bool peels) {
+  if (!peels && (nothing_yet || !last)) return refuse_contact(cause);
   result.outcome.cause = "stopped short: " + cause;
   return true;
 }

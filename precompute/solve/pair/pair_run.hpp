@@ -59,8 +59,9 @@ struct PairRun {
   bool refuse(const std::string& cause);
   /// The same for what another contact method may mend.
   bool refuse_contact(const std::string& cause) { return contact_failed = true, refuse(cause); }
-  /// The end of a sideways push at less than its reach: accepted in the pair's last attempt, else as refuse().
-  bool stop_short(const std::string& cause, bool nothing_yet);
+  /// The end of a sideways push at less than its reach: accepted where the contact `peels` and in the pair's last
+  /// attempt, else as refuse().
+  bool stop_short(const std::string& cause, bool nothing_yet, bool peels);
   [[nodiscard]] double radius(double depth) const { return contact_radius(vertex, depth); }  ///< m
   [[nodiscard]] double work_scale(double depth) const;                                       ///< J
   /// Push::move_to as the options' contact method does it, of a push to `depth` (m).

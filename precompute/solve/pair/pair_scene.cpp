@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace palpate {
 PairPath bake_path(const Scene& scene, double depth) {
@@ -85,8 +86,15 @@ PairOptions pair_options(const Scene& scene) {
   options.growth = scene.solver.growth;
   options.max_size = scene.solver.max_size;
   options.rim_size = scene.solver.rim_size;
-  options.mesh.time_limit = scene.solver.time_limit;
+  options.time_limit = scene.solver.time_limit;
+  options.memory_limit = 1e6 * scene.solver.memory_limit;
+  options.mesh_errors = true;
   return options;
+}
+
+void without_limits(PairOptions& options) {
+  options.time_limit = options.memory_limit = std::numeric_limits<double>::infinity();
+  options.mesh_errors = false;
 }
 
 PairOptions finer_options(PairOptions options, const Body& body, double refine) {

@@ -9,13 +9,24 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Straight pushes, the deepest first.
+// Deflections of one solve's samples on two meshes differ by the penalties' give, a few per cent.
+constexpr double kSame = 0.15;
+
+// The sample of the same kind that is nearest; null where that is another point of the path.
+const Sample* partner(const Sample& of, const std::vector<Sample>& reference) {
+  const Sample* nearest = nullptr;
+  const auto away = [&](const Sample& s) { return (s.deflection - of.deflection).norm(); };
+  for (const Sample& s : reference) {
+    if (s.kind == of.kind && (nearest == nullptr || away(s) < away(*nearest))) nearest = &s;
+  }
+  return nearest != nullptr && away(*nearest) <= kSame * of.deflection.norm() ? nearest : nullptr;
+}
+
 std::vector<const Sample*> straight(const std::vector<Sample>& samples) {
   std::vector<const Sample*> all;
   for (const Sample& s : samples) {
     if (s.kind == SampleKind::normal) all.push_back(&s);
   }
-  std::reverse(all.begin(), all.end());
   return all;
 }
 
@@ -51,24 +62,25 @@ SampleDifference sample_difference(const std::vector<Sample>& samples, const std
   const auto relative = [&](const Sample& of, const Sample& other, const Vector3d& force) {
     const double difference = (of.force - force).norm() / force.norm();
     ++d.compared;
+    d.samples.push_back({std::size_t(&of - samples.data()), std::size_t(&other - reference.data()), difference});
     d.foretold += difference <= of.error_estimate + other.error_estimate;
     return difference;
   };
   const auto a = straight(samples), b = straight(reference);
-  const std::size_t count = std::min(a.size(), b.size());
-  for (std::size_t k = 0; k < count; ++k) {
-    const Sample& other = *b[k];
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    const Sample* other = partner(*a[k], reference);
+    if (other == nullptr) continue;
+    const auto at = std::size_t(std::find(b.begin(), b.end(), other) - b.begin());
     const Vector3d force =
-        b.size() > 1 ? force_at(other, *b[k + 1 < b.size() ? k + 1 : k - 1], a[k]->deflection.z()) : other.force;
-    const double difference = relative(*a[k], other, force);
-    if (2 * k < count) raise(d.straight, difference);
+        b.size() > 1 ? force_at(*other, *b[at > 0 ? at - 1 : at + 1], a[k]->deflection.z()) : other->force;
+    const double difference = relative(*a[k], *other, force);
+    if (2 * k >= a.size()) raise(d.straight, difference);
   }
   double depth = -1, angle = 0;
   for (const Sample& s : samples) {
     if (s.kind != SampleKind::tangential) continue;
-    const auto same = [&](const Sample& r) { return r.kind == s.kind && r.index == s.index; };
-    const auto other = std::find_if(reference.begin(), reference.end(), same);
-    if (other == reference.end()) continue;
+    const Sample* other = partner(s, reference);
+    if (other == nullptr) continue;
     raise(d.sideways, relative(s, *other, other->force));
     const double turned = std::atan2(s.deflection.y(), s.deflection.x());
     const bool first = s.deflection.z() != depth || std::abs(turned - angle) > 1e-3;

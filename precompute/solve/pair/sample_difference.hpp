@@ -4,9 +4,16 @@
 
 #include "formats/journal/samples.hpp"
 
+#include <cstddef>
 #include <vector>
 
 namespace palpate {
+
+/// A sample beside its partner in the reference.
+struct ComparedSample {
+  std::size_t sample = 0, other = 0;  ///< numbers among the samples and in the reference
+  double difference = 0.0;            ///< |F - F'| / |F'|
+};
 
 struct SampleDifference {
   double straight = 0.0;     ///< largest |F - F'| / |F'| over the deeper half of the straight push
@@ -14,10 +21,12 @@ struct SampleDifference {
   std::size_t compared = 0;  ///< samples that had a partner: straight ones of any depth, sideways ones
   std::size_t foretold = 0;  ///< of these: differ by no more than their error estimates together
   double stiffness = 0.0;    ///< largest relative difference of a sideways push's secant stiffness at its first point
+  std::vector<ComparedSample> samples;  ///< every one that had a partner
 };
 
-/// Difference of samples along one path. Normal indentations are matched from full depth, because shallow points may be
-/// missing, and compared at the depths of `samples`.
+/// Difference of samples along one path, or along a part of it. A sample's partner is the one of its kind with the
+/// nearest deflection, at most 15 % away: either solve may lack points. Straight ones are compared at the depths of
+/// `samples`.
 SampleDifference sample_difference(const std::vector<Sample>& samples, const std::vector<Sample>& reference);
 
 /// Force of a straight push at a depth (m) near `here`, by the power law through it and a neighbour on its curve.

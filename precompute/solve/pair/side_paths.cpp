@@ -55,10 +55,9 @@ std::optional<std::string> go(PairRun& run, const CurvePoint& from, WayEnergy& w
   const double sheared = std::max(gate.contact.tangential_energy - straight.tangential_energy, 0.0);
   const double give = pull < 0 ? 2 * sheared / -pull : 0.0;
   s.deflection = (point.sideways - std::min(give, 0.1 * point.sideways)) * local + Vector3d(0, 0, straight.depth);
-  s.error_estimate =
-      run.sample_of(from).error_estimate +
-      error_estimate({gate.contact.force.norm(), point.sideways, give, step.energy_error,
-                      run.push.state().penalty * gate.contact.area, s.contact_points, run.options.growth});
+  s.error_estimate = run.sample_of(from).error_estimate +
+                     error_estimate({gate.contact.force.norm(), point.sideways, give, step.energy_error,
+                                     run.push.state().penalty * gate.contact.area, s.contact_points});
   run.result.samples.push_back(s);
   return std::nullopt;
 }

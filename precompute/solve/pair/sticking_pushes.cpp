@@ -30,7 +30,7 @@ public:
         for (int k = 1; k <= path_.tangential_points; ++k) {
           const auto failure = push_on(at, way, d, k, index++);
           if (!failure) continue;
-          if (!run_.stop_short(*failure, k == 1)) return false;
+          if (!run_.stop_short(failure->cause, k == 1, failure->peels)) return false;
           index = static_cast<std::uint16_t>(index + path_.tangential_points - k);
           break;
         }
@@ -51,9 +51,13 @@ private:
     return starts;
   }
 
-  // The cause of a failure, or nothing when the sample was taken.
-  std::optional<std::string> push_on(const CurvePoint& at, WayEnergy& way, int direction, int point,
-                                     std::uint16_t index) {
+  struct Failure {
+    std::string cause;
+    bool peels = false;
+  };
+
+  // Nothing when the sample was taken.
+  std::optional<Failure> push_on(const CurvePoint& at, WayEnergy& way, int direction, int point, std::uint16_t index) {
     const double reach = path_.tangential_reach * at.depth * point / path_.tangential_points;
     const int slot = direction * path_.tangential_points + point - 1;
     const Vector3d local = run_.direction(direction, path_.tangential_directions);
@@ -63,7 +67,7 @@ private:
     ++run_.result.outcome.tangential_solves;
     const auto where = " in the push of " + std::to_string(1e3 * reach) + " mm sideways at depth " +
                        std::to_string(1e3 * at.depth) + " mm";
-    if (!step.converged) return step.cause + where;
+    if (!step.converged) return Failure{step.cause + where, step.peels};
     way.moved();
     moved_[slot] = (run_.push.state().x - at.state.x) / reach;
     Sample s = run_.sample(step.iterations);
@@ -71,15 +75,15 @@ private:
     s.index = index;
     const double pull = (s.force - base.force).dot(local);
     const GateState gate = run_.sideways_gate(at.depth, s, way);
-    if (const auto failed = failed_sticking_gate(gate, pull, GateLimits{})) return *failed + where;
+    if (const auto failed = failed_sticking_gate(gate, pull, GateLimits{})) return Failure{*failed + where};
     // The anchors' own compliance, at a constant contact area: 2 E / Q, E without what the straight push had sheared.
     // An answer without a sign (GateLimits::sideways_answer) gives no compliance.
     const double sheared = std::max(gate.contact.tangential_energy - at.contact.tangential_energy, 0.0);
     const double give = pull < 0 ? 2 * sheared / -pull : 0.0;
     s.deflection = (reach - std::min(give, 0.1 * reach)) * local + Vector3d(0, 0, base.deflection.z());
-    s.error_estimate = base.error_estimate + error_estimate({gate.contact.force.norm(), reach, give, step.energy_error,
-                                                             run_.push.state().penalty * gate.contact.area,
-                                                             s.contact_points, run_.options.growth});
+    s.error_estimate =
+        base.error_estimate + error_estimate({gate.contact.force.norm(), reach, give, step.energy_error,
+                                              run_.push.state().penalty * gate.contact.area, s.contact_points});
     run_.result.samples.push_back(s);
     return std::nullopt;
   }

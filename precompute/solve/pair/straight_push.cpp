@@ -117,7 +117,7 @@ bool straight_push(PairRun& run) {
     sample.deflection = {0, 0, depth};
     sample.error_estimate =
         error_estimate({point.contact.force.norm(), point.depth, point.depth - depth, point.energy_error,
-                        point.state.penalty * point.contact.area, point.contact.points, run.options.growth});
+                        point.state.penalty * point.contact.area, point.contact.points});
   }
   run.result.outcome.cause = cause.value_or("");
   return !cause;

@@ -11,6 +11,9 @@ namespace {
 // Searches of one step while contact points let go, and the tolerances of those before the last.
 constexpr int kRounds = 30;
 constexpr double kRoughEnergy = 100, kRoughResidual = 10;
+// A contact of which less than this share still sticks peels: without cohesion the search would end in a few points,
+// after all its rounds.
+constexpr double kPeeled = 0.25;
 
 }  // namespace
 
@@ -23,7 +26,7 @@ Push::Push(const Body& body, const TetMesh& mesh, const ToolShape& shape, const 
       body_(body, mesh, given),
       untouched_(body_.rest()),
       contact_(mesh, body_.fixed(), shape, pose),
-      minimiser_(mesh, body_.fixed()) {
+      minimiser_(mesh, body_.fixed(), scale.limits) {
   state_.x = untouched_;
   state_.anchors = contact_.anchors();
   state_.translation = pose.translation();
@@ -131,6 +134,7 @@ StepResult Push::step(const Vector3d& target, double contact_radius, double work
   rough.residual_tolerance *= kRoughResidual;
   const std::uint32_t factorisations_before = factorisations_;
   bool settling = sticking;
+  const std::size_t stuck = contact_.stuck();
   for (int round = 0; round < kRounds; ++round) {
     const MinimiserResult m = minimiser_.minimise(*this, x, settling ? rough : options);
     result.iterations += m.iterations;
@@ -142,6 +146,13 @@ StepResult Push::step(const Vector3d& target, double contact_radius, double work
     // A point that left takes its anchor's energy with it: the equilibrium without it is still to be found.
     const bool left = sticking && contact_.release(x);
     if (!left && !settling) break;
+    if (left && double(contact_.stuck()) < kPeeled * double(stuck)) {
+      result.converged = false;
+      result.peels = true;
+      result.cause = "the contact peels: " + std::to_string(contact_.stuck()) + " of " + std::to_string(stuck) +
+                     " points still stick";
+      break;
+    }
     settling = settling && left;
     result.converged = false;
     result.cause = "contact points keep letting go";

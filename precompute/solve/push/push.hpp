@@ -19,6 +19,7 @@ struct PushScale {
   double young = 0.0;       ///< Pa, of the body
   double penalty = 300.0;   ///< E / a
   double tolerance = 1e-3;  ///< relative energy tolerance is its square
+  SolveLimits limits{};     ///< a step past its deadline finds no equilibrium
 };
 
 /// Equilibrium state and everything that a later push needs to go on from it.
@@ -32,7 +33,8 @@ struct PushState {
 
 class Push final : public EnergyProblem {
 public:
-  /// `body` is free of stress. The tool stands at `pose`. `materials` per region; empty: the body's.
+  /// `body` is free of stress. The tool stands at `pose`. `materials` per region; empty: the body's. Throws as
+  /// Minimiser.
   Push(const Body& body, const TetMesh& mesh, const ToolShape& shape, const Eigen::Isometry3d& pose,
        const PushScale& scale, const std::vector<Material>& materials = {});
 

@@ -64,6 +64,37 @@ TEST_F(Pair, SameInputsGiveTheSameBits) {
   }
 }
 
+TEST_F(Pair, LimitsEndItWithTheirCause) {
+  scene.solver.time_limit = 1e-3;
+  PairResult r = solve(0.0, 0.004);
+  EXPECT_FALSE(r.outcome.accepted);
+  EXPECT_NE(r.outcome.cause.find("given up: after 0.001 s of processor time"), std::string::npos) << r.outcome.cause;
+  scene.solver.time_limit = 30;
+  scene.solver.memory_limit = 0.5;
+  r = solve(0.0, 0.004);
+  EXPECT_FALSE(r.outcome.accepted);
+  EXPECT_NE(r.outcome.cause.find("MB, allowed 0 MB"), std::string::npos) << r.outcome.cause;
+}
+
+// More on a coarse mesh, and enough for the difference to a fine one.
+TEST_F(Pair, ErrorEstimatesHoldTheMeshsShare) {
+  const auto with = [&](double growth, bool mesh_errors) {
+    scene.sampling.normal_points = 4;
+    PairOptions options = pair_options(scene);
+    options.growth = growth;
+    options.mesh_errors = mesh_errors;
+    const Tool tool = make_tool(sphere);
+    return solve_pair(body, tool, tool.vertices[0], ContactFrame{}, bake_path(scene, 0.004), options);
+  };
+  const PairResult alone = with(0.8, false), coarse = with(0.8, true), fine = with(0.4, true);
+  ASSERT_TRUE(alone.outcome.accepted && coarse.outcome.accepted && fine.outcome.accepted);
+  ASSERT_EQ(alone.outcome.nodes, coarse.outcome.nodes);
+  EXPECT_GT(deepest(coarse).error_estimate, deepest(alone).error_estimate);
+  EXPECT_GT(deepest(coarse).error_estimate, deepest(fine).error_estimate);
+  const SampleDifference d = sample_difference(coarse.samples, fine.samples);
+  for (const ComparedSample& s : d.samples) EXPECT_LT(s.difference, coarse.samples[s.sample].error_estimate);
+}
+
 // METIS, under CHOLMOD, draws from the process's one rand().
 TEST_F(Pair, ManyThreadsGiveTheSameBits) {
   scene.solver.mesh_size = 0.8;  // bits are bits on any mesh

@@ -93,7 +93,7 @@ TEST_F(ContactMethods, ARefusalNamesEveryAttempt) {
 }
 
 TEST_F(ContactMethods, ACheckComparesWithAFinerMesh) {
-  options.check = true;
+  options.check = options.mesh_errors = true;
   path.friction = 0.3;
   path.tangential_depths = {0.002};
   path.tangential_directions = 2;
@@ -122,9 +122,6 @@ TEST(ErrorEstimate, GrowsWithEachOfItsSources) {
   EXPECT_LT(least, 0.02);
   ErrorSources s = good;
   s.points = 20;
-  EXPECT_GT(error_estimate(s), 1.5 * least);
-  s = good;
-  s.growth = 1;
   EXPECT_GT(error_estimate(s), 1.5 * least);
   s = good;
   s.give = 1e-4;
