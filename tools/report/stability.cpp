@@ -6,8 +6,8 @@
 #include <map>
 
 #include "formats/io/error.hpp"
-#include "precompute/verify/held_out/statistics.hpp"
 #include "precompute/verify/battery/stiff_cells.hpp"
+#include "precompute/verify/held_out/statistics.hpp"
 #include "tools/cli/verify_checks.hpp"
 #include "tools/report/numbers.hpp"
 #ifdef PALPATE_DEVICES
@@ -78,8 +78,8 @@ Json battery_stability(const Json& battery, const std::string& source, const Sce
   if (!battery.is_object() || battery.value("battery", "") != "stiff" || !battery.contains("cells")) {
     throw Error(ExitCode::bad_input, source + ": is no report of palpate verify --battery stiff --report FILE");
   }
-  std::map<std::pair<std::string, std::string>, StiffCell> known;
-  for (StiffCell& cell : stiff_cells()) known.emplace(std::pair{cell.family, cell.name}, std::move(cell));
+  std::map<std::pair<std::string, std::string>, BatteryCell> known;
+  for (BatteryCell& cell : stiff_cells()) known.emplace(std::pair{cell.family, cell.name}, std::move(cell));
   const double tolerance = battery.value("tolerance", 0.05);
   const double young = small_strain_young(scene.material), ratio = scene.sampling.depth / scene.tools.at(0).radius;
   Json json{{"seed", battery.value("seed", 0)},

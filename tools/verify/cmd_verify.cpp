@@ -328,7 +328,8 @@ void run_verify(const VerifyArguments& options, const Globals& globals) {
     return run_together(together, globals);
   }
   if (!options.battery.empty())
-    return run_battery_command({options.report, options.family, options.cases, options.seed}, globals);
+    return run_battery_command(
+        {options.battery, options.report, options.family, options.cases, options.seed, options.count}, globals);
   if (options.closed_forms) return run_closed_forms({options.report}, globals);
   if (!options.other.empty()) return run_ccx_command({options.report, options.cases}, globals);
   if (!options.paper.empty()) return run_paper_command({options.paper, options.report}, globals);
@@ -354,8 +355,10 @@ void add_verify(CLI::App& app, Globals& globals) {
   Command command(app, "verify", "Compares baked with solved forces; exit code 5 beyond a limit");
   command.option("input", options->input,
                  "Scene (solves held-out contacts) or, with --samples or --device, a response file");
-  command.option("--battery", options->battery, "Instead of a scene: the cells of the stability table")
-      .check(one_of({"stiff"}));
+  command
+      .option("--battery", options->battery,
+              "Instead of a scene: the cells of the stability table, or random contacts judged by a much finer mesh")
+      .check(one_of({"stiff", "random"}));
   command.option("--family", options->family, "Only this family of the battery");
   command.flag("--closed-forms", options->closed_forms,
                "Instead of a scene: Hertz, Sneddon, Dimitriadis, Mindlin and Cattaneo, on bodies of two sizes");
@@ -396,7 +399,9 @@ void add_verify(CLI::App& app, Globals& globals) {
   command.option("--paper", options->paper,
                  "Instead of a scene: figures 2 and 4 of Hayward and Mahvash (2004); scenes and plots (SVG) go to "
                  "this folder");
-  command.option("--count", options->count, "Held-out contacts").check(whole_in(1, 100000)).shows_default();
+  command.option("--count", options->count, "Held-out contacts, or contacts of --battery random")
+      .check(whole_in(1, 100000))
+      .shows_default();
   command.option("--seed", options->seed, "Seed of their places, or of the battery's draw").shows_default();
   command.option("--samples", options->samples, "Report of an earlier verify: compare without solving");
   const Check error = number_in(0, 1000);
@@ -412,7 +417,9 @@ void add_verify(CLI::App& app, Globals& globals) {
       .option("--max-refused-share", options->limits.refused_share,
               "Largest share of held-out contacts that no solve was accepted for; 0.1 where another limit is set")
       .check(number_in(0, 1));
-  command.option("--report", options->report, "Also write the JSON report to this file (usable as --samples)");
+  command.option(
+      "--report", options->report,
+      "Also write the JSON report to this file (usable as --samples); of --battery random one line a contact");
 #ifdef PALPATE_DEVICES
   command.option("--device", options->device,
                  "Check whether a response file is safe to touch with this device (sim, woody, falcon, ...)");

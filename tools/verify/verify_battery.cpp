@@ -3,6 +3,7 @@
 
 #include "formats/io/error.hpp"
 #include "precompute/verify/battery/battery.hpp"
+#include "precompute/verify/battery/stiff_cells.hpp"
 #include "tools/bench/tick_bench.hpp"
 #include "tools/cli/interrupt.hpp"
 #include "tools/cli/output.hpp"
@@ -21,9 +22,9 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kCore = 0.9, kOverall = 0.7;
 
-std::vector<std::string> families_of(const std::vector<StiffCell>& cells) {
+std::vector<std::string> families_of(const std::vector<BatteryCell>& cells) {
   std::vector<std::string> names;
-  for (const StiffCell& cell : cells) {
+  for (const BatteryCell& cell : cells) {
     if (std::find(names.begin(), names.end(), cell.family) == names.end()) names.push_back(cell.family);
   }
   return names;
@@ -48,11 +49,8 @@ Json to_json(const BatteryFigures& f) {
           {"slowest_s", f.slowest}};
 }
 
-Json to_json(const StiffCell& cell, const CellResult& result) {
-  Json json{{"family", cell.family},
-            {"cell", cell.name},
-            {"core", cell.core},
-            {"converged", result.end == CellResult::End::converged}};
+Json to_json(const BatteryCell& cell, const CellResult& result) {
+  Json json{{"family", cell.family}, {"cell", cell.name}, {"core", cell.core}, {"converged", result.accepted}};
   if (!result.cause.empty()) json["cause"] = result.cause;
   if (!result.samples.empty()) {
     double force = 0;
@@ -79,11 +77,12 @@ std::string row(const std::string& name, const BatteryFigures& f) {
 }  // namespace
 
 void run_battery_command(const BatteryCommand& command, const Globals& globals) {
+  if (command.battery == "random") return run_random_command(command, globals);
   if (!command.report.empty()) check_writable(command.report);
-  std::vector<StiffCell> cells = stiff_cells();
+  std::vector<BatteryCell> cells = stiff_cells();
   const std::vector<std::string> families = families_of(cells);
   const bool all_cells = command.family.empty() && command.cells.empty();
-  std::erase_if(cells, [&](const StiffCell& cell) {
+  std::erase_if(cells, [&](const BatteryCell& cell) {
     return (!command.family.empty() && cell.family != command.family) ||
            cell.name.find(command.cells) == std::string::npos;
   });
@@ -128,7 +127,7 @@ void run_battery_command(const BatteryCommand& command, const Globals& globals) 
   for (std::size_t k = 0; k < cells.size(); ++k) {
     const CellResult& cell = result.cells[k];
     json["cells"].push_back(to_json(cells[k], cell));
-    if (cell.end == CellResult::End::refused) ++causes[gate_of(cell.cause)];
+    if (!cell.accepted) ++causes[gate_of(cell.cause)];
     if (!cell.difference && !cell.check_cause.empty())
       unchecked += "- " + cells[k].family + ", " + cells[k].name + ": " + cell.check_cause + "\n";
     if (!cell.difference || *cell.difference <= options.tolerance) continue;

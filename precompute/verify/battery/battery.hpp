@@ -2,8 +2,7 @@
 // Runs stiff cells and checks a seeded share of the converged ones against finer meshes, or another contact.
 #pragma once
 
-#include "formats/journal/samples.hpp"
-#include "precompute/verify/battery/stiff_cells.hpp"
+#include "precompute/verify/battery/battery_cell.hpp"
 
 #include <cstdint>
 #include <functional>
@@ -23,13 +22,7 @@ struct BatteryOptions {
   std::function<void(std::size_t done, std::size_t total)> progress;
 };
 
-struct CellResult {
-  enum class End { converged, refused };
-  End end = End::refused;
-  std::string cause;                 ///< of a refusal
-  std::vector<Sample> samples;       ///< of a converged cell
-  double seconds = 0.0;              ///< of the solve, check aside
-  std::uint32_t nodes = 0;           ///< of its mesh
+struct CellResult : CellSolve {
   std::optional<double> difference;  ///< to the check; none: not drawn, or not checked
   bool augmented = false;            ///< the check was the augmented-Lagrange solve
   std::size_t compared = 0;          ///< samples that the check had a partner for ...
@@ -42,11 +35,10 @@ struct BatteryResult {
   bool stopped = false;
 };
 
-/// Bake's own entry point for every cell (pair.hpp); the check has elements at most 0.6 times as large that grow
+/// solve_cell for every cell; the check has elements at most 0.6 times as large that grow
 /// slower, and at least 1.3 times the nodes; where no such mesh is solved, it is the augmented-Lagrange solve on the
-/// cell's own. A cell whose force is not finite counts as refused by name. Throws Error(io) where the installation is
-/// broken.
-BatteryResult run_battery(const std::vector<StiffCell>& cells, const BatteryOptions& options);
+/// cell's own. Throws as solve_cell does.
+BatteryResult run_battery(const std::vector<BatteryCell>& cells, const BatteryOptions& options);
 
 /// A table's figures of a set of cells.
 struct BatteryFigures {
@@ -57,7 +49,7 @@ struct BatteryFigures {
 };
 
 /// `family` empty: of all.
-BatteryFigures battery_figures(const std::vector<StiffCell>& cells, const BatteryResult& result, double tolerance,
+BatteryFigures battery_figures(const std::vector<BatteryCell>& cells, const BatteryResult& result, double tolerance,
                                const std::string& family = {});
 
 }  // namespace palpate

@@ -13,7 +13,7 @@ namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
-using Law = MaterialScene::Law;
+using LawKind = MaterialScene::Law;
 using Shape = ToolScene::Shape;
 
 constexpr double kTipRadius = 0.005;  // m, of the usual tip
@@ -27,8 +27,9 @@ SupportScene half_space(const Vector3d& point, const Vector3d& normal) {
 }
 
 // A block whose top is z = 0, held at its bottom, under a sphere.
-StiffCell block(const std::string& family, double width = kWidth, double height = kHeight, double radius = kTipRadius) {
-  StiffCell cell;
+BatteryCell block(const std::string& family, double width = kWidth, double height = kHeight,
+                  double radius = kTipRadius) {
+  BatteryCell cell;
   cell.family = family;
   cell.surface = box_solid({-width / 2, -width / 2, -height}, {width / 2, width / 2, 0}, height, "block");
   cell.scene.supports = {half_space({0, 0, -height * (1 - 1e-6)}, {0, 0, 1})};
@@ -40,7 +41,7 @@ StiffCell block(const std::string& family, double width = kWidth, double height 
   return cell;
 }
 
-void add(std::vector<StiffCell>& cells, StiffCell cell, double depth, double thickness, const std::string& name) {
+void add(std::vector<BatteryCell>& cells, BatteryCell cell, double depth, double thickness, const std::string& name) {
   cell.depth = depth;
   cell.name = name;
   const MaterialScene& m = cell.scene.material;
@@ -54,11 +55,11 @@ void add(std::vector<StiffCell>& cells, StiffCell cell, double depth, double thi
   cells.push_back(std::move(cell));
 }
 
-void modulus(std::vector<StiffCell>& cells) {
+void modulus(std::vector<BatteryCell>& cells) {
   for (const double young : {1.0, 10.0, 1e3, 1e5, 1e7, 1e9, 1e11}) {
     for (const double poisson : {0.3, 0.49, 0.4999}) {
       for (const double share : {0.2, 1.0}) {
-        StiffCell cell = block("modulus");
+        BatteryCell cell = block("modulus");
         cell.scene.material.young = young;
         cell.scene.material.poisson = poisson;
         add(cells, cell, share * kTipRadius, kHeight,
@@ -68,11 +69,11 @@ void modulus(std::vector<StiffCell>& cells) {
   }
 }
 
-void compressibility(std::vector<StiffCell>& cells) {
+void compressibility(std::vector<BatteryCell>& cells) {
   for (const double poisson : {0.0, 0.2, 0.45, 0.499, 0.4999}) {
     for (const Shape shape : {Shape::sphere, Shape::punch, Shape::cone}) {
       for (const double share : {0.5, 1.0}) {
-        StiffCell cell = block("compressibility");
+        BatteryCell cell = block("compressibility");
         cell.scene.material.poisson = poisson;
         ToolScene& tool = cell.scene.tools[0];
         tool.shape = shape;
@@ -88,11 +89,11 @@ void compressibility(std::vector<StiffCell>& cells) {
   }
 }
 
-void layer(std::vector<StiffCell>& cells) {
+void layer(std::vector<BatteryCell>& cells) {
   for (const double height : {0.001, 0.0025, 0.005, 0.01, 0.02}) {
     for (const double share : {0.1, 0.3, 0.6, 0.8}) {
       for (const double poisson : {0.45, 0.49}) {
-        StiffCell cell = block("layer", 0.04, height);
+        BatteryCell cell = block("layer", 0.04, height);
         cell.scene.material.poisson = poisson;
         add(cells, cell, share * height, height,
             fmt::format("thickness {:g} mm, depth {:g} of it, nu {:g}", 1e3 * height, share, poisson));
@@ -101,12 +102,12 @@ void layer(std::vector<StiffCell>& cells) {
   }
 }
 
-void inclusion(std::vector<StiffCell>& cells) {
+void inclusion(std::vector<BatteryCell>& cells) {
   for (const double contrast : {1e-6, 1e-3, 1e-2, 1e2, 1e3, 1e6}) {
     for (const double cover : {0.002, 0.006}) {
       for (const double size : {0.003, 0.008}) {
         for (const double depth : {0.001, 0.003}) {
-          StiffCell cell = block("inclusion");
+          BatteryCell cell = block("inclusion");
           RegionScene lump;
           lump.name = "lump";
           lump.shape = RegionScene::Shape::ellipsoid;
@@ -123,11 +124,11 @@ void inclusion(std::vector<StiffCell>& cells) {
   }
 }
 
-void tip(std::vector<StiffCell>& cells) {
+void tip(std::vector<BatteryCell>& cells) {
   for (const double radius : {2e-5, 1e-4, 3e-4, 1e-3, 5e-3, 2e-2, 0.1, 0.5}) {
     for (const double share : {0.2, 1.0}) {
       for (const double poisson : {0.45, 0.49}) {
-        StiffCell cell = block("tip", kWidth, kHeight, radius);
+        BatteryCell cell = block("tip", kWidth, kHeight, radius);
         cell.scene.material.poisson = poisson;
         const double depth = std::min(share * radius, share * 0.3 * kHeight);
         add(cells, cell, depth, kHeight,
@@ -137,7 +138,7 @@ void tip(std::vector<StiffCell>& cells) {
   }
 }
 
-MaterialScene material(Law law) {
+MaterialScene material(LawKind law) {
   MaterialScene m;
   m.law = law;
   m.c10 = 600;
@@ -149,22 +150,22 @@ MaterialScene material(Law law) {
   m.k2 = 5;
   m.dispersion = 0.1;
   m.fibre = {1, 0, 0};
-  if (law == Law::linear || law == Law::st_venant) m.poisson = 0.4;
+  if (law == LawKind::linear || law == LawKind::st_venant) m.poisson = 0.4;
   m.young = small_strain_young(m);
   return m;
 }
 
-void law(std::vector<StiffCell>& cells) {
-  const std::pair<Law, const char*> laws[] = {{Law::neo_hookean, "neo-Hookean"},
-                                              {Law::mooney_rivlin, "Mooney-Rivlin"},
-                                              {Law::ogden, "Ogden"},
-                                              {Law::veronda_westmann, "Veronda-Westmann"},
-                                              {Law::holzapfel, "Holzapfel-Ogden"},
-                                              {Law::st_venant, "St. Venant-Kirchhoff"},
-                                              {Law::linear, "linear"}};
+void law(std::vector<BatteryCell>& cells) {
+  const std::pair<LawKind, const char*> laws[] = {{LawKind::neo_hookean, "neo-Hookean"},
+                                                  {LawKind::mooney_rivlin, "Mooney-Rivlin"},
+                                                  {LawKind::ogden, "Ogden"},
+                                                  {LawKind::veronda_westmann, "Veronda-Westmann"},
+                                                  {LawKind::holzapfel, "Holzapfel-Ogden"},
+                                                  {LawKind::st_venant, "St. Venant-Kirchhoff"},
+                                                  {LawKind::linear, "linear"}};
   for (const auto& [which, name] : laws) {
     for (const double share : {0.1, 0.4, 1.0, 1.6}) {
-      StiffCell cell = block("law");
+      BatteryCell cell = block("law");
       cell.scene.material = material(which);
       add(cells, cell, share * kTipRadius, kHeight, fmt::format("{}, depth {:g} R", name, share));
     }
@@ -172,10 +173,10 @@ void law(std::vector<StiffCell>& cells) {
 }
 
 // Needles: the triangles at one corner of the top are cut close to it.
-void sliver(std::vector<StiffCell>& cells) {
+void sliver(std::vector<BatteryCell>& cells) {
   for (const double aspect : {10.0, 100.0, 1e3, 1e4}) {
     for (const double share : {0.2, 0.5, 1.0}) {
-      StiffCell cell = block("sliver");
+      BatteryCell cell = block("sliver");
       Surface& s = cell.surface;
       const double h = kWidth / aspect, w = kWidth / 2;
       s = box_solid({-w, -w, -kHeight}, {w, w, 0}, 2 * kWidth, "block");
@@ -213,11 +214,11 @@ void sliver(std::vector<StiffCell>& cells) {
   }
 }
 
-void membrane(std::vector<StiffCell>& cells) {
+void membrane(std::vector<BatteryCell>& cells) {
   for (const double thickness : {0.0005, 0.001, 0.002, 0.004}) {
     for (const double share : {0.3, 0.6, 0.8}) {
       for (const double radius : {0.002, 0.005}) {
-        StiffCell cell = block("membrane", 0.04, thickness, radius);
+        BatteryCell cell = block("membrane", 0.04, thickness, radius);
         const double rim = 0.018;
         cell.scene.supports = {half_space({rim, 0, 0}, {-1, 0, 0}), half_space({-rim, 0, 0}, {1, 0, 0}),
                                half_space({0, rim, 0}, {0, -1, 0}), half_space({0, -rim, 0}, {0, 1, 0})};
@@ -228,11 +229,11 @@ void membrane(std::vector<StiffCell>& cells) {
   }
 }
 
-void friction(std::vector<StiffCell>& cells) {
+void friction(std::vector<BatteryCell>& cells) {
   for (const double mu : {0.1, 0.3, 0.6, 1.0, 2.0}) {
     for (const double share : {0.2, 0.6, 1.0}) {
       for (const double poisson : {0.45, 0.49}) {
-        StiffCell cell = block("friction");
+        BatteryCell cell = block("friction");
         cell.scene.friction = mu;
         cell.scene.material.poisson = poisson;
         add(cells, cell, share * kTipRadius, kHeight,
@@ -242,11 +243,11 @@ void friction(std::vector<StiffCell>& cells) {
   }
 }
 
-void size(std::vector<StiffCell>& cells) {
+void size(std::vector<BatteryCell>& cells) {
   for (const double width : {1e-3, 1e-2, 0.1, 1.0, 10.0}) {
     for (const Shape shape : {Shape::sphere, Shape::punch}) {
       for (const double share : {0.1, 0.5}) {
-        StiffCell cell = block("size", width, width / 2, width / 12);
+        BatteryCell cell = block("size", width, width / 2, width / 12);
         cell.scene.tools[0].shape = shape;
         add(cells, cell, share * width / 12, width / 2,
             fmt::format("block of {:g} m, {}, depth {:g} R", width, shape == Shape::sphere ? "sphere" : "punch",
@@ -257,11 +258,11 @@ void size(std::vector<StiffCell>& cells) {
 }
 
 // A wedge with its edge along y at the origin, pressed at a distance from the edge on its upper side.
-void margin(std::vector<StiffCell>& cells) {
+void margin(std::vector<BatteryCell>& cells) {
   for (const double degrees : {15.0, 30.0, 60.0, 90.0}) {
     for (const double from_edge : {0.0, 0.5, 1.0, 2.0}) {
       for (const double share : {0.3, 0.6}) {
-        StiffCell cell = block("margin");
+        BatteryCell cell = block("margin");
         const double angle = degrees * std::numbers::pi / 180, length = 0.04, half = 0.03;
         const bool square = degrees > 80;
         const double drop = square ? length : length * std::tan(angle);
@@ -300,10 +301,10 @@ void margin(std::vector<StiffCell>& cells) {
   }
 }
 
-void pointed(std::vector<StiffCell>& cells) {
+void pointed(std::vector<BatteryCell>& cells) {
   for (const double edge : {0.005, 0.02, 0.1, 0.5}) {
     for (const double share : {0.1, 0.4}) {
-      StiffCell cell = block("pointed");
+      BatteryCell cell = block("pointed");
       ToolScene& tool = cell.scene.tools[0];
       tool.shape = Shape::punch;
       tool.edge_radius = edge * kTipRadius;
@@ -313,7 +314,7 @@ void pointed(std::vector<StiffCell>& cells) {
   for (const double half_angle : {0.1, 0.3, 0.8}) {
     for (const double radius : {1e-4, 3e-4, 1e-3}) {
       for (const double depth : {5e-4, 2e-3}) {
-        StiffCell cell = block("pointed", kWidth, kHeight, radius);
+        BatteryCell cell = block("pointed", kWidth, kHeight, radius);
         ToolScene& tool = cell.scene.tools[0];
         tool.shape = Shape::needle;
         tool.half_angle = half_angle;
@@ -324,10 +325,10 @@ void pointed(std::vector<StiffCell>& cells) {
   }
 }
 
-void support(std::vector<StiffCell>& cells) {
+void support(std::vector<BatteryCell>& cells) {
   for (const double stiffness : {1e2, 1e4, 1e6, 1e8, 1e10}) {
     for (const double share : {0.2, 0.8}) {
-      StiffCell cell = block("support");
+      BatteryCell cell = block("support");
       cell.scene.supports[0].type = SupportScene::Type::spring;
       cell.scene.supports[0].stiffness = stiffness;
       add(cells, cell, share * kTipRadius, kHeight, fmt::format("bed of {:g} N/m^3, depth {:g} R", stiffness, share));
@@ -337,8 +338,8 @@ void support(std::vector<StiffCell>& cells) {
 
 }  // namespace
 
-std::vector<StiffCell> stiff_cells() {
-  std::vector<StiffCell> cells;
+std::vector<BatteryCell> stiff_cells() {
+  std::vector<BatteryCell> cells;
   for (const auto family : {modulus, compressibility, layer, inclusion, tip, law, sliver, membrane, friction, size,
                             margin, pointed, support}) {
     family(cells);

@@ -5,6 +5,7 @@
 
 #include "precompute/common/draw.hpp"
 #include "precompute/solve/pair/sample_difference.hpp"
+#include "precompute/verify/battery/stiff_cells.hpp"
 #include "precompute/verify/parallel.hpp"
 #include "precompute/verify/solver_bench.hpp"
 #include "tests/support/shapes.hpp"
@@ -26,7 +27,7 @@ TEST(StiffCells, CoverTheirRangesAndAreAllDifferent) {
   std::map<std::string, int> families;
   double softest = 1e99, hardest = 0, bluntest = 0, sharpest = 1e99, poisson = 0;
   std::size_t core = 0;
-  for (const StiffCell& cell : cells) {
+  for (const BatteryCell& cell : cells) {
     EXPECT_TRUE(names.emplace(cell.family, cell.name).second) << cell.family << ", " << cell.name;
     EXPECT_TRUE(test::closed_and_oriented(cell.surface)) << cell.family << ", " << cell.name;
     EXPECT_GT(test::surface_volume(cell.surface), 0) << cell.family << ", " << cell.name;
@@ -52,8 +53,8 @@ TEST(StiffCells, CoverTheirRangesAndAreAllDifferent) {
 
 // A plain cell, one whose support is out of reach, one whose surface is open.
 TEST(Battery, ConvergesChecksAndRefusesByName) {
-  std::vector<StiffCell> cells;
-  for (const StiffCell& cell : stiff_cells()) {
+  std::vector<BatteryCell> cells;
+  for (const BatteryCell& cell : stiff_cells()) {
     if (cell.family == "size" && cells.empty()) cells.push_back(cell);
   }
   ASSERT_EQ(cells.size(), 1U);
@@ -74,13 +75,13 @@ TEST(Battery, ConvergesChecksAndRefusesByName) {
   const BatteryResult result = run_battery(cells, options);
   EXPECT_FALSE(result.stopped);
   EXPECT_EQ(last, 4U);
-  EXPECT_EQ(result.cells[0].end, CellResult::End::converged) << result.cells[0].cause;
+  EXPECT_TRUE(result.cells[0].accepted) << result.cells[0].cause;
   ASSERT_TRUE(result.cells[0].difference) << result.cells[0].check_cause;
   EXPECT_GT(*result.cells[0].difference, 0);
   EXPECT_LT(*result.cells[0].difference, options.tolerance);
-  EXPECT_EQ(result.cells[1].end, CellResult::End::refused);
+  EXPECT_FALSE(result.cells[1].accepted);
   EXPECT_NE(result.cells[1].cause.find("holds no point"), std::string::npos) << result.cells[1].cause;
-  EXPECT_EQ(result.cells[2].end, CellResult::End::refused);
+  EXPECT_FALSE(result.cells[2].accepted);
   EXPECT_NE(result.cells[2].cause.find("open"), std::string::npos) << result.cells[2].cause;
 
   const BatteryFigures all = battery_figures(cells, result, options.tolerance);
@@ -94,9 +95,9 @@ TEST(Battery, ConvergesChecksAndRefusesByName) {
 
 // One cell of every family, drawn by a seed, on fewer points than the command solves.
 TEST(Battery, ADrawnCellOfEveryFamilyConvergesOrSaysWhyNot) {
-  std::map<std::string, std::vector<StiffCell>> families;
-  for (const StiffCell& cell : stiff_cells()) families[cell.family].push_back(cell);
-  std::vector<StiffCell> cells;
+  std::map<std::string, std::vector<BatteryCell>> families;
+  for (const BatteryCell& cell : stiff_cells()) families[cell.family].push_back(cell);
+  std::vector<BatteryCell> cells;
   for (const auto& [family, all] : families) {
     cells.push_back(all[draw_share(all.size(), 1e-6, 23).at(0)]);
     cells.back().scene.sampling.normal_points = 4;
@@ -109,11 +110,10 @@ TEST(Battery, ADrawnCellOfEveryFamilyConvergesOrSaysWhyNot) {
   std::size_t converged = 0;
   for (std::size_t k = 0; k < cells.size(); ++k) {
     const CellResult& cell = result.cells[k];
-    EXPECT_TRUE(cell.end == CellResult::End::converged ? cell.samples.size() >= 3 : !cell.cause.empty())
+    EXPECT_TRUE(cell.accepted ? cell.samples.size() >= 3 : !cell.cause.empty())
         << cells[k].family << ", " << cells[k].name;
-    EXPECT_TRUE(cell.end == CellResult::End::converged || !cells[k].core)
-        << cells[k].family << ", " << cells[k].name << ": " << cell.cause;
-    converged += cell.end == CellResult::End::converged;
+    EXPECT_TRUE(cell.accepted || !cells[k].core) << cells[k].family << ", " << cells[k].name << ": " << cell.cause;
+    converged += cell.accepted;
   }
   EXPECT_GE(converged, cells.size() * 7 / 10);
 }
@@ -146,8 +146,8 @@ TEST(SampleDifference, MatchesFromFullDepthAndByDirection) {
 }
 
 TEST(SolverBench, RowsComeNearerToTheReference) {
-  std::vector<StiffCell> cells = stiff_cells();
-  StiffCell& cell = cells.front();
+  std::vector<BatteryCell> cells = stiff_cells();
+  BatteryCell& cell = cells.front();
   cell.scene.material.young = 5e3;
   cell.scene.material.poisson = 0.45;
   cell.scene.sampling.normal_points = 4;

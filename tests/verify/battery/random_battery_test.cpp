@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The random battery: its draw, its verdicts, and a few of its cheap contacts. All: palpate verify --battery random.
+#include "precompute/verify/battery/random_battery.hpp"
+#include "precompute/verify/battery/random_cells.hpp"
+
+#include "tests/support/shapes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+namespace palpate {
+namespace {
+
+double thickness(const BatteryCell& cell) {
+  double low = 1e99, high = -1e99;
+  for (const Eigen::Vector3d& v : cell.surface.vertices) low = std::min(low, v.z()), high = std::max(high, v.z());
+  return high - low;
+}
+
+TEST(RandomCells, AreThoseOfTheirSeedAndSpanTheirRanges) {
+  const auto cells = random_cells(3, 200), fewer = random_cells(3, 7), others = random_cells(4, 7);
+  ASSERT_EQ(cells.size(), 200U);
+  for (std::size_t k = 0; k < fewer.size(); ++k) {
+    EXPECT_EQ(fewer[k].name, cells[k].name);
+    EXPECT_NE(others[k].name, cells[k].name);
+  }
+  std::map<std::string, int> families;
+  std::map<ToolScene::Shape, int> shapes;
+  double softest = 1e99, hardest = 0, smallest = 1e99, largest = 0;
+  int friction = 0, inclusions = 0, springs = 0;
+  for (const BatteryCell& cell : cells) {
+    EXPECT_TRUE(test::closed_and_oriented(cell.surface)) << cell.name;
+    EXPECT_GT(test::surface_volume(cell.surface), 0) << cell.name;
+    EXPECT_GT(cell.depth, 0) << cell.name;
+    EXPECT_NEAR(cell.normal.norm(), 1, 1e-9) << cell.name;
+    ++families[cell.family];
+    const ToolScene& tool = cell.scene.tools.at(0);
+    ++shapes[tool.shape];
+    const double ratio = tool.radius / thickness(cell);
+    smallest = std::min(smallest, ratio), largest = std::max(largest, ratio);
+    softest = std::min(softest, cell.scene.material.young), hardest = std::max(hardest, cell.scene.material.young);
+    friction += cell.scene.friction > 0;
+    inclusions += !cell.scene.regions.empty();
+    springs += cell.scene.supports.at(0).type == SupportScene::Type::spring;
+  }
+  EXPECT_EQ(families.size(), 4U);
+  EXPECT_EQ(shapes.size(), 4U);
+  EXPECT_LT(softest, 1e3);
+  EXPECT_GT(hardest, 1e9);
+  EXPECT_LT(smallest, 2e-4);
+  EXPECT_GT(largest, 1.5);
+  for (const int count : {friction, inclusions, springs}) EXPECT_GT(count, 20);
+}
+
+TEST(RandomBattery, FiguresCountVerdictsAndCoverage) {
+  std::vector<JudgedCell> cells(3);
+  cells[0].verdict = Verdict::right;
+  cells[0].samples = {{0.01, 0.02}, {0.02, 0.01}};
+  cells[0].solve.processor = 2;
+  cells[1].verdict = Verdict::wrong;
+  cells[1].samples = {{0.1, 0.01}, {0, 0.004}};
+  cells[2].verdict = Verdict::refused_sound;
+  cells[2].solve.processor = 5;
+  const RandomFigures f = random_figures(cells);
+  EXPECT_EQ(f.cells, 3U);
+  EXPECT_EQ(f.verdicts.at(Verdict::wrong), 1U);
+  EXPECT_EQ(f.samples, 4U);
+  EXPECT_EQ(f.covered, 2U);
+  EXPECT_EQ(f.coverage(), 0.5);
+  EXPECT_EQ(f.error.worst, 0.1);
+  EXPECT_EQ(f.ratio.worst, 4);  // an error of 0 counts as the solver's tolerance
+  EXPECT_EQ(f.seconds.worst, 5);
+}
+
+// The cheap ones on coarse meshes: none is accepted and wrong, most are right, and estimates cover the errors.
+TEST(RandomBattery, CheapContactsAreRightAndCovered) {
+  std::vector<BatteryCell> cells;
+  for (BatteryCell& cell : random_cells(47, 400)) {
+    const bool small = cell.scene.tools[0].radius < 0.05 * thickness(cell);
+    if (cell.family != "block" || small || cell.scene.friction > 0 || !cell.scene.regions.empty()) continue;
+    if (cells.size() == 10) break;
+    cell.scene.sampling.normal_points = 3;
+    cell.scene.solver.mesh_size = 0.5;
+    cell.scene.solver.growth = 0.8;
+    cell.scene.solver.max_size = 0.5 * thickness(cell);
+    cells.push_back(std::move(cell));
+  }
+  ASSERT_EQ(cells.size(), 10U);
+  std::vector<JudgedCell> judged(cells.size());
+  RandomBatteryOptions options;
+  options.refine = 0.75;
+  run_random_battery(cells, options, [&](std::size_t k, const JudgedCell& cell) { judged[k] = cell; });
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    EXPECT_NE(judged[k].verdict, Verdict::wrong) << cells[k].name << ": " << judged[k].excess;
+    EXPECT_NE(judged[k].verdict, Verdict::refused_sound) << cells[k].name << ": " << judged[k].solve.cause;
+    EXPECT_GT(judged[k].solve.processor, 0);
+  }
+  const RandomFigures f = random_figures(judged);
+  EXPECT_GE(f.verdicts.at(Verdict::right), 8U);
+  EXPECT_GE(f.coverage(), 0.9);
+}
+
+}  // namespace
+}  // namespace palpate
