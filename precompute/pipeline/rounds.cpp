@@ -125,11 +125,11 @@ private:
       const fit::PushField& field = fields_.at({p.tool, p.tool_vertex});
       if (!(field.known(t[0]) && field.known(t[1]) && field.known(t[2]))) continue;
       double peak = 0;
-      for (const Sample& s : solved->samples) peak = std::max(peak, s.force.z());
+      for (const Sample& s : solved->samples) peak = std::max(peak, s.force.norm());
       for (const Sample& s : solved->samples) {
-        double predicted = 0;
-        for (int c = 0; c < 3; ++c) predicted += h.weights[c] * field.force(t[c], s.deflection.z());
-        h.errors.push_back(std::abs(predicted - s.force.z()) / std::max(s.force.z(), 0.02 * peak));
+        Vector3d predicted = Vector3d::Zero();
+        for (int c = 0; c < 3; ++c) predicted += h.weights[c] * field.force(t[c], s.deflection.z(), p.frame);
+        h.errors.push_back((predicted - s.force).norm() / std::max(s.force.norm(), 0.02 * peak));
       }
       hidden_.push_back(std::move(h));
     }

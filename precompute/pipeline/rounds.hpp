@@ -22,7 +22,7 @@ struct Sampled {
 };
 
 /// Part of a plan's identity: raise it whenever the same outcomes give another next round.
-inline constexpr int kRoundsRevision = 2;
+inline constexpr int kRoundsRevision = 3;
 
 /// Numbers of automatic sampling.
 struct RoundLimits {
@@ -35,6 +35,7 @@ struct RoundLimits {
   double growth = 0.6;         ///< most edges split in a round, over the number of sites
   double aim = 0.8;            ///< of the tolerance: the 95th percentile that ends the rounds, because that of other
                                ///< contacts differs
+  double law = 0.5;            ///< of the tolerance: what responses may miss of the samples that they are fitted to
   int rounds = 12;             ///< at most
 };
 
