@@ -66,7 +66,23 @@ public:
     compare(journal);
   }
 
-  [[nodiscard]] const std::vector<HiddenError>& hidden() const { return hidden_; }
+  [[nodiscard]] SamplingEstimate estimate() const {
+    SamplingEstimate result;
+    std::vector<double> errors;
+    for (const HiddenError& h : hidden_) {
+      errors.insert(errors.end(), h.errors.begin(), h.errors.end());
+      if (h.worst() < result.worst) continue;
+      result.worst = h.worst();
+      result.worst_at = h.at;
+    }
+    result.places = hidden_.size();
+    if (errors.empty()) return result;
+    std::sort(errors.begin(), errors.end());
+    result.median = errors[(errors.size() - 1) / 2];
+    result.p95 = errors[(95 * errors.size() + 99) / 100 - 1];
+    result.met = result.p95 <= kLimits.aim * sampled_.scene.response.tolerance;
+    return result;
+  }
 
   /// Relative errors in the middle of edges predicted by their sites, and of patches that missed a hidden push.
   [[nodiscard]] std::map<SiteEdge, double> edge_errors() const {
@@ -170,6 +186,13 @@ private:
   std::map<Row, fit::PushField> fields_;
   std::vector<HiddenError> hidden_;
 };
+
+/// Edges to split at most, over the number of sites. The error of linear interpolation goes as one over that number, and
+/// twice the missing sites are added, because not every one falls where it is needed.
+double growth(const SamplingEstimate& estimate, double aim) {
+  if (estimate.places == 0) return kLimits.growth;
+  return std::clamp(2 * (estimate.p95 / aim - 1), kLimits.least_growth, kLimits.growth);
+}
 
 /// Pairs in full at sites as far from one another as can be, until their share is reached. `pushed` sites may be taken.
 void add_full(const Sampled& sampled, const std::set<std::uint32_t>& pushed, Plan& plan) {
@@ -281,30 +304,16 @@ Plan first_round(const Sampled& sampled, const HapticMesh& mesh) {
 
 SamplingEstimate judge(const Sampled& sampled, const HapticMesh& mesh, const Plan& plan,
                        const JournalContent& journal) {
-  const SolvedRound round(sampled, mesh, plan, journal);
-  SamplingEstimate estimate;
-  std::vector<double> errors;
-  for (const HiddenError& h : round.hidden()) {
-    errors.insert(errors.end(), h.errors.begin(), h.errors.end());
-    if (h.worst() < estimate.worst) continue;
-    estimate.worst = h.worst();
-    estimate.worst_at = h.at;
-  }
-  estimate.places = round.hidden().size();
-  if (errors.empty()) return estimate;
-  std::sort(errors.begin(), errors.end());
-  estimate.median = errors[(errors.size() - 1) / 2];
-  estimate.p95 = errors[(95 * errors.size() + 99) / 100 - 1];
-  estimate.met = estimate.p95 <= kLimits.aim * sampled.scene.response.tolerance;
-  return estimate;
+  return SolvedRound(sampled, mesh, plan, journal).estimate();
 }
 
 bool add_round(const Sampled& sampled, const JournalContent& journal, HapticMesh& mesh, Plan& plan) {
   const auto most = static_cast<std::size_t>(sampled.scene.sampling.most_sites);
   if (mesh.points.size() >= most) return false;
   const double least = kLimits.least_edge * smallest_radius(sampled.scene);
+  const SolvedRound round(sampled, mesh, plan, journal);
   std::vector<std::pair<double, SiteEdge>> worst;
-  for (const auto& [edge, error] : SolvedRound(sampled, mesh, plan, journal).edge_errors()) {
+  for (const auto& [edge, error] : round.edge_errors()) {
     if ((mesh.points[edge[0]] - mesh.points[edge[1]]).norm() > 2 * least) worst.emplace_back(error, edge);
   }
   std::sort(worst.begin(), worst.end(), std::greater<>());
@@ -313,7 +322,8 @@ bool add_round(const Sampled& sampled, const JournalContent& journal, HapticMesh
       std::find_if(worst.begin(), worst.end(), [&](const auto& w) { return w.first < tolerance; }) - worst.begin());
   // A round that found its percentile missed and no edge to blame splits the worst tenth.
   std::size_t count = std::max(above, worst.size() / 10);
-  count = std::min({count, static_cast<std::size_t>(kLimits.growth * static_cast<double>(mesh.points.size())),
+  const double share = growth(round.estimate(), tolerance);
+  count = std::min({count, static_cast<std::size_t>(share * static_cast<double>(mesh.points.size())),
                     most - mesh.points.size(), worst.size()});
   if (count == 0) return false;
   std::vector<SiteEdge> edges;
