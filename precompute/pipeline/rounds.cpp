@@ -88,13 +88,18 @@ public:
   [[nodiscard]] std::map<SiteEdge, double> edge_errors() const {
     std::map<SiteEdge, double> errors;
     for (const auto& [row, field] : fields_) add_edges(field, errors);
-    // The predicted ones are differences of differences: hidden pushes say how large they are.
-    double estimated = 0, measured = 0;
+    // The predicted ones are differences of differences: hidden pushes say how large they are. The median of these is
+    // not moved by a fold, which is wrong by far more in a few patches alone.
+    std::vector<double> ratios;
     for (const HiddenError& h : hidden_) {
-      estimated += in_patch(errors, h);
-      measured += h.worst();
+      if (const double estimated = in_patch(errors, h); estimated > 0) ratios.push_back(h.worst() / estimated);
     }
-    const double scale = estimated > 0 ? std::clamp(measured / estimated, 0.5, 4.0) : 1.0;
+    double scale = 1;
+    if (!ratios.empty()) {
+      const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+      std::nth_element(ratios.begin(), middle, ratios.end());
+      scale = std::clamp(*middle, 0.5, 4.0);
+    }
     for (auto& [edge, error] : errors) error *= scale;
     for (const HiddenError& h : hidden_) {
       if (h.worst() < sampled_.scene.response.tolerance) continue;
