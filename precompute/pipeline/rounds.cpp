@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <random>
 #include <set>
 #include <tuple>
@@ -44,11 +45,21 @@ std::map<std::uint32_t, fit::StraightCurve> curves_of(const Plan& plan, const Jo
   return curves;
 }
 
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 /// A hidden push: its place in the mesh, and how far off the prediction was at each depth.
 struct HiddenError {
   std::int32_t patch = 0;
   Vector3d at{0, 0, 0}, weights{0, 0, 0};
   std::vector<double> errors;
+  [[nodiscard]] double mean() const {
+    return std::accumulate(errors.begin(), errors.end(), 0.0) / static_cast<double>(errors.size());
+  }
   [[nodiscard]] double worst() const { return *std::max_element(errors.begin(), errors.end()); }
 };
 
@@ -88,18 +99,15 @@ public:
   [[nodiscard]] std::map<SiteEdge, double> edge_errors() const {
     std::map<SiteEdge, double> errors;
     for (const auto& [row, field] : fields_) add_edges(field, errors);
-    // The predicted ones are differences of differences: hidden pushes say how large they are. The median of these is
-    // not moved by a fold, which is wrong by far more in a few patches alone.
-    std::vector<double> ratios;
+    // The predicted ones are differences of differences: hidden pushes say how large they are. Medians are not moved by
+    // a fold, which is wrong by far more in a few patches alone.
+    std::vector<double> estimated, measured;
     for (const HiddenError& h : hidden_) {
-      if (const double estimated = in_patch(errors, h); estimated > 0) ratios.push_back(h.worst() / estimated);
+      estimated.push_back(in_patch(errors, h));
+      measured.push_back(h.mean());
     }
-    double scale = 1;
-    if (!ratios.empty()) {
-      const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-      std::nth_element(ratios.begin(), middle, ratios.end());
-      scale = std::clamp(*middle, 0.5, 4.0);
-    }
+    const double predicted = median(std::move(estimated));
+    const double scale = predicted > 0 ? std::clamp(median(std::move(measured)) / predicted, 0.5, 4.0) : 1.0;
     for (auto& [edge, error] : errors) error *= scale;
     for (const HiddenError& h : hidden_) {
       if (h.worst() < sampled_.scene.response.tolerance) continue;
