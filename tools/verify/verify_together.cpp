@@ -68,7 +68,7 @@ std::vector<std::byte> block_file(pipeline::Pipeline& p, const TwoTipsResult& so
   for (std::uint32_t pair = 0; pair < p.plan.pairs.size(); ++pair) {
     p.sources.given[pair].samples = fit::sample_along(bake_path(p.scene, p.plan.pairs[pair].depth), force);
   }
-  return pipeline::fit_file(p, {}, pipeline::fit_settings(p.scene), &compliance).bytes;
+  return pipeline::fit_file(p, {}, pipeline::fit_settings(p), &compliance).bytes;
 }
 
 runtime::Pose to_pose(const Eigen::Isometry3d& pose) {
