@@ -17,16 +17,14 @@ struct Plate {
   using Rows = runtime::Rows<kRows>;
   using Values = std::array<double, kRows>;
 
-  double young = 5e3;      ///< Pa, of the half-space
+  double young = 5e3;  ///< Pa, of the half-space
   double poisson = 0.49;
-  double spring = 500;     ///< N/m; per radian a thousandth of it
-  double spacing = 3.5e-3; ///< m; 0: all rows at one place
-  double radius = 1.7e-3;  ///< m, of the patch of each place
+  double spring = 500;      ///< N/m; per radian a thousandth of it
+  double spacing = 3.5e-3;  ///< m; 0: all rows at one place
+  double radius = 1.7e-3;   ///< m, of the patch of each place
   double friction = 0.3;
 
-  [[nodiscard]] std::array<double, 2> place(int k) const {
-    return {spacing * (k % 8 - 3.5), spacing * (k / 8 - 2)};
-  }
+  [[nodiscard]] std::array<double, 2> place(int k) const { return {spacing * (k % 8 - 3.5), spacing * (k / 8 - 2)}; }
 
   /// Fills empty rows; null, or why they cannot be solved.
   [[nodiscard]] const char* fill(Rows& rows) const {

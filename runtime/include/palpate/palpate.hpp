@@ -21,6 +21,7 @@
 #include "palpate/output/virtual_coupling.hpp"
 #include "palpate/shared/compliance.hpp"
 #include "palpate/shared/contact_slope.hpp"
+#include "palpate/shared/dent.hpp"
 #include "palpate/shared/joint_contacts.hpp"
 #include "palpate/shared/tool_set.hpp"
 #include "palpate/threading/triple_buffer.hpp"

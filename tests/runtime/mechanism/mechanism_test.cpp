@@ -337,8 +337,8 @@ TEST(Mechanism, ContactFeelsTheRowsOnItsBody) {
   const double device = 2e-3 - last.force.z / 1e5;  // depth of the tool
   EXPECT_NEAR(last.contact.force.z, hertz(device + raised.z), 3e-3 * last.contact.force.z);
   EXPECT_GT(last.contact.force.z, 1.02 * hertz(device));
-  const Vec3 moved = body.compliance.within(anchored, 0.002) * pull +
-                     body.displacement(under, anchored, -last.contact.force);
+  const Vec3 moved =
+      body.compliance.within(anchored, 0.002) * pull + body.displacement(under, anchored, -last.contact.force);
   EXPECT_LT(length(moved - Vec3{0, 0, 1e-3}), 1e-5);
 }
 

@@ -67,7 +67,8 @@ enum class DirectionFrame : unsigned char {
 
 /// Up to three rows between two sides:
 ///
-///     gap_i = direction_i . (a - b) + offset_i                 the force along direction_i acts on a, and reversed on b
+///     gap_i = direction_i . (a - b) + offset_i                 the force along direction_i acts on a, and reversed on
+///     b
 ///
 /// It keeps its forces and the offsets of its friction rows from tick to tick. A copy continues with them.
 struct Constraint {
@@ -75,13 +76,14 @@ struct Constraint {
   Vec3 direction[3];  ///< unit, orthogonal
   DirectionFrame frame = DirectionFrame::world;
   RowKind kind[3] = {RowKind::none, RowKind::none, RowKind::none};
-  double limit = 0;  ///< N of a friction row; coefficient of a contact
+  double limit = 0;       ///< N of a friction row; coefficient of a contact
   double offset[3] = {};  ///< m
-  /// False before its first tick: then friction rows begin unstretched, and a unilateral row whose gap is below 0 begins
-  /// without force at that gap. It counts from there until it opens, so that a row that is found late gives no energy.
+  /// False before its first tick: then friction rows begin unstretched, and a unilateral row whose gap is below 0
+  /// begins without force at that gap. It counts from there until it opens, so that a row that is found late gives no
+  /// energy.
   bool begun = false;
-  double late = 0;        ///< m, by which such a row began late and has not opened since
-  double force[3] = {};   ///< N
+  double late = 0;       ///< m, by which such a row began late and has not opened since
+  double force[3] = {};  ///< N
 };
 
 namespace constraint_detail {
@@ -118,8 +120,7 @@ inline Constraint trocar(int handle, const Pose& shaft, const Side& at, double f
 inline std::array<Constraint, 2> hinge(int a, const Pose& on_a, int b, const Pose& on_b) {
   using namespace constraint_detail;
   const Vec3 z{0, 0, kLever};
-  return {joint(a, on_a.translation, b, on_b.translation, on_a, 0),
-          joint(a, on_a.apply(z), b, on_b.apply(z), on_a, 4)};
+  return {joint(a, on_a.translation, b, on_b.translation, on_a, 0), joint(a, on_a.apply(z), b, on_b.apply(z), on_a, 4)};
 }
 
 /// Two tools are one: the two frames, each of its own tool, coincide.

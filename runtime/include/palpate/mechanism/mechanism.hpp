@@ -67,17 +67,18 @@ struct MechanismConstants {
 ///     J^T f = K u                    K  springs (N/m, N m/rad)       u  way from the device to the tool (m, rad)
 ///     gap = g(u) + C f               C  compliance of the bodies      f  forces of the rows (N)
 ///
-/// with the law of each row (rows.hpp). The rows of a contact (n and two across it) have the force of its own tick; D is
-/// the inverse of its slope. Newton's method gives one linear problem a look,
+/// with the law of each row (rows.hpp). The rows of a contact (n and two across it) have the force of its own tick; D
+/// is the inverse of its slope. Newton's method gives one linear problem a look,
 ///
 ///     gap = r + W (f - f_now),       W = J K^-1 J^T + C + D,         r  gap now; for a contact D (f_now - F(u))
 ///
-/// so that the gaps of a settled mechanism do not depend on W, which may be some ticks old. A mechanism without contacts
-/// takes one look, which is exact for small motions; the next tick's r holds the gap that a large rotation leaves. The
-/// tools have no mass and the springs are linear: a mechanism without friction stores the work of the hands, and
-/// friction rows dissipate.
+/// so that the gaps of a settled mechanism do not depend on W, which may be some ticks old. A mechanism without
+/// contacts takes one look, which is exact for small motions; the next tick's r holds the gap that a large rotation
+/// leaves. The tools have no mass and the springs are linear: a mechanism without friction stores the work of the
+/// hands, and friction rows dissipate.
 ///
-/// Not for several threads at once. `MostRows`: rows of all constraints, three more for each contact. No tick allocates.
+/// Not for several threads at once. `MostRows`: rows of all constraints, three more for each contact. No tick
+/// allocates.
 template <int Handles, int MostRows, std::uint32_t kFeatures = layout::feature_all>
 class Mechanism {
   static constexpr std::size_t kHandles = static_cast<std::size_t>(Handles);
@@ -165,8 +166,8 @@ private:
   struct Handle {
     HandleSpring spring;
     Pose device, tool;
-    Vec3 shift, turn;     ///< m and rad (rotation vector): way from device to tool, of the grip
-    Vec3 force, torque;   ///< N and N m about the grip, of the rows on the tool
+    Vec3 shift, turn;    ///< m and rad (rotation vector): way from device to tool, of the grip
+    Vec3 force, torque;  ///< N and N m about the grip, of the rows on the tool
     Vec3 grip() const { return tool.apply(spring.grip); }
     void place() {
       tool = rotation_pose(turn) * device;
@@ -176,16 +177,16 @@ private:
   /// Rows of a contact: its state at the last look.
   struct ContactRows {
     bool touching = false;
-    Vec3 point;              ///< m, of the tool's frame, where the force acts
-    Vec3 place;              ///< m, world: this point less the surface's displacement
-    Vec3 force;              ///< N, world, on the tool
-    Vec3 direction[3];       ///< n and two across it, world
-    Vec3 row;                ///< N, forces of the rows
-    double compliance[3];    ///< m/N, D
-    double grip = 1;         ///< share of the tangential stiffness, learnt
+    Vec3 point;            ///< m, of the tool's frame, where the force acts
+    Vec3 place;            ///< m, world: this point less the surface's displacement
+    Vec3 force;            ///< N, world, on the tool
+    Vec3 direction[3];     ///< n and two across it, world
+    Vec3 row;              ///< N, forces of the rows
+    double compliance[3];  ///< m/N, D
+    double grip = 1;       ///< share of the tangential stiffness, learnt
     ContactSlope slope;
     const CompliantBody* body = nullptr;
-    CompliancePoint at;      ///< c
+    CompliancePoint at;  ///< c
   };
   /// J of one row at its assembly: way of its gap per motion of the (up to two) handles.
   struct Lever {
@@ -447,7 +448,7 @@ private:
     }
   }
 
-  /// Where springs and rows are in balance.
+  /// Puts the tools where springs and rows are in balance.
   void move() {
     for (Handle& h : handle_) h.force = h.torque = {};
     for (int i = 0; i < rows_.size(); ++i) {

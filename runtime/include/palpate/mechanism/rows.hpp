@@ -20,9 +20,9 @@ struct RowsConstants {
 
 /// Outcome of one solve.
 struct RowsOutcome {
-  /// Estimated relative error of the forces: the change d of the last sweep times q / (1 - q), q the change over that of
-  /// the sweep before (a geometric series), over the forces. Changes and forces count as sqrt(sum of W_ii f_i^2). Rows
-  /// that conflict count with their gap. HUGE_VAL where the changes do not fall, and after a fault.
+  /// Estimated relative error of the forces: the change d of the last sweep times q / (1 - q), q the change over that
+  /// of the sweep before (a geometric series), over the forces. Changes and forces count as sqrt(sum of W_ii f_i^2).
+  /// Rows that conflict count with their gap. HUGE_VAL where the changes do not fall, and after a fault.
   double error = 0;
   bool finite = true;  ///< false: a free gap was not finite, and all forces are 0
 
@@ -62,9 +62,7 @@ public:
     return add({-HUGE_VAL, HUGE_VAL, Kind::bilateral});
   }
   /// `low` <= 0 <= `high` (N). Unilateral: 0, HUGE_VAL.
-  int add_limited(double low, double high) {
-    return size_ == Most ? -1 : add({low, high, Kind::limited});
-  }
+  int add_limited(double low, double high) { return size_ == Most ? -1 : add({low, high, Kind::limited}); }
   /// Adds three rows: normal, and two across it. `friction`: mu, at least 0. Returns the index of the first.
   int add_contact(double friction) {
     if (size_ + 3 > Most) return -1;
@@ -255,7 +253,7 @@ private:
   }
 
   double compliance_[static_cast<std::size_t>(Most) * kStride] = {};  ///< W; after prepare() swept
-  double diagonal_[Most] = {};                                          ///< m/N, of W
+  double diagonal_[Most] = {};                                        ///< m/N, of W
   double gap_[kStride] = {};
   Law law_[Most] = {};
   int size_ = 0, bilateral_ = 0;
