@@ -45,9 +45,12 @@ public:
       return result;
     }
     const VectorXd rest = push.state().x;
+    const double anchors = options_.penalty * body_.material.young / contact_radius(vertex_, path_.depth);
+    push.set_anchor_stiffness(anchors);
     std::list<ContactEnergy> others;
     for (std::size_t k = 1; k < places.size(); ++k) {
       others.emplace_back(mesh_, push.fixed(), *tool_.shape, touching_pose(vertex_, place(places, k)));
+      others.back().set_anchor_stiffness(anchors);
       push.add(others.back());
     }
     Vector3d down = first.translation();

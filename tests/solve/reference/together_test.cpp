@@ -62,6 +62,26 @@ TEST(Together, MiddleOfThreeHasTheLeastForce) {
   EXPECT_LT(r.together[1].z(), 0.95 * r.alone[1].z());
 }
 
+// Mindlin: a sticking contact of nu = 0.49 resists a small way aside with (1 - nu) / (1 - nu / 2) of its normal stiffness.
+TEST(Together, ContactThatSticksResistsAWayAside) {
+  ToolScene sphere;
+  sphere.radius = 0.01;
+  TogetherPath path;
+  path.depth = 0.01 * sphere.radius;
+  path.steps = 3;
+  path.places.resize(1);
+  path.sticking = true;
+  path.aside = 0.1 * path.depth;
+  const double a = std::sqrt(sphere.radius * path.depth);
+  const Tool tool = make_tool(sphere);
+  PairOptions options;
+  options.mesh_size = 0.5;
+  const TogetherResult r = solve_together(test::block_body(12 * a, 5e3, 0.49), tool, tool.vertices[0], path, options);
+  ASSERT_TRUE(r.usable) << r.cause;
+  const double normal_stiffness = 1.5 * r.together[0].z() / path.depth;
+  EXPECT_NEAR(-r.together[0].x() / path.aside, 0.51 / 0.755 * normal_stiffness, 0.1 * normal_stiffness);
+}
+
 TEST(Together, PathsOutOfRangeAreRefused) {
   const Body body = test::block_body(0.03, 5e3, 0.49);
   const Tool tool = make_tool(ToolScene{});
