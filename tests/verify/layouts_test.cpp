@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where tools of a layout lie on a block, and the places that are refused.
+// Layouts of tools on a block, and the places that are refused.
 #include "precompute/verify/layouts.hpp"
 
 #include "tests/support/bodies.hpp"

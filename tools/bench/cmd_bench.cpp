@@ -151,7 +151,7 @@ void run_ticks(BenchArguments options, const Globals& globals) {
   const TickRow states[] = {
       {"press", bench.press}, {"field", bench.field}, {"slide", bench.slide}, {"free", bench.free}};
   const TickRow beside[] = {{"locate", bench.locate},    {"blend", latency.blend}, {"anew", latency.anew},
-                            {"random", latency.random},  {"five", latency.five},   {"plain", latency.plain},
+                            {"random", latency.random},  {"five", latency.five},   {"joint", latency.joint}, {"plain", latency.plain},
                             {"network", latency.network}};
   if (!options.plot.empty()) {
     std::vector<PlotSeries> series;

@@ -41,7 +41,7 @@ TEST(Together, DifferenceToTheSumFallsWithTheDistance) {
   }
 }
 
-// Of three tools in a row the middle one lies in two dents.
+// The middle one of three tools in a row lies in two dents.
 TEST(Together, MiddleOfThreeHasTheLeastForce) {
   ToolScene sphere;
   sphere.radius = 0.01;
