@@ -150,9 +150,9 @@ void run_ticks(BenchArguments options, const Globals& globals) {
       bench_latency(view, repeated ? repeated->view() : view, options.bench, static_cast<std::uint64_t>(options.ticks));
   const TickRow states[] = {
       {"press", bench.press}, {"field", bench.field}, {"slide", bench.slide}, {"free", bench.free}};
-  const TickRow beside[] = {{"locate", bench.locate},    {"blend", latency.blend}, {"anew", latency.anew},
-                            {"random", latency.random},  {"five", latency.five},   {"joint", latency.joint}, {"plain", latency.plain},
-                            {"network", latency.network}};
+  const TickRow beside[] = {{"locate", bench.locate},   {"blend", latency.blend},    {"anew", latency.anew},
+                            {"random", latency.random}, {"five", latency.five},      {"joint", latency.joint},
+                            {"plain", latency.plain},   {"network", latency.network}};
   if (!options.plot.empty()) {
     std::vector<PlotSeries> series;
     for (const TickRow& row : states) series.push_back({row.name, row.times.nanoseconds});

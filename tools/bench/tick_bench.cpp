@@ -264,7 +264,8 @@ namespace {
 class Hand {
 public:
   Hand(const View& view, std::uint32_t tool, const std::array<TickCase*, 5>& fingers)
-      : fingers_(fingers), tools_(std::make_unique<runtime::ToolSet<5>>(view, std::array{tool, tool, tool, tool, tool})) {
+      : fingers_(fingers),
+        tools_(std::make_unique<runtime::ToolSet<5>>(view, std::array{tool, tool, tool, tool, tool})) {
     constexpr int kSteps = 200;
     for (int step = 0; step <= kSteps; ++step) {
       const double above = 2 * view.meta->depth_scale * (1 - static_cast<double>(step) / kSteps);

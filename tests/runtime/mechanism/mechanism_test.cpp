@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <random>
 #include <vector>
 
 namespace palpate::mechanism_test {
@@ -340,6 +341,53 @@ TEST(Mechanism, ContactFeelsTheRowsOnItsBody) {
   const Vec3 moved =
       body.compliance.within(anchored, 0.002) * pull + body.displacement(under, anchored, -last.contact.force);
   EXPECT_LT(length(moved - Vec3{0, 0, 1e-3}), 1e-5);
+}
+
+// Random closed motions of a tool through a trocar that presses, slides and lifts. The hand's work counts rotations
+// too.
+TEST(Mechanism, ClosedMotionsGiveNothingBack) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> draw(-1, 1);
+  for (const bool friction : {false, true}) {
+    const Opened file(box(friction));
+    const CompliantBody body(file.view);
+    double out = 0, through = 0;
+    int ticks = 0, unbalanced = 0;
+    for (int motion = 0; motion < 20; ++motion) {
+      Mechanism<1, 8> tool({handle(400, 0.2, {0, 0, 0.3})});
+      tool.add(trocar(0, shaft(), Side::ground({0, 0, kTop + kTipRadius + 0.1}), friction ? 0.05 : 0));
+      std::array<Contact, 1> contacts{Contact(file.view, 0)};
+      const Vec3 amplitude{0.004 * draw(random), 0.004 * draw(random), 0.0015 * draw(random)};
+      const Vec3 phase{3 * draw(random), 3 * draw(random), 3 * draw(random)};
+      Vec3 force, torque;
+      Pose at;
+      constexpr int kTicks = 3000;
+      for (int k = 0; k <= kTicks; ++k) {
+        const double share = static_cast<double>(k) / kTicks, in = std::sin(M_PI * share);
+        const Vec3 aside{amplitude.x * in * std::sin(25 * share + phase.x),
+                         amplitude.y * in * std::sin(19 * share + phase.y), 0};
+        const double depth = -0.001 + 0.003 * in + amplitude.z * in * std::sin(40 * share + phase.z);
+        const Pose pose = turned(0.05 * in * std::sin(15 * share), {0, 1, 0}, centre(depth) + aside);
+        const HandleForce felt = tool.tick({pose}, contacts, body)[0];
+        ASSERT_TRUE(finite(felt.force) && finite(felt.torque));
+        if (k > 0) {
+          const Vec3 way = pose.apply({0, 0, 0.3}) - at.apply({0, 0, 0.3});
+          const double work =
+              0.5 * (dot(force + felt.force, way) + dot(torque + felt.torque, small_rotation(pose * inverse(at))));
+          out += work;
+          through += std::fabs(work);
+        }
+        force = felt.force;
+        torque = felt.torque;
+        at = pose;
+        ++ticks;
+        unbalanced += tool.balanced() ? 0 : 1;
+      }
+    }
+    EXPECT_LT(out, 1e-3 * through) << friction;
+    EXPECT_LT(unbalanced, 1e-3 * ticks) << friction;
+    RecordProperty(friction ? "friction" : "smooth", std::to_string(out / through));
+  }
 }
 
 TEST(Mechanism, WrongValuesHaveNoForceAndACause) {

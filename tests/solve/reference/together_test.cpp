@@ -62,7 +62,8 @@ TEST(Together, MiddleOfThreeHasTheLeastForce) {
   EXPECT_LT(r.together[1].z(), 0.95 * r.alone[1].z());
 }
 
-// Mindlin: a sticking contact of nu = 0.49 resists a small way aside with (1 - nu) / (1 - nu / 2) of its normal stiffness.
+// Mindlin: a sticking contact of nu = 0.49 resists a small way aside with (1 - nu) / (1 - nu / 2) of its normal
+// stiffness.
 TEST(Together, ContactThatSticksResistsAWayAside) {
   ToolScene sphere;
   sphere.radius = 0.01;
