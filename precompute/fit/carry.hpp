@@ -33,7 +33,7 @@ struct CarrySource {
   double weight = 0.0;  ///< relative to the others
 };
 
-/// Samples of `path` at a site with its straight push. What each source's response adds to its straight push is
+/// Samples of `path` at a site with its straight push. The part that each source's response adds to its straight push is
 /// stretched from its depth to the site's and multiplied by the ratio of the normal forces of the straight pushes at
 /// the same share of the depth; the mean of these is added to the straight push of the site.
 ///

@@ -51,7 +51,7 @@ std::vector<std::byte> BlockResponse::file(const TogetherResult& solved) {
     pipeline_.sources.given[pair].samples =
         fit::sample_along(bake_path(pipeline_.scene, pipeline_.plan.pairs[pair].depth), force);
   }
-  return pipeline::fit_file(pipeline_, {}, pipeline::fit_settings(pipeline_.scene), &compliance_).bytes;
+  return pipeline::fit_file(pipeline_, {}, pipeline::fit_settings(pipeline_), &compliance_).bytes;
 }
 
 std::unique_ptr<ResponseInput> response_with_compliance(const std::string& scene, const std::string& response) {
