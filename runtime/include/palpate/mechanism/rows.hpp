@@ -101,7 +101,6 @@ public:
   /// Solves for the forces (N). `free` (m): size() gaps without forces. `force`: size() forces to start from, and the
   /// result. `sweeps`: at least 1; the estimate of the error needs 2.
   RowsOutcome solve(const double* free, double* force, int sweeps) {
-    RowsOutcome outcome;
     bool finite = fault_ == nullptr;
     for (int i = 0; i < size_; ++i) finite = finite && std::isfinite(free[i]) && std::isfinite(force[i]);
     if (!finite) {
