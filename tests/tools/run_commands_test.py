@@ -71,6 +71,7 @@ ELSEWHERE = [
     (r"palpate submit scene\.toml --shards 64 .*", "Slurm.EightShards"),
     (r"palpate verify --closed-forms", "ClosedForms.Command"),
     (r"palpate verify --slide", "Slide.Block"),
+    (r"palpate verify --two-tips", "TwoTips.Block"),
     (r"palpate verify --together 2 --layout line", "Together.Block"),
     (r"palpate verify --together 2 --layout pinch", "Together.Pinch"),
     (r"palpate verify --together 5 --layout ring", "Together.Ring"),
