@@ -11,41 +11,28 @@ namespace palpate::fit {
 namespace {
 
 constexpr std::size_t kSources = 6;
-constexpr double kSameSide = 0.2;       // cosine of the angle between normals
-constexpr double kSheared = 0.25;       // of the depth: from there on a straight push has its tangential force
-constexpr double kNoTangential = 1e-3;  // of the normal force: smaller tangential forces have no factor
+constexpr double kSameSide = 0.2;  // cosine of the angle between normals
 
 /// The source's response as a law in the frame and to the depth of another site.
 class CarriedLaw {
 public:
   CarriedLaw(const ContactFrame& frame, double depth, const StraightCurve& own, const CarrySource& source,
              const ResponseScales& scales)
-      : own_law_(source.full->response.coefs, scales),
-        law_(blend_sites(frame, depth, {{source.frame, source.full, 1.0}}, scales).response.coefs, scales),
+      : law_(blend_sites(frame, depth, {{source.frame, source.full, 1.0}}, scales).response.coefs, scales),
         own_(own),
         straight_(*source.straight),
         stretch_(source.full->depth / depth) {}
 
-  /// Without the tangential force of the straight push.
+  /// Force beside that of the straight push.
   [[nodiscard]] Eigen::Vector3d force(const Eigen::Vector3d& deflection) const {
     const Eigen::Vector3d there = stretch_ * deflection;
     const double ratio = own_.force(deflection.z()).z() / straight_.force(there.z()).z();
-    Eigen::Vector3d force = law_.force(there);
-    force.head<2>() -= law_.force({0, 0, there.z()}).head<2>();
-    return ratio * force;
-  }
-  /// Adds to the sums of the factor of tangential forces, see carried_samples.
-  void add_tangential(double depth, double least, double weight, double& product, double& square) const {
-    const double there = stretch_ * depth, reference = std::max(there, stretch_ * least);
-    const Eigen::Vector3d straight = straight_.force(reference);
-    const double none = kNoTangential * kNoTangential * straight.z() * straight.z();
-    product += weight * (own_law_.force({0, 0, there}).head<2>().dot(straight.head<2>()) + none);
-    square += weight * (straight.head<2>().squaredNorm() + none);
+    return ratio * (law_.force(there) - law_.force({0, 0, there.z()}));
   }
   [[nodiscard]] double friction(double depth) const { return law_.friction(stretch_ * depth); }
 
 private:
-  Potential own_law_, law_;  // in the source's frame, in the site's
+  Potential law_;  // in the site's frame
   const StraightCurve& own_;
   const StraightCurve& straight_;
   double stretch_;
@@ -88,11 +75,7 @@ std::vector<Sample> carried_samples(const ContactFrame& frame, double depth, con
     total += source.weight;
   }
   std::vector<Sample> samples = sample_along(path, [&](const Eigen::Vector3d& deflection) {
-    double product = 0, square = 0;
-    for (const auto& [weight, law] : laws)
-      law.add_tangential(deflection.z(), kSheared * depth, weight, product, square);
-    Eigen::Vector3d force = product / square * own.force(std::max(deflection.z(), kSheared * depth));
-    force.z() = 0;
+    Eigen::Vector3d force = own.force(deflection.z());
     for (const auto& [weight, law] : laws) force += weight / total * law.force(deflection);
     return force;
   });

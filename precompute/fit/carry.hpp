@@ -33,16 +33,13 @@ struct CarrySource {
   double weight = 0.0;  ///< relative to the others
 };
 
-/// Samples of `path` at a site with its straight push. Each source's response is stretched from its depth to the site's
-/// and multiplied by the ratio of the straight pushes at the same share of the depth; the forces are averaged. The
-/// tangential force of the push is the site's own times a factor that the sources share, because a contact that sticks
-/// where it lands shears more the more steps a push has.
+/// Samples of `path` at a site with its straight push. The part that each source's response adds to its straight push is
+/// stretched from its depth to the site's and multiplied by the ratio of the normal forces of the straight pushes at
+/// the same share of the depth; the mean of these is added to the straight push of the site.
 ///
-///     F(e, z) = a(z) own_t(z) + sum_i w_i g_i(z) [ F_i(l_i e, l_i z) - F_i,t(0, l_i z) ],
-///     l_i = depth_i / depth,  g_i(z) = own_n(z) / straight_i,n(l_i z),
-///     a(z): least squares of sum_i w_i | F_i,t(0, l_i z) - a straight_i,t(l_i z) |^2
+///     F(e, z) = own(z) + sum_i w_i g_i(z) [ F_i(l_i e, l_i z) - F_i(0, l_i z) ],
+///     l_i = depth_i / depth,  g_i(z) = own_n(z) / straight_i,n(l_i z)
 ///
-/// Below a quarter of the depth own_t and straight_i,t are those at a quarter: a push of few steps has none before.
 /// The similarity is exact for a power law of the depth. `depth`: m, of the site.
 std::vector<Sample> carried_samples(const ContactFrame& frame, double depth, const StraightCurve& own,
                                     const PairPath& path, const std::vector<CarrySource>& sources,

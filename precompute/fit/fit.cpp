@@ -310,6 +310,7 @@ private:
         carried[site] = carried_to(site, curve, sources);
         flags_[row][site] = layout::response_solved;
         ++report_.carried;
+        add_straight_errors(pairs.at(site), *carried[site]);
       } catch (const Error& error) {
         refused_.push_back({pairs.at(site), error.what()});
       }
@@ -345,6 +346,15 @@ private:
     return fit::carried_samples(plan_.sites[site].frame, depth, own, settings_.path(depth), sources, result_.scales);
   }
 
+  /// Errors of a carried response at the straight push of its site.
+  void add_straight_errors(std::uint32_t pair, const SiteResponse& site) {
+    std::vector<Sample> push;
+    for (const Sample& s : journal_.pairs.at(pair).samples) {
+      if (s.kind == SampleKind::normal) push.push_back(s);
+    }
+    for (const double e : fit::fit_errors(site.response, result_.scales, push).normal) normal_.emplace_back(e, pair);
+  }
+
   /// Throws Error(numerical) where the carried samples cannot be fitted.
   [[nodiscard]] SiteResponse carried_to(std::uint32_t site, const fit::StraightCurve& own,
                                         const std::vector<fit::CarrySource>& all) const {
@@ -361,7 +371,7 @@ private:
     return carried;
   }
 
-  /// Errors of what would have been carried to a site that was solved in full.
+  /// Errors of sideways pushes that would have been carried to a site that was solved in full.
   void test_carried(std::uint32_t pair, const fit::StraightCurve& own, const SiteResponse& full,
                     const std::vector<fit::CarrySource>& sources) {
     const fit::Potential law(full.response.coefs, result_.scales);
@@ -369,9 +379,10 @@ private:
     double peak = 0;
     for (const Sample& s : carried) peak = std::max(peak, law.force(s.deflection).norm());
     for (const Sample& s : carried) {
+      if (s.kind != SampleKind::tangential) continue;
       const Eigen::Vector3d solved = law.force(s.deflection);
       const double error = (s.force - solved).norm() / std::max(solved.norm(), 0.02 * peak);
-      (s.kind == SampleKind::normal ? left_out_ : left_out_sideways_).emplace_back(error, pair);
+      left_out_.emplace_back(error, pair);
     }
   }
 
@@ -395,7 +406,6 @@ private:
     report_.turned = error_figures(turned_);
     report_.laws = error_figures(laws_);
     report_.left_out = error_figures(left_out_);
-    report_.left_out_sideways = error_figures(left_out_sideways_);
   }
 
   /// A tool vertex without any response takes those of the vertex nearest to it in the file that has some.
@@ -440,7 +450,7 @@ private:
   std::vector<std::vector<std::uint32_t>> flags_;  // layout::ResponseFlag, by row and site
   std::set<std::uint32_t> alone_;                  // accepted pairs with a straight push and nothing else
   std::vector<RefusedPair> refused_;
-  RowErrors normal_, tangential_, paths_, grasped_, turned_, laws_, left_out_, left_out_sideways_;
+  RowErrors normal_, tangential_, paths_, grasped_, turned_, laws_, left_out_;
   FittedResponses result_;
   FitReport& report_ = result_.report;
 };
@@ -463,7 +473,7 @@ ErrorFigures error_figures(const std::vector<std::pair<double, std::uint32_t>>& 
 
 double expected_p95(const FitReport& report) {
   if (!report.sampling) return 0.0;
-  return Eigen::Vector3d(report.sampling->p95, report.left_out.p95, report.normal.p95).norm();
+  return std::hypot(report.sampling->p95, report.normal.p95);
 }
 
 FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std::int32_t, 3>>& triangles,

@@ -78,7 +78,7 @@ struct FitReport {
   ErrorFigures grasped;                        ///< of tools that bond
   ErrorFigures turned;                         ///< of the torques of rotated tools
   ErrorFigures laws;                           ///< of the fits to closed forms
-  ErrorFigures left_out, left_out_sideways;    ///< of responses carried to sites that were solved in full
+  ErrorFigures left_out;                       ///< of sideways pushes carried to sites that were solved in full
   std::vector<RecordedFigures> recorded;       ///< by pair
   std::optional<SamplingEstimate> sampling;    ///< of automatic sampling; filled by pipeline::fit_file
   fit::HeldOutFigures held_out;                ///< of samples left out, by which the degrees were chosen

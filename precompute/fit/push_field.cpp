@@ -2,18 +2,27 @@
 #include "precompute/fit/push_field.hpp"
 
 #include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
-#include "precompute/solve/pair/pair.hpp"
 
 namespace palpate::fit {
 namespace {
 
 constexpr double kMostGrowth = 0.4;  // of the logarithm of a force from a solved site to one beside it
 
+constexpr int kPoints = 12;  // of an extrapolated push
+
 double inverse_distance(const PlanSite& a, const PlanSite& b) {
   return 1.0 / std::max((a.frame.origin - b.frame.origin).norm(), 1e-9);
+}
+
+/// Components (x, y, n) in another frame of a force that turns with the normal.
+Eigen::Vector3d turned(const Eigen::Vector3d& force, const ContactFrame& from, const ContactFrame& to) {
+  const Eigen::Vector3d tangential = force.x() * from.x + force.y() * from.y;
+  const Eigen::Vector3d there = Eigen::Quaterniond::FromTwoVectors(from.n, to.n) * tangential;
+  return {there.dot(to.x), there.dot(to.y), force.z()};
 }
 
 }  // namespace
@@ -37,9 +46,11 @@ PushField::PushField(const std::vector<PlanSite>& sites, const SiteGraph& graph,
   blend_others();
 }
 
-double PushField::force(std::uint32_t site, double depth) const {
-  double force = 0;
-  for (const auto& [from, weight] : blends_[site]) force += weight * curves_[from]->force(depth).z();
+Eigen::Vector3d PushField::force(std::uint32_t site, double depth, const ContactFrame& frame) const {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  for (const auto& [from, weight] : blends_[site]) {
+    force += weight * turned(curves_[from]->force(depth), sites_[from].frame, frame);
+  }
   return force;
 }
 
@@ -64,25 +75,23 @@ Eigen::Vector3d PushField::slope(std::uint32_t site, double depth) const {
 StraightCurve PushField::extrapolate(std::uint32_t site) const {
   const PlanSite& here = sites_[site];
   std::vector<Sample> samples;
-  for (int k = 1; k <= kStraightPoints; ++k) {
-    const double depth = here.depth * k * k / (static_cast<double>(kStraightPoints) * kStraightPoints);
+  for (int k = 1; k <= kPoints; ++k) {
+    const double depth = here.depth * k * k / (static_cast<double>(kPoints) * kPoints);
     double total = 0;
-    Eigen::Vector3d force = Eigen::Vector3d::Zero();  // world, but for the normal part
-    double push = 0;
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();
     for (const std::uint32_t near : graph_[site]) {
       if (!solved(near)) continue;
       const PlanSite& there = sites_[near];
       const double weight = inverse_distance(here, there);
       const double growth = slope(near, depth).dot(here.frame.origin - there.frame.origin);
-      const Eigen::Vector3d at = curves_[near]->force(depth);
+      Eigen::Vector3d at = turned(curves_[near]->force(depth), there.frame, here.frame);
+      at.z() *= std::exp(std::clamp(growth, -kMostGrowth, kMostGrowth));
       total += weight;
-      push += weight * at.z() * std::exp(std::clamp(growth, -kMostGrowth, kMostGrowth));
-      force += weight * (at.x() * there.frame.x + at.y() * there.frame.y);
+      force += weight * at;
     }
     Sample sample;
     sample.deflection = {0, 0, depth};
-    sample.force = here.frame.to_local(force) / total;
-    sample.force.z() = push / total;
+    sample.force = force / total;
     samples.push_back(sample);
   }
   return StraightCurve(samples);

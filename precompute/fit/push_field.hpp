@@ -24,8 +24,8 @@ public:
   [[nodiscard]] bool solved(std::uint32_t site) const { return solved_[site]; }
   /// False where no edges lead to a site with a push.
   [[nodiscard]] bool known(std::uint32_t site) const { return !blends_[site].empty(); }
-  /// N along the normal of a known site, at a depth (m).
-  [[nodiscard]] double force(std::uint32_t site, double depth) const;
+  /// N at a known site and a depth (m), components (x, y, n) in `frame`: tangential forces are turned with the normal.
+  [[nodiscard]] Eigen::Vector3d force(std::uint32_t site, double depth, const ContactFrame& frame) const;
   /// Gradient (1/m) over the surface of the logarithm of the force at a depth (m), at a solved site: by least squares
   /// over its edges to solved sites.
   [[nodiscard]] Eigen::Vector3d slope(std::uint32_t site, double depth) const;

@@ -300,12 +300,13 @@ double bake_seconds(const Pipeline& p) {
   return seconds;
 }
 
-FitSettings fit_settings(const Scene& scene) {
+FitSettings fit_settings(const Pipeline& p) {
+  const Scene& scene = p.scene;
   FitSettings settings;
   settings.depth_scale = scene.sampling.depth;
   settings.friction = scene.friction > 0;
   settings.max_residual = scene.response.max_residual;
-  settings.tolerance = scene.response.tolerance;
+  settings.tolerance = (p.automatic ? RoundLimits{}.law : 1.0) * scene.response.tolerance;
   settings.path = [scene](double depth) { return bake_path(scene, depth); };
   for (const ToolScene& tool : scene.tools) {
     settings.grasps.push_back(tool.grasp_depth > 0);
@@ -371,7 +372,7 @@ BakedCompliance compliance(const Pipeline& p) {
 }
 
 FitReport fit(const Pipeline& p) {
-  FittedFile file = fit_file(p, samples(p), fit_settings(p.scene));
+  FittedFile file = fit_file(p, samples(p), fit_settings(p));
   write_response_file(p.paths.response, file.bytes);
   return file.fitted.report;
 }

@@ -97,7 +97,7 @@ MergeReport merge(const Pipeline& pipeline);
 double bake_seconds(const Pipeline& pipeline);
 
 /// The settings of the scene's fit.
-FitSettings fit_settings(const Scene& scene);
+FitSettings fit_settings(const Pipeline& p);
 
 /// The journal. Needs plan(). Throws Error(io) when there is none and a pair has to be solved.
 JournalContent samples(const Pipeline& pipeline);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <random>
 #include <set>
 #include <tuple>
@@ -44,11 +45,21 @@ std::map<std::uint32_t, fit::StraightCurve> curves_of(const Plan& plan, const Jo
   return curves;
 }
 
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 /// A hidden push: its place in the mesh, and how far off the prediction was at each depth.
 struct HiddenError {
   std::int32_t patch = 0;
   Vector3d at{0, 0, 0}, weights{0, 0, 0};
   std::vector<double> errors;
+  [[nodiscard]] double mean() const {
+    return std::accumulate(errors.begin(), errors.end(), 0.0) / static_cast<double>(errors.size());
+  }
   [[nodiscard]] double worst() const { return *std::max_element(errors.begin(), errors.end()); }
 };
 
@@ -66,19 +77,37 @@ public:
     compare(journal);
   }
 
-  [[nodiscard]] const std::vector<HiddenError>& hidden() const { return hidden_; }
+  [[nodiscard]] SamplingEstimate estimate() const {
+    SamplingEstimate result;
+    std::vector<double> errors;
+    for (const HiddenError& h : hidden_) {
+      errors.insert(errors.end(), h.errors.begin(), h.errors.end());
+      if (h.worst() < result.worst) continue;
+      result.worst = h.worst();
+      result.worst_at = h.at;
+    }
+    result.places = hidden_.size();
+    if (errors.empty()) return result;
+    std::sort(errors.begin(), errors.end());
+    result.median = errors[(errors.size() - 1) / 2];
+    result.p95 = errors[(95 * errors.size() + 99) / 100 - 1];
+    result.met = result.p95 <= kLimits.aim * sampled_.scene.response.tolerance;
+    return result;
+  }
 
   /// Relative errors in the middle of edges predicted by their sites, and of patches that missed a hidden push.
   [[nodiscard]] std::map<SiteEdge, double> edge_errors() const {
     std::map<SiteEdge, double> errors;
     for (const auto& [row, field] : fields_) add_edges(field, errors);
-    // The predicted ones are differences of differences: hidden pushes say how large they are.
-    double estimated = 0, measured = 0;
+    // The predicted ones are differences of differences: hidden pushes say how large they are. Medians are not moved by
+    // a fold, which is wrong by far more in a few patches alone.
+    std::vector<double> estimated, measured;
     for (const HiddenError& h : hidden_) {
-      estimated += in_patch(errors, h);
-      measured += h.worst();
+      estimated.push_back(in_patch(errors, h));
+      measured.push_back(h.mean());
     }
-    const double scale = estimated > 0 ? std::clamp(measured / estimated, 0.5, 4.0) : 1.0;
+    const double predicted = median(std::move(estimated));
+    const double scale = predicted > 0 ? std::clamp(median(std::move(measured)) / predicted, 0.5, 4.0) : 1.0;
     for (auto& [edge, error] : errors) error *= scale;
     for (const HiddenError& h : hidden_) {
       if (h.worst() < sampled_.scene.response.tolerance) continue;
@@ -125,11 +154,11 @@ private:
       const fit::PushField& field = fields_.at({p.tool, p.tool_vertex});
       if (!(field.known(t[0]) && field.known(t[1]) && field.known(t[2]))) continue;
       double peak = 0;
-      for (const Sample& s : solved->samples) peak = std::max(peak, s.force.z());
+      for (const Sample& s : solved->samples) peak = std::max(peak, s.force.norm());
       for (const Sample& s : solved->samples) {
-        double predicted = 0;
-        for (int c = 0; c < 3; ++c) predicted += h.weights[c] * field.force(t[c], s.deflection.z());
-        h.errors.push_back(std::abs(predicted - s.force.z()) / std::max(s.force.z(), 0.02 * peak));
+        Vector3d predicted = Vector3d::Zero();
+        for (int c = 0; c < 3; ++c) predicted += h.weights[c] * field.force(t[c], s.deflection.z(), p.frame);
+        h.errors.push_back((predicted - s.force).norm() / std::max(s.force.norm(), 0.02 * peak));
       }
       hidden_.push_back(std::move(h));
     }
@@ -170,6 +199,13 @@ private:
   std::map<Row, fit::PushField> fields_;
   std::vector<HiddenError> hidden_;
 };
+
+/// Edges to split at most, over the number of sites. The error of linear interpolation goes as one over that number, and
+/// twice the missing sites are added, because not every one falls where it is needed.
+double growth(const SamplingEstimate& estimate, double aim) {
+  if (estimate.places == 0) return kLimits.growth;
+  return std::clamp(2 * (estimate.p95 / aim - 1), kLimits.least_growth, kLimits.growth);
+}
 
 /// Pairs in full at sites as far from one another as can be, until their share is reached. `pushed` sites may be taken.
 void add_full(const Sampled& sampled, const std::set<std::uint32_t>& pushed, Plan& plan) {
@@ -281,30 +317,16 @@ Plan first_round(const Sampled& sampled, const HapticMesh& mesh) {
 
 SamplingEstimate judge(const Sampled& sampled, const HapticMesh& mesh, const Plan& plan,
                        const JournalContent& journal) {
-  const SolvedRound round(sampled, mesh, plan, journal);
-  SamplingEstimate estimate;
-  std::vector<double> errors;
-  for (const HiddenError& h : round.hidden()) {
-    errors.insert(errors.end(), h.errors.begin(), h.errors.end());
-    if (h.worst() < estimate.worst) continue;
-    estimate.worst = h.worst();
-    estimate.worst_at = h.at;
-  }
-  estimate.places = round.hidden().size();
-  if (errors.empty()) return estimate;
-  std::sort(errors.begin(), errors.end());
-  estimate.median = errors[(errors.size() - 1) / 2];
-  estimate.p95 = errors[(95 * errors.size() + 99) / 100 - 1];
-  estimate.met = estimate.p95 <= kLimits.aim * sampled.scene.response.tolerance;
-  return estimate;
+  return SolvedRound(sampled, mesh, plan, journal).estimate();
 }
 
 bool add_round(const Sampled& sampled, const JournalContent& journal, HapticMesh& mesh, Plan& plan) {
   const auto most = static_cast<std::size_t>(sampled.scene.sampling.most_sites);
   if (mesh.points.size() >= most) return false;
   const double least = kLimits.least_edge * smallest_radius(sampled.scene);
+  const SolvedRound round(sampled, mesh, plan, journal);
   std::vector<std::pair<double, SiteEdge>> worst;
-  for (const auto& [edge, error] : SolvedRound(sampled, mesh, plan, journal).edge_errors()) {
+  for (const auto& [edge, error] : round.edge_errors()) {
     if ((mesh.points[edge[0]] - mesh.points[edge[1]]).norm() > 2 * least) worst.emplace_back(error, edge);
   }
   std::sort(worst.begin(), worst.end(), std::greater<>());
@@ -313,7 +335,8 @@ bool add_round(const Sampled& sampled, const JournalContent& journal, HapticMesh
       std::find_if(worst.begin(), worst.end(), [&](const auto& w) { return w.first < tolerance; }) - worst.begin());
   // A round that found its percentile missed and no edge to blame splits the worst tenth.
   std::size_t count = std::max(above, worst.size() / 10);
-  count = std::min({count, static_cast<std::size_t>(kLimits.growth * static_cast<double>(mesh.points.size())),
+  const double share = growth(round.estimate(), tolerance);
+  count = std::min({count, static_cast<std::size_t>(share * static_cast<double>(mesh.points.size())),
                     most - mesh.points.size(), worst.size()});
   if (count == 0) return false;
   std::vector<SiteEdge> edges;

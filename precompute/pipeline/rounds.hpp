@@ -22,7 +22,7 @@ struct Sampled {
 };
 
 /// Part of a plan's identity: raise it whenever the same outcomes give another next round.
-inline constexpr int kRoundsRevision = 2;
+inline constexpr int kRoundsRevision = 6;
 
 /// Numbers of automatic sampling.
 struct RoundLimits {
@@ -32,9 +32,11 @@ struct RoundLimits {
   std::size_t least_full = 8;  ///< sites solved in full
   std::size_t hidden = 40;     ///< hidden places of the first round
   std::size_t more = 8;        ///< of every later one
-  double growth = 0.6;         ///< most edges split in a round, over the number of sites
-  double aim = 0.8;            ///< of the tolerance: the 95th percentile that ends the rounds, because that of other
+  double growth = 0.6;         ///< most edges split in a round, over the number of sites, far from the aim
+  double least_growth = 0.1;   ///< the same, near it
+  double aim = 0.7;            ///< of the tolerance: the 95th percentile that ends the rounds, because that of other
                                ///< contacts differs
+  double law = 0.5;            ///< of the tolerance: what responses may miss of the samples that they are fitted to
   int rounds = 12;             ///< at most
 };
 

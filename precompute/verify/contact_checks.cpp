@@ -3,6 +3,7 @@
 
 #include "precompute/verify/parallel.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <mutex>
 #include <numbers>
@@ -35,6 +36,18 @@ auto first_free(double& angle, const char* off_surface, Solve&& solve) {
     result = solve(angle = 2 * std::numbers::pi * k / kDirections);
   }
   return result;
+}
+
+// m, between two of the places; 0 for one.
+double least_distance(const std::vector<ContactFrame>& places) {
+  double least = 0;
+  for (std::size_t a = 0; a < places.size(); ++a) {
+    for (std::size_t b = 0; b < a; ++b) {
+      const double distance = (places[a].origin - places[b].origin).norm();
+      least = least > 0 ? std::min(least, distance) : distance;
+    }
+  }
+  return least;
 }
 
 }  // namespace
@@ -80,20 +93,45 @@ std::vector<CheckedStroke> check_strokes(const Scene& scene, const Body& body, c
   return all;
 }
 
-std::vector<CheckedTips> check_two_tips(const Scene& scene, const Body& body, const Tool& tool,
-                                        const std::vector<BenchContact>& contacts, const ContactCheckOptions& options) {
-  std::vector<CheckedTips> all(contacts.size() * options.spacings.size());
-  each(all.size(), options, [&](std::size_t k) -> CheckedTips& {
-    all[k].contact = k / options.spacings.size();
-    all[k].spacing = options.spacings[k % options.spacings.size()];
-    const BenchContact& contact = contacts[all[k].contact];
-    TwoTipsPath path;
+std::vector<CheckedTogether> check_together(const Scene& scene, const Body& body, const Tool& tool,
+                                            const std::vector<BenchContact>& contacts,
+                                            const ContactCheckOptions& options) {
+  const bool random = options.layout == Layout::random;
+  const std::size_t layouts = options.layout == Layout::pinch ? 1 : random ? options.draws : options.spacings.size();
+  std::vector<CheckedTogether> all(contacts.size() * layouts);
+  each(all.size(), options, [&](std::size_t k) -> CheckedTogether& {
+    CheckedTogether& checked = all[k];
+    checked.contact = k / layouts;
+    const BenchContact& contact = contacts[checked.contact];
+    const double radius = contact_radius(tool.vertices.at(0), contact.depth);
+    LayoutOptions layout;
+    layout.layout = options.layout;
+    layout.count = options.count;
+    layout.aside = radius;
+    layout.spacing = radius * options.spacings.at(random ? 0 : k % layouts);
+    if (random) {
+      const auto [least, most] = std::minmax_element(options.spacings.begin(), options.spacings.end());
+      layout.spacing = radius * *least;
+      layout.farthest = radius * *most;
+    }
+    Places places;
+    for (int turn = 0; turn < kDirections; ++turn) {
+      layout.angle = 2 * std::numbers::pi * turn / kDirections;
+      layout.seed = static_cast<std::uint32_t>(1 + kDirections * k + static_cast<std::size_t>(turn));
+      places = lay_out(body, contact.frame, layout);
+      if (places.cause.empty()) break;
+    }
+    checked.places = places.frames;
+    checked.spacing = least_distance(places.frames) / radius;
+    checked.result.cause = places.cause;
+    if (!places.cause.empty()) return checked;
+    TogetherPath path;
+    path.places = places.frames;
     path.depth = contact.depth;
-    path.spacing = all[k].spacing * contact_radius(tool.vertices.at(0), contact.depth);
-    all[k].result = first_free(path.angle, "second tip:", [&](double) {
-      return solve_two_tips(body, tool, tool.vertices.at(0), contact.frame, path, pair_options(scene));
-    });
-    return all[k];
+    path.sticking = options.sticking || options.aside > 0;
+    path.aside = options.aside * contact.depth;
+    checked.result = solve_together(body, tool, tool.vertices.at(0), path, pair_options(scene));
+    return checked;
   });
   return all;
 }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Solves beyond what a bake solves, at a few contacts: gross sliding, strokes, and two tips beside each other.
+// Solves beyond what a bake solves, at a few contacts: gross sliding, strokes, and several tools at once.
 #pragma once
 
 #include "precompute/solve/reference/slide.hpp"
-#include "precompute/solve/reference/two_tips.hpp"
+#include "precompute/solve/reference/together.hpp"
+#include "precompute/verify/layouts.hpp"
 #include "precompute/verify/solver_bench.hpp"
 #include "precompute/verify/strokes.hpp"
 
@@ -14,11 +15,17 @@ namespace palpate {
 
 struct ContactCheckOptions {
   double radii = 3.5;                        ///< length of a slide in contact radii
-  std::vector<double> spacings{1, 2, 4, 8};  ///< of two tips, in contact radii
+  std::vector<double> spacings{1, 2, 4, 8};  ///< of tools together, in contact radii
+  Layout layout = Layout::line;              ///< of tools together
+  int count = 2;                             ///< tools together, [1, 5]
+  std::size_t draws = 8;                     ///< random layouts at each contact, within the range of `spacings`
+  bool sticking = false;                     ///< the contacts of tools together stick
+  double aside = 0.0;                        ///< of the first of them once all are down, in depths; they stick then
   double stroke_depth = 0.9;                 ///< of a contact's own, (0, 1]
   double stroke_refine = 0.7;                ///< elements of a stroke's mesh, of the scene's
   unsigned threads = 1;
-  std::function<bool()> stop;  ///< polled between steps of a slide and between pairs of tips; fewer results then
+  std::function<bool()>
+      stop;  ///< polled between steps of a slide and between solves of tools together; fewer results then
   std::function<void(std::size_t done, std::size_t total)> progress;
 };
 
@@ -38,11 +45,12 @@ struct CheckedStroke {
   StrokeResult result;
 };
 
-struct CheckedTips {
+struct CheckedTogether {
   std::size_t contact = 0;  ///< index
-  double spacing = 0.0;     ///< contact radii
+  double spacing = 0.0;     ///< contact radii, the least between two tools; 0 for one tool
   double seconds = 0.0;
-  TwoTipsResult result;
+  std::vector<ContactFrame> places;
+  TogetherResult result;
 };
 
 /// A slide of the tool's first vertex at every contact and its depth, with the scene's friction (> 0).
@@ -54,8 +62,11 @@ std::vector<CheckedSlide> check_slides(const Scene& scene, const Body& body, con
 std::vector<CheckedStroke> check_strokes(const Scene& scene, const Body& body, const Tool& tool,
                                          const std::vector<BenchContact>& contacts, const ContactCheckOptions& options);
 
-/// Two tips at every contact, at every spacing: by contact, then by spacing. The same four directions.
-std::vector<CheckedTips> check_two_tips(const Scene& scene, const Body& body, const Tool& tool,
-                                        const std::vector<BenchContact>& contacts, const ContactCheckOptions& options);
+/// Tools of the first vertex at every contact and its depth, at every spacing: by contact, then by spacing. A line or
+/// ring takes the first of four directions that has surface for it; random places differ from spacing to spacing, and a
+/// pinch has only the first.
+std::vector<CheckedTogether> check_together(const Scene& scene, const Body& body, const Tool& tool,
+                                            const std::vector<BenchContact>& contacts,
+                                            const ContactCheckOptions& options);
 
 }  // namespace palpate

@@ -82,7 +82,7 @@ TEST_F(Recordings, WithFrictionEverySideIsAskedFor) {
 
 TEST_F(Recordings, AloneChooseTheDegrees) {
   const Pipeline p = open(kCovered, csv({0, 0, 0.02}, pushed_aside(8)));
-  const pipeline::FittedFile file = pipeline::fit_file(p, {}, pipeline::fit_settings(p.scene));
+  const pipeline::FittedFile file = pipeline::fit_file(p, {}, pipeline::fit_settings(p));
   EXPECT_TRUE(file.fitted.scales.degrees.friction_families);
   EXPECT_GT(file.fitted.report.held_out.samples, 5U);
   EXPECT_LT(file.fitted.report.held_out.p95, 0.05);
@@ -93,7 +93,7 @@ TEST_F(Recordings, AloneChooseTheDegrees) {
 TEST_F(Recordings, HaveASayInTheDegreesBesideALaw) {
   const std::string springs = "[[analytic]]\nlaw = \"spring\"\nstiffness = 100\n[contact]\nfriction = 0.3\n";
   const Pipeline p = open(springs, csv({0, 0, 0.02}, pushed_aside(8)));
-  const pipeline::FittedFile file = pipeline::fit_file(p, {}, pipeline::fit_settings(p.scene));
+  const pipeline::FittedFile file = pipeline::fit_file(p, {}, pipeline::fit_settings(p));
   EXPECT_GT(file.fitted.report.analytic, 1U);
   EXPECT_GT(response::count(file.fitted.scales.degrees), response::count(response::kSpring));
   EXPECT_LT(file.fitted.report.recorded[0].rms, 0.05 * hertz(kDepth));

@@ -3,7 +3,8 @@
 # A Slurm cluster of two virtual nodes on this machine bakes eight shards. It loses a worker and a node's daemon to
 # kill -9, and a shard's journal to truncation. On re-submission at the latest it ends in the response file of one
 # process.
-#   tests/bake/slurm_test.sh build/release/bin/palpate
+#   tests/bake/slurm_test.sh build/release/bin/palpate [0]
+# 0: automatic sampling, each round an array of eight shards that the round before submits.
 # Ends with 77 where it cannot run.
 set -euo pipefail
 
@@ -127,8 +128,9 @@ finished_shard() {
 submit() { "$palpate" submit "$folder/scene.toml" --shards 8 --work "$folder/work" -o "$folder/cluster.palp" --quiet; }
 
 start_cluster
-"$palpate" synth slab --out "$folder" --scale 0.5 --friction 0 --tool-radius 0.003 --depth 0.001 --spacing 0.008 --quiet
-printf 'normal_points = 4\n[solver]\nmesh_size = 1\n' >>"$folder/scene.toml"
+"$palpate" synth slab --out "$folder" --scale 0.5 --friction 0 --tool-radius 0.003 --depth 0.001 \
+  --spacing "${2:-0.008}" --quiet
+printf 'normal_points = 4\n[solver]\nmesh_size = 1\n[response]\ntolerance = 0.02\n' >>"$folder/scene.toml"
 SECONDS=0
 "$palpate" build "$folder/scene.toml" --work "$folder/single" -o "$folder/single.palp" --quiet --threads 2
 limit=$((60 + 5 * SECONDS))
@@ -151,5 +153,7 @@ if [ ! -e "$folder/cluster.palp" ]; then
   submit
   within $limit queue_empty
 fi
+rounds=$(grep -o '"rounds":[0-9]*' "$folder/single.palp" -a || true)
+[ "${2:-}" != 0 ] || [ "${rounds#*:}" -gt 1 ] || { echo "one round is no test of several: $rounds"; exit 1; }
 cmp "$folder/single.palp" "$folder/cluster.palp"
 echo "the same response file, $(stat -c %s "$folder/cluster.palp") bytes"

@@ -42,7 +42,7 @@ TEST_F(ColumnsMissing, SitesBesideSolvedOnesAreExtrapolated) {
     EXPECT_EQ(field.extrapolated().count(site), site % 7 == 5 ? 1U : 0U);
     const double truth = growing_stiffness(grid_.plan.sites[site].frame.origin, kLength);
     for (const double depth : {0.1 * kDeepest, 0.5 * kDeepest, kDeepest}) {
-      const double ratio = field.force(site, depth) / (truth * std::pow(depth, 1.5));
+      const double ratio = field.force(site, depth, grid_.plan.sites[site].frame).z() / (truth * std::pow(depth, 1.5));
       if (site % 7 <= 5) {
         EXPECT_NEAR(ratio, 1, 0.01) << site;
       } else {

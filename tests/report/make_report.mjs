@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Bakes the block, verifies it, plays a motion and reports.
-import { writeFileSync } from "node:fs";
+import { rmSync, writeFileSync } from "node:fs";
 import { at, palpate, played, pressDragLift } from "./folder.mjs";
 
+rmSync(at("scene.work"), { recursive: true, force: true });  // of an earlier program
 palpate("build", "scene.toml", "--quiet");
 palpate("verify", "scene.toml", "--count", "3", "--report", "verify.json", "--quiet");
 const { text } = played(pressDragLift(0.005, 0.002, 0.004), "forces.csv");

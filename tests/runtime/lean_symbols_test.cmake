@@ -61,6 +61,7 @@ set(table
   "BondedContact6D      BondedLaw:: BondedTorqueLaw::"
   "DeformingBody        DeformingSurface:: SkinnedPoseMaker SlotExchange:: LocalMotion::"
   "RigidMotion          RigidMotion::"
+  "Mechanism            Mechanism< Rows<"
   "TripleBuffer         TripleBuffer< SlotExchange::"
   "EnergyMeter          EnergyMeter::"
   "SuperpositionError   SuperpositionError:: ContactRadius::")

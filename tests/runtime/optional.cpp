@@ -60,6 +60,11 @@ Tick use_DeformingBody(const View& view, const Pose& pose, const Vec3* sites, vo
   return Contact(view, 0).tick(pose, DeformingBody{&surface});
 }
 Tick use_RigidMotion(const View& view, const Pose& pose) { return Contact(view, 0).tick(pose, RigidMotion{&view, pose}); }
+double use_Mechanism(const Pose& pose) {
+  Mechanism<1, 8> mechanism({HandleSpring{}});
+  mechanism.add(trocar(0, Pose(), Side::ground({0, 0, 0.1})));
+  return length(mechanism.tick({pose})[0].force);
+}
 bool use_TripleBuffer(TripleBuffer<Search>& latest, Search& found) {
   latest.write(found);
   return latest.read(found);

@@ -44,7 +44,7 @@ std::vector<const std::vector<Sample>*> accepted_pairs(const JournalContent& jou
 
 Row measure_potential(const pipeline::Pipeline& p, const JournalContent& journal, int contacts,
                       fit::ResponseScales& scales) {
-  const pipeline::FittedFile file = pipeline::fit_file(p, journal, pipeline::fit_settings(p.scene));
+  const pipeline::FittedFile file = pipeline::fit_file(p, journal, pipeline::fit_settings(p));
   scales = file.fitted.scales;
   const runtime::OpenResult opened = runtime::View::open(file.bytes.data(), file.bytes.size());
   if (!opened) throw Error(ExitCode::numerical, std::string("quadratic potential: ") + opened.error);

@@ -14,6 +14,7 @@
 #include "formats/io/error.hpp"
 #include "formats/io/file.hpp"
 #include "formats/io/same_file.hpp"
+#include "tools/bench/bench_rows.hpp"
 #include "tools/bench/open_bench.hpp"
 #include "tools/bench/tick_bench.hpp"
 #include "tools/cli/command.hpp"
@@ -33,7 +34,7 @@ using Json = nlohmann::ordered_json;
 
 struct BenchArguments {
   std::string file, tool, work, plot;
-  bool solver = false, models = false, open = false;
+  bool solver = false, models = false, open = false, rows = false;
   RepeatedSize repeated;
   TickBenchOptions bench;
   double ticks = 1e6;
@@ -149,9 +150,9 @@ void run_ticks(BenchArguments options, const Globals& globals) {
       bench_latency(view, repeated ? repeated->view() : view, options.bench, static_cast<std::uint64_t>(options.ticks));
   const TickRow states[] = {
       {"press", bench.press}, {"field", bench.field}, {"slide", bench.slide}, {"free", bench.free}};
-  const TickRow beside[] = {{"locate", bench.locate},    {"blend", latency.blend}, {"anew", latency.anew},
-                            {"random", latency.random},  {"five", latency.five},   {"plain", latency.plain},
-                            {"network", latency.network}};
+  const TickRow beside[] = {{"locate", bench.locate},   {"blend", latency.blend},    {"anew", latency.anew},
+                            {"random", latency.random}, {"five", latency.five},      {"joint", latency.joint},
+                            {"plain", latency.plain},   {"network", latency.network}};
   if (!options.plot.empty()) {
     std::vector<PlotSeries> series;
     for (const TickRow& row : states) series.push_back({row.name, row.times.nanoseconds});
@@ -193,6 +194,37 @@ void run_ticks(BenchArguments options, const Globals& globals) {
   print(out);
 }
 
+void run_rows(const BenchArguments& options, const Globals& globals) {
+  RowsBenchOptions rows;
+  rows.ticks = static_cast<std::size_t>(options.ticks);
+  note(globals, "solving 120 rows in " + std::to_string(rows.ticks) + " ticks for each number of sweeps");
+  Json json{{"machine", machine_name()}, {"rows", Json::array()}};
+  std::string text =
+      machine_name() +
+      "\n120 rows (40 contacts with friction), each solve from the forces of the last tick\n"
+      "        error of the force, %          above 1 %, % of ticks   time, us             undisturbed, us\n"
+      "sweeps   median      95 %     worst  reported  unreported     median    99.9 %     median    99.9 %\n";
+  for (const RowsBenchRow& row : bench_rows(rows)) {
+    const auto error = [&](double share) {
+      return row.errors[static_cast<std::size_t>(share * static_cast<double>(row.errors.size() - 1))];
+    };
+    char line[200];
+    std::snprintf(line, sizeof line, "%6d %8.3f  %8.3f  %8.3f  %8.2f  %10.2f   %8.1f  %8.1f   %8.1f  %8.1f\n",
+                  row.sweeps, 100 * error(0.5), 100 * error(0.95), 100 * error(1), 100 * row.reported, 100 * row.wrong,
+                  1e-3 * row.all.quantile(0.5), 1e-3 * row.all.quantile(0.999), 1e-3 * row.undisturbed.quantile(0.5),
+                  1e-3 * row.undisturbed.quantile(0.999));
+    text += line;
+    Json time = every_json(row.all);
+    time["undisturbed"] = every_json(row.undisturbed);
+    json["rows"].push_back({{"sweeps", row.sweeps},
+                            {"error", {{"median", error(0.5)}, {"p95", error(0.95)}, {"worst", error(1)}}},
+                            {"reported", row.reported},
+                            {"unreported", row.wrong},
+                            {"time_ns", time}});
+  }
+  globals.json ? print_json(json) : print(text);
+}
+
 void run_bench(BenchArguments options, const Globals& globals) {
 #ifdef PALPATE_SOLVER_BENCH
   if (options.solver && options.models) throw Error(ExitCode::usage, "--solver and --models exclude each other");
@@ -202,6 +234,7 @@ void run_bench(BenchArguments options, const Globals& globals) {
     return run_model_bench({options.file, options.work, options.bench.contacts}, globals);
   }
 #endif
+  if (options.rows) return run_rows(options, globals);
   if (options.file.empty()) throw Error(ExitCode::usage, "bench needs a response file");
   if (!options.plot.empty() && options.open) throw Error(ExitCode::usage, "--plot shows ticks; leave out --open");
   refuse_same({options.plot}, {options.file});
@@ -223,6 +256,8 @@ void add_bench(CLI::App& app, Globals& globals) {
                "the coupled one");
   command.option("--work", options->work, "With --models: work folder (default: NAME.work beside the scene)");
 #endif
+  command.flag("--rows", options->rows,
+               "Error and time of 120 rows of a mechanism against the sweeps of a solve; no file is needed");
   command.flag("--open", options->open,
                "Seconds to map, validate and open the file, its pages in memory, and to open it unchecked, in place of "
                "ticks");
@@ -240,7 +275,7 @@ void add_bench(CLI::App& app, Globals& globals) {
       .check(whole_in(1, 10000))
       .shows_default();
   command.option("--seed", options->bench.seed, "Seed of the random contacts").shows_default();
-  command.option("--ticks", options->ticks, "Ticks of strokes, each timed alone")
+  command.option("--ticks", options->ticks, "Ticks of strokes, or of each number of sweeps, each timed alone")
       .check(number_in(1000, 1e9))
       .shows_default();
   command.option("--seconds", options->bench.seconds, "Measured for each contact and state")

@@ -39,6 +39,7 @@ struct blend {};
 struct anew {};
 struct random {};
 struct five {};
+struct joint {};
 struct plain {};
 struct network {};
 }  // namespace row
@@ -257,6 +258,40 @@ double Times::quantile(double share) const {
   return nanoseconds[static_cast<std::size_t>(std::lround(share * last))];
 }
 
+namespace {
+
+/// Five of the pressed contacts in one set, which has pressed them from outside.
+class Hand {
+public:
+  Hand(const View& view, std::uint32_t tool, const std::array<TickCase*, 5>& fingers)
+      : fingers_(fingers),
+        tools_(std::make_unique<runtime::ToolSet<5>>(view, std::array{tool, tool, tool, tool, tool})) {
+    constexpr int kSteps = 200;
+    for (int step = 0; step <= kSteps; ++step) {
+      const double above = 2 * view.meta->depth_scale * (1 - static_cast<double>(step) / kSteps);
+      std::array<Pose, 5> poses;
+      for (std::size_t k = 0; k < poses.size(); ++k) {
+        poses[k] = fingers_[k]->poses.front();
+        poses[k].translation = poses[k].translation + above * fingers_[k]->contact->state().place.normal;
+      }
+      tools_->tick(poses);
+    }
+  }
+  Vec3 tick(std::size_t tick) {
+    std::array<Pose, 5> poses;
+    for (std::size_t k = 0; k < poses.size(); ++k) poses[k] = around(fingers_[k]->poses, tick);
+    Vec3 sum;
+    for (const Tick& each : tools_->tick(poses)) sum = sum + each.force;
+    return sum;
+  }
+
+private:
+  std::array<TickCase*, 5> fingers_;
+  std::unique_ptr<runtime::ToolSet<5>> tools_;
+};
+
+}  // namespace
+
 TickBench bench_ticks(const View& view, const TickBenchOptions& options) {
   std::vector<TickCases> cases = random_contacts(view, options.tool, options.contacts, options.seed);
   std::vector<std::array<Vec3, kFew>> pushed;
@@ -341,6 +376,9 @@ LatencyBench bench_latency(const View& view, const View& large, const TickBenchO
     for (TickCase* finger : hands[i]) sum = sum + next_tick(*finger, k).force;
     return sum;
   });
+  std::vector<Hand> sets;
+  for (const auto& fingers : hands) sets.emplace_back(view, options.tool, fingers);
+  result.joint = each(row::joint(), [&](std::size_t i, std::size_t k) { return sets[i].tick(k); });
   result.plain = each(row::plain(), [&](std::size_t i, std::size_t k) { return plain[i].force(around(pushed[i], k)); });
   result.network =
       each(row::network(), [&](std::size_t i, std::size_t k) { return network.force(around(pushed[i], k)); });

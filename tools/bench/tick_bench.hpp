@@ -57,6 +57,7 @@ struct LatencyBench {
   TickTimes anew;   ///< the same at 16 places in turn: all of it anew, of memory that is near
   TickTimes random;  ///< the same at places in random order of the body, or of a large one
   TickTimes five;    ///< five of the pressed contacts, a tick each
+  TickTimes joint;   ///< the same five in one set, jointly where the file has a compliance
   EveryTick every;
   TickTimes plain;    ///< the formula as the paper writes it: every response evaluated, then the forces summed
   TickTimes network;  ///< a radial-basis network with 1000 centres

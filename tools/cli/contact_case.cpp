@@ -9,22 +9,43 @@
 
 namespace palpate::cli {
 
-ContactCase block_contact(double half, double radius, double depth, double friction) {
+namespace {
+
+/// A sphere in the middle of the top of a box of 2 half x 2 half x height (m), whose top lies in z = 0.
+ContactCase box_contact(const std::string& name, double half, double height, double radius, double depth,
+                        const std::vector<SupportScene>& supports, double friction) {
   ContactCase c;
-  char name[160];
-  std::snprintf(name, sizeof name, "block of %.0f x %.0f x %.0f mm, sphere of %.0f mm, %.3g mm deep, friction %.2g",
-                2e3 * half, 2e3 * half, 1e3 * half, 1e3 * radius, 1e3 * depth, friction);
-  c.name = name;
+  char text[200];
+  std::snprintf(text, sizeof text, "%s of %.0f x %.0f x %.0f mm, sphere of %.0f mm, %.3g mm deep, friction %.2g",
+                name.c_str(), 2e3 * half, 2e3 * half, 1e3 * height, 1e3 * radius, 1e3 * depth, friction);
+  c.name = text;
   c.scene.friction = friction;
   c.scene.tools.resize(1);
   c.scene.tools[0].radius = radius;
-  SupportScene bottom;
-  bottom.point = {0, 0, -half * (1 - 1e-6)};
-  c.scene.supports = {bottom};
-  c.body = prepare_body(c.scene, box_solid({-half, -half, -half}, {half, half, 0}, half, "block"));
+  c.scene.supports = supports;
+  c.body = prepare_body(c.scene, box_solid({-half, -half, -height}, {half, half, 0}, half, "block"));
   c.tool = make_tool(c.scene.tools[0]);
   c.contacts = {{ContactFrame{}, depth}};
   return c;
+}
+
+}  // namespace
+
+ContactCase block_contact(double half, double radius, double depth, double friction) {
+  SupportScene bottom;
+  bottom.point = {0, 0, -half * (1 - 1e-6)};
+  return box_contact("block", half, half, radius, depth, {bottom}, friction);
+}
+
+ContactCase slab_contact(double half, double thickness, double radius, double depth) {
+  std::vector<SupportScene> sides(4);
+  for (std::size_t k = 0; k < sides.size(); ++k) {
+    const Eigen::Vector3d out =
+        (k % 2 == 0 ? 1.0 : -1.0) * (k < 2 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY());
+    sides[k].point = half * (1 - 1e-6) * out;
+    sides[k].normal = -out;
+  }
+  return box_contact("slab held at its sides", half, thickness, radius, depth, sides, 0);
 }
 
 ContactCase scene_contacts(const std::string& scene, int count) {

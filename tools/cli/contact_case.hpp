@@ -28,4 +28,7 @@ ContactCase plan_contacts(const pipeline::Pipeline& pipeline, const std::string&
 /// A sphere of `radius` (m) in the middle of a block of 2 half x 2 half x half (m), pressed to `depth` (m).
 ContactCase block_contact(double half, double radius, double depth, double friction);
 
+/// The same on a slab of 2 half x 2 half x thickness (m) that is held at its four sides, for a pinch.
+ContactCase slab_contact(double half, double thickness, double radius, double depth);
+
 }  // namespace palpate::cli

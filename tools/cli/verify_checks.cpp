@@ -95,4 +95,10 @@ void write_report(const fs::path& file, const nlohmann::ordered_json& report) {
 
 nlohmann::ordered_json list(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
 
+nlohmann::ordered_json list(const std::vector<Eigen::Vector3d>& vectors) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const Eigen::Vector3d& vector : vectors) json.push_back(list(vector));
+  return json;
+}
+
 }  // namespace palpate::cli

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 namespace palpate::cli {
 
@@ -51,6 +52,8 @@ void write_report(const std::filesystem::path& file, const nlohmann::ordered_jso
 
 /// The components.
 nlohmann::ordered_json list(const Eigen::Vector3d& vector);
+/// The components of each.
+nlohmann::ordered_json list(const std::vector<Eigen::Vector3d>& vectors);
 
 /// The text of printf, at most 255 bytes.
 template <class... Values>

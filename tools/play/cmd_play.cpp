@@ -11,6 +11,7 @@
 #include "tools/cli/commands.hpp"
 #include "tools/cli/output.hpp"
 #include "tools/cli/response_input.hpp"
+#include "tools/play/frames.hpp"
 #include "tools/play/play.hpp"
 #ifdef PALPATE_DRIVE
 #include "tools/play/play_run.hpp"
@@ -22,7 +23,7 @@ namespace palpate::cli {
 namespace {
 
 struct PlayArguments {
-  std::string file, motion, out, plot, tool;
+  std::string file, motion, out, plot, tool, frames;
   bool single = false;
 };
 
@@ -91,6 +92,7 @@ std::string response_of(const device::RunLog& log, const std::string& run) {
 
 /// The same forces as in the run, bit for bit, or an error; of another response file, how different they are.
 void replay(PlayArguments options, const Globals& globals) {
+  if (!options.frames.empty()) throw Error(ExitCode::usage, "--frames draws a motion; " + options.motion + " is a run");
   if (options.single)
     throw Error(ExitCode::usage,
                 "--single: " + options.motion + " is played as it was recorded; palpate drive has --single as well");
@@ -174,6 +176,12 @@ void run_play(PlayArguments options, const Globals& globals) {
   PlaySummary s;
   const std::vector<PlayedRow> rows = play(input.view(), tool, motion, s, options.single);
   const std::string tool_name = input.view().tools[tool].name;
+  if (!options.frames.empty()) {
+    DentFrames frames;
+    frames.folder = options.frames;
+    note(globals,
+         std::to_string(write_frames(input.view(), tool, motion, rows, frames)) + " frames in " + options.frames);
+  }
   report(options, globals, tool_name, rows, s);
   if (globals.json) print_json(json_of(options, tool_name, rows.size(), s));
 }
@@ -188,6 +196,8 @@ void add_play(CLI::App& app, Globals& globals) {
                  "Motion (CSV: t,x,y,z,qw,qx,qy,qz in s and m), or a run of 'palpate drive'");
   command.option("--out", options->out, "Write forces and torques here (CSV)");
   command.option("--plot", options->plot, "Write a plot of force and depth here (SVG)");
+  command.option("--frames", options->frames,
+                 "Write the dented body here, a GLB file for each thirtieth of a second (files with compliance)");
   command.option("--tool", options->tool, "Name of the tool; default: the file's first");
   command.flag("--single", options->single, "Follow the nearest wall alone; without it up to three walls are felt");
   command.runs([options, &globals] { run_play(*options, globals); });

@@ -14,7 +14,7 @@ if(TARGET palpate_device)
 endif()
 if(PALPATE_BENCH)
   find_package(benchmark REQUIRED)
-  add_library(palpate_tick_bench STATIC bench/open_bench.cpp bench/tick_bench.cpp bench/tick_cases.cpp)
+  add_library(palpate_tick_bench STATIC bench/bench_rows.cpp bench/open_bench.cpp bench/tick_bench.cpp bench/tick_cases.cpp)
   target_link_libraries(palpate_tick_bench PUBLIC palpate_runtime PRIVATE palpate_formats benchmark::benchmark
                                                                          palpate_settings)
   palpate_together(palpate_tick_bench)

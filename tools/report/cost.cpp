@@ -58,7 +58,7 @@ void add_tolerances(Json& files, const CostInput& input, const cli::Globals& glo
   std::set<Form> seen{form_of(*input.response.view().meta)};
   for (const double tolerance : {0.3, 0.1, 0.05, 0.02, 0.01, 0.003}) {
     cli::note(globals, "fitting to a tolerance of " + percent(tolerance));
-    FitSettings settings = pipeline::fit_settings(p.scene);
+    FitSettings settings = pipeline::fit_settings(p);
     settings.tolerance = tolerance;
     const pipeline::FittedFile file = pipeline::fit_file(p, input.journal, settings);
     const runtime::OpenResult opened = runtime::View::open(file.bytes.data(), file.bytes.size());

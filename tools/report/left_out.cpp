@@ -77,7 +77,7 @@ double feature_solves(const pipeline::Pipeline& p, layout::Feature feature) {
 /// The press of a file fitted without the feature, in ns. Throws Error where there is no such fit.
 double tick_without(const CostInput& input, layout::Feature feature) {
   pipeline::Pipeline p = input.pipeline;
-  FitSettings settings = pipeline::fit_settings(p.scene);
+  FitSettings settings = pipeline::fit_settings(p);
   switch (feature) {
     case layout::feature_friction:
       settings.friction = false;

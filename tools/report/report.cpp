@@ -77,7 +77,7 @@ Json make_report(const ReportInput& input, const pipeline::Pipeline& p, const cl
 
   const JournalContent journal = pipeline::samples(p);
   cli::note(globals, "fitting the samples");
-  const pipeline::FittedFile fitted = pipeline::fit_file(p, journal, pipeline::fit_settings(p.scene));
+  const pipeline::FittedFile fitted = pipeline::fit_file(p, journal, pipeline::fit_settings(p));
   Json report{{"title", p.scene.name}, {"command", command_line(input)}};
   const std::filesystem::path folder = std::filesystem::absolute(p.scene.file).parent_path().filename();
   if (!folder.empty()) report["title"] = folder.string() + " / " + p.scene.name;

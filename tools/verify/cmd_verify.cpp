@@ -24,6 +24,7 @@
 #include "tools/verify/verify_device.hpp"
 #endif
 #include "tools/verify/verify_paper.hpp"
+#include "tools/verify/verify_shape.hpp"
 #include "tools/verify/verify_strokes.hpp"
 #include "tools/verify/verify_together.hpp"
 
@@ -42,10 +43,10 @@ struct VerifyArguments {
   std::string input, work, response, report, plot, samples, battery, family, other, cases, paper, device;
   std::uint32_t count = 40;
   std::uint64_t seed = 1;
-  bool closed_forms = false, loops = false, slide = false, strokes = false, two_tips = false;
+  bool closed_forms = false, loops = false, slide = false, strokes = false, two_tips = false, shape = false;
   int contacts = 3, together = 0;
   std::string layout = "line";
-  double radii = 3.5, rate = 1000, scale = 1, max_together = 0.05;
+  double radii = 3.5, rate = 1000, scale = 1, max_together = 0.05, aside = 0;
   VerifyLimits limits;
 };
 
@@ -265,6 +266,7 @@ void check_usage(const VerifyArguments& options) {
                                                 {"--loops", options.loops},
                                                 {"--paper", !options.paper.empty()},
                                                 {"--samples", !options.samples.empty()},
+                                                {"--shape", options.shape},
                                                 {"--slide", options.slide},
                                                 {"--strokes", options.strokes},
                                                 {"--together", options.together > 0},
@@ -296,13 +298,16 @@ void check_usage(const VerifyArguments& options) {
   if (!options.plot.empty() && !options.strokes && !held_out) {
     throw Error(ExitCode::usage, std::string("--plot shows held-out contacts and --strokes, not ") + chosen);
   }
+  if (options.together == 0 && (options.aside > 0 || options.layout != "line")) {
+    throw Error(ExitCode::usage, "--layout and --aside belong to --together");
+  }
   if (options.device.empty() && (options.rate != 1000 || options.scale != 1)) {
     throw Error(ExitCode::usage, "--rate and --scale belong to --device");
   }
-  if (options.input.empty() && !own && !options.slide && !options.two_tips && options.together == 0) {
+  if (options.input.empty() && !own && !options.slide && !options.two_tips && !options.shape && options.together == 0) {
     throw Error(ExitCode::usage,
                 "verify needs a scene, a response file, or --battery, --closed-forms, --compare, --paper, "
-                "--slide, --together, --two-tips");
+                "--shape, --slide, --together, --two-tips");
   }
 }
 
@@ -316,6 +321,14 @@ void run_verify(const VerifyArguments& options, const Globals& globals) {
                        globals);
   }
   if (options.two_tips) return run_two_tips(contacts, globals);
+  if (options.shape) {
+    ShapeCommand shape;
+    shape.scene = options.input;
+    shape.response = options.response;
+    shape.report = options.report;
+    shape.contacts = options.contacts;
+    return run_shape(shape, globals);
+  }
   if (options.together > 0) {
     TogetherCommand together;
     together.scene = options.input;
@@ -325,6 +338,7 @@ void run_verify(const VerifyArguments& options, const Globals& globals) {
     together.layout = options.layout;
     together.contacts = options.contacts;
     together.max_p95 = options.max_together;
+    together.aside = options.aside;
     return run_together(together, globals);
   }
   if (!options.battery.empty())
@@ -369,6 +383,10 @@ void add_verify(CLI::App& app, Globals& globals) {
       "--loops", options->loops,
       "Check a response file of the coupled model: 100 000 random closed motions of contacts that stick, and searches "
       "for the worst; exit code 5 where the hand gets work back");
+  command.flag(
+      "--shape", options->shape,
+      "The surface that runtime::Dent draws beside the solved one, at a few contacts of a baked scene, or on a "
+      "block");
   command.flag("--slide", options->slide, "Slides the tool over a few contacts of the scene, or over a block");
   command.flag("--strokes", options->strokes,
                "Draws the tool through whole motions at a few contacts of a baked scene, solved and played");
@@ -379,18 +397,24 @@ void add_verify(CLI::App& app, Globals& globals) {
       .option("--together", options->together,
               "As many tools at once at a few contacts of a baked scene, or on a block: the runtime's forces, by the "
               "file's compliance, beside solved ones")
-      .check(whole_in(2, 2));
-  command.option("--layout", options->layout, "Of --together, how the tools lie")
-      .check(one_of({"line"}))
+      .check(whole_in(2, 5));
+  command.option("--layout", options->layout, "Of --together, how the tools lie; a pinch has 2, on opposite walls")
+      .check(one_of({"line", "ring", "pinch", "random"}))
+      .shows_default();
+  command
+      .option("--aside", options->aside,
+              "Of --together with friction, how far the first tool goes aside once all are down, in its depth")
+      .check(number_in(0, 2))
       .shows_default();
   command
       .option("--max-p95-together", options->max_together,
-              "Largest 95th percentile of the error of --together on a scene")
+              "Largest 95th percentile of the error of --together; two tools in a line on the block have limits of "
+              "their own")
       .check(number_in(0, 1000))
       .shows_default();
   command
       .option("--contacts", options->contacts,
-              "Of --slide, --strokes, --together and --two-tips, spread evenly over the scene's plan")
+              "Of --shape, --slide, --strokes, --together and --two-tips, spread evenly over the scene's plan")
       .check(whole_in(1, 10000))
       .shows_default();
   command.option("--radii", options->radii, "Length of a slide in contact radii")

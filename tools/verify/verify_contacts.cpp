@@ -145,8 +145,8 @@ void run_slide(const ContactsCommand& command, const Globals& globals) {
 void run_two_tips(const ContactsCommand& command, const Globals& globals) {
   const ContactCase c = contacts_of(command);
   const InterruptPolling polling;
-  const std::vector<CheckedTips> all =
-      check_two_tips(c.scene, c.body, c.tool, c.contacts, options_of(command, globals));
+  const std::vector<CheckedTogether> all =
+      check_together(c.scene, c.body, c.tool, c.contacts, options_of(command, globals));
   if (interrupted()) throw Interrupted("solves are not kept; run the command again");
 
   Json json{{"two_tips", c.name}, {"machine", machine_name()}, {"contacts", Json::array()}};
@@ -155,8 +155,8 @@ void run_two_tips(const ContactsCommand& command, const Globals& globals) {
       "| contact | spacing, contact radii | one alone, N | one of two, N | sum of single contacts is off by "
       "| nodes | s |\n|---|---|---|---|---|---|---|\n";
   std::size_t usable = 0;
-  for (const CheckedTips& tips : all) {
-    const TwoTipsResult& r = tips.result;
+  for (const CheckedTogether& tips : all) {
+    const TogetherResult& r = tips.result;
     const BenchContact& contact = c.contacts[tips.contact];
     json["contacts"].push_back({{"c", list(contact.frame.origin)},
                                 {"n", list(contact.frame.n)},
@@ -165,8 +165,8 @@ void run_two_tips(const ContactsCommand& command, const Globals& globals) {
                                 {"spacing_radii", tips.spacing},
                                 {"usable", r.usable},
                                 {"cause", r.cause},
-                                {"alone_N", {list(r.alone[0]), list(r.alone[1])}},
-                                {"together_N", {list(r.together[0]), list(r.together[1])}},
+                                {"alone_N", list(r.alone)},
+                                {"together_N", list(r.together)},
                                 {"difference", r.difference},
                                 {"nodes", r.nodes},
                                 {"seconds", tips.seconds}});

@@ -4,21 +4,16 @@
 #include "formats/io/error.hpp"
 #include "formats/io/same_file.hpp"
 #include "palpate/format/open.hpp"
-#include "palpate/shared/tool_set.hpp"
-#include "precompute/fit/closed_form.hpp"
-#include "precompute/pipeline/pipeline.hpp"
-#include "precompute/verify/contact_checks.hpp"
 #include "tools/bench/tick_bench.hpp"
-#include "tools/cli/contact_case.hpp"
 #include "tools/cli/interrupt.hpp"
 #include "tools/cli/output.hpp"
-#include "tools/cli/response_input.hpp"
 #include "tools/cli/verify_checks.hpp"
+#include "tools/verify/press_together.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -28,193 +23,209 @@ namespace {
 using Eigen::Vector3d;
 using Json = nlohmann::ordered_json;
 
-constexpr double kBlockHalf = 0.02, kBlockRadius = 0.01,
-                 kBlockDepth = 1e-4;      // m, of the block: 40 contact radii wide, 20 deep
-constexpr double kBlockSpacing = 5e-3;    // m, between sites of the block
-constexpr double kBlockTolerance = 1e-3;  // of the fit to the solved push
-constexpr int kPressTicks = 400;          // of a press
-
 /// The largest error on the block at a spacing (contact radii).
 double allowed_on_block(double spacing) { return spacing < 1.25 ? 0.06 : spacing < 1.75 ? 0.02 : 0.01; }
 
-/// The block as a scene, before its first solve.
-pipeline::Pipeline block_pipeline(const ContactCase& c) {
-  pipeline::Pipeline p;
-  p.scene = c.scene;
-  p.scene.sampling.spacing = p.scene.sampling.margin_spacing = kBlockSpacing;
-  p.scene.sampling.depth = kBlockDepth;
-  p.scene.response.tolerance = kBlockTolerance;
-  p.body = c.body;
-  p.tools = {c.tool};
-  p.mesh = make_haptic_mesh(p.scene, p.body);
-  pipeline::find_pairs(p);
-  return p;
-}
-
-/// A response file of the block: the solved push of one tip alone at every site, and the block's compliance.
-std::vector<std::byte> block_file(pipeline::Pipeline& p, const TwoTipsResult& solved,
-                                  const ResponseCompliance& compliance) {
-  // Between solved depths the force over depth^1.5 is linear.
-  const auto force = [&](const Vector3d& deflection) {
-    const double z = deflection.z();
-    const auto& at = solved.pushed;
-    const auto ratio = [&](std::size_t k) { return at[k][1] / std::pow(at[k][0], 1.5); };
-    std::size_t k = 1;
-    while (k + 1 < at.size() && at[k][0] < z) ++k;
-    const double share = std::clamp((z - at[k - 1][0]) / (at[k][0] - at[k - 1][0]), 0.0, 1.0);
-    return Vector3d(0, 0, std::pow(z, 1.5) * ((1 - share) * ratio(k - 1) + share * ratio(k)));
-  };
-  p.sources.solve_others = false;
-  for (std::uint32_t pair = 0; pair < p.plan.pairs.size(); ++pair) {
-    p.sources.given[pair].samples = fit::sample_along(bake_path(p.scene, p.plan.pairs[pair].depth), force);
-  }
-  return pipeline::fit_file(p, {}, pipeline::fit_settings(p.scene), &compliance).bytes;
-}
-
-runtime::Pose to_pose(const Eigen::Isometry3d& pose) {
-  runtime::Pose result;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) result.rotation[3 * i + j] = pose.linear()(i, j);
-  }
-  result.translation = {pose.translation().x(), pose.translation().y(), pose.translation().z()};
-  return result;
-}
-
-/// Forces of the runtime, in the contact's frame (x, y, n).
+/// Forces of the runtime, each in the frame of its place (x, y, n).
 struct RuntimeForces {
-  std::array<Vector3d, 2> together, alone;
+  std::vector<Vector3d> together, alone;
   double share = 1;
 };
 
-RuntimeForces press_together(const runtime::View& view, const ContactCase& c, const BenchContact& contact,
-                             const TwoTipsResult& solved) {
-  const Eigen::Isometry3d first = touching_pose(c.tool.vertices.at(0), contact.frame);
-  runtime::ToolSet<2> tools(view, {0, 0});
-  std::array<runtime::Contact, 2> single{runtime::Contact(view, 0), runtime::Contact(view, 0)};
-  RuntimeForces forces;
-  const auto local = [&](const runtime::Vec3& f) { return contact.frame.to_local(Vector3d(f.x, f.y, f.z)); };
-  for (int k = -kPressTicks / 20; k <= kPressTicks; ++k) {
-    const double depth = contact.depth * k / kPressTicks;
-    std::array<runtime::Pose, 2> poses;
-    for (std::size_t i = 0; i < 2; ++i) {
-      Eigen::Isometry3d pose = first;
-      pose.translation() += (i == 0 ? Vector3d(0, 0, 0) : solved.beside) - depth * contact.frame.n;
-      poses[i] = to_pose(pose);
-    }
-    const auto ticks = tools.tick(poses);
-    for (std::size_t i = 0; i < 2; ++i) {
+template <int Count>
+RuntimeForces press(const runtime::View& view, const ContactCase& c, const CheckedTogether& solved, double aside) {
+  constexpr auto kCount = static_cast<std::size_t>(Count);
+  runtime::ToolSet<Count> tools(view, {});
+  std::vector<runtime::Contact> single(kCount, runtime::Contact(view, 0));
+  RuntimeForces forces{std::vector<Vector3d>(kCount), std::vector<Vector3d>(kCount)};
+  press_together(tools, c, solved, aside, [&](const auto& poses, const auto& ticks) {
+    for (std::size_t i = 0; i < kCount; ++i) {
+      const auto local = [&](const runtime::Vec3& f) { return solved.places[i].to_local(Vector3d(f.x, f.y, f.z)); };
       forces.together[i] = local(ticks[i].force);
       forces.alone[i] = local(single[i].tick(poses[i]).force);
     }
-  }
+  });
   forces.share = tools.joint()->share();
   return forces;
 }
 
+RuntimeForces press(const runtime::View& view, const ContactCase& c, const CheckedTogether& solved, double aside) {
+  switch (solved.places.size()) {
+    case 2:
+      return press<2>(view, c, solved, aside);
+    case 3:
+      return press<3>(view, c, solved, aside);
+    case 4:
+      return press<4>(view, c, solved, aside);
+    default:
+      return press<5>(view, c, solved, aside);
+  }
+}
+
+std::vector<double> spacings_of(Layout layout) {
+  if (layout == Layout::ring) return {1.5, 2, 3};
+  if (layout == Layout::random) return {1, 8};
+  return {1, 1.5, 2, 4, 8};
+}
+
+std::vector<ContactCase> cases_of(const TogetherCommand& command, Layout layout) {
+  if (!command.scene.empty()) return {scene_contacts(command.scene, command.contacts)};
+  if (layout != Layout::pinch) return {block_contact(kBlockHalf, kBlockRadius, kBlockDepth, 0)};
+  std::vector<ContactCase> slabs;
+  for (const double thickness : {0.01, 0.02, 0.04}) {
+    slabs.push_back(slab_contact(kBlockHalf, thickness, kBlockRadius, kBlockDepth));
+  }
+  return slabs;
+}
+
+void check_command(const TogetherCommand& command) {
+  const bool line = command.layout == "line";
+  if (command.layout == "pinch" && command.count != 2) {
+    throw Error(ExitCode::usage,
+                "--together: " + std::to_string(command.count) + " tools in layout 'pinch'; allowed 2");
+  }
+  if (command.aside > 0 && (command.scene.empty() || !line)) {
+    throw Error(ExitCode::usage, "--aside belongs to --together of a scene with friction in layout 'line'");
+  }
+  if (!command.report.empty()) check_writable(command.report);
+  if (command.scene.empty()) return;
+  const Scene scene = read_scene(command.scene);
+  refuse_same({command.report}, files_of(scene));
+  if (command.aside > 0 && !(scene.friction > 0)) {
+    throw Error(ExitCode::usage, "--aside: " + command.scene + " has no friction");
+  }
+}
+
+/// Largest relative errors among the tools of one solve.
+struct TogetherErrors {
+  double runtime = 0, normal = 0, sum = 0, alone = 0;
+
+  TogetherErrors(const TogetherResult& solved, const RuntimeForces& forces) {
+    for (std::size_t i = 0; i < solved.together.size(); ++i) {
+      const Vector3d& exact = solved.together[i];
+      const double size = exact.norm();
+      runtime = std::max(runtime, (forces.together[i] - exact).norm() / size);
+      normal = std::max(normal, std::abs(forces.together[i].z() - exact.z()) / size);
+      sum = std::max(sum, (solved.alone[i] - exact).norm() / size);
+      alone = std::max(alone, (forces.alone[i] - solved.alone[i]).norm() / solved.alone[i].norm());
+    }
+  }
+};
+
+/// The rows of all cases.
+class TogetherTable {
+public:
+  explicit TogetherTable(const TogetherCommand& command) : command_(command) {}
+
+  /// `file`: the scene's; null on a block.
+  void add(const ContactCase& c, const std::vector<CheckedTogether>& all, const runtime::View* file) {
+    std::optional<BlockResponse> block;
+    text_ +=
+        c.name + ": " + std::to_string(command_.count) + " tools, layout " + command_.layout +
+        (c.scene.friction > 0 ? ", sticking\n\n" : ", without friction\n\n") +
+        "| contact | spacing, contact radii | first of the tools solved, N | sum is off by | runtime is off by | along "
+        "the normal | one alone is off by | share of C |\n|---|---|---|---|---|---|---|---|\n";
+    for (const CheckedTogether& checked : all) {
+      const TogetherResult& r = checked.result;
+      if (!r.usable) {
+        text_ += printed("| %zu | %.3g |", checked.contact, checked.spacing) + " refused: " + r.cause + " |\n";
+        rows_.push_back({{"spacing_radii", checked.spacing}, {"usable", false}, {"cause", r.cause}});
+        if (first_cause_.empty()) first_cause_ = r.cause;
+        continue;
+      }
+      if (file != nullptr) {
+        add_row(c, checked, *file);
+        continue;
+      }
+      if (!block) block.emplace(c);
+      const std::vector<std::byte> bytes = block->file(r);
+      add_row(c, checked, runtime::View::open(bytes.data(), bytes.size()).view);
+    }
+    text_ += '\n';
+  }
+
+  /// Prints, and throws where the errors are beyond their limits.
+  void publish(const Globals& globals) {
+    if (errors_.empty()) throw Error(ExitCode::numerical, "no solve is usable; the first: " + first_cause_);
+    std::sort(errors_.begin(), errors_.end());
+    const double p95 = errors_[static_cast<std::size_t>(std::ceil(0.95 * double(errors_.size()))) - 1];
+    text_ += printed("forces of %zu sets of tools: 95th percentile off by %.2f %%\n", errors_.size(), 100 * p95);
+    const Json json{{"together", command_.count},
+                    {"layout", command_.layout},
+                    {"machine", machine_name()},
+                    {"contacts", rows_},
+                    {"p95", p95}};
+    if (!command_.report.empty()) write_report(command_.report, json);
+    globals.json ? print_json(json) : print(text_);
+    if (!beyond_.empty()) throw Error(ExitCode::tolerance, "--together: " + beyond_);
+    if (!by_spacing() && p95 > command_.max_p95) {
+      throw Error(ExitCode::tolerance, printed("--together: the 95th percentile is off by %.2f %%, allowed %.3g %%",
+                                               100 * p95, 100 * command_.max_p95));
+    }
+  }
+
+private:
+  [[nodiscard]] bool by_spacing() const {
+    return command_.scene.empty() && command_.layout == "line" && command_.count == 2;
+  }
+
+  void add_row(const ContactCase& c, const CheckedTogether& checked, const runtime::View& view) {
+    const TogetherResult& r = checked.result;
+    const RuntimeForces forces = press(view, c, checked, command_.aside * c.contacts[checked.contact].depth);
+    const TogetherErrors e(r, forces);
+    errors_.push_back(e.runtime);
+    const double allowed = allowed_on_block(checked.spacing);
+    if (by_spacing() && e.runtime > allowed && beyond_.empty()) {
+      beyond_ = printed("at %.3g contact radii the force is off by %.2f %%, allowed %.3g %%", checked.spacing,
+                        100 * e.runtime, 100 * allowed);
+    }
+    text_ += printed("| %zu | %.3g | %.4g | %.1f %% | %.2f %% | %.2f %% | %.2f %% | %.2f |\n", checked.contact,
+                     checked.spacing, r.together[0].norm(), 100 * e.sum, 100 * e.runtime, 100 * e.normal, 100 * e.alone,
+                     forces.share);
+    rows_.push_back({{"contact", checked.contact},
+                     {"spacing_radii", checked.spacing},
+                     {"usable", true},
+                     {"solved_N", list(r.together)},
+                     {"runtime_N", list(forces.together)},
+                     {"sum_error", e.sum},
+                     {"error", e.runtime},
+                     {"normal_error", e.normal},
+                     {"alone_error", e.alone},
+                     {"share", forces.share}});
+  }
+
+  const TogetherCommand& command_;
+  Json rows_ = Json::array();
+  std::string text_, beyond_, first_cause_;
+  std::vector<double> errors_;
+};
+
 }  // namespace
 
 void run_together(const TogetherCommand& command, const Globals& globals) {
-  if (command.count != 2 || command.layout != "line") {
-    throw Error(ExitCode::usage, "--together: " + std::to_string(command.count) + " tools in layout '" +
-                                     command.layout + "'; allowed 2 in layout 'line'");
-  }
-  if (!command.report.empty()) check_writable(command.report);
-  const bool block = command.scene.empty();
-  if (!block) refuse_same({command.report}, files_of(read_scene(command.scene)));
-  const ContactCase c =
-      block ? block_contact(kBlockHalf, kBlockRadius, kBlockDepth, 0) : scene_contacts(command.scene, command.contacts);
-  std::optional<ResponseInput> input;
-  if (!block) {
-    std::filesystem::path file = command.response;
-    if (file.empty()) file = std::filesystem::path(command.scene).replace_extension(".palp");
-    input.emplace(file.string());
-    if (!input->view().has(layout::feature_compliance)) {
-      throw Error(ExitCode::bad_input,
-                  file.string() + ": has no compliance; add [compliance] to the scene and fit again");
-    }
-  }
-  ContactCheckOptions options;
-  options.spacings = command.spacings;
-  options.threads = static_cast<unsigned>(globals.threads);
-  options.stop = [] { return interrupted(); };
-  options.progress = [&globals](std::size_t done, std::size_t total) {
-    note(globals, "solved: " + std::to_string(done) + " of " + std::to_string(total));
-  };
+  check_command(command);
+  const Layout layout = *layout_of(command.layout);
+  std::unique_ptr<ResponseInput> input;
+  if (!command.scene.empty()) input = response_with_compliance(command.scene, command.response);
   const InterruptPolling polling;
-  const std::vector<CheckedTips> all = check_two_tips(c.scene, c.body, c.tool, c.contacts, options);
-  if (interrupted()) throw Interrupted("solves are not kept; run the command again");
-  const auto usable = std::find_if(all.begin(), all.end(), [](const CheckedTips& t) { return t.result.usable; });
-  if (usable == all.end()) {
-    throw Error(ExitCode::numerical, "no solve is usable; the first: " + all.front().result.cause);
+  TogetherTable table(command);
+  for (const ContactCase& c : cases_of(command, layout)) {
+    ContactCheckOptions options;
+    options.spacings = spacings_of(layout);
+    options.layout = layout;
+    options.count = command.count;
+    options.sticking = c.scene.friction > 0;
+    options.aside = command.aside;
+    options.threads = static_cast<unsigned>(globals.threads);
+    options.stop = [] { return interrupted(); };
+    options.progress = [&globals](std::size_t done, std::size_t total) {
+      note(globals, "solved: " + std::to_string(done) + " of " + std::to_string(total));
+    };
+    const auto all = check_together(c.scene, c.body, c.tool, c.contacts, options);
+    if (interrupted()) throw Interrupted("solves are not kept; run the command again");
+    table.add(c, all, input ? &input->view() : nullptr);
   }
-
-  Json json{{"together", c.name}, {"machine", machine_name()}, {"contacts", Json::array()}};
-  std::string text = c.name + ": two tips, solved without friction\n\n" +
-                     "| contact | spacing, contact radii | one of two solved, N | sum is off by | runtime is off by "
-                     "| along the normal | one alone is off by | share of C |\n|---|---|---|---|---|---|---|---|\n";
-  std::vector<double> errors;
-  std::string beyond;
-  std::optional<pipeline::Pipeline> baked;
-  ResponseCompliance compliance;
-  if (block) {
-    baked = block_pipeline(c);
-    compliance = pipeline::compliance(*baked).file;
-  }
-  for (const CheckedTips& tips : all) {
-    const TwoTipsResult& r = tips.result;
-    if (!r.usable) {
-      text += printed("| %zu | %.3g |", tips.contact, tips.spacing) + " refused: " + r.cause + " |\n";
-      json["contacts"].push_back({{"spacing_radii", tips.spacing}, {"usable", false}, {"cause", r.cause}});
-      continue;
-    }
-    // Each row of the block has the push of its own mesh, so that the mesh's error is not the coupling's.
-    std::vector<std::byte> bytes;
-    runtime::View view;
-    if (block) {
-      bytes = block_file(*baked, r, compliance);
-      view = runtime::View::open(bytes.data(), bytes.size()).view;
-    } else {
-      view = input->view();
-    }
-    const RuntimeForces forces = press_together(view, c, c.contacts[tips.contact], r);
-    double off = 0, normal = 0, sum = 0, alone = 0;
-    for (std::size_t i = 0; i < 2; ++i) {
-      const double size = r.together[i].norm();
-      off = std::max(off, (forces.together[i] - r.together[i]).norm() / size);
-      normal = std::max(normal, std::abs(forces.together[i].z() - r.together[i].z()) / size);
-      sum = std::max(sum, (r.alone[i] - r.together[i]).norm() / size);
-      alone = std::max(alone, (forces.alone[i] - r.alone[i]).norm() / r.alone[i].norm());
-    }
-    errors.push_back(off);
-    if (block && off > allowed_on_block(tips.spacing) && beyond.empty()) {
-      beyond = printed("at %.3g contact radii the force is off by %.2f %%, allowed %.3g %%", tips.spacing, 100 * off,
-                       100 * allowed_on_block(tips.spacing));
-    }
-    text += printed("| %zu | %.3g | %.4g | %.1f %% | %.2f %% | %.2f %% | %.2f %% | %.2f |\n", tips.contact,
-                    tips.spacing, 0.5 * (r.together[0] + r.together[1]).z(), 100 * sum, 100 * off, 100 * normal,
-                    100 * alone, forces.share);
-    json["contacts"].push_back({{"contact", tips.contact},
-                                {"spacing_radii", tips.spacing},
-                                {"usable", true},
-                                {"solved_N", {list(r.together[0]), list(r.together[1])}},
-                                {"runtime_N", {list(forces.together[0]), list(forces.together[1])}},
-                                {"sum_error", sum},
-                                {"error", off},
-                                {"normal_error", normal},
-                                {"alone_error", alone},
-                                {"share", forces.share}});
-  }
-  std::sort(errors.begin(), errors.end());
-  const double p95 = errors[static_cast<std::size_t>(std::ceil(0.95 * double(errors.size()))) - 1];
-  json["p95"] = p95;
-  text += printed("\nforces of %zu pairs: 95th percentile off by %.2f %%\n", errors.size(), 100 * p95);
-  if (!command.report.empty()) write_report(command.report, json);
-  globals.json ? print_json(json) : print(text);
-  if (!beyond.empty()) throw Error(ExitCode::tolerance, "--together: " + beyond);
-  if (!block && p95 > command.max_p95) {
-    throw Error(ExitCode::tolerance, printed("--together: the 95th percentile is off by %.2f %%, allowed %.3g %%",
-                                             100 * p95, 100 * command.max_p95));
-  }
+  table.publish(globals);
 }
 
 }  // namespace palpate::cli

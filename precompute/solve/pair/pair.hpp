@@ -60,10 +60,9 @@ struct PairPath {
 /// The path the bake uses for a pair of this scene: depths evenly spaced in sqrt(depth).
 PairPath bake_path(const Scene& scene, double depth);
 
-/// The path of a pair of role straight: the push alone, at kStraightPoints depths spaced as those of the bake, sticking
-/// where the scene has friction.
+/// The path of a pair of role straight: the push alone, at the same depths, because a contact that sticks where it
+/// lands shears more the more steps a push has.
 PairPath straight_path(const Scene& scene, double depth);
-inline constexpr int kStraightPoints = 4;
 
 /// Adds the grasp of a tool that holds on: its grasp depth (all of `depth` where that is less) among the normal ones,
 /// its bonded contact evenly from as far out as `depth` is deep to the bottom; turned about x, y and n, both ways, by

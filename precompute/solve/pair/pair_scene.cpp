@@ -37,9 +37,7 @@ PairPath bake_path(const Scene& scene, double depth) {
 
 PairPath straight_path(const Scene& scene, double depth) {
   PairPath path;
-  for (int k = 1; k <= kStraightPoints; ++k) {
-    path.normal_depths.push_back(depth * k * k / (static_cast<double>(kStraightPoints) * kStraightPoints));
-  }
+  path.normal_depths = bake_path(scene, depth).normal_depths;
   path.friction = scene.friction;
   return path;
 }

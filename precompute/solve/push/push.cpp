@@ -107,6 +107,8 @@ StepResult Push::step(const Vector3d& target, double contact_radius, double work
                       const std::vector<VectorXd>& starts) {
   StepResult result;
   const PushState before = state_;
+  std::vector<ContactEnergy::Anchors> others;
+  for (const ContactEnergy* other : others_) others.push_back(other->anchors());
   contact_.set_translation(target);
   state_.penalty = scale_.penalty * scale_.young / contact_radius;
   contact_.set_penalty(state_.penalty);
@@ -144,7 +146,8 @@ StepResult Push::step(const Vector3d& target, double contact_radius, double work
     result.cause = m.cause;
     if (!m.converged) break;
     // A point that left takes its anchor's energy with it: the equilibrium without it is still to be found.
-    const bool left = sticking && contact_.release(x);
+    bool left = sticking && contact_.release(x);
+    for (ContactEnergy* other : others_) left = (sticking && other->release(x)) || left;
     if (!left && !settling) break;
     if (left && double(contact_.stuck()) < kPeeled * double(stuck)) {
       result.converged = false;
@@ -160,10 +163,14 @@ StepResult Push::step(const Vector3d& target, double contact_radius, double work
   if (!result.converged) {
     lost_factorisations_ += factorisations_ - factorisations_before;
     restore(before);
+    for (std::size_t k = 0; k < others_.size(); ++k) others_[k]->set_anchors(others[k]);
     minimiser_.drop_factor();
     return result;
   }
-  if (sticking) contact_.stick(x);
+  if (sticking) {
+    contact_.stick(x);
+    for (ContactEnergy* other : others_) other->stick(x);
+  }
   previous_x_ = before.x;
   previous_translation_ = before.translation;
   can_extrapolate_ = true;

@@ -66,6 +66,11 @@ public:
   void set_barrier(double thickness, double floor) { contact_.set_barrier(thickness, floor); }
   /// A further part of the energy, from the next step on; it must outlive the push or be taken out before.
   void add(const EnergyTerm& term) { terms_.push_back(&term); }
+  /// A further tool, which sticks as the first does. Its owner moves it.
+  void add(ContactEnergy& other) {
+    terms_.push_back(&other);
+    others_.push_back(&other);
+  }
   void remove(const EnergyTerm& term) { std::erase(terms_, &term); }
 
   [[nodiscard]] ContactReport report() const { return contact_.report(state_.x); }
@@ -100,6 +105,7 @@ private:
   double settled_energy_ = 0.0;
   ContactEnergy contact_;
   std::vector<const EnergyTerm*> terms_;
+  std::vector<ContactEnergy*> others_;  // of terms_
   Minimiser minimiser_;
   PushState state_;
   Eigen::VectorXd previous_x_;  // state before the last step, for extrapolation

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -42,6 +43,23 @@ TEST_F(Playback, PlayWritesForcesAndPlotAndTellsThePeak) {
   EXPECT_GT(json["peak_force"].get<double>(), 0.5);
   EXPECT_EQ(file_content(folder() / "f.csv").rfind("t,fx,fy,fz", 0), 0U);
   EXPECT_NE(file_content(folder() / "f.svg").find("force (N)"), std::string::npos);
+}
+
+TEST_F(Playback, FramesShowTheDentOfAFileWithCompliance) {
+  expect_failure(run({"play", "box.palp", "push.csv", "--frames", "none"}), 2, {"--frames", "no compliance"});
+  ResponseSampleOptions options;
+  options.modes = 8;
+  write_response_file(folder() / "compliant.palp", encode(box_content(options)));
+  const RunResult result = run({"play", "compliant.palp", "push.csv", "--frames", "frames"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  // 0.4 s at 30 frames a second, the first included.
+  EXPECT_TRUE(std::filesystem::exists(folder() / "frames" / "frame-00012.glb"));
+  EXPECT_FALSE(std::filesystem::exists(folder() / "frames" / "frame-00013.glb"));
+  const std::string first = file_content(folder() / "frames" / "frame-00000.glb"),
+                    pressed = file_content(folder() / "frames" / "frame-00006.glb");
+  EXPECT_EQ(first.substr(0, 4), "glTF");
+  EXPECT_GT(first.size(), 100000U);
+  EXPECT_NE(first, pressed);
 }
 
 TEST_F(Playback, OneContactIsOneContact) {
@@ -158,7 +176,7 @@ TEST_F(Playback, BenchNamesTheMachineAndTimesEveryState) {
     EXPECT_GE(json["tick_ns"][state]["mean"], json["tick_ns"][state]["median"]) << state;
   }
   for (const char* part :
-       {"locate_ns", "blend_ns", "anew_ns", "random_ns", "five_ns", "plain_ns", "network_ns", "every_ns"}) {
+       {"locate_ns", "blend_ns", "anew_ns", "random_ns", "five_ns", "joint_ns", "plain_ns", "network_ns", "every_ns"}) {
     EXPECT_GT(json[part]["median"].get<double>(), 1) << part;
     EXPECT_GE(json[part]["worst"], json[part]["median"]) << part;
   }

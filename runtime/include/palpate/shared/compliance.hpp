@@ -4,6 +4,7 @@
 
 #include "palpate/format/half_space.hpp"
 #include "palpate/geometry/surface.hpp"
+#include "palpate/math/pose.hpp"
 
 #include <cstdint>
 
@@ -57,9 +58,7 @@ public:
   [[nodiscard]] Matrix3 between(const CompliancePoint& from, const CompliancePoint& to) const {
     double c[9];
     half_space::compliance(from.place, to.place, view_->compliance->poisson, view_->compliance->rounding, c);
-    const std::uint32_t count = view_->compliance->modes, positive = count - view_->compliance->negative;
-    add(0, positive, 1, from, to, c);
-    add(positive, count, -1, from, to, c);
+    add_modes(from, to, c);
     return {{{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}}};
   }
   [[nodiscard]] Matrix3 between(const BodyPoint& from, const BodyPoint& to) const {
@@ -69,7 +68,29 @@ public:
     return between(a, b);
   }
 
+  /// C (m/N) of a place with itself: mean displacement of a disc of `radius` (m) by a unit force spread evenly over it.
+  /// The half-space's part is (Johnson 1985, chapter 3)
+  ///
+  ///     1 / (4 pi G rho) (2 (1 - nu) I + nu (I - n n^T)),      rho = 3 pi radius / 16
+  [[nodiscard]] Matrix3 within(const CompliancePoint& at, double radius) const {
+    constexpr double kPi = kFullTurn / 2;
+    const double nu = view_->compliance->poisson;
+    const double scale = 16 / (3 * kPi * radius) / (4 * kPi * at.place.shear);
+    const double* const n = at.place.normal;
+    double c[9];
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) c[3 * i + j] = scale * ((i == j ? 2 - nu : 0) - nu * n[i] * n[j]);
+    }
+    add_modes(at, at, c);
+    return {{{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}}};
+  }
+
 private:
+  void add_modes(const CompliancePoint& from, const CompliancePoint& to, double (&c)[9]) const {
+    const std::uint32_t count = view_->compliance->modes, positive = count - view_->compliance->negative;
+    add(0, positive, 1, from, to, c);
+    add(positive, count, -1, from, to, c);
+  }
   static void add(std::uint32_t begin, std::uint32_t end, double sign, const CompliancePoint& from,
                   const CompliancePoint& to, double (&c)[9]) {
     for (std::uint32_t m = begin; m < end; ++m) {

@@ -2,8 +2,8 @@
 // Several contacts on one body, each in the dents of the others.
 #pragma once
 
-#include "palpate/contact/contact.hpp"
 #include "palpate/shared/compliance.hpp"
+#include "palpate/shared/contact_slope.hpp"
 
 #include <array>
 #include <cmath>
@@ -25,8 +25,6 @@ struct JointConstants {
   static constexpr double kLeastPivot = 0.1;
   /// Bisections of the share of C that keeps that pivot.
   static constexpr int kBisections = 6;
-  /// Least share of the tangential stiffness that a contact counts with; 0 would never grow again.
-  static constexpr double kLeastGrip = 1e-3;
   /// Largest change of a displacement in one tick over a contact's size.
   static constexpr double kMostShift = 0.5;
 };
@@ -77,7 +75,10 @@ public:
         pose.translation = pose.translation + frame_of(at_[k]).rotate(shift_[k]);
         ticks[k] = tick_at(k, pose);
         force_[k] = ticks[k].touches() ? contacts[k].state().applied.force : Vec3{};
-        if (looks_ > 1) learn(k, contacts[k].state().place.normal, force_[k] - force[k]);
+        if (looks_ > 1) {
+          slope_[k].n = contacts[k].state().place.normal;
+          slope_[k].learn_grip(shift_[k] - looked_[k], force_[k] - force[k], grip_[k]);
+        }
         looked_[k] = shift_[k];
       }
     };
@@ -108,16 +109,6 @@ public:
   [[nodiscard]] double account() const { return account_; }
 
 private:
-  /// Slope of a contact: `normal` along n, `across` across it, as square roots (sqrt(N/m)).
-  struct Slope {
-    Vec3 n{0, 0, 1};
-    double normal = 0, across = 0;
-    [[nodiscard]] Vec3 times(const Vec3& v) const {
-      const double along = dot(n, v);
-      return across * v + (normal - across) * along * n;
-    }
-  };
-
   [[nodiscard]] static std::size_t pair(std::size_t k, std::size_t j) { return k * kCount + j; }
 
   /// Takes up where contacts are now, and predicts the displacements of this tick.
@@ -146,7 +137,7 @@ private:
         place(k, local_closest_point(*view_, at_[k], inverse(frame_of(at_[k])).apply(tools[k].apply(point_[k]))));
       }
       if (!state.touching) grip_[k] = 1;
-      slope_[k] = slope_of(contacts[k], grip_[k]);
+      slope_[k] = ContactSlope(contacts[k], grip_[k]);
       if (state.touching) moved[k] = frame_of(at_[k]).unrotate(tools[k].apply(point_[k]) - last_[k].apply(point_[k]));
     }
     update();
@@ -167,27 +158,6 @@ private:
     if (!rests) compliance_.locate(here.at, part_[k]);
     moved_[k] = !rests;
     known_[k] = true;
-  }
-
-  [[nodiscard]] static Slope slope_of(const BasicContact<kFeatures>& contact, double grip) {
-    const ContactState& state = contact.state();
-    Slope slope;
-    if (!state.touching || !state.blended || !(state.counted_depth > 0)) return slope;
-    const ResponseAtDepth r = contact.response().law().at(state.counted_depth);
-    slope.n = state.place.normal;
-    slope.normal = std::sqrt(state.factor * larger(0, r.normal_slope));
-    if (contact.response().law().has_friction()) {
-      slope.across = std::sqrt(state.factor * grip * larger(0, r.stiffness.m));
-    }
-    return slope;
-  }
-
-  /// The share of the tangential stiffness that a contact has, from what a look changed: less where it slips.
-  void learn(std::size_t k, const Vec3& n, const Vec3& change) {
-    const Vec3 way = tangential(shift_[k] - looked_[k], n);
-    const double square = dot(way, way), stiffness = slope_[k].across * slope_[k].across / grip_[k];
-    if (!(stiffness * square > 0)) return;
-    grip_[k] = clamped(-dot(change, way) / (stiffness * square), JointConstants::kLeastGrip, 1);
   }
 
   /// C at the places of now, as far as the account covers the change.
@@ -237,7 +207,7 @@ private:
 
   /// True where the displacements are in balance with the forces; else improves them.
   bool improve(const Contacts& contacts) {
-    for (std::size_t k = 0; k < kCount; ++k) slope_[k] = slope_of(contacts[k], grip_[k]);
+    for (std::size_t k = 0; k < kCount; ++k) slope_[k] = ContactSlope(contacts[k], grip_[k]);
     const std::array<Vec3, kCount> residual = residuals();
     double most = 0;
     for (const Vec3& f : force_) most = larger(most, length(f));
@@ -388,7 +358,7 @@ private:
   std::array<double, kCount> grip_{};  ///< share of the tangential stiffness, learnt
   std::array<Vec3, kCount> force_{};   ///< N, without drag
   std::array<Vec3, kCount> drag_{};    ///< N
-  std::array<Slope, kCount> slope_;
+  std::array<ContactSlope, kCount> slope_;
   std::array<Pose, kCount> last_;
   double share_ = 1, account_ = 0;
   int looks_ = 0;

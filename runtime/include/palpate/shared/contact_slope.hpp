@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// Stiffness that a contact has now, for the steps of a joint solve.
+#pragma once
+
+#include "palpate/contact/contact.hpp"
+
+#include <cmath>
+
+namespace palpate::runtime {
+
+/// Slope of a contact's force: `normal` along n, `across` across it, as square roots (sqrt(N/m)); 0 without contact.
+struct ContactSlope {
+  /// Least share of the tangential stiffness that a contact counts with; 0 would never grow again.
+  static constexpr double kLeastGrip = 1e-3;
+
+  Vec3 n{0, 0, 1};
+  double normal = 0, across = 0;
+
+  ContactSlope() = default;
+  /// `grip`: share of the tangential stiffness that does not slip.
+  template <std::uint32_t kFeatures>
+  ContactSlope(const BasicContact<kFeatures>& contact, double grip) {
+    const ContactState& state = contact.state();
+    if (!state.touching || !state.blended || !(state.counted_depth > 0)) return;
+    const ResponseAtDepth r = contact.response().law().at(state.counted_depth);
+    n = state.place.normal;
+    normal = std::sqrt(state.factor * larger(0, r.normal_slope));
+    if (contact.response().law().has_friction()) across = std::sqrt(state.factor * grip * larger(0, r.stiffness.m));
+  }
+
+  /// The root of the slope times a vector.
+  [[nodiscard]] Vec3 times(const Vec3& v) const {
+    const double along = dot(n, v);
+    return across * v + (normal - across) * along * n;
+  }
+
+  /// Learns `grip`, with which this slope was made, from a motion `way` (m) of the tool that changed the force by
+  /// `change` (N): less where the contact slips.
+  void learn_grip(const Vec3& way, const Vec3& change, double& grip) const {
+    const Vec3 aside = tangential(way, n);
+    const double square = dot(aside, aside), stiffness = across * across / grip;
+    if (stiffness * square > 0) grip = clamped(-dot(change, aside) / (stiffness * square), kLeastGrip, 1);
+  }
+};
+
+}  // namespace palpate::runtime
