@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/bench/bench_models.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -34,10 +35,13 @@ struct Row {
   std::optional<double> slide;
 };
 
+/// Samples of the pairs that were solved in full.
 std::vector<const std::vector<Sample>*> accepted_pairs(const JournalContent& journal) {
   std::vector<const std::vector<Sample>*> pairs;
   for (const auto& [pair, solved] : journal.pairs) {
-    if (solved.outcome && solved.outcome->accepted) pairs.push_back(&solved.samples);
+    const bool full = std::any_of(solved.samples.begin(), solved.samples.end(),
+                                  [](const Sample& s) { return s.kind == SampleKind::tangential; });
+    if (solved.outcome && solved.outcome->accepted && full) pairs.push_back(&solved.samples);
   }
   return pairs;
 }

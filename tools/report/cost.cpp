@@ -77,6 +77,7 @@ void add_tolerances(Json& files, const CostInput& input, const cli::Globals& glo
 void add_beside(Json& files, const CostInput& input, const std::string& scene) {
   pipeline::Pipeline p = pipeline::prepare(scene);
   pipeline::plan(p);
+  pipeline::resume(p);
   const cli::ResponseInput response(p.paths.response);
   char label[64];
   std::snprintf(label, sizeof label, "spacing %.3g mm", 1e3 * p.scene.sampling.spacing);

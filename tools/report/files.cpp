@@ -35,6 +35,7 @@ WrittenReport write_report_files(const ReportInput& input, const ReportFiles& fi
   pipeline::find_pairs(p);
   cli::check_baked(p);
   pipeline::write_manifest(p);
+  pipeline::resume(p);
   const cli::ResponseInput response(p.paths.response);
   cli::check_same_plan(p, response.view());
   const nlohmann::ordered_json numbers = make_report(input, p, response, globals);

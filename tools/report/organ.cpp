@@ -136,7 +136,8 @@ void add_bake(Json& organ, const runtime::View& view, const pipeline::Pipeline& 
   }
   for (const auto& [index, content] : journal.pairs) {
     const PairPlan& pair = p.plan.pairs[index];
-    if (pair.tool_vertex != 0 || !content.outcome || !content.outcome->accepted) continue;
+    const bool used = pair.role != PairRole::hidden && content.outcome && content.outcome->accepted;
+    if (pair.tool_vertex != 0 || !used) continue;
     double worst = 0;
     for (const Sample& s : content.samples) {
       if (s.kind == SampleKind::normal && s.deflection.z() > 0.25 * pair.depth) {
@@ -168,8 +169,8 @@ Json solved_curves(const pipeline::Pipeline& p, const JournalContent& journal) {
   }
   Json pairs = Json::array();
   for (const auto& [index, content] : journal.pairs) {
-    if (!content.outcome) continue;
     const PairPlan& pair = p.plan.pairs[index];
+    if (!content.outcome || pair.role == PairRole::hidden) continue;
     Json json{{"site", pair.site}, {"tool_vertex", first_vertex[pair.tool] + pair.tool_vertex}};
     if (!content.outcome->accepted) {
       json["refused"] = content.outcome->cause;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The whole runtime. Include single headers where a program needs less.
+// The whole runtime of a force loop. Include single headers where a program needs less, and palpate/shared/dent.hpp
+// where it draws the body.
 #pragma once
 
 #include "palpate/body/deforming_body.hpp"
@@ -21,7 +22,6 @@
 #include "palpate/output/virtual_coupling.hpp"
 #include "palpate/shared/compliance.hpp"
 #include "palpate/shared/contact_slope.hpp"
-#include "palpate/shared/dent.hpp"
 #include "palpate/shared/joint_contacts.hpp"
 #include "palpate/shared/tool_set.hpp"
 #include "palpate/threading/triple_buffer.hpp"

@@ -12,16 +12,28 @@
 namespace palpate {
 namespace {
 
-TEST(Together, DifferenceToTheSumFallsWithTheDistance) {
+ToolScene sphere_of_10_mm() {
   ToolScene sphere;
   sphere.radius = 0.01;
+  return sphere;
+}
+
+/// Tools a hundredth of the sphere's radius deep at the frame's origin.
+TogetherPath shallow_path(std::size_t tools, int steps) {
   TogetherPath path;
-  path.depth = 0.01 * sphere.radius;
-  path.steps = 2;
-  path.places.resize(2);
-  const double a = std::sqrt(sphere.radius * path.depth), block = 30 * a;
+  path.depth = 0.01 * sphere_of_10_mm().radius;
+  path.steps = steps;
+  path.places.resize(tools);
+  return path;
+}
+
+const double kRadius = std::sqrt(sphere_of_10_mm().radius * shallow_path(1, 1).depth);  // m, Hertz' contact
+
+TEST(Together, DifferenceToTheSumFallsWithTheDistance) {
+  TogetherPath path = shallow_path(2, 2);
+  const double a = kRadius, block = 30 * a;
   const Body body = test::block_body(block, 5e3, 0.49);
-  const Tool tool = make_tool(sphere);
+  const Tool tool = make_tool(sphere_of_10_mm());
   PairOptions options;
   options.mesh_size = 0.5;
   double last = 0.5;  // two tips at one place are one
@@ -43,16 +55,11 @@ TEST(Together, DifferenceToTheSumFallsWithTheDistance) {
 
 // The middle one of three tools in a row lies in two dents.
 TEST(Together, MiddleOfThreeHasTheLeastForce) {
-  ToolScene sphere;
-  sphere.radius = 0.01;
-  TogetherPath path;
-  path.depth = 0.01 * sphere.radius;
-  path.steps = 2;
-  path.places.resize(3);
-  const double a = std::sqrt(sphere.radius * path.depth);
+  TogetherPath path = shallow_path(3, 2);
+  const double a = kRadius;
   path.places[1].origin.x() = 3 * a;
   path.places[2].origin.x() = -3 * a;
-  const Tool tool = make_tool(sphere);
+  const Tool tool = make_tool(sphere_of_10_mm());
   PairOptions options;
   options.mesh_size = 0.6;
   const TogetherResult r = solve_together(test::block_body(12 * a, 5e3, 0.49), tool, tool.vertices[0], path, options);
@@ -65,16 +72,11 @@ TEST(Together, MiddleOfThreeHasTheLeastForce) {
 // Mindlin: a sticking contact of nu = 0.49 resists a small way aside with (1 - nu) / (1 - nu / 2) of its normal
 // stiffness.
 TEST(Together, ContactThatSticksResistsAWayAside) {
-  ToolScene sphere;
-  sphere.radius = 0.01;
-  TogetherPath path;
-  path.depth = 0.01 * sphere.radius;
-  path.steps = 3;
-  path.places.resize(1);
+  TogetherPath path = shallow_path(1, 3);
   path.sticking = true;
   path.aside = 0.1 * path.depth;
-  const double a = std::sqrt(sphere.radius * path.depth);
-  const Tool tool = make_tool(sphere);
+  const double a = kRadius;
+  const Tool tool = make_tool(sphere_of_10_mm());
   PairOptions options;
   options.mesh_size = 0.5;
   const TogetherResult r = solve_together(test::block_body(12 * a, 5e3, 0.49), tool, tool.vertices[0], path, options);

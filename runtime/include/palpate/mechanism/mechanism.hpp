@@ -17,13 +17,15 @@ namespace palpate::runtime {
 /// The spring between the hand's device and a tool without mass.
 struct HandleSpring {
   double stiffness = 500;  ///< N/m, (0, 1e9]: upper bound of the stiffness that the hand feels
-  double rotation = 1;     ///< N m/rad, (0, 1e9]; a device without torque has a small value, such as 1e-3
+  double rotation = 1;     ///< N m/rad, [1e-3, 1e9]; 1e-3 for a device without torque: below, a contact spins the tool
   Vec3 grip;               ///< m, of the tool's frame, where the hand holds it
 
   /// Returns null, or the member that is out of range.
   [[nodiscard]] const char* validate() const {
     if (!(stiffness > 0 && stiffness <= 1e9)) return "stiffness of a handle is outside (0, 1e9] N/m";
-    if (!(rotation > 0 && rotation <= 1e9)) return "rotational stiffness of a handle is outside (0, 1e9] N m/rad";
+    if (!(rotation >= 1e-3 && rotation <= 1e9)) {
+      return "rotational stiffness of a handle is outside [1e-3, 1e9] N m/rad";
+    }
     if (!finite(grip)) return "grip of a handle is not finite";
     return nullptr;
   }

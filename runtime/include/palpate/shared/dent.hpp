@@ -129,7 +129,7 @@ private:
 
   /// The scale of each contact's near part with which c lies at the tool's depth, the other near parts unscaled.
   void scale_near_parts(const Dents& dents, const CompliancePoint* loaded, double* near) const {
-    constexpr double kLeast = 0.5, kMost = 2;
+    constexpr double kLeast = 0.5, kMost = 2;  // of the scale: half to twice the displacement that Hertz gives
     for (int k = 0; k < dents.count; ++k) {
       const Dents::One& contact = dents.contact[k];
       double weights[3];

@@ -162,7 +162,7 @@ private:
 
   /// C at the places of now, as far as the account covers the change.
   void update() {
-    std::array<Matrix3, kCount* kCount> now = used_;
+    auto now = used_;
     double change = 0;
     for (std::size_t k = 0; k < kCount; ++k) {
       for (std::size_t j = 0; j < k; ++j) {
