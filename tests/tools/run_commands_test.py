@@ -65,6 +65,7 @@ ELSEWHERE = [
     (r"palpate report (liver/)?scene\.toml --verify verify\.json( --battery battery\.json)?", "ReportBuild"),
     (r"palpate view .*", "Report.view"),
     (r"palpate verify --battery stiff.*", "Battery.Stiff"),
+    (r"palpate verify --battery random .*", "Battery.Random"),
     (r"palpate drive scene\.palp --device sim-glove --seconds 10", "Drive.AGloveIsCalibratedDrivenAndReplayed"),
     (r"palpate bench scene\.palp", "Playback.BenchNamesTheMachineAndTimesEveryState"),
     (r"tools/instructions\.sh .*", "BenchInstructions"),
