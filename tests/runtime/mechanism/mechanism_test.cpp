@@ -55,7 +55,7 @@ TEST(Trocar, HandleHasTheForceOfTheLever) {
     ASSERT_EQ(tool.add(push), 1);
     HandleForce last;
     for (int k = 0; k < 50; ++k) last = tool.tick({Pose{}})[0];
-    ASSERT_EQ(tool.cause(), nullptr);
+    ASSERT_EQ(tool.outcome().cause, nullptr);
     const double levers = 0.1 / 0.2;  // of the undeformed tool; a spring of 2000 N/m turns it by less than 1 degree
     EXPECT_NEAR(std::fabs(last.force.x), levers * tip_force, 1e-3 * levers * tip_force);
     EXPECT_LT(length(last.torque), 1e-3 * tip_force * 0.1);
@@ -74,8 +74,8 @@ TEST(Trocar, ContactAtTheTipIsFeltThroughTheLever) {
   for (int k = 0; k <= 600; ++k) {  // down, then aside
     const double down = std::min(k, 300) / 300.0, aside = std::max(0, k - 300) / 300.0;
     last = tool.tick({upright(centre(0.004 * down - 0.001, 0.003 * aside))}, contacts, body)[0];
-    ASSERT_TRUE(tool.balanced()) << k;
-    looks += tool.looks();
+    ASSERT_TRUE(tool.outcome().balanced) << k;
+    looks += tool.outcome().looks;
   }
   EXPECT_LT(looks, 3 * 600);
   const Vec3 tip = last.contact.force;
@@ -202,7 +202,7 @@ TEST(Touching, TwoBallsInAColumnAreHertzContact) {
       EXPECT_GE(balls->add(c), 0);
     }
     for (int k = 0; k < 5; ++k) balls->tick({Pose{}});
-    EXPECT_TRUE(balls->outcome().converged(1e-3));
+    EXPECT_TRUE(balls->outcome().rows.converged(1e-3));
     double force = 0;
     for (int k = 0; k < balls->count(); ++k) force += balls->constraint(k).force[0];
     return force;
@@ -329,7 +329,7 @@ TEST(Mechanism, ContactFeelsTheRowsOnItsBody) {
   HandleForce last;
   for (int k = 0; k <= 300; ++k) {
     last = tool.tick({upright(centre(1e-5 * k - 1e-3))}, contacts, body)[0];
-    ASSERT_TRUE(tool.balanced()) << k;
+    ASSERT_TRUE(tool.outcome().balanced) << k;
   }
   const Constraint& row = tool.constraint(0);
   const Vec3 pull = row.force[0] * row.direction[0] + row.force[1] * row.direction[1] + row.force[2] * row.direction[2];
@@ -381,7 +381,7 @@ TEST(Mechanism, ClosedMotionsGiveNothingBack) {
         torque = felt.torque;
         at = pose;
         ++ticks;
-        unbalanced += tool.balanced() ? 0 : 1;
+        unbalanced += tool.outcome().balanced ? 0 : 1;
       }
     }
     EXPECT_LT(out, 1e-3 * through) << friction;
@@ -394,7 +394,7 @@ TEST(Mechanism, WrongValuesHaveNoForceAndACause) {
   Mechanism<1, 8> wrong({handle(-1, 1)});
   EXPECT_NE(wrong.validate(), nullptr);
   EXPECT_EQ(length(wrong.tick({Pose{}})[0].force), 0);
-  EXPECT_NE(wrong.cause(), nullptr);
+  EXPECT_NE(wrong.outcome().cause, nullptr);
   Mechanism<1, 2> tool({handle(100, 1)});
   EXPECT_EQ(tool.add(trocar(0, shaft(), Side::ground({0, 0, 0.1}), 1)), -1) << "three rows in two";
   EXPECT_EQ(tool.add(trocar(1, shaft(), Side::ground({0, 0, 0.1}))), -1) << "no such handle";
@@ -403,13 +403,13 @@ TEST(Mechanism, WrongValuesHaveNoForceAndACause) {
   Pose bad;
   bad.translation.x = NAN;
   EXPECT_EQ(length(tool.tick({bad})[0].force), 0);
-  EXPECT_NE(tool.cause(), nullptr);
+  EXPECT_NE(tool.outcome().cause, nullptr);
   EXPECT_GT(length(tool.tick({upright({0.01, 0, 0})})[0].force), 0.1) << "the next pose is good again";
   // Two rigid points of the ground have no compliance.
   Mechanism<1, 4> rigid({handle(100, 1)});
   rigid.add(suture(Side::ground({0, 0, 0}), Side::ground({1, 0, 0})));
   EXPECT_EQ(length(rigid.tick({Pose{}})[0].force), 0);
-  EXPECT_NE(rigid.cause(), nullptr);
+  EXPECT_NE(rigid.outcome().cause, nullptr);
 }
 
 TEST(Mechanism, NoTickAllocates) {
