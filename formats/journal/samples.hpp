@@ -36,16 +36,16 @@ struct PairPlan {
   PairRole role = PairRole::full;
 };
 
-/// normal: straight push; tangential: sideways push of a contact that sticks; slipping: of one that slips where
-/// Coulomb's law lets it; path: a contact that sticks goes deeper or less deep while held sideways (a test, no fit
-/// reads it); grasped: any move of a contact that was bonded.
+/// normal: straight push; tangential: tangential push of a contact that sticks; slipping: of one that slips where
+/// Coulomb's law lets it; path: a contact that sticks goes deeper or less deep while held at a tangential deflection (a
+/// test, no fit reads it); grasped: any move of a contact that was bonded.
 enum class SampleKind : std::uint8_t { normal = 0, tangential = 1, slipping = 2, path = 3, grasped = 4 };
 
 /// One equilibrium that passed its gates.
 struct Sample {
   SampleKind kind = SampleKind::normal;
   std::uint16_t index = 0;  ///< position in the pair's deflection path
-  /// p - c in the contact frame: (x, y) sideways (m) and, third, the depth along the INWARD normal (m; grasped: of
+  /// p - c in the contact frame: (x, y) tangential (m) and, third, the depth along the INWARD normal (m; grasped: of
   /// either sign, else >= 0).
   Eigen::Vector3d deflection{0, 0, 0};
   Eigen::Vector3d force{0, 0, 0};    ///< N on the tool, components (x, y, n); a push answers with n > 0
@@ -67,7 +67,7 @@ struct Sample {
 /// How a pair ended.
 struct PairOutcome {
   bool accepted = false;
-  std::string cause;         ///< one line naming the gate and its figure: of a refusal, or of a sideways push that
+  std::string cause;         ///< one line naming the gate and its figure: of a refusal, or of a tangential push that
                              ///< stopped short in an accepted pair
   double first_touch = 0.0;  ///< m; shift along -n at which the tool first touches the body's surface
   std::uint32_t nodes = 0;   ///< of the solved mesh

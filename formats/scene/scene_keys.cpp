@@ -163,7 +163,7 @@ const Keys<ToolScene>& tool_keys() {
 
 const Keys<Scene>& contact_keys() {
   static const Keys<Scene> keys{number("friction", &Scene::friction, {0, 2, false, ""},
-                                       "Coulomb coefficient; 0: no friction, and nothing sideways is solved.")};
+                                       "Coulomb coefficient; 0: no friction, and no tangential push is solved.")};
   return keys;
 }
 

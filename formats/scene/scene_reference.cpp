@@ -29,7 +29,9 @@ void append_canonical(std::string& text, const std::string& section, const Keys<
   for (const Key<T>& key : keys) {
     if (key.affects == Affects::nothing || (only_solves && key.affects != Affects::solves)) continue;
     const std::string value = key.show(values);
-    if (!value.empty()) text += section + "." + key.name + " = " + value + "\n";
+    // Hashes of earlier programs stay valid.
+    const std::string& name = key.former.empty() ? key.name : key.former;
+    if (!value.empty()) text += section + "." + name + " = " + value + "\n";
   }
 }
 

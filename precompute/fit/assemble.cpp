@@ -151,7 +151,7 @@ std::string provenance(const Scene& scene, const Plan& plan, const Hash128& mani
   if (report.grasp) json["fit"]["grasped"] = figures(report.grasped);
   if (report.turn) json["fit"]["turned"] = figures(report.turned);
   if (report.friction) json["fit"]["paths"] = figures(report.paths);
-  if (report.left_out.samples > 0) json["fit"]["carried_sideways"] = figures(report.left_out);
+  if (report.left_out.samples > 0) json["fit"]["carried_tangential"] = figures(report.left_out);
   if (report.sampling) {
     const SamplingEstimate& s = *report.sampling;
     json["sampling"]["hidden"] = {{"rounds", s.rounds}, {"places", s.places}, {"median", s.median},

@@ -173,7 +173,7 @@ private:
     report_.held_out = choice.held_out;
   }
 
-  /// A contact whose sideways pushes found no answer although there is friction.
+  /// A contact whose tangential pushes found no answer although there is friction.
   [[nodiscard]] bool straight_alone(const std::vector<Sample>& samples) const {
     return settings_.friction && std::none_of(samples.begin(), samples.end(),
                                               [](const Sample& s) { return s.kind == SampleKind::tangential; });
@@ -371,7 +371,7 @@ private:
     return carried;
   }
 
-  /// Errors of sideways pushes that would have been carried to a site that was solved in full.
+  /// Errors of tangential pushes that would have been carried to a site that was solved in full.
   void test_carried(std::uint32_t pair, const fit::StraightCurve& own, const SiteResponse& full,
                     const std::vector<fit::CarrySource>& sources) {
     const fit::Potential law(full.response.coefs, result_.scales);

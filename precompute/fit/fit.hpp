@@ -68,7 +68,7 @@ struct FitReport {
   std::size_t refused = 0;                                ///< by the solver or by the fit
   std::vector<Refusals> refusals;                         ///< these, by cause
   std::size_t full = 0, carried = 0;                      ///< responses solved in full, carried to straight pushes
-  std::size_t shortened = 0;                              ///< of the accepted: a sideways push ended early
+  std::size_t shortened = 0;                              ///< of the accepted: a tangential push ended early
   std::size_t filled = 0;                                 ///< responses from neighbours: refused and skipped ones
   std::size_t analytic = 0;                               ///< responses by a closed form; the measured ones: recorded
   std::size_t support = 0, outside = 0, unreachable = 0;  ///< of the filled ones, the reason why they were skipped
@@ -78,7 +78,7 @@ struct FitReport {
   ErrorFigures grasped;                        ///< of tools that bond
   ErrorFigures turned;                         ///< of the torques of rotated tools
   ErrorFigures laws;                           ///< of the fits to closed forms
-  ErrorFigures left_out;                       ///< of sideways pushes carried to sites that were solved in full
+  ErrorFigures left_out;                       ///< of tangential pushes carried to sites that were solved in full
   std::vector<RecordedFigures> recorded;       ///< by pair
   std::optional<SamplingEstimate> sampling;    ///< of automatic sampling; filled by pipeline::fit_file
   fit::HeldOutFigures held_out;                ///< of samples left out, by which the degrees were chosen

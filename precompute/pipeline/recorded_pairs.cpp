@@ -22,7 +22,7 @@ namespace {
 using Eigen::Vector3d;
 using PairName = std::array<std::uint32_t, 3>;  // site, tool, tool vertex
 
-constexpr double kStraight = 0.05;  // sideways over depth, at most, of a push straight down
+constexpr double kStraight = 0.05;  // tangential over depth, at most, of a push straight down
 constexpr double kShallow = 0.1;    // of the sampled depth: the same of what is shallower
 constexpr double kFacing = 0.5;     // least cosine between the normals of a contact and of its site
 constexpr double kReach = 0.25;     // of sampling.spacing
@@ -141,10 +141,10 @@ private:
     Sample sample;
     sample.deflection = {deflection.x(), deflection.y(), -deflection.z()};
     sample.force = pair.frame.to_local(contact.turn * row.force);
-    const double depth = sample.deflection.z(), sideways = sample.deflection.head<2>().norm();
-    const bool straight = sideways <= kStraight * std::max(depth, kShallow * pair.depth);
+    const double depth = sample.deflection.z(), tangential = sample.deflection.head<2>().norm();
+    const bool straight = tangential <= kStraight * std::max(depth, kShallow * pair.depth);
     to.measured = true;
-    const bool aside = !straight && (!(scene_.friction > 0) || sideways > aside_ * depth);
+    const bool aside = !straight && (!(scene_.friction > 0) || tangential > aside_ * depth);
     std::size_t* const passed = row.weight == 0                 ? &to.passed.weightless
                                 : !(depth > 0)                  ? &to.passed.out
                                 : depth > scene_.sampling.depth ? &to.passed.deep

@@ -27,7 +27,8 @@ public:
       : scene_(scene), law_(law), where_(scene.file.string() + ": analytic " + std::to_string(number + 1)) {
     if (!law.tool.empty()) only_ = find_tool(tools, law.tool, where_);
     if (law.law == AnalyticScene::Law::layer && scene.friction > 0) {
-      throw Error(ExitCode::bad_input, where_ + ": a layer's sideways answer has no closed form: no friction with it");
+      throw Error(ExitCode::bad_input,
+                  where_ + ": a layer's tangential response has no closed form: no friction with it");
     }
   }
 
@@ -79,7 +80,7 @@ private:
     form.slope = vertex.cone_slope;
     form.thickness = law_.thickness > 0 ? law_.thickness : wall;
     form.stiffness = law_.stiffness;
-    form.sideways = law_.sideways_stiffness > 0 ? law_.sideways_stiffness : law_.stiffness;
+    form.tangential = law_.tangential_stiffness > 0 ? law_.tangential_stiffness : law_.stiffness;
     check_depth(pair.depth, form, ball, tool);
     return form;
   }

@@ -35,7 +35,7 @@ double peak_megabytes() {
 
 // Medians over the contacts that both solved.
 void compare(const std::vector<PairResult>& solved, const std::vector<PairResult>& references, SolverBenchRow& row) {
-  std::vector<double> straight, sideways, stiffness;
+  std::vector<double> straight, tangential, stiffness;
   for (std::size_t k = 0; k < solved.size(); ++k) {
     if (!solved[k].outcome.accepted || !references[k].outcome.accepted) {
       ++row.refused;
@@ -44,11 +44,11 @@ void compare(const std::vector<PairResult>& solved, const std::vector<PairResult
     ++row.solved;
     const SampleDifference d = sample_difference(solved[k].samples, references[k].samples);
     straight.push_back(d.straight);
-    sideways.push_back(d.sideways);
+    tangential.push_back(d.tangential);
     stiffness.push_back(d.stiffness);
   }
   row.difference.straight = median(straight);
-  row.difference.sideways = median(sideways);
+  row.difference.tangential = median(tangential);
   row.difference.stiffness = median(stiffness);
 }
 

@@ -363,6 +363,9 @@ TEST_F(SceneTest, SourcesOfResponses) {
   SceneSources other = scene;
   other.analytic[0].stiffness = 2e6;
   EXPECT_NE(canonical_text(other), canonical_text(scene));
+  // The text of a renamed key is the former one, so that files keep the hash of their sources.
+  other.analytic[0].tangential_stiffness = 3e6;
+  EXPECT_NE(canonical_text(other).find("analytic.sideways_stiffness = 3e+06\n"), std::string::npos);
   other = scene;
   other.measured[0].file = "elsewhere.csv";
   EXPECT_EQ(canonical_text(other), canonical_text(scene));

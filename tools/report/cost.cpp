@@ -43,7 +43,7 @@ Json file_row(const runtime::View& view, const CostInput& input) {
   compare_with_file(view, contacts);
   const VerifyStatistics s = summarise(contacts);
   row["error"] = figures(s.normal);
-  if (s.sideways.count > 0) row["error_sideways"] = figures(s.sideways);
+  if (s.tangential.count > 0) row["error_tangential"] = figures(s.tangential);
   return row;
 }
 

@@ -18,9 +18,9 @@ struct PairSamples {
   [[nodiscard]] double weight(const Sample& sample) const;
 };
 
-/// The straight and sideways pushes; others are passed over: what slips, or went another way, answers to more than the
-/// contact's deflection. `samples` must outlive the result. Throws Error(numerical) "what: ..." when a sample is not
-/// finite or there are fewer than two straight pushes deeper than 0 with a force.
+/// The straight and tangential pushes; others are passed over: what slips, or went another way, answers to more than
+/// the contact's deflection. `samples` must outlive the result. Throws Error(numerical) "what: ..." when a sample is
+/// not finite or there are fewer than two straight pushes deeper than 0 with a force.
 PairSamples sort_samples(const std::vector<Sample>& samples, const std::string& what);
 
 }  // namespace palpate::fit

@@ -152,7 +152,7 @@ private:
   const std::vector<Sample>& samples_;
   const ResponseScales& scales_;
   const std::string& what_;
-  std::vector<std::vector<std::size_t>> by_depth_;  // straight pushes, sideways ones
+  std::vector<std::vector<std::size_t>> by_depth_;  // straight pushes, tangential ones
   Marks kept_;
   std::vector<double> spread_, distance_;  // N
   bool weigh_ = false;

@@ -81,13 +81,13 @@ std::optional<std::string> failed_gate(const GateState& s, const GateLimits& lim
   return failed_balance(s, s.stored - s.work, s.work, limits);
 }
 
-std::optional<std::string> failed_sideways_gate(const GateState& s, double answer, const GateLimits& limits) {
+std::optional<std::string> failed_tangential_gate(const GateState& s, double answer, const GateLimits& limits) {
   if (auto failed = failed_contact(s, limits)) return failed;
-  return failed_answer("sideways answer (N)", s, answer, limits.sideways_answer * s.force, limits);
+  return failed_answer("tangential response (N)", s, answer, limits.tangential_response * s.force, limits);
 }
 
 std::optional<std::string> failed_sticking_gate(const GateState& s, double answer, const GateLimits& limits) {
-  if (auto failed = failed_sideways_gate(s, answer, limits)) return failed;
+  if (auto failed = failed_tangential_gate(s, answer, limits)) return failed;
   return failed_balance(s, s.stored - s.work, std::abs(s.work), limits);
 }
 
@@ -102,7 +102,7 @@ std::optional<std::string> failed_grasp_gate(const GateState& s, double answer, 
 
 std::optional<std::string> failed_slip_gate(const GateState& s, double answer, double dissipated,
                                             const GateLimits& limits) {
-  if (auto failed = failed_sideways_gate(s, answer, limits)) return failed;
+  if (auto failed = failed_tangential_gate(s, answer, limits)) return failed;
   if (!std::isfinite(s.work) || !(dissipated >= 0)) return say("dissipated energy (J)", dissipated, 0.0, s.depth);
   return failed_balance(s, s.stored + dissipated - s.work, s.work, limits);
 }

@@ -19,8 +19,8 @@ constexpr double kPoints = 1.5;
 
 using Eigen::Vector3d;
 
-// Error of the change of the force in a sideways push that the other mesh did not solve.
-constexpr double kUnknownSideways = 0.1;
+// Error of the change of the force in a tangential push that the other mesh did not solve.
+constexpr double kUnknownTangential = 0.1;
 
 // By depth (m).
 using ByDepth = std::map<double, double>;
@@ -74,7 +74,7 @@ PairPath compared_path(PairPath path) {
 }
 
 bool add_mesh_errors(std::vector<Sample>& samples, const std::vector<Sample>& other, double share) {
-  ByDepth straight, sideways;
+  ByDepth straight, tangential;
   for (const ComparedSample& c : sample_difference(samples, other).samples) {
     const Sample& s = samples[c.sample];
     if (s.kind == SampleKind::normal) {
@@ -83,7 +83,7 @@ bool add_mesh_errors(std::vector<Sample>& samples, const std::vector<Sample>& ot
     }
     const Sample& o = other[c.other];
     const Vector3d change = s.force - base_of(samples, s).force, its = o.force - base_of(other, o).force;
-    double& at = sideways[s.deflection.z()];
+    double& at = tangential[s.deflection.z()];
     if (its.norm() > 0) at = std::max(at, (change - its).norm() / its.norm());
   }
   if (straight.empty()) return false;
@@ -92,7 +92,7 @@ bool add_mesh_errors(std::vector<Sample>& samples, const std::vector<Sample>& ot
     if (s.kind != SampleKind::normal) {
       const Vector3d& base = base_of(samples, s).force;
       const double change = (s.force - base).norm() / std::max(s.force.norm(), base.norm());
-      error += change * (sideways.empty() ? kUnknownSideways : nearest(sideways, s.deflection.z())->second);
+      error += change * (tangential.empty() ? kUnknownTangential : nearest(tangential, s.deflection.z())->second);
     }
     s.error_estimate += share * error;
   }

@@ -37,7 +37,7 @@ struct Attempt {
   double lost = 0.0;             // see PairOptions
 };
 
-// `last`: no finer mesh is to come, and a sideways push keeps what it answered before it failed.
+// `last`: no finer mesh is to come, and a tangential push keeps what it answered before it failed.
 Attempt attempt(const PairCase& pair, const PairPath& path, const PairOptions& options, const TetMesh& mesh, bool last,
                 const SolveLimits& limits) {
   const auto& [body, tool, vertex, frame] = pair;

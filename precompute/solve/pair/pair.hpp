@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Solves one pair: mesh, normal curve, sideways pushes, gates. The only entry point to contact solves:
+// Solves one pair: mesh, normal curve, tangential pushes, gates. The only entry point to contact solves:
 // bake, verify and the closed-form tests all come through here.
 #pragma once
 
@@ -16,13 +16,14 @@
 
 namespace palpate {
 
-/// A way of the tool that sticks and goes deeper or less deep while it is held sideways. It starts at a straight push.
+/// A way of the tool that sticks and goes deeper or less deep while it is held at a tangential deflection. It starts at
+/// a straight push.
 struct SidePath {
   struct Point {
-    double sideways = 0.0, depth = 0.0;  ///< m
+    double tangential = 0.0, depth = 0.0;  ///< m
   };
   double from = 0.0;          ///< m, depth of the straight push: the first accepted one from there on
-  double angle = 0.0;         ///< rad, of the sideways direction from +x
+  double angle = 0.0;         ///< rad, of the tangential direction from +x
   std::vector<Point> points;  ///< solved one after the other, at most kPathStride - 1
 };
 inline constexpr int kPathStride = 8;
@@ -32,29 +33,29 @@ struct PairPath {
   std::vector<double> normal_depths;
   std::vector<double>
       tangential_depths;           ///< at most the last normal depth; each takes the first accepted one from there on
-  int tangential_directions = 0;   ///< evenly spaced; 0: no sideways pushes
+  int tangential_directions = 0;   ///< evenly spaced; 0: no tangential pushes
   double tangential_start = 0.0;   ///< rad, of the first direction from +x
   int tangential_points = 3;       ///< per push
-  double tangential_reach = 0.4;   ///< largest sideways deflection over the depth of the push
+  double tangential_reach = 0.4;   ///< largest tangential deflection over the depth of the push
   double friction = 0.0;           ///< Coulomb coefficient; > 0: the push is solved sticking
   bool form_frictionless = false;  ///< push frictionless, then stick (Mindlin's conditions)
   int slip_points = 0;             ///< of further pushes from the same depths, in which the contact slips where
                                    ///< Coulomb's law lets it: samples of kind slipping. One that fails ends short and
                                    ///< refuses nothing. 0: none
   int slip_directions = 0;         ///< of those, evenly spaced; 0: as of the tangential ones
-  double slip_reach = 0.0;         ///< their largest sideways deflection over the depth (see gross_slip_reach)
+  double slip_reach = 0.0;         ///< their largest tangential deflection over the depth (see gross_slip_reach)
   std::vector<SidePath> side_paths{};  ///< samples of kind path, first the straight push it starts from; number k's
                                        ///< indices from k kPathStride on. One that fails ends short and refuses nothing
   double grasp_depth = 0.0;  ///< m; > 0: the contact of the first accepted normal depth from there on is bonded, and
                              ///< what follows are samples of kind grasped, at least at three depths; what fails beyond
                              ///< ends short and refuses nothing
   std::vector<double> grasp_depths;  ///< m, of either sign: the bonded tool is moved to each, out or further in
-  int grasp_directions = 0;          ///< evenly spaced; sideways from the deepest push, depth 0 and the furthest pull
-  int grasp_points = 2;              ///< per sideways move
-  double grasp_reach = 0.0;          ///< m, of a sideways move
+  int grasp_directions = 0;  ///< evenly spaced; tangential moves from the deepest push, depth 0 and the furthest pull
+  int grasp_points = 2;      ///< per tangential move
+  double grasp_reach = 0.0;  ///< m, of a tangential move
   std::vector<Eigen::Vector3d> grasp_turns;  ///< rad, axis times angle in (x, y, n), angle in (0, 1]: the bonded tool
                                              ///< is turned so, the point by which it touched resting, from where the
-                                             ///< sideways moves begin
+                                             ///< tangential moves begin
 };
 
 /// The path the bake uses for a pair of this scene: depths evenly spaced in sqrt(depth).

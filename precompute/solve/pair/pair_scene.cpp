@@ -70,7 +70,7 @@ std::vector<SidePath> test_paths(const PairPath& path, double angle) {
   for (int k = 1; k <= kPoints; ++k) {
     const double share = static_cast<double>(k) / kPoints;
     diagonal.points.push_back({share * reach, shallow + share * (deepest - shallow)});
-    // A third sideways, the rest up or down.
+    // A third tangential, the rest up or down.
     const double side = std::min(1.0, 3 * share), way = std::max(0.0, 1.5 * share - 0.5);
     deeper.points.push_back({side * 0.25 * reach, shallow + way * (deepest - shallow)});
     lift.points.push_back({side * 0.5 * reach, deepest - way * 0.5 * deepest});

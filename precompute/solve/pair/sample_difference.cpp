@@ -30,12 +30,12 @@ std::vector<const Sample*> straight(const std::vector<Sample>& samples) {
   return all;
 }
 
-// The force of the straight push from which a sideways one started.
-Vector3d base_force(const std::vector<Sample>& samples, const Sample& sideways) {
+// The force of the straight push from which a tangential one started.
+Vector3d base_force(const std::vector<Sample>& samples, const Sample& tangential) {
   const Sample* nearest = nullptr;
   for (const Sample& s : samples) {
     if (s.kind != SampleKind::normal) continue;
-    const auto away = [&](const Sample& other) { return std::abs(other.deflection.z() - sideways.deflection.z()); };
+    const auto away = [&](const Sample& other) { return std::abs(other.deflection.z() - tangential.deflection.z()); };
     if (nearest == nullptr || away(s) < away(*nearest)) nearest = &s;
   }
   return nearest != nullptr ? nearest->force : Vector3d::Zero();
@@ -81,7 +81,7 @@ SampleDifference sample_difference(const std::vector<Sample>& samples, const std
     if (s.kind != SampleKind::tangential) continue;
     const Sample* other = partner(s, reference);
     if (other == nullptr) continue;
-    raise(d.sideways, relative(s, *other, other->force));
+    raise(d.tangential, relative(s, *other, other->force));
     const double turned = std::atan2(s.deflection.y(), s.deflection.x());
     const bool first = s.deflection.z() != depth || std::abs(turned - angle) > 1e-3;
     depth = s.deflection.z();

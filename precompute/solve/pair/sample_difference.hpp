@@ -17,10 +17,10 @@ struct ComparedSample {
 
 struct SampleDifference {
   double straight = 0.0;     ///< largest |F - F'| / |F'| over the deeper half of the straight push
-  double sideways = 0.0;     ///< the same over the sideways pushes
-  std::size_t compared = 0;  ///< samples that had a partner: straight ones of any depth, sideways ones
+  double tangential = 0.0;   ///< the same over the tangential pushes
+  std::size_t compared = 0;  ///< samples that had a partner: straight ones of any depth, tangential ones
   std::size_t foretold = 0;  ///< of these: differ by no more than their error estimates together
-  double stiffness = 0.0;    ///< largest relative difference of a sideways push's secant stiffness at its first point
+  double stiffness = 0.0;    ///< largest relative difference of a tangential push's secant stiffness at its first point
   std::vector<ComparedSample> samples;  ///< every one that had a partner
 };
 

@@ -136,7 +136,7 @@ private:
     gate.force = report.force.dot(frame.n);
     gate.min_jacobian = push.min_jacobian();
     gate.contact = report;
-    if (const auto failed = failed_sideways_gate(gate, -1.0, GateLimits{})) cause = *failed;
+    if (const auto failed = failed_tangential_gate(gate, -1.0, GateLimits{})) cause = *failed;
     return frame.to_local(report.force);
   }
 

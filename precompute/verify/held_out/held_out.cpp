@@ -103,7 +103,7 @@ std::vector<Vector3d> held_out_turns(double angle, double start) {
   return {0.7 * angle * axes.col(0), -0.7 * angle * axes.col(1), 0.7 * angle * axes.col(2)};
 }
 
-// `start`: of the sideways directions, in the frame at which the tool was baked. It leaves the bake's rays without
+// `start`: of the tangential directions, in the frame at which the tool was baked. It leaves the bake's rays without
 // turning the tool, so that x, y and what lies between them are compared.
 PairPath held_out_path(const Scene& scene, const ToolScene& tool, double depth, double start) {
   PairPath path = bake_path(scene, depth);

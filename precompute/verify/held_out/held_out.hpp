@@ -37,7 +37,7 @@ struct ForcePair {
   std::optional<Turn> turn;
 };
 
-/// The friction limit at which a contact that is drawn sideways slips as a whole.
+/// The friction limit at which a contact that is drawn tangentially slips as a whole.
 struct LimitPair {
   double depth = 0.0;   ///< m
   double solved = 0.0;  ///< solved_limit()
@@ -82,7 +82,7 @@ struct HeldOutSet {
 
 /// Draws the contacts (uniform over the body's area; uniform over the length or area of the tool's patches; uniform
 /// over the spins of tools that have any, with as many contacts more at sampled pairs, between their spins alone) and
-/// solves them at depths off the bake's grid, and with friction sideways off its rays at three depths and along
+/// solves them at depths off the bake's grid, and with friction tangentially off its rays at three depths and along
 /// test_paths; pulled and drawn aside where the tool holds on, and turned about other axes
 /// by less where it turns; until the contact slips as a whole where the scene wants its friction limit solved. An
 /// exception, also of a callback, ends every thread after the solve it is in and is rethrown.

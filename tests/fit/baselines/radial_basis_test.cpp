@@ -17,7 +17,7 @@ std::vector<Sample> samples() {
   test::AnalyticPair pair = test::power_law(2000, 1.5);
   pair.friction = 0.3;
   pair.growth = [](double z) { return std::sqrt(z / kDepth); };
-  pair.sideways_x = pair.sideways_y = [](double x) { return -300 * x; };
+  pair.tangential_x = pair.tangential_y = [](double x) { return -300 * x; };
   return test::samples_of(pair, kDepth, 12, 3, 8, kReach / kDepth);
 }
 

@@ -23,7 +23,7 @@ std::vector<Sample> straight() {
     return Eigen::Vector3d(std::pow(z, 1.5) * Eigen::Vector3d(20, -10, 300));
   };  // a lump to one side
   pair.growth = [](double z) { return std::sqrt(z / kDepth); };
-  pair.sideways_x = pair.sideways_y = [](double x) { return -200 * x; };
+  pair.tangential_x = pair.tangential_y = [](double x) { return -200 * x; };
   pair.friction = kMu;
   std::vector<Sample> samples = test::samples_of(pair, kDepth);
   for (Sample& s : samples) {

@@ -40,7 +40,7 @@ TEST(MeshError, StraightPushesTakeTheLargestOfTheNeighbouringDepths) {
   EXPECT_NEAR(samples[2].error_estimate, 0.001 + 0.2, 1e-12);
 }
 
-TEST(MeshError, SidewaysPushesAddTheirShareOfTheSidewaysDifference) {
+TEST(MeshError, TangentialPushesAddTheirShareOfTheTangentialDifference) {
   std::vector<Sample> samples = straight({1, 1, 1}), other = samples;
   samples.push_back(sample(SampleKind::tangential, 0, {1e-3, 0, 4e-3}, {-1, 0, 4}));
   samples.push_back(sample(SampleKind::path, 0, {2e-3, 0, 4e-3}, {-3, 0, 4}));
@@ -58,7 +58,7 @@ TEST(MeshError, NothingIsAddedWhereNoDepthIsSolvedOnBoth) {
   for (const Sample& s : samples) EXPECT_EQ(s.error_estimate, 0.001);
 }
 
-TEST(MeshError, TheComparedPathHasOneShortSidewaysMoveADepth) {
+TEST(MeshError, TheComparedPathHasOneShortTangentialMoveADepth) {
   PairPath path;
   path.normal_depths = {1e-3, 2e-3};
   path.tangential_depths = {1e-3, 2e-3};

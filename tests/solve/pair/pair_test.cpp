@@ -121,7 +121,7 @@ TEST_F(Pair, ManyThreadsGiveTheSameBits) {
   }
 }
 
-TEST_F(Pair, StickingPushIsStifferAndSidewaysAnswerIsSymmetric) {
+TEST_F(Pair, StickingPushIsStifferAndTangentialResponseIsSymmetric) {
   const PairResult free = solve(0.0, 0.005), stuck = solve(0.3, 0.005);
   ASSERT_TRUE(free.outcome.accepted) << free.outcome.cause;
   ASSERT_TRUE(stuck.outcome.accepted) << stuck.outcome.cause;
@@ -129,7 +129,7 @@ TEST_F(Pair, StickingPushIsStifferAndSidewaysAnswerIsSymmetric) {
   const double gain = deepest(stuck).force.z() / deepest(free).force.z();
   EXPECT_GT(gain, 1.02);
   EXPECT_LT(gain, 1.15);
-  // The four directions at the largest sideways deflection of the deepest push.
+  // The four directions at the largest tangential deflection of the deepest push.
   double reach = 0, largest = 0, least = 1e9;
   for (const Sample& s : stuck.samples) reach = std::max(reach, s.deflection.head<2>().norm());
   for (const Sample& s : stuck.samples) {
@@ -142,8 +142,8 @@ TEST_F(Pair, StickingPushIsStifferAndSidewaysAnswerIsSymmetric) {
   EXPECT_LT(largest / least, 1.08);
 }
 
-// Shear of the anchors in the normal indentation does not count as compliance of the sideways push that follows.
-TEST_F(Pair, SidewaysStiffnessIsNoMatterOfTheAnchors) {
+// Shear of the anchors in the normal indentation does not count as compliance of the tangential push that follows.
+TEST_F(Pair, TangentialStiffnessIsIndependentOfTheAnchors) {
   const Tool tool = make_tool(sphere);
   scene.friction = 0.3;
   scene.solver.mesh_size = 0.35;
@@ -159,7 +159,7 @@ TEST_F(Pair, SidewaysStiffnessIsNoMatterOfTheAnchors) {
   const SampleDifference difference = sample_difference(usual.samples, stiffer.samples);
   ASSERT_GT(difference.compared, 20U);
   EXPECT_LT(difference.stiffness, 0.02);
-  EXPECT_LT(difference.sideways, 0.01);
+  EXPECT_LT(difference.tangential, 0.01);
   const double first = path.tangential_reach * path.tangential_depths.back() / path.tangential_points;
   for (const Sample& s : usual.samples) {
     const bool deep = int(s.index) >= path.tangential_directions * path.tangential_points;
@@ -289,8 +289,8 @@ TEST_F(Pair, AToolThatReachesHeldSurfaceIsRefusedByName) {
   EXPECT_NE(r.outcome.cause.find("support: overlap"), std::string::npos) << r.outcome.cause;
 }
 
-// New area sticks where it lands: at one and the same place of the tool, more of the sideways force is there the deeper
-// it was when it was pushed aside.
+// New area sticks where it lands: at one and the same place of the tool, more of the tangential force is there the
+// deeper it was when it was pushed aside.
 TEST_F(Pair, PathsUnderSideLoadAreSolvedFromTheStraightPush) {
   scene.solver.mesh_size = 0.7;
   scene.friction = 0.3;

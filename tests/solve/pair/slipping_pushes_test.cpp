@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sideways pushes from stick to slip, through the entry point that the bake uses.
+// Tangential pushes from stick to slip, through the entry point that the bake uses.
 #include "precompute/solve/push/coulomb_push.hpp"
 #include "tests/support/press.hpp"
 

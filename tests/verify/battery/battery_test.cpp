@@ -142,7 +142,7 @@ TEST(SampleDifference, MatchesFromFullDepthAndByDirection) {
   const SampleDifference d = sample_difference(other, reference);
   EXPECT_NEAR(d.straight, 0.02, 1e-12);
   EXPECT_NEAR(d.stiffness, 0.1, 1e-9);
-  EXPECT_NEAR(d.sideways, std::hypot(0.1, 0.2) / std::hypot(1, 10), 1e-12);
+  EXPECT_NEAR(d.tangential, std::hypot(0.1, 0.2) / std::hypot(1, 10), 1e-12);
 }
 
 TEST(SolverBench, RowsComeNearerToTheReference) {
@@ -163,7 +163,7 @@ TEST(SolverBench, RowsComeNearerToTheReference) {
     EXPECT_GT(row.seconds, 0);
     EXPECT_GT(row.difference.straight, 0);
     EXPECT_LT(row.difference.straight, 0.2);
-    EXPECT_EQ(row.difference.sideways, 0);  // a frictionless scene has no sideways pushes
+    EXPECT_EQ(row.difference.tangential, 0);  // a frictionless scene has no tangential pushes
   }
   EXPECT_LT(rows[1].difference.straight, rows[0].difference.straight);
   EXPECT_GT(rows[1].nodes, rows[0].nodes);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Held-out solves on a box: where sideways pushes go, and how the threads end.
+// Held-out solves on a box: where tangential pushes go, and how the threads end.
 #include "precompute/verify/held_out/held_out.hpp"
 
 #include "precompute/mesh/surface/remesh.hpp"
