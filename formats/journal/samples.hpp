@@ -21,10 +21,10 @@ struct ContactFrame {
   [[nodiscard]] Eigen::Vector3d to_world(const Eigen::Vector3d& v) const { return v.x() * x + v.y() * y + v.z() * n; }
 };
 
-/// The solves of a pair. full: all paths of the scene. straight: a push at few depths, by which full responses are
-/// carried to a site. hidden: a straight push between sites that no response is made of; it tests what the
-/// responses around it predict.
-enum class PairRole : std::uint8_t { full, straight, hidden };
+/// The solves of a pair. full: all paths of the scene. normal: a normal indentation at few depths, by which full
+/// responses are carried to a site. hidden: a normal indentation between sites that no response is made of; it tests
+/// what the responses around it predict.
+enum class PairRole : std::uint8_t { full, normal, hidden };
 
 /// One pair (body vertex c, tool vertex p) to be solved.
 struct PairPlan {
@@ -36,7 +36,7 @@ struct PairPlan {
   PairRole role = PairRole::full;
 };
 
-/// normal: straight push; tangential: tangential push of a contact that sticks; slipping: of one that slips where
+/// normal: normal indentation; tangential: tangential push of a contact that sticks; slipping: of one that slips where
 /// Coulomb's law lets it; path: a contact that sticks goes deeper or less deep while held at a tangential deflection (a
 /// test, no fit reads it); grasped: any move of a contact that was bonded.
 enum class SampleKind : std::uint8_t { normal = 0, tangential = 1, slipping = 2, path = 3, grasped = 4 };
@@ -75,7 +75,7 @@ struct PairOutcome {
   std::uint32_t factorisations = 0;
 };
 
-/// A pair's straight push beside that on a finer mesh.
+/// A pair's normal indentation beside that on a finer mesh.
 struct PairCheck {
   std::uint32_t nodes = 0;     ///< of the finer mesh
   std::uint32_t compared = 0;  ///< samples; 0: none could be

@@ -33,8 +33,8 @@ struct ClosedForm {
   [[nodiscard]] double tangential_stiffness(double depth) const;  ///< N/m; 0 for layer, which has no closed form
 };
 
-/// The samples that a bake along `path` would have of a contact with this force (N) at a deflection (m): straight
-/// pushes and, with friction, tangential ones.
+/// The samples that a bake along `path` would have of a contact with this force (N) at a deflection (m): normal
+/// indentations and, with friction, tangential ones.
 std::vector<Sample> sample_along(const PairPath& path,
                                  const std::function<Eigen::Vector3d(const Eigen::Vector3d& deflection)>& force);
 

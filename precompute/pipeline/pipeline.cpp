@@ -228,7 +228,7 @@ PairSolver contact_solver(const Pipeline& p) {
   return [&p, scene_options, name, checked](const PairPlan& pair, const SampleSink& sink) {
     const Tool& tool = p.tools[pair.tool];
     if (pair.role != PairRole::full) {
-      return solve_pair(p.body, tool, tool.vertices[pair.tool_vertex], pair.frame, straight_path(p.scene, pair.depth),
+      return solve_pair(p.body, tool, tool.vertices[pair.tool_vertex], pair.frame, normal_path(p.scene, pair.depth),
                         scene_options, sink);
     }
     PairOptions options = scene_options;

@@ -22,7 +22,7 @@ namespace {
 using Eigen::Vector3d;
 using PairName = std::array<std::uint32_t, 3>;  // site, tool, tool vertex
 
-constexpr double kStraight = 0.05;  // tangential over depth, at most, of a push straight down
+constexpr double kTangentialOverDepth = 0.05;  // at most, of a normal indentation
 constexpr double kShallow = 0.1;    // of the sampled depth: the same of what is shallower
 constexpr double kFacing = 0.5;     // least cosine between the normals of a contact and of its site
 constexpr double kReach = 0.25;     // of sampling.spacing
@@ -142,9 +142,9 @@ private:
     sample.deflection = {deflection.x(), deflection.y(), -deflection.z()};
     sample.force = pair.frame.to_local(contact.turn * row.force);
     const double depth = sample.deflection.z(), tangential = sample.deflection.head<2>().norm();
-    const bool straight = tangential <= kStraight * std::max(depth, kShallow * pair.depth);
+    const bool normal = tangential <= kTangentialOverDepth * std::max(depth, kShallow * pair.depth);
     to.measured = true;
-    const bool aside = !straight && (!(scene_.friction > 0) || tangential > aside_ * depth);
+    const bool aside = !normal && (!(scene_.friction > 0) || tangential > aside_ * depth);
     std::size_t* const passed = row.weight == 0                 ? &to.passed.weightless
                                 : !(depth > 0)                  ? &to.passed.out
                                 : depth > scene_.sampling.depth ? &to.passed.deep
@@ -154,7 +154,7 @@ private:
       ++*passed;
       return;
     }
-    sample.kind = straight ? SampleKind::normal : SampleKind::tangential;
+    sample.kind = normal ? SampleKind::normal : SampleKind::tangential;
     // Held-out samples are drawn by it.
     sample.index = static_cast<std::uint16_t>(to.samples.size() % 0xFFFF);
     sample.friction_limit = scene_.friction;

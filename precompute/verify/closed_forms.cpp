@@ -87,7 +87,8 @@ LawValues hertz(double size, double coarser) {
                 // 0.1.
                 const double radius = std::sqrt(s.contact_area / (pi * kRadius * d));
                 if (!(std::abs(radius - 1) < 0.02)) v.cause = "the contact's radius is not sqrt(R d)";
-                if (s.force.head<2>().norm() > 0.01 * s.force.z()) v.cause = "a straight push has a tangential force";
+                if (s.force.head<2>().norm() > 0.01 * s.force.z())
+                  v.cause = "a normal indentation has a tangential force";
               });
 }
 

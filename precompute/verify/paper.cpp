@@ -43,7 +43,7 @@ std::vector<std::vector<Sample>> solve(const std::vector<PaperPush>& pushes, uns
   return all;
 }
 
-PaperCurve straight(const std::string& name, const std::vector<Sample>& samples) {
+PaperCurve normal_curve(const std::string& name, const std::vector<Sample>& samples) {
   PaperCurve curve{name, {0}, {0}};
   for (const Sample& s : samples) {
     if (s.kind != SampleKind::normal) continue;
@@ -158,7 +158,7 @@ PaperFigure solve_figure_2(const Scene& loose, const Scene& firm, unsigned threa
   PaperFigure figure{
       "Figure 2: three tools on one strip", "depth", {{"loosely supported", {}}, {"well supported", {}}}, {}};
   for (std::size_t k = 0; k < pushes.size(); ++k) {
-    figure.panels[k / 3].curves.push_back(straight(pushes[k].scene->tools[pushes[k].tool].name, samples[k]));
+    figure.panels[k / 3].curves.push_back(normal_curve(pushes[k].scene->tools[pushes[k].tool].name, samples[k]));
   }
   figure.statements = figure_2_statements(figure.panels);
   return figure;

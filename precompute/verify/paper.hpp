@@ -34,9 +34,9 @@ struct PaperFigure {
   std::vector<PaperStatement> statements;
 };
 
-/// The straight pushes of three tools (a large sphere, a small one, a flat punch, in this order) at the origin of one
-/// sample, loosely and firmly supported. Throws Error(numerical) where a contact is refused, Error(bad_input) where the
-/// scenes have other tools than three.
+/// The normal indentations of three tools (a large sphere, a small one, a flat punch, in this order) at the origin of
+/// one sample, loosely and firmly supported. Throws Error(numerical) where a contact is refused, Error(bad_input) where
+/// the scenes have other tools than three.
 PaperFigure solve_figure_2(const Scene& loose, const Scene& firm, unsigned threads);
 
 /// Tangential pushes along x at the origin of a homogeneous sample and of one with an inclusion at +x, and the force at

@@ -35,7 +35,7 @@ double peak_megabytes() {
 
 // Medians over the contacts that both solved.
 void compare(const std::vector<PairResult>& solved, const std::vector<PairResult>& references, SolverBenchRow& row) {
-  std::vector<double> straight, tangential, stiffness;
+  std::vector<double> normal, tangential, stiffness;
   for (std::size_t k = 0; k < solved.size(); ++k) {
     if (!solved[k].outcome.accepted || !references[k].outcome.accepted) {
       ++row.refused;
@@ -43,11 +43,11 @@ void compare(const std::vector<PairResult>& solved, const std::vector<PairResult
     }
     ++row.solved;
     const SampleDifference d = sample_difference(solved[k].samples, references[k].samples);
-    straight.push_back(d.straight);
+    normal.push_back(d.normal);
     tangential.push_back(d.tangential);
     stiffness.push_back(d.stiffness);
   }
-  row.difference.straight = median(straight);
+  row.difference.normal = median(normal);
   row.difference.tangential = median(tangential);
   row.difference.stiffness = median(stiffness);
 }

@@ -21,7 +21,7 @@ protected:
 
 const std::string kCovered = "[sources]\nrest = \"covered\"\n[contact]\nfriction = 0.3\n";
 
-/// Straight pushes, then pushes aside to `directions` evenly spaced sides, held as Mindlin's contact is.
+/// Normal indentations, then pushes aside to `directions` evenly spaced sides, held as Mindlin's contact is.
 std::vector<Row> pushed_aside(int directions) {
   std::vector<Row> rows = pushes(1);
   for (int depth = 1; depth <= 5; ++depth) {
@@ -65,7 +65,7 @@ TEST_F(Recordings, BadRecordingsNameLineAndCause) {
            {csv({0, 0, 0.02}, pushes(-1)), "off any fit"},
            {csv({0, 0, 0.02}, pushes(0)), "with a force"},
            {head + "\n0,0,0.02,0,0,0.001,0,0,0\n",
-            "at least 8 rows of pushes straight down; there are 0; 1 rows passed over: 1 not in contact"},
+            "at least 8 rows of normal indentations; there are 0; 1 rows passed over: 1 not in contact"},
        }) {
     const std::string text = refused(p, c.recording);
     EXPECT_NE(text.find(c.expected), std::string::npos) << text;

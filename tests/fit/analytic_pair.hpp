@@ -13,7 +13,7 @@ namespace palpate::test {
 
 /// A pair whose force is known everywhere.
 struct AnalyticPair {
-  std::function<Eigen::Vector3d(double)> push;                        ///< straight-push force (x, y, n) at a depth
+  std::function<Eigen::Vector3d(double)> push;                        ///< normal indentation force (x, y, n) at a depth
   std::function<double(double)> growth = [](double) { return 0.0; };  ///< of the tangential response with depth
   std::function<double(double)> tangential_x = [](double) { return 0.0; },
                                 tangential_y = tangential_x;  ///< at growth 1

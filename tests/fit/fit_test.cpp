@@ -178,17 +178,17 @@ PairPath sampled_path(double depth) {
   return path;
 }
 
-/// A grid of straight pushes, with all paths at every sixth site.
-GridPlan grid_with_straight_pushes(const std::function<AnalyticPair(int)>& pair_at) {
+/// A grid of normal indentations, with all paths at every sixth site.
+GridPlan grid_with_normal_indentations(const std::function<AnalyticPair(int)>& pair_at) {
   GridPlan grid = grid_plan(7, Z, 0.3, pair_at);
   const GridPlan all = grid;
   for (std::uint32_t k = 0; k < 49; ++k) {
-    PairPlan straight = all.plan.pairs[k];
-    straight.role = PairRole::straight;
+    PairPlan normal = all.plan.pairs[k];
+    normal.role = PairRole::normal;
     JournalPair pushed = all.journal.pairs.at(k);
     std::erase_if(pushed.samples, [](const Sample& s) { return s.kind != SampleKind::normal; });
     grid.journal.pairs[static_cast<std::uint32_t>(grid.plan.pairs.size())] = pushed;
-    grid.plan.pairs.push_back(straight);
+    grid.plan.pairs.push_back(normal);
   }
   for (std::uint32_t k = 0; k < 49; ++k) {
     if (k % 6 == 0) continue;
@@ -197,7 +197,7 @@ GridPlan grid_with_straight_pushes(const std::function<AnalyticPair(int)>& pair_
   return grid;
 }
 
-TEST(Fit, StraightPushesGetTheResponsesOfSitesSolvedInFull) {
+TEST(Fit, NormalIndentationsGetTheResponsesOfSitesSolvedInFull) {
   // The stiffness varies by a factor of four, the tangential stiffness with it.
   const auto stiffness = [](int k) { return 400.0 * (1 + 3 * std::pow(std::sin(0.7 * k), 2)); };
   const auto pair_at = [&](int k) {
@@ -208,7 +208,7 @@ TEST(Fit, StraightPushesGetTheResponsesOfSitesSolvedInFull) {
   FitSettings s = settings(true);
   s.path = sampled_path;
   const FittedResponses whole = fit_grid(grid_plan(7, Z, 0.3, pair_at), s);
-  const FittedResponses carried = fit_grid(grid_with_straight_pushes(pair_at), s);
+  const FittedResponses carried = fit_grid(grid_with_normal_indentations(pair_at), s);
   EXPECT_EQ(carried.report.full, 9U);
   EXPECT_EQ(carried.report.carried, 40U);
   EXPECT_EQ(carried.report.filled, 0U);
@@ -255,8 +255,8 @@ TEST(Fit, AnUnfinishedBakeIsSaid) {
 }
 
 TEST(Fit, SectionsThatAreNotNeededAreLeftOut) {
-  GridPlan straight = grid_plan(3, Z, 0.0, [](int) { return power_law(500, 1.5); });
-  FittedResponses fitted = fit_grid(straight, settings(false));
+  GridPlan normal = grid_plan(3, Z, 0.0, [](int) { return power_law(500, 1.5); });
+  FittedResponses fitted = fit_grid(normal, settings(false));
   EXPECT_FALSE(fitted.report.bias);
   EXPECT_EQ(fitted.scales.degrees.bias, 0);
   EXPECT_FALSE(fitted.scales.degrees.friction_families);

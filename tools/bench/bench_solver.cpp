@@ -33,7 +33,7 @@ void run_solver_bench(const SolverBenchCommand& command, const Globals& globals)
   char line[256];
   std::snprintf(
       line, sizeof line,
-      "%s\n%s; %zu contacts, one thread\na set: %zu points of the straight push, %zu tangential; errors against "
+      "%s\n%s; %zu contacts, one thread\na set: %zu points of the normal indentation, %zu tangential; errors against "
       "elements of %.2g contact radii\n\n",
       machine_name().c_str(), c.name.c_str(), c.contacts.size(), path.normal_depths.size(), tangential,
       options.reference.mesh_size);
@@ -51,7 +51,7 @@ void run_solver_bench(const SolverBenchCommand& command, const Globals& globals)
     std::snprintf(line, sizeof line,
                   "| %.2g a | %.2g | %s | %.0f | %.2f | %.0f | %.2f %% | %.2f %% | %.2f %% | %zu | %.0f |\n",
                   row.setting.mesh_size, row.setting.growth, longest, row.nodes, row.seconds, per_hour,
-                  100 * row.difference.straight, 100 * row.difference.tangential, 100 * row.difference.stiffness,
+                  100 * row.difference.normal, 100 * row.difference.tangential, 100 * row.difference.stiffness,
                   row.refused, row.megabytes);
     text += line;
     json["rows"].push_back({{"mesh_size", row.setting.mesh_size},
@@ -60,7 +60,7 @@ void run_solver_bench(const SolverBenchCommand& command, const Globals& globals)
                             {"nodes", row.nodes},
                             {"seconds", row.seconds},
                             {"sets_per_hour", per_hour},
-                            {"force_error", row.difference.straight},
+                            {"force_error", row.difference.normal},
                             {"tangential_error", row.difference.tangential},
                             {"stiffness_error", row.difference.stiffness},
                             {"refused", row.refused},

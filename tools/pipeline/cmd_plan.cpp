@@ -26,7 +26,7 @@ struct PlanArguments {
   bool quick = false;
 };
 
-constexpr const char* kRoles[] = {"full", "straight", "hidden"};
+constexpr const char* kRoles[] = {"full", "normal", "hidden"};
 
 std::string costs_text(const pipeline::PlanCosts& costs, const pipeline::Pipeline& p, int threads) {
   std::string text;

@@ -272,7 +272,7 @@ std::string fit_text(const pipeline::Pipeline& p, const FitReport& report) {
   }
   if (report.carried > 0) {
     text += std::to_string(report.full) + " responses solved in full, " + std::to_string(report.carried) +
-            " carried from these to sites with a straight push\n";
+            " carried from these to sites with a normal indentation\n";
   }
   text += figures_text("normal pushes", report.normal, p.plan);
   text += figures_text("tangential pushes", report.tangential, p.plan);

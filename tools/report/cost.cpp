@@ -92,7 +92,7 @@ void add_beside(Json& files, const CostInput& input, const std::string& scene) {
   files.push_back(row);
 }
 
-/// The plain solve: time of an equilibrium, and the error that the solver estimates for its straight pushes.
+/// The plain solve: time of an equilibrium, and the error that the solver estimates for its normal indentations.
 Json solve_row(const CostInput& input) {
   std::vector<double> errors;
   std::size_t equilibria = 0;

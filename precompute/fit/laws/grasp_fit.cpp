@@ -122,17 +122,17 @@ void fit_normal(const std::vector<const Sample*>& samples, double scale, double 
 GraspCurves fit_grasp(const std::vector<Sample>& samples, double depth_scale, const std::string& what) {
   const std::vector<const Sample*> taken = unturned(samples);
   GraspCurves grasp;
-  long straight = 0;
+  long normal = 0;
   for (const Sample* s : taken) {
     if (!s->force.allFinite() || !s->deflection.allFinite()) {
       throw Error(ExitCode::numerical, what + ": grasped sample " + std::to_string(s->index) + " is not finite");
     }
     grasp.pulled = std::max(grasp.pulled, -s->deflection.z());
-    straight += s->deflection.head<2>().norm() < kAside * depth_scale ? 1 : 0;
+    normal += s->deflection.head<2>().norm() < kAside * depth_scale ? 1 : 0;
   }
-  if (straight < 3) {
+  if (normal < 3) {
     throw Error(ExitCode::numerical,
-                what + ": a grasp needs straight pulls at three depths; there are " + std::to_string(straight));
+                what + ": a grasp needs normal pulls at three depths; there are " + std::to_string(normal));
   }
   const double peak = peak_force(taken);
   if (!(peak > 0)) throw Error(ExitCode::numerical, what + ": a grasp without any force");

@@ -17,7 +17,7 @@ struct GateLimits {
   double min_jacobian = 0.0;           ///< an element turned inside out at a quadrature point is refused
   double force_drop = 0.9;             ///< smallest ratio of the normal force to the one before
   double tangential_response = 1e-3;   ///< of the normal force: a tangential response below has no sign of its own,
-                                      ///< because it is less than what the solve's tolerance leaves in a force
+                                       ///< because it is less than what the solve's tolerance leaves in a force
   double energy_balance = 0.06;        ///< of the tool's work, and a hundredth of the energy scale of the whole push
   double finer_mesh = 0.1;             ///< relative difference of the force to a finer mesh, see PairCheck
   double mesh_error = 0.05;            ///< relative, of the force at full depth: a larger estimate needs a finer mesh
@@ -49,7 +49,7 @@ std::optional<std::string> failed_gate(const GateState& state, const GateLimits&
 /// that peels ends in a few points.
 std::optional<std::string> failed_tangential_gate(const GateState& state, double answer, const GateLimits& limits);
 
-/// The same for a contact that sticks, where `work` and `stored` count from the straight push.
+/// The same for a contact that sticks, where `work` and `stored` count from the normal indentation.
 std::optional<std::string> failed_sticking_gate(const GateState& state, double answer, const GateLimits& limits);
 
 /// The same for a contact that is grasped, in any move: a pull is as good as a push, and `work` and `stored` count from

@@ -42,7 +42,7 @@ double around(const ByDepth& values, double depth) {
   return largest;
 }
 
-// The straight push from which a sample started, or which is as deep.
+// The normal indentation from which a sample started, or which is as deep.
 const Sample& base_of(const std::vector<Sample>& samples, const Sample& of) {
   const Sample* base = nullptr;
   const auto away = [&](const Sample& s) { return std::abs(s.deflection.z() - of.deflection.z()); };
@@ -74,11 +74,11 @@ PairPath compared_path(PairPath path) {
 }
 
 bool add_mesh_errors(std::vector<Sample>& samples, const std::vector<Sample>& other, double share) {
-  ByDepth straight, tangential;
+  ByDepth normal, tangential;
   for (const ComparedSample& c : sample_difference(samples, other).samples) {
     const Sample& s = samples[c.sample];
     if (s.kind == SampleKind::normal) {
-      straight[s.deflection.z()] = c.difference;
+      normal[s.deflection.z()] = c.difference;
       continue;
     }
     const Sample& o = other[c.other];
@@ -86,9 +86,9 @@ bool add_mesh_errors(std::vector<Sample>& samples, const std::vector<Sample>& ot
     double& at = tangential[s.deflection.z()];
     if (its.norm() > 0) at = std::max(at, (change - its).norm() / its.norm());
   }
-  if (straight.empty()) return false;
+  if (normal.empty()) return false;
   for (Sample& s : samples) {
-    double error = around(straight, s.deflection.z());
+    double error = around(normal, s.deflection.z());
     if (s.kind != SampleKind::normal) {
       const Vector3d& base = base_of(samples, s).force;
       const double change = (s.force - base).norm() / std::max(s.force.norm(), base.norm());

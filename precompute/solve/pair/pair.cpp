@@ -31,7 +31,7 @@ const Body& stress_free(const Body& body) { return body.stress_free ? *body.stre
 
 struct Attempt {
   PairResult result;
-  std::vector<Sample> straight;  // of the push as far as it passed, whatever came after it
+  std::vector<Sample> normal;    // of the normal indentation, as far as it passed, whatever came after it
   double reached = 0.0;          // m, its depth
   bool contact_failed = false;   // see PairRun
   double lost = 0.0;             // see PairOptions
@@ -52,9 +52,9 @@ Attempt attempt(const PairCase& pair, const PairPath& path, const PairOptions& o
     if (!push.held_anywhere()) {
       run.refuse("support: no node of the mesh is held");
     } else if (approach(run)) {
-      const bool pushed = straight_push(run);
-      made.straight = result.samples;
-      if (!made.straight.empty()) made.reached = run.curve.back().depth;
+      const bool pushed = normal_indentation(run);
+      made.normal = result.samples;
+      if (!made.normal.empty()) made.reached = run.curve.back().depth;
       if (pushed && sticking_pushes(run) && grasped_pulls(run)) {
         slipping_pushes(run);
         side_paths(run);
@@ -85,17 +85,17 @@ constexpr Rung kLastRungs[] = {{"stiffer contact", ContactMethod::penalty, 4.0},
                                {"augmented Lagrange", ContactMethod::augmented, 1.0},
                                {"log barrier", ContactMethod::barrier, 1.0}};
 
-// The straight push on a mesh finer than the one with `scale`.
+// The normal indentation on a mesh finer than the one with `scale`.
 PairCheck check_of(const PairResult& result, const Body& body, const Tool& tool, const ToolVertex& vertex,
                    const ContactFrame& frame, const PairPath& path, const PairOptions& options) {
-  PairPath straight = path;
-  straight.tangential_depths.clear();
-  straight.side_paths.clear();
-  straight.tangential_directions = straight.slip_points = 0;
-  straight.grasp_depth = 0.0;
+  PairPath normal = path;
+  normal.tangential_depths.clear();
+  normal.side_paths.clear();
+  normal.tangential_directions = normal.slip_points = 0;
+  normal.grasp_depth = 0.0;
   PairOptions finer = finer_options(options, body, kFiner);
   finer.check = finer.mesh_errors = false;
-  const PairResult fine = solve_pair(body, tool, vertex, frame, straight, finer);
+  const PairResult fine = solve_pair(body, tool, vertex, frame, normal, finer);
   PairCheck check;
   check.nodes = fine.outcome.nodes;
   check.cause = fine.outcome.cause;
@@ -105,7 +105,7 @@ PairCheck check_of(const PairResult& result, const Body& body, const Tool& tool,
   const SampleDifference d = sample_difference(pushed.samples, fine.samples);
   check.compared = static_cast<std::uint32_t>(d.compared);
   check.foretold = static_cast<std::uint32_t>(d.foretold);
-  check.difference = d.straight;
+  check.difference = d.normal;
   return check;
 }
 
@@ -134,7 +134,7 @@ public:
       if (rough_) with.growth *= std::pow(scale, kGrowthPower);
       mesh = mesh_of(with, scale);
       if (mesh.usable) {
-        attempt(mesh.mesh, with, scale, scale == 0.6 || straight_.has_value());
+        attempt(mesh.mesh, with, scale, scale == 0.6 || normal_.has_value());
       } else {
         failed("mesh: " + mesh.cause);
       }
@@ -155,7 +155,7 @@ public:
   }
 
 private:
-  // A straight push that passed, of a pair that was not accepted.
+  // A normal indentation that passed, of a pair that was not accepted.
   struct Partial {
     PairResult result;
     double reached = 0.0;  // m
@@ -185,10 +185,10 @@ private:
     accepted_ = result_.outcome.accepted;
     contact_failed_ = made.contact_failed;
     lost_ += made.lost;
-    if (!accepted_ && !made.straight.empty()) {
-      no_deeper_ = straight_ && made.reached <= straight_->reached;
-      if (!straight_ || made.reached >= straight_->reached) {
-        straight_ = {{result_.outcome, std::move(made.straight), {}}, made.reached, with, scale};
+    if (!accepted_ && !made.normal.empty()) {
+      no_deeper_ = normal_ && made.reached <= normal_->reached;
+      if (!normal_ || made.reached >= normal_->reached) {
+        normal_ = {{result_.outcome, std::move(made.normal), {}}, made.reached, with, scale};
       }
     }
     if (accepted_) judge_mesh(with, scale);
@@ -217,7 +217,7 @@ private:
       const VolumeMeshResult mesh = mesh_of(options, scale * other.scale);
       if (!mesh.usable) continue;
       const Attempt made = palpate::attempt(pair_, compared_path(path_), options, mesh.mesh, true, limits());
-      if (add_mesh_errors(samples, made.result.outcome.accepted ? made.result.samples : made.straight, other.share)) {
+      if (add_mesh_errors(samples, made.result.outcome.accepted ? made.result.samples : made.normal, other.share)) {
         return true;
       }
     }
@@ -240,7 +240,7 @@ private:
     const auto cause = failed_check(*result_.check, GateLimits{});
     if (!cause) return;
     std::optional<PairCheck> kept = result_.check;
-    straight_.reset();  // the check refuses all of it
+    normal_.reset();  // the check refuses all of it
     rough_.reset();
     failed(*cause);
     result_.check = std::move(kept);
@@ -263,11 +263,11 @@ private:
       rough_->outcome.cause = causes_;
       return std::move(*rough_);
     }
-    if (!rough_ && straight_) {
-      result_ = std::move(straight_->result);
+    if (!rough_ && normal_) {
+      result_ = std::move(normal_->result);
       result_.outcome.accepted = true;
       causes_ = "stopped short: " + causes_;
-      if (options_.mesh_errors) add_errors(result_.samples, straight_->with, straight_->scale);
+      if (options_.mesh_errors) add_errors(result_.samples, normal_->with, normal_->scale);
     }
     result_.outcome.cause = causes_;
     return std::move(result_);
@@ -281,7 +281,7 @@ private:
   Deadline deadline_;
   PairResult result_;                // of the last attempt
   std::optional<PairResult> rough_;  // the best whose mesh is too far off
-  std::optional<Partial> straight_;  // the deepest and last
+  std::optional<Partial> normal_;    // the deepest and last
   bool accepted_ = false, contact_failed_ = false, no_deeper_ = false;
   double lost_ = 0.0;
   std::string causes_;

@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-/// An accepted point of the straight push.
+/// An accepted point of the normal indentation.
 struct CurvePoint {
   double depth = 0.0;  ///< m moved by the tool
   ContactReport contact;
@@ -51,7 +51,8 @@ struct PairRun {
   Push& push;
   PairResult& result;
   Eigen::Vector3d start{0, 0, 0};   ///< m, the tool's translation at first touch
-  std::vector<CurvePoint> curve{};  ///< of the straight push; its samples are the result's first, in the same order
+  std::vector<CurvePoint>
+      curve{};  ///< of the normal indentation; its samples are the result's first, in the same order
 
   bool contact_failed = false;  ///< refused for what another contact method may mend
 
@@ -85,9 +86,9 @@ struct PairRun {
 
 /// Prestress, then the tool comes to where it first touches.
 bool approach(PairRun& run);
-/// The curve of the straight push. False: its samples end at the last depth that passed, or are none where these are
-/// fewer than GateLimits::curve_points.
-bool straight_push(PairRun& run);
+/// The curve of the normal indentation. False: its samples end at the last depth that passed, or are none where these
+/// are fewer than GateLimits::curve_points.
+bool normal_indentation(PairRun& run);
 /// Tangential pushes of a contact that sticks.
 bool sticking_pushes(PairRun& run);
 /// Pulls, pushes and turns of a contact that is bonded.

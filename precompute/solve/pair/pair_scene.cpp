@@ -35,7 +35,7 @@ PairPath bake_path(const Scene& scene, double depth) {
   return path;
 }
 
-PairPath straight_path(const Scene& scene, double depth) {
+PairPath normal_path(const Scene& scene, double depth) {
   PairPath path;
   path.normal_depths = bake_path(scene, depth).normal_depths;
   path.friction = scene.friction;

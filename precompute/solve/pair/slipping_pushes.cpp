@@ -13,8 +13,8 @@ using Eigen::Vector3d;
 
 class SlippingPush {
 public:
-  // From a point of the straight push towards `direction` (contact frame). The force of a contact that stuck while it
-  // was pushed is first brought within the limit of every point.
+  // From a point of the normal indentation towards `direction` (contact frame). The force of a contact that stuck while
+  // it was pushed is first brought within the limit of every point.
   SlippingPush(PairRun& run, const CurvePoint& from, const Vector3d& direction)
       : run_(run), from_(from), direction_(direction), radius_(run.radius(from.depth)) {}
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tangential pushes of a contact that sticks, from points of the straight push.
+// Tangential pushes of a contact that sticks, from points of the normal indentation.
 #include "precompute/solve/contact/gates.hpp"
 #include "precompute/solve/pair/error_estimate.hpp"
 #include "precompute/solve/pair/pair_run.hpp"
@@ -76,8 +76,8 @@ private:
     const double pull = (s.force - base.force).dot(local);
     const GateState gate = run_.tangential_gate(at.depth, s, way);
     if (const auto failed = failed_sticking_gate(gate, pull, GateLimits{})) return Failure{*failed + where};
-    // The anchors' own compliance, at a constant contact area: 2 E / Q, E without what the straight push had sheared.
-    // An answer without a sign (GateLimits::tangential_response) gives no compliance.
+    // The anchors' own compliance, at a constant contact area: 2 E / Q, E without what the normal indentation had
+    // sheared. An answer without a sign (GateLimits::tangential_response) gives no compliance.
     const double sheared = std::max(gate.contact.tangential_energy - at.contact.tangential_energy, 0.0);
     const double give = pull < 0 ? 2 * sheared / -pull : 0.0;
     s.deflection = (reach - std::min(give, 0.1 * reach)) * local + Vector3d(0, 0, base.deflection.z());

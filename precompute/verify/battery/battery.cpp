@@ -20,7 +20,7 @@ void compare(CellResult& result, const CellSolve& other) {
     result.check_cause = "no sample of the check matches";
     return;
   }
-  result.difference = std::max(d.straight, d.tangential);
+  result.difference = std::max(d.normal, d.tangential);
   result.compared = d.compared;
   result.foretold = d.foretold;
   result.check_cause.clear();

@@ -148,12 +148,12 @@ void solve(const Scene& scene, const Body& body, const Tool& tool, HeldOut& cont
   contact.cause = result.outcome.cause;
   if (!contact.accepted) return;
   std::optional<Vector3d> from;
-  std::map<double, const Sample*> straight;  // by depth
+  std::map<double, const Sample*> normal;  // by depth
   for (const Sample& s : result.samples) {
-    if (s.kind == SampleKind::normal) straight[s.deflection.z()] = &s;
+    if (s.kind == SampleKind::normal) normal[s.deflection.z()] = &s;
     if (s.kind == SampleKind::slipping) {
-      const auto before = straight.find(s.deflection.z());
-      if (s.friction_limit > 0 && before != straight.end()) {
+      const auto before = normal.find(s.deflection.z());
+      if (s.friction_limit > 0 && before != normal.end()) {
         contact.limits.push_back({s.deflection.z(), solved_limit(s, *before->second, scene.sampling.depth), 0.0, 0.0});
       }
       continue;

@@ -24,8 +24,8 @@ struct ForcePair {
   Eigen::Vector3d solved{0, 0, 0};      ///< N on the tool
   Eigen::Vector3d baked{0, 0, 0};       ///< N
   double error = 0.0;                   ///< |baked - solved| / max(|solved|, 2 % of the contact's peak force)
-  /// Kind path: of its first force the deflection (m) of the straight push that it left from; the tool goes straight
-  /// from force to force.
+  /// Kind path: of its first force the deflection (m) of the normal indentation that it left from; the tool goes
+  /// straight from force to force.
   std::optional<Eigen::Vector3d> from;
   /// Kind grasped, of a tool that was turned.
   struct Turn {

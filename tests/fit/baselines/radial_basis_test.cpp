@@ -38,7 +38,7 @@ TEST(RadialBasis, GoesThroughItsSamplesWithACentreAtEach) {
   EXPECT_LT(worst(fitted(24), all), 0.5 * worst(fitted(6), all));
   EXPECT_EQ(fitted(24).force({0, 0, 0}), Eigen::Vector3d::Zero());
   EXPECT_EQ(RadialBasis::bytes(24), 576);
-  EXPECT_THROW(fit_radial_basis({all[0]}, kDepth, kReach, 6, "test"), Error) << "one straight push";
+  EXPECT_THROW(fit_radial_basis({all[0]}, kDepth, kReach, 6, "test"), Error) << "one normal indentation";
 }
 
 }  // namespace

@@ -103,7 +103,7 @@ TEST(SeparableFit, SofteningDataStillGiveAMonotoneCurve) {
   expect_monotone(curves);
 }
 
-TEST(SeparableFit, LateralForceOfAStraightPush) {
+TEST(SeparableFit, LateralForceOfANormalIndentation) {
   AnalyticPair skewed;
   skewed.push = [](double z) -> Eigen::Vector3d {
     return Eigen::Vector3d(-0.05, 0.03, 1.0) * 500 * std::pow(z, 1.5) + Eigen::Vector3d(0, 0.2 * z, 0);

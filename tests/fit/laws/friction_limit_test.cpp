@@ -17,7 +17,7 @@ constexpr double kDepth = 0.004, kMu = 0.3;
 // Foretold: mu and a tenth of it more at full depth.
 double foretold(double z) { return kMu * (1 + 0.1 * z / kDepth); }
 
-std::vector<Sample> straight() {
+std::vector<Sample> normal_indentation() {
   test::AnalyticPair pair;
   pair.push = [](double z) {
     return Eigen::Vector3d(std::pow(z, 1.5) * Eigen::Vector3d(20, -10, 300));
@@ -39,22 +39,22 @@ void add_slipping(std::vector<Sample>& samples, double depth, std::initializer_l
   const auto from = std::find_if(samples.begin(), samples.end(), [&](const Sample& s) {
     return s.kind == SampleKind::normal && s.deflection.z() == depth;
   });
-  const Eigen::Vector3d straight = from->force;
-  const double flanks = response::slipping_bias_share(std::sqrt(depth / kDepth)), normal = 1.1 * straight.z();
+  const Eigen::Vector3d base = from->force;
+  const double flanks = response::slipping_bias_share(std::sqrt(depth / kDepth)), normal = 1.1 * base.z();
   int turn = 0;
   for (const double limit : limits) {
     const Eigen::Vector2d way = ++turn % 2 != 0 ? Eigen::Vector2d(1, 0) : Eigen::Vector2d(-0.6, 0.8);
     Sample s;
     s.kind = SampleKind::slipping;
     s.deflection << reach * depth * way, depth;
-    s.force << normal * (flanks / straight.z() * straight.head<2>() - (limit > 0 ? limit : 0.1) * way), normal;
+    s.force << normal * (flanks / base.z() * base.head<2>() - (limit > 0 ? limit : 0.1) * way), normal;
     s.friction_limit = limit > 0 && !in_part ? s.force.head<2>().norm() / s.force.z() : 0.0;
     samples.push_back(s);
   }
 }
 
 TEST(FrictionLimit, IsWhatWasForetoldWhereNoContactSlippedAsAWhole) {
-  std::vector<Sample> samples = straight();
+  std::vector<Sample> samples = normal_indentation();
   add_slipping(samples, kDepth, {0.0, 0.0});
   const auto limits = friction_limits(samples, kDepth);
   ASSERT_EQ(limits.size(), 12U);
@@ -62,7 +62,7 @@ TEST(FrictionLimit, IsWhatWasForetoldWhereNoContactSlippedAsAWhole) {
 }
 
 TEST(FrictionLimit, TakesTheMeanOverDirectionsAndIsCorrectedInBetween) {
-  std::vector<Sample> samples = straight();
+  std::vector<Sample> samples = normal_indentation();
   const double deep = samples[11].deflection.z(), middle = samples[5].deflection.z();
   add_slipping(samples, middle, {0.0, foretold(middle)}, 0.4);  // it slides, but not as far as it was drawn
   add_slipping(samples, middle, {1.1 * foretold(middle)});
@@ -77,7 +77,7 @@ TEST(FrictionLimit, TakesTheMeanOverDirectionsAndIsCorrectedInBetween) {
 
 // A pair whose deepest push did not slip as a whole keeps the ratio of the deepest one that did.
 TEST(FrictionLimit, GoesOnBeyondTheDeepestSolvedOne) {
-  std::vector<Sample> samples = straight();
+  std::vector<Sample> samples = normal_indentation();
   const double middle = samples[5].deflection.z();
   add_slipping(samples, middle, {1.1 * foretold(middle)});
   for (const auto& [z, limit] : friction_limits(samples, kDepth)) {
@@ -89,7 +89,7 @@ TEST(FrictionLimit, GoesOnBeyondTheDeepestSolvedOne) {
 
 // A contact that stuck in part until the end would have held more, not less.
 TEST(FrictionLimit, IsAtLeastWhatAContactHeldThatSlippedInPart) {
-  std::vector<Sample> samples = straight();
+  std::vector<Sample> samples = normal_indentation();
   const double middle = samples[5].deflection.z(), deep = samples[11].deflection.z();
   add_slipping(samples, middle, {1.1 * foretold(middle)});
   add_slipping(samples, deep, {1.05 * foretold(deep), 1.05 * foretold(deep)}, 0.5, true);
@@ -99,7 +99,7 @@ TEST(FrictionLimit, IsAtLeastWhatAContactHeldThatSlippedInPart) {
 }
 
 TEST(FrictionLimit, IsWhatTheCurveOfThePairGives) {
-  std::vector<Sample> samples = straight();
+  std::vector<Sample> samples = normal_indentation();
   const ResponseScales scales{kDepth, 0.4 * kDepth, {5, 4, 3, 3, true}, 16};
   const auto mu = [&](double depth) {
     return Potential(fit_pair(samples, scales, "pair").coefs, scales).friction(depth);

@@ -62,9 +62,9 @@ TEST(Gates, AGoodStatePasses) {
 TEST_P(Gates, RefusesAndNamesItself) {
   GateState s = good();
   GetParam().make(s);
-  const auto straight = failed_gate(s, {});
-  ASSERT_TRUE(straight.has_value());
-  EXPECT_EQ(straight->rfind(GetParam().gate, 0), 0U) << *straight;
+  const auto normal = failed_gate(s, {});
+  ASSERT_TRUE(normal.has_value());
+  EXPECT_EQ(normal->rfind(GetParam().gate, 0), 0U) << *normal;
   const auto tangential = failed_tangential_gate(s, -0.01, {});
   EXPECT_EQ(tangential.has_value(), GetParam().tangential);
 }

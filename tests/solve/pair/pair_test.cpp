@@ -291,7 +291,7 @@ TEST_F(Pair, AToolThatReachesHeldSurfaceIsRefusedByName) {
 
 // New area sticks where it lands: at one and the same place of the tool, more of the tangential force is there the
 // deeper it was when it was pushed aside.
-TEST_F(Pair, PathsUnderSideLoadAreSolvedFromTheStraightPush) {
+TEST_F(Pair, PathsUnderSideLoadAreSolvedFromTheNormalIndentation) {
   scene.solver.mesh_size = 0.7;
   scene.friction = 0.3;
   scene.sampling.normal_points = 4;

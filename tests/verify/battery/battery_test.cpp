@@ -134,13 +134,13 @@ TEST(SampleDifference, MatchesFromFullDepthAndByDirection) {
       sample(K::normal, 2, {0, 0, 1e-3}, {0, 0, 10}),         sample(K::tangential, 0, {1e-4, 0, 1e-3}, {-1, 0, 10}),
       sample(K::tangential, 1, {2e-4, 0, 1e-3}, {-2, 0, 10}), sample(K::tangential, 2, {0, 1e-4, 1e-3}, {0, -1, 10})};
   std::vector<Sample> other(reference.begin() + 1, reference.end());  // without the shallowest
-  EXPECT_EQ(sample_difference(other, reference).straight, 0);
+  EXPECT_EQ(sample_difference(other, reference).normal, 0);
   EXPECT_EQ(sample_difference(other, reference).stiffness, 0);
   other[1].force = {0, 0, 10.2};
   for (std::size_t k = 2; k < other.size(); ++k) other[k].force.z() = 10.2;
   other[4].force.y() = -1.1;  // the push along y
   const SampleDifference d = sample_difference(other, reference);
-  EXPECT_NEAR(d.straight, 0.02, 1e-12);
+  EXPECT_NEAR(d.normal, 0.02, 1e-12);
   EXPECT_NEAR(d.stiffness, 0.1, 1e-9);
   EXPECT_NEAR(d.tangential, std::hypot(0.1, 0.2) / std::hypot(1, 10), 1e-12);
 }
@@ -161,11 +161,11 @@ TEST(SolverBench, RowsComeNearerToTheReference) {
   for (const SolverBenchRow& row : rows) {
     EXPECT_EQ(row.solved, 1U);
     EXPECT_GT(row.seconds, 0);
-    EXPECT_GT(row.difference.straight, 0);
-    EXPECT_LT(row.difference.straight, 0.2);
+    EXPECT_GT(row.difference.normal, 0);
+    EXPECT_LT(row.difference.normal, 0.2);
     EXPECT_EQ(row.difference.tangential, 0);  // a frictionless scene has no tangential pushes
   }
-  EXPECT_LT(rows[1].difference.straight, rows[0].difference.straight);
+  EXPECT_LT(rows[1].difference.normal, rows[0].difference.normal);
   EXPECT_GT(rows[1].nodes, rows[0].nodes);
 }
 
