@@ -149,6 +149,9 @@ std::string canonical_text(const SceneSources& sources) {
   std::string text;
   if (sources.measured.empty() && sources.analytic.empty()) return text;
   append_canonical(text, "sources", sources_keys(), sources, false);
+  // The value has its name in earlier programs, too.
+  const std::string filled = "sources.rest = \"filled\"\n";
+  if (text == filled) text = "sources.rest = \"covered\"\n";
   for (const MeasuredScene& measured : sources.measured) {
     text += "[measured]\n";
     append_canonical(text, "measured", measured_keys(), measured, false);

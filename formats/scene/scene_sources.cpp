@@ -73,8 +73,8 @@ std::string show_sites(const A& analytic) {
 
 const Keys<SceneSources>& sources_keys() {
   static const Keys<SceneSources> keys{affecting(
-      Affects::file, choice("rest", &SceneSources::rest, {"solved", "covered"},
-                            "Sites without a recording and without a law: solved, or covered from their neighbours."))};
+      Affects::file, choice("rest", &SceneSources::rest, {"solved", "filled"},
+                            "Sites without a recording and without a law: solved, or filled from their neighbours."))};
   return keys;
 }
 

@@ -37,7 +37,7 @@ struct AnalyticScene {
 
 /// Sources of a scene's responses. Apart from Scene, because no mesh and no solve depends on it.
 struct SceneSources {
-  enum class Rest { solved, covered };
+  enum class Rest { solved, filled };
   Rest rest = Rest::solved;  ///< source of sites without recording and law: a solve, or the neighbours
   std::vector<MeasuredScene> measured;
   std::vector<AnalyticScene> analytic;

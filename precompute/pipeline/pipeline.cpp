@@ -319,7 +319,7 @@ JournalContent samples(const Pipeline& p) {
   if (!std::filesystem::exists(p.paths.samples)) {
     if (!p.sources.solves_any(p.plan.pairs.size())) return {};
     const char* const other =
-        p.sources.given.empty() ? "" : ", or take the other sites from their neighbours: [sources] rest = \"covered\"";
+        p.sources.given.empty() ? "" : ", or take the other sites from their neighbours: [sources] rest = \"filled\"";
     throw Error(ExitCode::io, p.paths.samples.string() + ": there is no journal; run palpate bake first" + other);
   }
   return read_journal(p.paths.samples, p.manifest);

@@ -112,20 +112,20 @@ private:
   std::optional<std::uint32_t> only_;
 };
 
-/// Throws unless every tool vertex has a pair that its other sites can be covered from.
-void check_covered(const Scene& scene, const std::vector<Tool>& tools, const Plan& plan, const PairSources& sources) {
-  const std::string where = scene.file.string() + ": sources.rest = \"covered\"";
+/// Throws unless every tool vertex has a pair that its other sites can be filled from.
+void check_fillable(const Scene& scene, const std::vector<Tool>& tools, const Plan& plan, const PairSources& sources) {
+  const std::string where = scene.file.string() + ": sources.rest = \"filled\"";
   if (sources.given.empty()) {
     throw Error(ExitCode::bad_input, where +
                                          " needs a recording ([[measured]], --measured) or a law ([[analytic]]) to "
-                                         "cover from");
+                                         "fill from");
   }
   std::set<std::pair<std::uint32_t, std::uint32_t>> given;  // tool, tool vertex
   for (const auto& [pair, unused] : sources.given) given.emplace(plan.pairs[pair].tool, plan.pairs[pair].tool_vertex);
   for (std::uint32_t tool = 0; tool < tools.size(); ++tool) {
     for (std::uint32_t vertex = 0; vertex < tools[tool].vertices.size(); ++vertex) {
       if (given.count({tool, vertex}) > 0) continue;
-      throw Error(ExitCode::bad_input, where + " has nothing to cover from for contact vertex " +
+      throw Error(ExitCode::bad_input, where + " has nothing to fill from for contact vertex " +
                                            std::to_string(vertex) + " of the tool '" + tools[tool].name +
                                            "': it needs a recording or a law at one site at least");
     }
@@ -151,7 +151,7 @@ PairSources find_sources(const Scene& scene, const SceneSources& wanted, const B
     }
     law.check_used(used);
   }
-  if (!sources.solve_others) check_covered(scene, tools, plan, sources);
+  if (!sources.solve_others) check_fillable(scene, tools, plan, sources);
   return sources;
 }
 

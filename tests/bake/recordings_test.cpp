@@ -19,7 +19,7 @@ protected:
   }
 };
 
-const std::string kCovered = "[sources]\nrest = \"covered\"\n[contact]\nfriction = 0.3\n";
+const std::string kFilled = "[sources]\nrest = \"filled\"\n[contact]\nfriction = 0.3\n";
 
 /// Normal indentations, then pushes aside to `directions` evenly spaced sides, held as Mindlin's contact is.
 std::vector<Row> pushed_aside(int directions) {
@@ -73,7 +73,7 @@ TEST_F(Recordings, BadRecordingsNameLineAndCause) {
 }
 
 TEST_F(Recordings, WithFrictionEverySideIsAskedFor) {
-  Pipeline p = open(kCovered, csv({0, 0, 0.02}, pushed_aside(8)));
+  Pipeline p = open(kFilled, csv({0, 0, 0.02}, pushed_aside(8)));
   const std::string one = refused(p, csv({0, 0, 0.02}, pushed_aside(1)));
   EXPECT_NE(one.find("recorded pair "), std::string::npos) << one;
   EXPECT_NE(one.find("at least 4 rows pushed aside to each of four sides; there are "), std::string::npos) << one;
@@ -81,7 +81,7 @@ TEST_F(Recordings, WithFrictionEverySideIsAskedFor) {
 }
 
 TEST_F(Recordings, AloneChooseTheDegrees) {
-  const Pipeline p = open(kCovered, csv({0, 0, 0.02}, pushed_aside(8)));
+  const Pipeline p = open(kFilled, csv({0, 0, 0.02}, pushed_aside(8)));
   const pipeline::FittedFile file = pipeline::fit_file(p, {}, pipeline::fit_settings(p));
   EXPECT_TRUE(file.fitted.scales.degrees.friction_families);
   EXPECT_GT(file.fitted.report.held_out.samples, 5U);
@@ -123,7 +123,7 @@ TEST_F(Recordings, WhatIsPassedOverIsCounted) {
   rows.push_back({{0, 0, 0}, {0, 0, 0}});
   rows.push_back({{0, 0, -1.1 * kDepth}, {0, 0, 1}});
   rows.push_back({{0.001, 0, -0.001}, {0, 0, 1}});
-  const FitReport report = pipeline::fit(open("[sources]\nrest = \"covered\"\n", csv({0, 0, 0.02}, rows)));
+  const FitReport report = pipeline::fit(open("[sources]\nrest = \"filled\"\n", csv({0, 0, 0.02}, rows)));
   ASSERT_EQ(report.recorded.size(), 1U);
   EXPECT_EQ(report.recorded[0].rows, 60U);
   EXPECT_EQ(to_text(report.recorded[0].passed),

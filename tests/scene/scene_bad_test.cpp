@@ -336,7 +336,7 @@ std::vector<Case> cases() {
        {"analytic.within_box", "both 'min' and 'max'"}},
       bad("analytic", "poisson", "0.6", "0 <= x <= 0.5"),
       bad("analytic", "thickness", "0", "0 < x <= 10 m"),
-      bad("sources", "rest", "\"guessed\"", "\"solved\" | \"covered\""),
+      bad("sources", "rest", "\"guessed\"", "\"solved\" | \"filled\""),
       {"duplicate_key", "[contact]\nfriction = 0.1\nfriction = 0.2\n", 5, {"not TOML"}},
       {"syntax", "[contact\nfriction = 0.1\n", 3, {"not TOML"}},
       {"open_string", "[tool]\nname = \"abc\n", 4, {"not TOML"}},
