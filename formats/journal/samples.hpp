@@ -79,7 +79,7 @@ struct PairOutcome {
 struct PairCheck {
   std::uint32_t nodes = 0;     ///< of the finer mesh
   std::uint32_t compared = 0;  ///< samples; 0: none could be
-  std::uint32_t foretold = 0;  ///< of these: differ by no more than the error estimates of both
+  std::uint32_t within_estimate = 0;  ///< of these: differ by no more than the error estimates of both
   double difference = 0.0;     ///< largest |F - F'| / |F'| over the deeper half
   std::string cause;           ///< one line: why nothing was compared
 };

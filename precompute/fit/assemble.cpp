@@ -69,7 +69,7 @@ Json figures(const ErrorFigures& f) {
 
 /// Adds the sources of responses of a scene in which not everything is solved.
 void add_sources(Json& json, const Plan& plan, const FitReport& report, const PairSources& sources) {
-  if (sources.given.empty()) return;
+  if (sources.external.empty()) return;
   Json& to = json["sources"];
   to["scene"] = to_hex(sources.text);
   to["analytic"] = report.analytic;

@@ -13,8 +13,8 @@
 #include "formats/io/error.hpp"
 #include "precompute/bake/bake.hpp"
 #include "precompute/fit/carry.hpp"
+#include "precompute/fit/external_samples.hpp"
 #include "precompute/fit/fill.hpp"
-#include "precompute/fit/given_pairs.hpp"
 #include "precompute/fit/laws/potential_degrees.hpp"
 #include "precompute/fit/push_field.hpp"
 
@@ -134,7 +134,7 @@ public:
   FittedResponses run() {
     report_.planned = check_finished(plan_, journal_, sources_);
     report_.friction = settings_.friction;
-    check_given(plan_, sources_, settings_.friction);
+    check_external(plan_, sources_, settings_.friction);
     choose_law();
     for (std::uint32_t pair = 0; pair < plan_.pairs.size(); ++pair) fit_one(pair);
     for (std::uint32_t row = 0; row < rows_.size(); ++row) carry(row);
@@ -147,18 +147,18 @@ public:
 private:
   [[nodiscard]] std::uint32_t row_of(const PairPlan& pair) const { return first_[pair.tool] + pair.tool_vertex; }
 
-  /// Scales and degrees, from the pairs that were solved in full or given.
+  /// Scales and degrees, from the pairs that were solved in full or have external samples.
   void choose_law() {
     std::vector<const std::vector<Sample>*> all, exact;
     for (std::uint32_t pair = 0; pair < plan_.pairs.size(); ++pair) {
       if (plan_.pairs[pair].role == PairRole::hidden) continue;
       const std::vector<Sample>* samples = samples_of(pair, journal_, sources_);
       if (samples == nullptr) continue;
-      const auto given = sources_.given.find(pair);
-      const bool noisy = given != sources_.given.end() && given->second.measured;
+      const auto external = sources_.external.find(pair);
+      const bool noisy = external != sources_.external.end() && external->second.measured;
       report_.bias = report_.bias || (noisy ? has_steady_bias(*samples, settings_.bias_threshold)
                                             : has_bias(*samples, settings_.bias_threshold));
-      const bool solved = given == sources_.given.end();
+      const bool solved = external == sources_.external.end();
       if (solved && (plan_.pairs[pair].role == PairRole::normal || normal_alone(*samples))) continue;
       all.push_back(samples);
       if (!noisy) exact.push_back(samples);
@@ -192,9 +192,9 @@ private:
   void fit_one(std::uint32_t pair) {
     const PairPlan& planned = plan_.pairs[pair];
     const std::uint32_t row = row_of(planned);
-    if (const auto given = sources_.given.find(pair); given != sources_.given.end()) {
-      rows_[row][planned.site] = fit_given(plan_, pair, given->second, result_.scales, report_, laws_);
-      flags_[row][planned.site] = given->second.measured ? layout::response_measured : layout::response_analytic;
+    if (const auto external = sources_.external.find(pair); external != sources_.external.end()) {
+      rows_[row][planned.site] = fit_external(plan_, pair, external->second, result_.scales, report_, laws_);
+      flags_[row][planned.site] = external->second.measured ? layout::response_measured : layout::response_analytic;
       return;
     }
     if (!sources_.solved(pair) || planned.role == PairRole::hidden) return;

@@ -14,7 +14,7 @@
 #include "precompute/bake/plan.hpp"
 #include "precompute/bake/sampling_estimate.hpp"
 #include "precompute/compliance/report.hpp"
-#include "precompute/fit/given_pairs.hpp"
+#include "precompute/fit/external_samples.hpp"
 #include "precompute/fit/laws/pair_fit.hpp"
 #include "precompute/fit/laws/potential_degrees.hpp"
 #include "precompute/fit/refusals.hpp"

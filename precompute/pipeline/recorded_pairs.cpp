@@ -12,7 +12,7 @@
 
 #include "formats/io/error.hpp"
 #include "formats/recording/recording.hpp"
-#include "precompute/bake/given_tool.hpp"
+#include "precompute/bake/tool_lookup.hpp"
 #include "precompute/sites/haptic_mesh.hpp"
 #include "precompute/solve/pair/pair.hpp"
 
@@ -78,7 +78,7 @@ public:
         throw Error(ExitCode::bad_input, where + ": its site " + std::to_string(contact->site) + " " +
                                              reason_text(plan_, name) + ": no response of this scene is there");
       }
-      add(row, *contact, plan_.pairs[pair->second], where, to.given[pair->second]);
+      add(row, *contact, plan_.pairs[pair->second], where, to.external[pair->second]);
     }
   }
 
@@ -136,7 +136,7 @@ private:
   }
 
   void add(const RecordedRow& row, const Contact& contact, const PairPlan& pair, const std::string& where,
-           GivenPair& to) const {
+           ExternalSamples& to) const {
     const Vector3d deflection = pair.frame.to_local(contact.turn * row.deflection);
     Sample sample;
     sample.deflection = {deflection.x(), deflection.y(), -deflection.z()};

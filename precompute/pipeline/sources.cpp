@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "formats/io/error.hpp"
-#include "precompute/bake/given_tool.hpp"
+#include "precompute/bake/tool_lookup.hpp"
 #include "precompute/fit/closed_form.hpp"
 #include "precompute/pipeline/recorded_pairs.hpp"
 
@@ -46,11 +46,11 @@ public:
     return surface.part_names[static_cast<std::size_t>(part)] == law_.mesh;
   }
 
-  [[nodiscard]] GivenPair samples(const PairPlan& pair, const Tool& tool, double wall) const {
+  [[nodiscard]] ExternalSamples samples(const PairPlan& pair, const Tool& tool, double wall) const {
     refuse_grasps(tool, where_);
-    GivenPair given;
-    given.samples = fit::sample_law(form(pair, tool, wall), bake_path(scene_, pair.depth));
-    return given;
+    ExternalSamples external;
+    external.samples = fit::sample_law(form(pair, tool, wall), bake_path(scene_, pair.depth));
+    return external;
   }
 
   void check_used(bool used) const {
@@ -115,13 +115,14 @@ private:
 /// Throws unless every tool vertex has a pair that its other sites can be filled from.
 void check_fillable(const Scene& scene, const std::vector<Tool>& tools, const Plan& plan, const PairSources& sources) {
   const std::string where = scene.file.string() + ": sources.rest = \"filled\"";
-  if (sources.given.empty()) {
+  if (sources.external.empty()) {
     throw Error(ExitCode::bad_input, where +
                                          " needs a recording ([[measured]], --measured) or a law ([[analytic]]) to "
                                          "fill from");
   }
   std::set<std::pair<std::uint32_t, std::uint32_t>> given;  // tool, tool vertex
-  for (const auto& [pair, unused] : sources.given) given.emplace(plan.pairs[pair].tool, plan.pairs[pair].tool_vertex);
+  for (const auto& [pair, unused] : sources.external)
+    given.emplace(plan.pairs[pair].tool, plan.pairs[pair].tool_vertex);
   for (std::uint32_t tool = 0; tool < tools.size(); ++tool) {
     for (std::uint32_t vertex = 0; vertex < tools[tool].vertices.size(); ++vertex) {
       if (given.count({tool, vertex}) > 0) continue;
@@ -145,8 +146,8 @@ PairSources find_sources(const Scene& scene, const SceneSources& wanted, const B
     bool used = false;
     for (std::uint32_t k = 0; k < plan.pairs.size(); ++k) {
       const PairPlan& pair = plan.pairs[k];
-      if (sources.given.count(k) > 0 || !law.holds(pair, body)) continue;
-      sources.given[k] = law.samples(pair, tools[pair.tool], mesh.thickness[pair.site]);
+      if (sources.external.count(k) > 0 || !law.holds(pair, body)) continue;
+      sources.external[k] = law.samples(pair, tools[pair.tool], mesh.thickness[pair.site]);
       used = true;
     }
     law.check_used(used);

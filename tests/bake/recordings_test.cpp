@@ -111,8 +111,8 @@ TEST_F(Recordings, TheOtherFaceOfAThinWallIsNotMeant) {
   below.frame.n = -below.frame.n;
   p.plan.sites.push_back(below);
   const PairSources found = sources();
-  ASSERT_EQ(found.given.size(), 1U);
-  EXPECT_EQ(found.given.begin()->first, expected);
+  ASSERT_EQ(found.external.size(), 1U);
+  EXPECT_EQ(found.external.begin()->first, expected);
   for (PlanSite& site : p.plan.sites) site.frame.n = {0, 0, -1};
   EXPECT_NE(message_of(sources).find("csv:3: no site of the body faces as"), std::string::npos);
 }

@@ -12,7 +12,7 @@
 
 namespace palpate::test {
 
-/// Plays the transport's part with `bytes` as its script. Returns the broken promise, or null.
+/// Plays the transport's part with `bytes` as its script. Returns the broken invariant, or null.
 inline const char* try_protocol(device::Protocol& protocol, const device::DeviceKind& kind, const std::uint8_t* bytes,
                                 std::size_t size) {
   using device::Fault;

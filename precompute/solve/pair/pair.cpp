@@ -104,7 +104,7 @@ PairCheck check_of(const PairResult& result, const Body& body, const Tool& tool,
   std::erase_if(pushed.samples, [](const Sample& s) { return s.kind != SampleKind::normal; });
   const SampleDifference d = sample_difference(pushed.samples, fine.samples);
   check.compared = static_cast<std::uint32_t>(d.compared);
-  check.foretold = static_cast<std::uint32_t>(d.foretold);
+  check.within_estimate = static_cast<std::uint32_t>(d.within_estimate);
   check.difference = d.normal;
   return check;
 }

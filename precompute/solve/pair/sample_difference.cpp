@@ -63,7 +63,7 @@ SampleDifference sample_difference(const std::vector<Sample>& samples, const std
     const double difference = (of.force - force).norm() / force.norm();
     ++d.compared;
     d.samples.push_back({std::size_t(&of - samples.data()), std::size_t(&other - reference.data()), difference});
-    d.foretold += difference <= of.error_estimate + other.error_estimate;
+    d.within_estimate += difference <= of.error_estimate + other.error_estimate;
     return difference;
   };
   const auto a = normal_samples(samples), b = normal_samples(reference);

@@ -16,11 +16,11 @@ struct ComparedSample {
 };
 
 struct SampleDifference {
-  double normal = 0.0;       ///< largest |F - F'| / |F'| over the deeper half of the normal indentation
-  double tangential = 0.0;   ///< the same over the tangential pushes
-  std::size_t compared = 0;  ///< samples that had a partner: normal ones of any depth, tangential ones
-  std::size_t foretold = 0;  ///< of these: differ by no more than their error estimates together
-  double stiffness = 0.0;    ///< largest relative difference of a tangential push's secant stiffness at its first point
+  double normal = 0.0;              ///< largest |F - F'| / |F'| over the deeper half of the normal indentation
+  double tangential = 0.0;          ///< the same over the tangential pushes
+  std::size_t compared = 0;         ///< samples that had a partner: normal ones of any depth, tangential ones
+  std::size_t within_estimate = 0;  ///< of these: differ by no more than their error estimates together
+  double stiffness = 0.0;  ///< largest relative difference of a tangential push's secant stiffness at its first point
   std::vector<ComparedSample> samples;  ///< every one that had a partner
 };
 

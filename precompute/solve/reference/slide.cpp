@@ -163,7 +163,7 @@ private:
     s.slipping = friction.slipping;
     s.gross = friction.gross();
     s.local_ratio = friction.traction / friction.pressure;
-    s.foretold = path_.friction * push.contact().slip_ratio(push.state().x, way_, frame_.n);
+    s.predicted = path_.friction * push.contact().slip_ratio(push.state().x, way_, frame_.n);
     s.work = slip.work();
     s.stored = slip.stored();
     s.dissipated = slip.dissipated();
@@ -208,7 +208,7 @@ private:
     for (auto s = first; s != steps.end(); ++s) {
       result_.ratio += s->force.x() / s->force.z() / count;
       result_.local_ratio += s->local_ratio / count;
-      result_.foretold += s->foretold / count;
+      result_.predicted += s->predicted / count;
     }
     for (auto s = first; s != steps.end(); ++s) {
       result_.spread = std::max(result_.spread, std::abs(s->force.x() / s->force.z() / result_.ratio - 1));

@@ -34,7 +34,7 @@ struct SlideStep {
   double slipping = 0.0;           ///< share of the friction limit at points that slip
   bool gross = false;              ///< the contact slips as a whole (FrictionReport::gross)
   double local_ratio = 0.0;        ///< sum of the tractions over sum of the pressures: mu where all slip
-  double foretold = 0.0;           ///< mu times ContactEnergy::slip_ratio: the force ratio from the slopes alone
+  double predicted = 0.0;          ///< mu times ContactEnergy::slip_ratio: the force ratio from the slopes alone
   double work = 0.0, stored = 0.0, dissipated = 0.0;  ///< J since the end of the way in
   std::uint32_t points = 0;                           ///< integration points in contact
   std::uint32_t iterations = 0;
@@ -49,7 +49,7 @@ struct SlideResult {
   double ratio = 0.0;           ///< mean of force against the way over normal force, in the last half of the way
   double spread = 0.0;          ///< largest deviation from it there, relative
   double local_ratio = 0.0;     ///< mean there
-  double foretold = 0.0;        ///< mean there
+  double predicted = 0.0;       ///< mean there
   double imbalance = 0.0;       ///< (work - stored - dissipated) / work at the end
   std::uint32_t nodes = 0, factorisations = 0;
 };

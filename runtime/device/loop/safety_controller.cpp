@@ -47,8 +47,7 @@ TickOutput SafetyController::step(const TickInput& seen, ForceSource& source) no
   mode_ = stopping ? Mode::stopping : share_ < 1 ? Mode::ramping : Mode::engaged;
   out.mode = mode_;
   out.command = {seen.time, share_ * shortened(out.answer.force, limits_.limit),
-                 share_ * shortened(out.answer.torque, limits_.torque_limit),
-                 limited(out.answer.pull, limits_.limit)};
+                 share_ * shortened(out.answer.torque, limits_.torque_limit), limited(out.answer.pull, limits_.limit)};
   for (double& pull : out.command.pull) pull *= share_;
   return out;
 }

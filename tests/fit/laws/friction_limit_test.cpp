@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kDepth = 0.004, kMu = 0.3;
 
-// Foretold: mu and a tenth of it more at full depth.
-double foretold(double z) { return kMu * (1 + 0.1 * z / kDepth); }
+// Predicted: mu and a tenth of it more at full depth.
+double predicted(double z) { return kMu * (1 + 0.1 * z / kDepth); }
 
 std::vector<Sample> normal_indentation() {
   test::AnalyticPair pair;
@@ -27,7 +27,7 @@ std::vector<Sample> normal_indentation() {
   pair.friction = kMu;
   std::vector<Sample> samples = test::samples_of(pair, kDepth);
   for (Sample& s : samples) {
-    if (s.kind == SampleKind::normal) s.friction_limit = foretold(s.deflection.z());
+    if (s.kind == SampleKind::normal) s.friction_limit = predicted(s.deflection.z());
   }
   return samples;
 }
@@ -58,20 +58,20 @@ TEST(FrictionLimit, IsWhatWasForetoldWhereNoContactSlippedAsAWhole) {
   add_slipping(samples, kDepth, {0.0, 0.0});
   const auto limits = friction_limits(samples, kDepth);
   ASSERT_EQ(limits.size(), 12U);
-  for (const auto& [z, limit] : limits) EXPECT_DOUBLE_EQ(limit, foretold(z));
+  for (const auto& [z, limit] : limits) EXPECT_DOUBLE_EQ(limit, predicted(z));
 }
 
 TEST(FrictionLimit, TakesTheMeanOverDirectionsAndIsCorrectedInBetween) {
   std::vector<Sample> samples = normal_indentation();
   const double deep = samples[11].deflection.z(), middle = samples[5].deflection.z();
-  add_slipping(samples, middle, {0.0, foretold(middle)}, 0.4);  // it slides, but not as far as it was drawn
-  add_slipping(samples, middle, {1.1 * foretold(middle)});
-  add_slipping(samples, deep, {0.0, 1.2 * foretold(deep), 0.0, 1.4 * foretold(deep)});
+  add_slipping(samples, middle, {0.0, predicted(middle)}, 0.4);  // it slides, but not as far as it was drawn
+  add_slipping(samples, middle, {1.1 * predicted(middle)});
+  add_slipping(samples, deep, {0.0, 1.2 * predicted(deep), 0.0, 1.4 * predicted(deep)});
   const auto limits = friction_limits(samples, kDepth);
   ASSERT_EQ(limits.size(), 12U);
   for (const auto& [z, limit] : limits) {
     const double ratio = z < middle ? 1 + 0.1 * z / middle : 1.1 + 0.2 * (z - middle) / (deep - middle);
-    EXPECT_NEAR(limit / foretold(z), ratio, 1e-12) << z;
+    EXPECT_NEAR(limit / predicted(z), ratio, 1e-12) << z;
   }
 }
 
@@ -79,10 +79,10 @@ TEST(FrictionLimit, TakesTheMeanOverDirectionsAndIsCorrectedInBetween) {
 TEST(FrictionLimit, GoesOnBeyondTheDeepestSolvedOne) {
   std::vector<Sample> samples = normal_indentation();
   const double middle = samples[5].deflection.z();
-  add_slipping(samples, middle, {1.1 * foretold(middle)});
+  add_slipping(samples, middle, {1.1 * predicted(middle)});
   for (const auto& [z, limit] : friction_limits(samples, kDepth)) {
     if (z > middle) {
-      EXPECT_NEAR(limit / foretold(z), 1.1, 1e-12);
+      EXPECT_NEAR(limit / predicted(z), 1.1, 1e-12);
     }
   }
 }
@@ -91,11 +91,11 @@ TEST(FrictionLimit, GoesOnBeyondTheDeepestSolvedOne) {
 TEST(FrictionLimit, IsAtLeastWhatAContactHeldThatSlippedInPart) {
   std::vector<Sample> samples = normal_indentation();
   const double middle = samples[5].deflection.z(), deep = samples[11].deflection.z();
-  add_slipping(samples, middle, {1.1 * foretold(middle)});
-  add_slipping(samples, deep, {1.05 * foretold(deep), 1.05 * foretold(deep)}, 0.5, true);
-  EXPECT_NEAR(friction_limits(samples, kDepth).back().second, 1.1 * foretold(deep), 1e-12);
-  add_slipping(samples, deep, {1.3 * foretold(deep), 1.4 * foretold(deep)}, 0.6, true);
-  EXPECT_NEAR(friction_limits(samples, kDepth).back().second, 1.35 * foretold(deep), 1e-12);
+  add_slipping(samples, middle, {1.1 * predicted(middle)});
+  add_slipping(samples, deep, {1.05 * predicted(deep), 1.05 * predicted(deep)}, 0.5, true);
+  EXPECT_NEAR(friction_limits(samples, kDepth).back().second, 1.1 * predicted(deep), 1e-12);
+  add_slipping(samples, deep, {1.3 * predicted(deep), 1.4 * predicted(deep)}, 0.6, true);
+  EXPECT_NEAR(friction_limits(samples, kDepth).back().second, 1.35 * predicted(deep), 1e-12);
 }
 
 TEST(FrictionLimit, IsWhatTheCurveOfThePairGives) {
@@ -104,9 +104,9 @@ TEST(FrictionLimit, IsWhatTheCurveOfThePairGives) {
   const auto mu = [&](double depth) {
     return Potential(fit_pair(samples, scales, "pair").coefs, scales).friction(depth);
   };
-  EXPECT_NEAR(mu(kDepth), foretold(kDepth), 2e-3);
-  add_slipping(samples, samples[11].deflection.z(), {1.3 * foretold(kDepth)});
-  EXPECT_NEAR(mu(kDepth), 1.3 * foretold(kDepth), 5e-3);
+  EXPECT_NEAR(mu(kDepth), predicted(kDepth), 2e-3);
+  add_slipping(samples, samples[11].deflection.z(), {1.3 * predicted(kDepth)});
+  EXPECT_NEAR(mu(kDepth), 1.3 * predicted(kDepth), 5e-3);
   EXPECT_NEAR(mu(0.02 * kDepth), kMu, 5e-3);
 }
 

@@ -104,7 +104,7 @@ TEST_F(ContactMethods, ACheckComparesWithAFinerMesh) {
   EXPECT_EQ(r.check->compared, 4U);
   EXPECT_GT(r.check->difference, 0);
   EXPECT_LT(r.check->difference, 0.05);
-  EXPECT_EQ(r.check->foretold, 4U);
+  EXPECT_EQ(r.check->within_estimate, 4U);
   options.check = false;
   EXPECT_FALSE(press(ContactMethod::penalty).check);
 }

@@ -3,7 +3,7 @@
 // All cells: palpate verify --battery stiff.
 #include "precompute/verify/battery/battery.hpp"
 
-#include "precompute/common/draw.hpp"
+#include "precompute/common/random_subset.hpp"
 #include "precompute/solve/pair/sample_difference.hpp"
 #include "precompute/verify/battery/stiff_cells.hpp"
 #include "precompute/verify/parallel.hpp"
@@ -99,7 +99,7 @@ TEST(Battery, ADrawnCellOfEveryFamilyConvergesOrSaysWhyNot) {
   for (const BatteryCell& cell : stiff_cells()) families[cell.family].push_back(cell);
   std::vector<BatteryCell> cells;
   for (const auto& [family, all] : families) {
-    cells.push_back(all[draw_share(all.size(), 1e-6, 23).at(0)]);
+    cells.push_back(all[random_subset(all.size(), 1e-6, 23).at(0)]);
     cells.back().scene.sampling.normal_points = 4;
     cells.back().scene.solver.mesh_size = 0.45;
   }
@@ -170,15 +170,15 @@ TEST(SolverBench, RowsComeNearerToTheReference) {
 }
 
 TEST(DrawShare, IsAShareOfDifferentNumbersBySeed) {
-  const auto drawn = draw_share(40, 0.2, 1);
+  const auto drawn = random_subset(40, 0.2, 1);
   EXPECT_EQ(drawn.size(), 8U);
   EXPECT_EQ(std::set<std::size_t>(drawn.begin(), drawn.end()).size(), 8U);
   for (const std::size_t k : drawn) EXPECT_LT(k, 40U);
-  EXPECT_EQ(draw_share(40, 0.2, 1), drawn);
-  EXPECT_NE(draw_share(40, 0.2, 2), drawn);
-  EXPECT_EQ(draw_share(40, 1e-6, 1).size(), 1U);
-  EXPECT_TRUE(draw_share(40, 0, 1).empty());
-  EXPECT_TRUE(draw_share(0, 1, 1).empty());
+  EXPECT_EQ(random_subset(40, 0.2, 1), drawn);
+  EXPECT_NE(random_subset(40, 0.2, 2), drawn);
+  EXPECT_EQ(random_subset(40, 1e-6, 1).size(), 1U);
+  EXPECT_TRUE(random_subset(40, 0, 1).empty());
+  EXPECT_TRUE(random_subset(0, 1, 1).empty());
 }
 
 TEST(ParallelFor, DoesEachPieceOnceAndStopsWhenAsked) {
