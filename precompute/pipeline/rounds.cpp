@@ -284,8 +284,8 @@ void add_hidden(const Sampled& sampled, std::size_t count, Plan& plan) {
     pair.depth = std::min(sampling.depth, sampling.depth_fraction * sampled.body.query->thickness(o, pair.frame.n));
     const Tool& tool = sampled.tools[pair.tool];
     const ToolVertex& vertex = tool.vertices[pair.tool_vertex];
-    if (reaches_support(sampled.body, tool, vertex, pair.frame, pair.depth) ||
-        !can_touch_first(sampled.body, tool, vertex, pair.frame)) {
+    if (reaches_support({sampled.body, tool, vertex, pair.frame}, pair.depth) ||
+        !can_touch_first({sampled.body, tool, vertex, pair.frame})) {
       continue;
     }
     plan.pairs.push_back(pair);

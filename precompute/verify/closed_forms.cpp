@@ -56,7 +56,7 @@ PairResult press(double half_width, double height, double poisson, const ToolSce
   const Body body =
       prepare_body(scene, box_solid({-half_width, -half_width, -height}, {half_width, half_width, 0}, height, "box"));
   const Tool tool = make_tool(tool_scene);
-  return solve_pair(body, tool, tool.vertices[0], ContactFrame{}, path, pair_options(scene));
+  return solve_pair({body, tool, tool.vertices[0], ContactFrame{}}, path, pair_options(scene));
 }
 
 PairResult press_block(double half, const ToolScene& tool, const PairPath& path, const Elements& elements) {

@@ -34,7 +34,7 @@ std::vector<std::vector<Sample>> solve(const std::vector<PaperPush>& pushes, uns
     PairPath path = bake_path(scene, scene.sampling.depth);
     path.tangential_directions = push.directions;
     path.tangential_depths = {path.normal_depths.back()};
-    const PairResult r = solve_pair(*push.body, tool, tool.vertices.at(0), frame, path, pair_options(scene));
+    const PairResult r = solve_pair({*push.body, tool, tool.vertices.at(0), frame}, path, pair_options(scene));
     if (!r.outcome.accepted || !r.outcome.cause.empty()) {
       throw Error(ExitCode::numerical, scene.name + ", " + tool.name + ": " + r.outcome.cause);
     }

@@ -16,7 +16,7 @@ PairResult solve(const Scene& scene, const Body& body, const Tool& tool, const B
   options.mesh_size = setting.mesh_size;
   options.growth = setting.growth;
   if (setting.max_size > 0) options.max_size = setting.max_size * body.diagonal;
-  return solve_pair(body, tool, tool.vertices.at(0), contact.frame, bake_path(scene, contact.depth), options);
+  return solve_pair({body, tool, tool.vertices.at(0), contact.frame}, bake_path(scene, contact.depth), options);
 }
 
 double median(std::vector<double> values) {

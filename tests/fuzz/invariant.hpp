@@ -7,7 +7,7 @@
 
 namespace palpate::test {
 
-/// Where the invariant does not hold, names it and ends the program, as a sanitizer does.
+/// Prints an invariant that does not hold and ends the program, as a sanitizer does.
 inline void expect(bool good, const char* invariant) {
   if (good) return;
   std::fprintf(stderr, "broken invariant: %s\n", invariant);

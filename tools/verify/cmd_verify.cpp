@@ -138,8 +138,8 @@ HeldOutSet solve_contacts(const VerifyArguments& options, const Globals& globals
   held.seed = options.seed;
   held.threads = static_cast<unsigned>(globals.threads);
   held.stop = [] { return interrupted(); };
-  held.touchable = [&](const ContactFrame& frame, const Tool& tool, const ToolVertex& vertex, double depth) {
-    return !reaches_support(p.body, tool, vertex, frame, depth) && can_touch_first(p.body, tool, vertex, frame);
+  held.touchable = [](const ContactCase& contact, double depth) {
+    return !reaches_support(contact, depth) && can_touch_first(contact);
   };
   held.progress = [&](std::size_t done, std::size_t total) {
     if (!globals.quiet && (done == total || done % 10 == 0)) {

@@ -16,8 +16,8 @@ struct StepResult {
   double energy_error = 0.0;  ///< J, half of the last decrement: how far above its minimum the energy may be
 };
 
-/// Calls step(to, part) for shares `to` of the move, up to 1; a step that fails is halved, down to an eighth of the move.
-/// If the smallest share fails too, the result has its cause, and the move ends at the last good step.
+/// Calls step(to, part) for shares `to` of the move, up to 1; a step that fails is halved, down to an eighth of the
+/// move. If the smallest share fails too, the result has its cause, and the move ends at the last good step.
 template <class Step>
 StepResult substep(Step&& step) {
   StepResult total;

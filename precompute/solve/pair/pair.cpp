@@ -19,13 +19,6 @@
 namespace palpate {
 namespace {
 
-struct PairCase {
-  const Body& body;
-  const Tool& tool;
-  const ToolVertex& vertex;
-  const ContactFrame& frame;
-};
-
 // Meshes are made of the body free of stress, also where it has a prestress.
 const Body& stress_free(const Body& body) { return body.stress_free ? *body.stress_free : body; }
 
@@ -38,9 +31,9 @@ struct Attempt {
 };
 
 // `last`: no finer mesh is to come, and a tangential push keeps what it answered before it failed.
-Attempt attempt(const PairCase& pair, const PairPath& path, const PairOptions& options, const TetMesh& mesh, bool last,
-                const SolveLimits& limits) {
-  const auto& [body, tool, vertex, frame] = pair;
+Attempt attempt(const ContactCase& contact, const PairPath& path, const PairOptions& options, const TetMesh& mesh,
+                bool last, const SolveLimits& limits) {
+  const auto& [body, tool, vertex, frame] = contact;
   Attempt made;
   PairResult& result = made.result;
   result.outcome.nodes = static_cast<std::uint32_t>(mesh.nodes.size());
@@ -48,7 +41,7 @@ Attempt attempt(const PairCase& pair, const PairPath& path, const PairOptions& o
     Push push(stress_free(body), mesh, *tool.shape, touching_pose(vertex, frame),
               {body.material.young, normal_penalty(options.method, options.penalty), options.tolerance, limits},
               options.materials);
-    PairRun run{body, tool, vertex, frame, path, options, mesh, last, push, result};
+    PairRun run{contact, path, options, mesh, last, push, result};
     if (!push.held_anywhere()) {
       run.refuse("support: no node of the mesh is held");
     } else if (approach(run)) {
@@ -86,16 +79,16 @@ constexpr Rung kLastRungs[] = {{"stiffer contact", ContactMethod::penalty, 4.0},
                                {"log barrier", ContactMethod::barrier, 1.0}};
 
 // The normal indentation on a mesh finer than the one with `scale`.
-PairCheck check_of(const PairResult& result, const Body& body, const Tool& tool, const ToolVertex& vertex,
-                   const ContactFrame& frame, const PairPath& path, const PairOptions& options) {
+PairCheck check_of(const PairResult& result, const ContactCase& contact, const PairPath& path,
+                   const PairOptions& options) {
   PairPath normal = path;
   normal.tangential_depths.clear();
   normal.side_paths.clear();
   normal.tangential_directions = normal.slip_points = 0;
   normal.grasp_depth = 0.0;
-  PairOptions finer = finer_options(options, body, kFiner);
+  PairOptions finer = finer_options(options, contact.body, kFiner);
   finer.check = finer.mesh_errors = false;
-  const PairResult fine = solve_pair(body, tool, vertex, frame, normal, finer);
+  const PairResult fine = solve_pair(contact, normal, finer);
   PairCheck check;
   check.nodes = fine.outcome.nodes;
   check.cause = fine.outcome.cause;
@@ -124,8 +117,8 @@ constexpr OtherMesh kCoarser{1.5, 0.6}, kFinerInstead{0.67, 1.5};
 // The ways of solving one pair, and what they led to.
 class PairSolve {
 public:
-  PairSolve(const PairCase& pair, const PairPath& path, const PairOptions& options)
-      : pair_(pair), path_(path), options_(options), deadline_(options.time_limit) {}
+  PairSolve(const ContactCase& contact, const PairPath& path, const PairOptions& options)
+      : contact_(contact), path_(path), options_(options), deadline_(options.time_limit) {}
 
   PairResult solve() {
     VolumeMeshResult mesh;
@@ -166,11 +159,11 @@ private:
   [[nodiscard]] bool ends() const { return no_deeper_ || deadline_.passed() || lost_ > options_.most_lost; }
 
   VolumeMeshResult mesh_of(const PairOptions& with, double scale) {
-    const SizeField size = contact_size(pair_.body, pair_.tool, pair_.vertex, pair_.frame, path_.normal_depths.back(),
-                                        with.refine * scale, with);
+    const SizeField size = contact_size(contact_, path_.normal_depths.back(), with.refine * scale, with);
     VolumeMeshOptions options = with.mesh;
     options.deadline = &deadline_;
-    return mesh_volume(stress_free(pair_.body), size, {pair_.body.material_point(pair_.frame.origin).point}, options);
+    return mesh_volume(stress_free(contact_.body), size, {contact_.body.material_point(contact_.frame.origin).point},
+                       options);
   }
 
   void failed(const std::string& cause) {
@@ -180,7 +173,7 @@ private:
   }
 
   void attempt(const TetMesh& mesh, const PairOptions& with, double scale, bool last) {
-    Attempt made = palpate::attempt(pair_, path_, with, mesh, last, limits());
+    Attempt made = palpate::attempt(contact_, path_, with, mesh, last, limits());
     result_ = std::move(made.result);
     accepted_ = result_.outcome.accepted;
     contact_failed_ = made.contact_failed;
@@ -216,7 +209,7 @@ private:
       options.watch = {};
       const VolumeMeshResult mesh = mesh_of(options, scale * other.scale);
       if (!mesh.usable) continue;
-      const Attempt made = palpate::attempt(pair_, compared_path(path_), options, mesh.mesh, true, limits());
+      const Attempt made = palpate::attempt(contact_, compared_path(path_), options, mesh.mesh, true, limits());
       if (add_mesh_errors(samples, made.result.outcome.accepted ? made.result.samples : made.normal, other.share)) {
         return true;
       }
@@ -236,7 +229,7 @@ private:
   void check(const PairOptions& with, double scale) {
     PairOptions here = with;
     here.refine *= scale;
-    result_.check = check_of(result_, pair_.body, pair_.tool, pair_.vertex, pair_.frame, path_, here);
+    result_.check = check_of(result_, contact_, path_, here);
     const auto cause = failed_check(*result_.check, GateLimits{});
     if (!cause) return;
     std::optional<PairCheck> kept = result_.check;
@@ -275,7 +268,7 @@ private:
 
   [[nodiscard]] SolveLimits limits() { return {&deadline_, options_.memory_limit}; }
 
-  const PairCase& pair_;
+  const ContactCase& contact_;
   const PairPath& path_;
   const PairOptions& options_;
   Deadline deadline_;
@@ -289,15 +282,14 @@ private:
 
 }  // namespace
 
-PairResult solve_on_mesh(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
-                         const PairPath& path, const PairOptions& options, const TetMesh& mesh) {
-  return attempt({body, tool, vertex, frame}, path, options, mesh, true, {}).result;
+PairResult solve_on_mesh(const ContactCase& contact, const PairPath& path, const PairOptions& options,
+                         const TetMesh& mesh) {
+  return attempt(contact, path, options, mesh, true, {}).result;
 }
 
-PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
-                      const PairPath& path, const PairOptions& options, const SampleSink& sink) {
-  const PairCase pair{body, tool, vertex, frame};
-  PairResult result = PairSolve(pair, path, options).solve();
+PairResult solve_pair(const ContactCase& contact, const PairPath& path, const PairOptions& options,
+                      const SampleSink& sink) {
+  PairResult result = PairSolve(contact, path, options).solve();
   // Samples leave only with a pair that passed: a journal never holds points of an abandoned attempt.
   if (sink) {
     for (const Sample& s : result.samples) sink(s);

@@ -7,6 +7,7 @@
 #include "precompute/common/body.hpp"
 #include "precompute/fem/materials/material.hpp"
 #include "precompute/mesh/volume/volume_mesh.hpp"
+#include "precompute/solve/pair/contact_case.hpp"
 #include "precompute/solve/push/contact_method.hpp"
 #include "precompute/tool/tool.hpp"
 
@@ -117,17 +118,17 @@ using SampleSink = std::function<void(const Sample&)>;
 /// solves of two programs.
 inline constexpr int kSolverRevision = 18;
 
-/// Solves `plan` along `path`. A solve that fails a gate or finds no equilibrium is tried again on finer meshes, then
-/// on the finest with a stiffer penalty, with multipliers and with a log barrier, until one reaches no deeper than the
-/// one before, too much was lost, or a limit is reached. The depths that passed of the normal indentation are then
+/// Solves a contact along `path`. A solve that fails a gate or finds no equilibrium is tried again on finer meshes,
+/// then on the finest with a stiffer penalty, with multipliers and with a log barrier, until one reaches no deeper than
+/// the one before, too much was lost, or a limit is reached. The depths that passed of the normal indentation are then
 /// accepted alone, "stopped short", if there are GateLimits::curve_points of them. Never throws for a numerical
 /// failure: the outcome names the cause of every attempt. Deterministic: the same inputs give the same bits.
-PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
-                      const PairPath& path, const PairOptions& options, const SampleSink& sink = {});
+PairResult solve_pair(const ContactCase& contact, const PairPath& path, const PairOptions& options,
+                      const SampleSink& sink = {});
 
 /// solve_pair on this one mesh of the body: a refusal is not tried again on another, and the samples' error estimates
 /// lack the mesh's share.
-PairResult solve_on_mesh(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
-                         const PairPath& path, const PairOptions& options, const TetMesh& mesh);
+PairResult solve_on_mesh(const ContactCase& contact, const PairPath& path, const PairOptions& options,
+                         const TetMesh& mesh);
 
 }  // namespace palpate

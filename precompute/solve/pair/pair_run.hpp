@@ -38,11 +38,7 @@ private:
   Eigen::Vector3d at_, force_;
 };
 
-struct PairRun {
-  const Body& body;
-  const Tool& tool;
-  const ToolVertex& vertex;
-  const ContactFrame& frame;
+struct PairRun : ContactCase {
   const PairPath& path;
   const PairOptions& options;
   const TetMesh& mesh;

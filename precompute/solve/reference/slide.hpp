@@ -54,10 +54,10 @@ struct SlideResult {
   std::uint32_t nodes = 0, factorisations = 0;
 };
 
-/// Presses `vertex` on the body at `frame`, in from the side where the path says so, and slides. Usable where every
+/// Presses the tool on the body, in from the side where the path says so, and slides. Usable where every
 /// step passed its gates and the whole contact slipped over the last half of the way. Throws Error(usage) for a path
 /// out of its ranges, never for a numerical failure. `stop` (may be empty) is polled between steps: the way then ends.
-SlideResult solve_slide(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
-                        const SlidePath& path, const PairOptions& options, const std::function<bool()>& stop = {});
+SlideResult solve_slide(const ContactCase& contact, const SlidePath& path, const PairOptions& options,
+                        const std::function<bool()>& stop = {});
 
 }  // namespace palpate

@@ -173,7 +173,7 @@ TogetherResult solve_together(const Body& body, const Tool& tool, const ToolVert
   std::vector<Vector3d> further;
   for (std::size_t k = 1; k < path.places.size(); ++k) further.push_back(path.places[k].origin - first.origin);
   if (path.aside > 0) further.push_back(path.aside * first.x);
-  const SizeField size = contact_size(body, tool, vertex, first, path.depth, options.refine, options, further);
+  const SizeField size = contact_size({body, tool, vertex, first}, path.depth, options.refine, options, further);
   const VolumeMeshResult mesh = mesh_volume(body, size, {first.origin}, options.mesh);
   if (!mesh.usable) {
     result.cause = "mesh: " + mesh.cause;

@@ -143,7 +143,7 @@ void solve(const Scene& scene, const Body& body, const Tool& tool, HeldOut& cont
     path.slip_points = 0;
     path.side_paths.clear();
   }
-  const PairResult result = solve_pair(body, tool, vertex, frame, path, pair_options(scene));
+  const PairResult result = solve_pair({body, tool, vertex, frame}, path, pair_options(scene));
   contact.accepted = result.outcome.accepted;
   contact.cause = result.outcome.cause;
   if (!contact.accepted) return;
@@ -214,7 +214,7 @@ bool place(const runtime::View& view, const Scene& scene, const Body& body, cons
   contact.depth = std::min(scene.sampling.depth, scene.sampling.depth_fraction * contact.thickness);
   const ToolVertex vertex = pressing(tool, contact);
   if (tool.scene.spins > 1) contact.orientation = touching_pose(vertex, contact.frame).linear();
-  return !options.touchable || options.touchable(contact.frame, tool, vertex, contact.depth);
+  return !options.touchable || options.touchable({body, tool, vertex, contact.frame}, contact.depth);
 }
 
 // The corner of a tool patch that is this vertex alone; false where no patch has it.

@@ -7,6 +7,7 @@
 #include "formats/scene/scene.hpp"
 #include "palpate/format/response_view.hpp"
 #include "precompute/common/body.hpp"
+#include "precompute/solve/pair/contact_case.hpp"
 #include "precompute/tool/tool.hpp"
 
 #include <cstdint>
@@ -68,8 +69,7 @@ struct HeldOutOptions {
   std::uint32_t count = 40;  ///< contacts, [1, 100000]
   std::uint64_t seed = 1;
   unsigned threads = 1;  ///< [1, 1024]
-  std::function<bool(const ContactFrame&, const Tool&, const ToolVertex&, double depth)>
-      touchable;               ///< empty: everywhere
+  std::function<bool(const ContactCase&, double depth)> touchable;  ///< empty: everywhere
   std::function<bool()> stop;  ///< polled between solves
   std::function<void(std::size_t done, std::size_t total)> progress;
 };

@@ -31,7 +31,7 @@ protected:
   SlideResult slide() const {
     const Body body = test::block_body(half, 5e3, 0.49);
     const Tool tool = make_tool(sphere);
-    return solve_slide(body, tool, tool.vertices[0], ContactFrame{}, path, options);
+    return solve_slide({body, tool, tool.vertices[0], ContactFrame{}}, path, options);
   }
 };
 

@@ -31,7 +31,7 @@ protected:
   StrokeResult stroke(const std::function<bool()>& stop = {}) const {
     const Body body = test::block_body(15 * radius, 5e3, 0.49);
     const Tool tool = make_tool(sphere);
-    return solve_stroke(body, tool, tool.vertices[0], ContactFrame{}, path, options, stop);
+    return solve_stroke({body, tool, tool.vertices[0], ContactFrame{}}, path, options, stop);
   }
 };
 
