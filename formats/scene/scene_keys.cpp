@@ -173,9 +173,8 @@ const Keys<SamplingScene>& sampling_keys() {
       number(
           "spacing", &S::spacing, {0, 1, false, "m"},
           "Edge length of the body's patches, everywhere the same and solved in full; 0: begins with patches as large "
-          "as the body allows and adds sites, most with a normal indentation alone, until the error at hidden contacts "
-          "is "
-          "within response.tolerance."),
+          "as the body allows and adds sites, most with a normal indentation alone, until the error at hidden "
+          "contacts is within response.tolerance."),
       affecting(Affects::file, integer("most_sites", &S::most_sites, {8, 1000000, false, ""},
                                        "Without a spacing: no more sites are added once there are so many.")),
       number("margin_spacing", &S::margin_spacing, {0, 1, false, "m"},
@@ -269,8 +268,7 @@ const Keys<SolverScene>& solver_keys() {
              "Memory for the factor of one pair's stiffness; a mesh that needs more is refused."),
       number("check_share", &S::check_share, {0, 1, false, ""},
              "Share of the pairs, at least one, whose normal indentation the bake also solves on a finer mesh; one "
-             "that is far "
-             "off is refused, and palpate verify reports the differences. 0: none."),
+             "that is far off is refused, and palpate verify reports the differences. 0: none."),
       integer("check_seed", &S::check_seed, {0, 1000000, false, ""}, "Draws these pairs.")};
   return keys;
 }

@@ -76,8 +76,8 @@ void read_table(T& target, const toml::table& table, const Keys<T>& keys, const 
   for (const auto& [name, value] : table) {
     if (std::find(names.begin(), names.end(), name.str()) != names.end()) continue;
     for (const Key<T>& key : keys) {
-      if (name.str() == key.former)
-        fail(place.below(name.str()), &value, "the name of this key is now '" + key.name + "'");
+      if (name.str() != key.former) continue;
+      fail(place.below(name.str()), &value, "the name of this key is now '" + key.name + "'");
     }
     const std::string near = nearest(name.str(), names);
     std::string all;

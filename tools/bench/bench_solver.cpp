@@ -39,9 +39,8 @@ void run_solver_bench(const SolverBenchCommand& command, const Globals& globals)
       options.reference.mesh_size);
   std::string text = line;
   text +=
-      "| elements | growth | longest | nodes | s a set | sets an hour | force | tangential force | tangential "
-      "stiffness | "
-      "refused | peak MB |\n"
+      "| elements | growth | longest | nodes | s a set | sets an hour | force | tangential force | "
+      "tangential stiffness | refused | peak MB |\n"
       "|---|---|---|---|---|---|---|---|---|---|---|\n";
   Json json{{"machine", machine_name()}, {"case", c.name}, {"contacts", c.contacts.size()}, {"rows", Json::array()}};
   for (const SolverBenchRow& row : rows) {

@@ -45,9 +45,8 @@ struct PairPath {
                                    ///< refuses nothing. 0: none
   int slip_directions = 0;         ///< of those, evenly spaced; 0: as of the tangential ones
   double slip_reach = 0.0;         ///< their largest tangential deflection over the depth (see gross_slip_reach)
-  std::vector<SidePath>
-      side_paths{};          ///< samples of kind path, first the normal indentation it starts from; number k's
-                             ///< indices from k kPathStride on. One that fails ends short and refuses nothing
+  std::vector<SidePath> side_paths{};  ///< samples of kind path, first its start on the normal curve; number k's
+                                       ///< indices from k kPathStride on. One that fails ends short and refuses nothing
   double grasp_depth = 0.0;  ///< m; > 0: the contact of the first accepted normal depth from there on is bonded, and
                              ///< what follows are samples of kind grasped, at least at three depths; what fails beyond
                              ///< ends short and refuses nothing

@@ -47,8 +47,7 @@ struct PairRun : ContactCase {
   Push& push;
   PairResult& result;
   Eigen::Vector3d start{0, 0, 0};   ///< m, the tool's translation at first touch
-  std::vector<CurvePoint>
-      curve{};  ///< of the normal indentation; its samples are the result's first, in the same order
+  std::vector<CurvePoint> curve{};  ///< of the normal indentation; its samples are the first of the result
 
   bool contact_failed = false;  ///< refused for what another contact method may mend
 
