@@ -17,6 +17,10 @@ using Eigen::Vector3d;
 // the depth this leaves 3 % of scatter with the mesh where 1 leaves 10 %, for a tenth more nodes.
 constexpr double kTouch = 0.15;
 constexpr double kWalls = 2.0;  // edges over the wall
+constexpr double kGrid = 0.25;  // contact radii between the points of a footprint
+// The overlap of curved surfaces is wider than the contact they make (by sqrt 2 in Hertz' limit).
+constexpr double kShrink = 0.75;
+constexpr double kLeastTouched = 1e-3;  // of the tool's contact on a plane: narrower overlaps are not resolved
 
 // Over a wedge under the contact lie this many elements, one beside it, down to a least share of their size elsewhere
 // in the contact. An element that spans two faces at an angle is too stiff if it is as long as the wall is thick
@@ -48,7 +52,7 @@ std::vector<Vector3d> footprint(const Body& body, const Tool& tool, const Eigen:
   std::vector<Vector3d> points;
   // The tool's box may be far wider than what it covers: a coarse pass bounds the footprint for the fine one.
   for (const bool fine : {false, true}) {
-    const double step = std::max(radius / 4, std::max(hi[0] - lo[0], hi[1] - lo[1]) / 40);
+    const double step = std::max(kGrid * radius, std::max(hi[0] - lo[0], hi[1] - lo[1]) / 40);
     double next_lo[2] = {0, 0}, next_hi[2] = {0, 0};
     for (int i = static_cast<int>(std::floor(lo[0] / step)); (i - 1) * step <= hi[0]; ++i) {
       for (int j = static_cast<int>(std::floor(lo[1] / step)); (j - 1) * step <= hi[1]; ++j) {
@@ -69,6 +73,21 @@ std::vector<Vector3d> footprint(const Body& body, const Tool& tool, const Eigen:
   }
   points.push_back(frame.origin);
   return points;
+}
+
+// The radius (m) of the overlap of the two shapes at full depth, to half a step of the grid; `widest` is that of the
+// contact on a plane.
+double overlap_radius(const Body& body, const Tool& tool, const Eigen::Isometry3d& deepest, const ContactFrame& frame,
+                      double widest) {
+  double radius = widest, reach = 0;
+  while (radius > kLeastTouched * widest) {
+    for (const Vector3d& p : footprint(body, tool, deepest, frame, radius)) {
+      reach = std::max(reach, frame.to_local(p - frame.origin).head<2>().norm());
+    }
+    if (reach >= (1 - kGrid) * radius) break;
+    radius = std::max(reach, kGrid * radius);  // the grid is too wide for less
+  }
+  return reach + kGrid * radius / 2;
 }
 
 // The reduced size of an element at this point of the surface, where the body is a wedge thinner than `over` elements.
@@ -92,21 +111,27 @@ double longest_edge(const Body& body, const PairOptions& options) {
 SizeField contact_size(const ContactCase& contact, double depth, double scale, const PairOptions& options,
                        const std::vector<Vector3d>& further) {
   const auto& [body, tool, vertex, frame] = contact;
-  const double radius = contact_radius(vertex, depth);
+  const auto deepest_at = [&](const ContactFrame& here) {
+    Eigen::Isometry3d deepest = touching_pose(contact.vertex, here);
+    deepest.translation() -= depth * here.n;
+    return deepest;
+  };
+  const double widest = contact_radius(vertex, depth);
+  const double overlap = overlap_radius(body, tool, deepest_at(frame), frame, widest);
+  // A flat tool touches a round body like a curved one.
+  const bool curved = vertex.flat_radius == 0 || overlap < (1 - kGrid) * vertex.flat_radius;
+  const double shrink = curved ? kShrink : 1.0, radius = std::min(widest, shrink * overlap);
   const double size = options.mesh_size * scale * radius;
   const double largest = longest_edge(body, options) * std::sqrt(scale);
 
   std::vector<Source> sources;
-  // A curved tool's overlap is wider than the contact it makes (by sqrt 2 in Hertz' limit): shrink it.
-  const double shrink = vertex.flat_radius > 0 ? 1.0 : 0.75;
   std::vector<Vector3d> places{Vector3d::Zero()};
   places.insert(places.end(), further.begin(), further.end());
   for (const Vector3d& place : places) {
     ContactFrame here = frame;
     here.origin += place;
     const Eigen::Isometry3d touching = touching_pose(vertex, here);
-    Eigen::Isometry3d deepest = touching;
-    deepest.translation() -= depth * here.n;
+    const Eigen::Isometry3d deepest = deepest_at(here);
     for (const Vector3d& p : footprint(body, tool, deepest, here, radius)) {
       const Vector3d at = here.origin + shrink * (p - here.origin);
       sources.push_back({at, on_wedge(*body.query, body.query->closest(at).point, size, kOverWedge)});
@@ -134,8 +159,8 @@ SizeField contact_size(const ContactCase& contact, double depth, double scale, c
       sources.push_back({touching * e.point, e.size * scale});
     }
   }
-  // A curved tool touches at a point first: the shallow contact needs elements of its own scale.
-  if (vertex.flat_radius == 0 && further.empty()) sources.push_back({frame.origin, kTouch * size});
+  // Curved surfaces touch at a point first: the shallow contact needs elements of its own scale.
+  if (curved && further.empty()) sources.push_back({frame.origin, kTouch * size});
 
   if (body.stress_free) {
     // The mesh is made free of stress: where prestress stretches it there are finer elements before.
