@@ -195,7 +195,7 @@ std::string make_motion(const MadeOrgan& organ, const View& view, const DatasetO
   MotionOptions motion;
   motion.rate = options.motion_rate;
   motion.depth = 0.8 * options.depth;
-  motion.sideways = options.friction > 0 ? 0.3 * options.depth : 0.0;
+  motion.tangential = options.friction > 0 ? 0.3 * options.depth : 0.0;
   motion.clearance = 2 * options.depth;
   motion.tip_offset = options.instrument == Instrument::punch ? 0.0 : options.tool_radius;
   Random random(options.seed ^ 0x70616c70617465ULL);  // a stream apart from the organ's

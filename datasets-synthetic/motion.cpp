@@ -52,9 +52,9 @@ private:
   std::string text_ = "t,x,y,z,qw,qx,qy,qz\n";
 };
 
-/// A place relative to a site: height along its normal and sideways, reached at a time.
+/// A place relative to a site: height along its normal and distance along its surface, reached at a time.
 struct Key {
-  double time, height, sideways;
+  double time, height, tangential;
 };
 
 }  // namespace
@@ -66,8 +66,8 @@ std::string probe_motion(const Site& site, const MotionOptions& options) {
                                  {0.7, 0, 0},
                                  {1.3, -options.depth, 0},
                                  {1.5, -options.depth, 0},
-                                 {1.8, -options.depth, options.sideways},
-                                 {2.0, -options.depth, options.sideways},
+                                 {1.8, -options.depth, options.tangential},
+                                 {2.0, -options.depth, options.tangential},
                                  {2.3, -options.depth, 0},
                                  {3.0, options.clearance, 0}}};
   Rows rows(options.rate);
@@ -77,8 +77,8 @@ std::string probe_motion(const Site& site, const MotionOptions& options) {
     const Key &from = keys[next - 1], &to = keys[next];
     const double share = smooth_step((rows.time() - from.time) / (to.time - from.time));
     const double height = from.height + share * (to.height - from.height);
-    const double sideways = from.sideways + share * (to.sideways - from.sideways);
-    rows.add(site.point + height * site.normal + sideways * side, site.normal, options.tip_offset);
+    const double tangential = from.tangential + share * (to.tangential - from.tangential);
+    rows.add(site.point + height * site.normal + tangential * side, site.normal, options.tip_offset);
   }
   return rows.text();
 }

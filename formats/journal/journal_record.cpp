@@ -106,7 +106,7 @@ Bytes encode(std::uint32_t pair, const PairCheck& check) {
   Bytes bytes = begin_record(check_size + cause, RecordType::check, pair);
   put(bytes, check.nodes);
   put(bytes, check.compared);
-  put(bytes, check.foretold);
+  put(bytes, check.within_estimate);
   put(bytes, static_cast<std::uint32_t>(cause));
   put(bytes, check.difference);
   bytes.insert(bytes.end(), check.cause.begin(), check.cause.begin() + static_cast<std::ptrdiff_t>(cause));
@@ -188,7 +188,7 @@ PairCheck decode_check(const RecordView& record) {
   PairCheck check;
   check.nodes = get<std::uint32_t>(at);
   check.compared = get<std::uint32_t>(at);
-  check.foretold = get<std::uint32_t>(at);
+  check.within_estimate = get<std::uint32_t>(at);
   const auto cause = get<std::uint32_t>(at);
   check.difference = get<double>(at);
   check.cause.assign(reinterpret_cast<const char*>(at), cause);

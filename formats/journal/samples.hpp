@@ -21,10 +21,10 @@ struct ContactFrame {
   [[nodiscard]] Eigen::Vector3d to_world(const Eigen::Vector3d& v) const { return v.x() * x + v.y() * y + v.z() * n; }
 };
 
-/// The solves of a pair. full: all paths of the scene. straight: a push at few depths, by which full responses are
-/// carried to a site. hidden: a straight push between sites that no response is made of; it tests what the
-/// responses around it predict.
-enum class PairRole : std::uint8_t { full, straight, hidden };
+/// The solves of a pair. full: all paths of the scene. normal: a normal indentation at few depths, by which full
+/// responses are carried to a site. hidden: a normal indentation between sites that no response is made of; it tests
+/// what the responses around it predict.
+enum class PairRole : std::uint8_t { full, normal, hidden };
 
 /// One pair (body vertex c, tool vertex p) to be solved.
 struct PairPlan {
@@ -36,16 +36,16 @@ struct PairPlan {
   PairRole role = PairRole::full;
 };
 
-/// normal: straight push; tangential: sideways push of a contact that sticks; slipping: of one that slips where
-/// Coulomb's law lets it; path: a contact that sticks goes deeper or less deep while held sideways (a test, no fit
-/// reads it); grasped: any move of a contact that was bonded.
+/// normal: normal indentation; tangential: tangential push of a contact that sticks; slipping: of one that slips where
+/// Coulomb's law lets it; path: a contact that sticks goes deeper or less deep while held at a tangential deflection (a
+/// test, no fit reads it); grasped: any move of a contact that was bonded.
 enum class SampleKind : std::uint8_t { normal = 0, tangential = 1, slipping = 2, path = 3, grasped = 4 };
 
 /// One equilibrium that passed its gates.
 struct Sample {
   SampleKind kind = SampleKind::normal;
   std::uint16_t index = 0;  ///< position in the pair's deflection path
-  /// p - c in the contact frame: (x, y) sideways (m) and, third, the depth along the INWARD normal (m; grasped: of
+  /// p - c in the contact frame: (x, y) tangential (m) and, third, the depth along the INWARD normal (m; grasped: of
   /// either sign, else >= 0).
   Eigen::Vector3d deflection{0, 0, 0};
   Eigen::Vector3d force{0, 0, 0};    ///< N on the tool, components (x, y, n); a push answers with n > 0
@@ -67,7 +67,7 @@ struct Sample {
 /// How a pair ended.
 struct PairOutcome {
   bool accepted = false;
-  std::string cause;         ///< one line naming the gate and its figure: of a refusal, or of a sideways push that
+  std::string cause;         ///< one line naming the gate and its figure: of a refusal, or of a tangential push that
                              ///< stopped short in an accepted pair
   double first_touch = 0.0;  ///< m; shift along -n at which the tool first touches the body's surface
   std::uint32_t nodes = 0;   ///< of the solved mesh
@@ -75,11 +75,11 @@ struct PairOutcome {
   std::uint32_t factorisations = 0;
 };
 
-/// A pair's straight push beside that on a finer mesh.
+/// A pair's normal indentation beside that on a finer mesh.
 struct PairCheck {
   std::uint32_t nodes = 0;     ///< of the finer mesh
   std::uint32_t compared = 0;  ///< samples; 0: none could be
-  std::uint32_t foretold = 0;  ///< of these: differ by no more than the error estimates of both
+  std::uint32_t within_estimate = 0;  ///< of these: differ by no more than the error estimates of both
   double difference = 0.0;     ///< largest |F - F'| / |F'| over the deeper half
   std::string cause;           ///< one line: why nothing was compared
 };

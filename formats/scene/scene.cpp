@@ -205,7 +205,7 @@ void check_sampling(const SamplingScene& sampling, const toml::table& root, cons
          "got " + show(sampling.margin_spacing) + "; allowed x <= spacing = " + show(sampling.spacing) + " m" +
              (sampling.spacing > 0 ? "" : " (0: automatic)"));
   }
-  // Each is one of the straight push's own depths.
+  // Each is one of the normal indentation's own depths.
   if (sampling.tangential_depths > sampling.normal_points) {
     fail(place.below("sampling.tangential_depths"), root["sampling"]["tangential_depths"].node(),
          "got " + show(sampling.tangential_depths) +

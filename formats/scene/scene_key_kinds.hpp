@@ -78,6 +78,12 @@ Key<T> affecting(Affects affects, Key<T> key) {
   return key;
 }
 
+template <class T>
+Key<T> formerly(const char* former, Key<T> key) {
+  key.former = former;
+  return key;
+}
+
 /// The keys `meshes` and `units`, which the reader of `surface` takes up: here only that they do not stand alone.
 template <class T>
 Keys<T> source_keys(std::function<const SurfaceSource*(const T&)> source) {

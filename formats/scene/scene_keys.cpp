@@ -163,7 +163,7 @@ const Keys<ToolScene>& tool_keys() {
 
 const Keys<Scene>& contact_keys() {
   static const Keys<Scene> keys{number("friction", &Scene::friction, {0, 2, false, ""},
-                                       "Coulomb coefficient; 0: no friction, and nothing sideways is solved.")};
+                                       "Coulomb coefficient; 0: no friction, and no tangential push is solved.")};
   return keys;
 }
 
@@ -173,8 +173,8 @@ const Keys<SamplingScene>& sampling_keys() {
       number(
           "spacing", &S::spacing, {0, 1, false, "m"},
           "Edge length of the body's patches, everywhere the same and solved in full; 0: begins with patches as large "
-          "as the body allows and adds sites, most with a straight push alone, until the error at hidden contacts is "
-          "within response.tolerance."),
+          "as the body allows and adds sites, most with a normal indentation alone, until the error at hidden "
+          "contacts is within response.tolerance."),
       affecting(Affects::file, integer("most_sites", &S::most_sites, {8, 1000000, false, ""},
                                        "Without a spacing: no more sites are added once there are so many.")),
       number("margin_spacing", &S::margin_spacing, {0, 1, false, "m"},
@@ -199,7 +199,7 @@ const Keys<SamplingScene>& sampling_keys() {
       number("depth_fraction", &S::depth_fraction, {0, 0.8, true, ""},
              "Deepest push as a share of the local thickness, where that is less than depth; over a cavity of wall and "
              "cavity together."),
-      integer("normal_points", &S::normal_points, {4, 64, false, ""}, "Solved points of a straight push."),
+      integer("normal_points", &S::normal_points, {4, 64, false, ""}, "Solved points of a normal indentation."),
       integer("tangential_depths", &S::tangential_depths, {2, 8, false, ""},
               "With friction, depths of tangential pushes; at most normal_points."),
       integer("tangential_directions", &S::tangential_directions, {4, 16, false, ""},
@@ -266,10 +266,9 @@ const Keys<SolverScene>& solver_keys() {
              "Processor time for one pair, over all its meshes and pushes; what was solved until then is kept."),
       number("memory_limit", &S::memory_limit, {0, 1e6, true, "MB"},
              "Memory for the factor of one pair's stiffness; a mesh that needs more is refused."),
-      number(
-          "check_share", &S::check_share, {0, 1, false, ""},
-          "Share of the pairs, at least one, whose straight push the bake also solves on a finer mesh; one that is far "
-          "off is refused, and palpate verify reports the differences. 0: none."),
+      number("check_share", &S::check_share, {0, 1, false, ""},
+             "Share of the pairs, at least one, whose normal indentation the bake also solves on a finer mesh; one "
+             "that is far off is refused, and palpate verify reports the differences. 0: none."),
       integer("check_seed", &S::check_seed, {0, 1000000, false, ""}, "Draws these pairs.")};
   return keys;
 }

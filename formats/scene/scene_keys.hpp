@@ -28,7 +28,8 @@ struct Key {
   std::function<void(T& target, const toml::node& value, const toml::table& parent, const Place& place)> read;
   /// TOML text of the value in `target`; empty: not set.
   std::function<std::string(const T& target)> show;
-  std::string example;  ///< for the reference, where there is no default
+  std::string example;   ///< for the reference, where there is no default
+  std::string former{};  ///< name in earlier programs: refused with the new one; the canonical text keeps it
 };
 
 template <class T>
@@ -74,6 +75,10 @@ void read_table(T& target, const toml::table& table, const Keys<T>& keys, const 
   for (const Key<T>& key : keys) names.push_back(key.name);
   for (const auto& [name, value] : table) {
     if (std::find(names.begin(), names.end(), name.str()) != names.end()) continue;
+    for (const Key<T>& key : keys) {
+      if (name.str() != key.former) continue;
+      fail(place.below(name.str()), &value, "the name of this key is now '" + key.name + "'");
+    }
     const std::string near = nearest(name.str(), names);
     std::string all;
     for (const std::string& known : names) all += (all.empty() ? "" : ", ") + known;

@@ -73,8 +73,8 @@ std::string show_sites(const A& analytic) {
 
 const Keys<SceneSources>& sources_keys() {
   static const Keys<SceneSources> keys{affecting(
-      Affects::file, choice("rest", &SceneSources::rest, {"solved", "covered"},
-                            "Sites without a recording and without a law: solved, or covered from their neighbours."))};
+      Affects::file, choice("rest", &SceneSources::rest, {"solved", "filled"},
+                            "Sites without a recording and without a law: solved, or filled from their neighbours."))};
   return keys;
 }
 
@@ -112,8 +112,9 @@ const Keys<AnalyticScene>& analytic_keys() {
                "layer: its thickness, at least twice the sampled depth; left out: of the wall at each site.", "0.01"),
       given<A>("stiffness", &A::stiffness, kStiffness, "winkler, spring: required, traction or force over depth.",
                "1e6"),
-      given<A>("sideways_stiffness", &A::sideways_stiffness, kStiffness,
-               "winkler, spring, with friction: the same sideways; left out: as large.", "1e6"),
+      formerly("sideways_stiffness",
+               given<A>("tangential_stiffness", &A::tangential_stiffness, kStiffness,
+                        "winkler, spring, with friction: the same for tangential pushes; left out: as large.", "1e6")),
       {"within_box", Affects::file, "Only at the sites inside this box.",
        "{min = [x, y, z], max = [x, y, z]}, min < max, m",
        [](A& target, const toml::node& value, const toml::table&, const Place& place) {
@@ -141,14 +142,14 @@ void check_analytic(const AnalyticScene& analytic, const toml::table& table, con
                                                              {"young", "poisson"},
                                                              {"young", "poisson"},
                                                              {"young", "thickness"},
-                                                             {"stiffness", "sideways_stiffness"},
-                                                             {"stiffness", "sideways_stiffness"}}};
+                                                             {"stiffness", "tangential_stiffness"},
+                                                             {"stiffness", "tangential_stiffness"}}};
   if (!table.contains("law")) {
     fail(place.below("law"), &table, "missing; allowed " + show_choices(laws()));
   }
   const std::string& law = laws()[static_cast<std::size_t>(analytic.law)];
   const auto& own = used[static_cast<std::size_t>(analytic.law)];
-  for (const char* key : {"young", "poisson", "thickness", "stiffness", "sideways_stiffness"}) {
+  for (const char* key : {"young", "poisson", "thickness", "stiffness", "tangential_stiffness"}) {
     if (table.contains(key) && std::find(own.begin(), own.end(), key) == own.end()) {
       fail(place.below(key), table.get(key), "the law " + show(law) + " has no such key; it has: " + show(own));
     }

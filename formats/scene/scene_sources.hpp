@@ -29,7 +29,7 @@ struct AnalyticScene {
   std::optional<double> poisson;    ///< hertz, punch, cone, [0, 0.5]; none: the body's
   double thickness = 0.0;           ///< m; layer; 0: of the wall at the site
   double stiffness = 0.0;           ///< > 0; winkler: N/m^3, spring: N/m
-  double sideways_stiffness = 0.0;  ///< the same units, sideways; 0: as stiffness. Used only with friction
+  double tangential_stiffness = 0.0;  ///< the same units, tangential; 0: as stiffness. Used only with friction
   std::optional<std::pair<Eigen::Vector3d, Eigen::Vector3d>> within_box;  ///< m; the sites in it
   std::string mesh;        ///< the sites on the part of the surface that came from this mesh
   std::vector<int> sites;  ///< these numbers of the haptic mesh
@@ -37,7 +37,7 @@ struct AnalyticScene {
 
 /// Sources of a scene's responses. Apart from Scene, because no mesh and no solve depends on it.
 struct SceneSources {
-  enum class Rest { solved, covered };
+  enum class Rest { solved, filled };
   Rest rest = Rest::solved;  ///< source of sites without recording and law: a solve, or the neighbours
   std::vector<MeasuredScene> measured;
   std::vector<AnalyticScene> analytic;

@@ -19,8 +19,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A pair in full takes about as long as this many straight pushes; used until one of each has been timed.
-constexpr double kFullOverStraight = 5;
+/// A pair in full takes about as long as this many normal indentations; used until one of each has been timed.
+constexpr double kFullOverNormal = 5;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -77,11 +77,11 @@ public:
   /// s of one thread for all open pairs; -1 before the first is done.
   [[nodiscard]] double left() const {
     const auto mean = [](const Kind& k) { return k.done > 0 ? k.seconds / static_cast<double>(k.done) : 0.0; };
-    const auto& [full, straight] = kinds_;
-    if (full.done + straight.done == 0) return -1;
-    const double of_full = full.done > 0 ? mean(full) : kFullOverStraight * mean(straight);
-    const double of_straight = straight.done > 0 ? mean(straight) : mean(full) / kFullOverStraight;
-    return of_full * static_cast<double>(full.open) + of_straight * static_cast<double>(straight.open);
+    const auto& [full, normal] = kinds_;
+    if (full.done + normal.done == 0) return -1;
+    const double of_full = full.done > 0 ? mean(full) : kFullOverNormal * mean(normal);
+    const double of_normal = normal.done > 0 ? mean(normal) : mean(full) / kFullOverNormal;
+    return of_full * static_cast<double>(full.open) + of_normal * static_cast<double>(normal.open);
   }
 
 private:

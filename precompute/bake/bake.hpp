@@ -42,7 +42,7 @@ struct BakeReport {
   std::size_t total = 0;             ///< that are wanted
   std::size_t resumed = 0;           ///< finished by earlier runs
   std::size_t accepted = 0;          ///< of all finished
-  std::size_t shortened = 0;         ///< of the accepted: a sideways push ended before its last point
+  std::size_t shortened = 0;         ///< of the accepted: a tangential push ended before its last point
   std::vector<RefusedPair> refused;  ///< by pair
   std::uint64_t normal_solves = 0, tangential_solves = 0, factorisations = 0;  ///< of all finished
   std::uint64_t torn_bytes = 0;  ///< cut off the journal's tail on opening

@@ -20,9 +20,10 @@ Eigen::Vector3d vector_from(const Json& json) {
   return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
 }
 
+// The names are those of version 1 for good, because the manifest's hash binds journals to it.
 const char* role_name(PairRole role) {
   switch (role) {
-    case PairRole::straight:
+    case PairRole::normal:
       return "straight";
     case PairRole::hidden:
       return "hidden";
@@ -32,7 +33,7 @@ const char* role_name(PairRole role) {
 }
 
 PairRole role_from(const std::string& name) {
-  for (const PairRole r : {PairRole::full, PairRole::straight, PairRole::hidden}) {
+  for (const PairRole r : {PairRole::full, PairRole::normal, PairRole::hidden}) {
     if (name == role_name(r)) return r;
   }
   throw Error(ExitCode::bad_input, "unknown role '" + name + "'; allowed full, straight, hidden");

@@ -111,8 +111,8 @@ void add_sites(Plan& plan, const Body& body, const HapticMesh& mesh, const std::
     for (std::uint32_t tool = 0; tool < tools.size(); ++tool) {
       for (std::uint32_t vertex = 0; vertex < tools[tool].vertices.size(); ++vertex) {
         const ToolVertex& touching = tools[tool].vertices[vertex];
-        const bool support = at.held || reaches_support(body, tools[tool], touching, at.frame, at.depth);
-        const bool unreachable = !support && at.selected && !can_touch_first(body, tools[tool], touching, at.frame);
+        const bool support = at.held || reaches_support({body, tools[tool], touching, at.frame}, at.depth);
+        const bool unreachable = !support && at.selected && !can_touch_first({body, tools[tool], touching, at.frame});
         if (support || unreachable || !at.selected) {
           plan.skipped.push_back({site, tool, vertex,
                                   support       ? SkipReason::support

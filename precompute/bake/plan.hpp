@@ -31,7 +31,7 @@ enum class SkipReason {
   unreachable,  ///< in a fold narrower than the tool, which would meet its walls first
 };
 
-/// A pair that is not solved and is covered from neighbouring sites.
+/// A pair that is not solved and is filled from neighbouring sites.
 struct SkippedPair {
   std::uint32_t site = 0, tool = 0, tool_vertex = 0;
   SkipReason reason = SkipReason::support;

@@ -14,13 +14,13 @@ using Eigen::Vector3d;
 namespace {
 
 // Points of the surface (tool frame) that the tool could meet while it is lifted by up to `lift` along `out`.
-std::vector<Vector3d> swept_surface(const Body& body, const Tool& tool, const ToolVertex& vertex,
-                                    const Eigen::Isometry3d& to_tool, const Vector3d& out, double lift) {
-  Eigen::AlignedBox3d box = tool.shape->bounds();
+std::vector<Vector3d> swept_surface(const ContactCase& contact, const Eigen::Isometry3d& to_tool, const Vector3d& out,
+                                    double lift) {
+  Eigen::AlignedBox3d box = contact.tool.shape->bounds();
   const Eigen::AlignedBox3d lifted(box.min() + lift * out, box.max() + lift * out);
   box.extend(lifted);
   std::vector<Vector3d> points;
-  const Surface& surface = body.query->surface();
+  const Surface& surface = contact.body.query->surface();
   for (const auto& t : surface.triangles) {
     const Vector3d a = to_tool * surface.vertices[t[0]], b = to_tool * surface.vertices[t[1]],
                    c = to_tool * surface.vertices[t[2]];
@@ -29,7 +29,7 @@ std::vector<Vector3d> swept_surface(const Body& body, const Tool& tool, const To
     if (!bounds.intersects(box)) continue;
     // Steps of an eighth of the radius see a wall of any triangle size.
     const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
-    const int n = std::clamp(static_cast<int>(std::ceil(8 * longest / vertex.curvature_radius)), 1, 400);
+    const int n = std::clamp(static_cast<int>(std::ceil(8 * longest / contact.vertex.curvature_radius)), 1, 400);
     for (int i = 0; i <= n; ++i) {
       for (int j = 0; i + j <= n; ++j) {
         const Vector3d at = a + (b - a) * i / n + (c - a) * j / n;
@@ -62,31 +62,30 @@ bool footprint_held(const Body& body, const ContactFrame& frame, double radius) 
 }
 
 // The undeformed held surface under the deepest tool; a sliver of overlap is below what the contact gates see.
-bool sinks_into_held(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
-                     double depth) {
-  Eigen::Isometry3d pose = touching_pose(vertex, frame);
-  pose.translation() -= depth * frame.n;
-  const double sliver = 0.02 * contact_radius(vertex, depth);
-  const std::vector<Vector3d> points = swept_surface(body, tool, vertex, pose.inverse(), Vector3d::UnitZ(), 0.0);
+bool sinks_into_held(const ContactCase& contact, double depth) {
+  Eigen::Isometry3d pose = touching_pose(contact.vertex, contact.frame);
+  pose.translation() -= depth * contact.frame.n;
+  const double sliver = 0.02 * contact_radius(contact.vertex, depth);
+  const std::vector<Vector3d> points = swept_surface(contact, pose.inverse(), Vector3d::UnitZ(), 0.0);
   // The distance to a mesh costs far more than the look at a support, and few points are held.
   return std::any_of(points.begin(), points.end(), [&](const Vector3d& at) {
-    return body.held(pose * at) && tool.shape->distance(at).value < -sliver;
+    return contact.body.held(pose * at) && contact.tool.shape->distance(at).value < -sliver;
   });
 }
 
 }  // namespace
 
-bool reaches_support(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
-                     double depth) {
-  return footprint_held(body, frame, contact_radius(vertex, depth)) ||
-         sinks_into_held(body, tool, vertex, frame, depth);
+bool reaches_support(const ContactCase& contact, double depth) {
+  return footprint_held(contact.body, contact.frame, contact_radius(contact.vertex, depth)) ||
+         sinks_into_held(contact, depth);
 }
 
-TouchReach touch_reach(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame) {
+TouchReach touch_reach(const ContactCase& contact) {
+  const auto& [body, tool, vertex, frame] = contact;
   const Eigen::Isometry3d to_tool = touching_pose(vertex, frame).inverse();
   const Vector3d out = to_tool.linear() * frame.n;
   const double limit = 2 * vertex.curvature_radius, resolution = 1e-3 * vertex.curvature_radius;
-  const std::vector<Vector3d> points = swept_surface(body, tool, vertex, to_tool, out, limit);
+  const std::vector<Vector3d> points = swept_surface(contact, to_tool, out, limit);
   TouchReach reach;
   double left = reach.overlap = overlap(*tool.shape, points, Vector3d::Zero());
   while (left > resolution && reach.lift <= limit) {
@@ -97,9 +96,9 @@ TouchReach touch_reach(const Body& body, const Tool& tool, const ToolVertex& ver
   return reach;
 }
 
-bool can_touch_first(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame) {
-  const TouchReach reach = touch_reach(body, tool, vertex, frame);
-  return !reach.blocked && reach.overlap <= 0.2 * vertex.curvature_radius;
+bool can_touch_first(const ContactCase& contact) {
+  const TouchReach reach = touch_reach(contact);
+  return !reach.blocked && reach.overlap <= 0.2 * contact.vertex.curvature_radius;
 }
 
 }  // namespace palpate

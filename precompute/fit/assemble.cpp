@@ -69,7 +69,7 @@ Json figures(const ErrorFigures& f) {
 
 /// Adds the sources of responses of a scene in which not everything is solved.
 void add_sources(Json& json, const Plan& plan, const FitReport& report, const PairSources& sources) {
-  if (sources.given.empty()) return;
+  if (sources.external.empty()) return;
   Json& to = json["sources"];
   to["scene"] = to_hex(sources.text);
   to["analytic"] = report.analytic;
@@ -151,7 +151,7 @@ std::string provenance(const Scene& scene, const Plan& plan, const Hash128& mani
   if (report.grasp) json["fit"]["grasped"] = figures(report.grasped);
   if (report.turn) json["fit"]["turned"] = figures(report.turned);
   if (report.friction) json["fit"]["paths"] = figures(report.paths);
-  if (report.left_out.samples > 0) json["fit"]["carried_sideways"] = figures(report.left_out);
+  if (report.left_out.samples > 0) json["fit"]["carried_tangential"] = figures(report.left_out);
   if (report.sampling) {
     const SamplingEstimate& s = *report.sampling;
     json["sampling"]["hidden"] = {{"rounds", s.rounds}, {"places", s.places}, {"median", s.median},

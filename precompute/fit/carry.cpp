@@ -16,31 +16,31 @@ constexpr double kSameSide = 0.2;  // cosine of the angle between normals
 /// The source's response as a law in the frame and to the depth of another site.
 class CarriedLaw {
 public:
-  CarriedLaw(const ContactFrame& frame, double depth, const StraightCurve& own, const CarrySource& source,
+  CarriedLaw(const ContactFrame& frame, double depth, const NormalCurve& own, const CarrySource& source,
              const ResponseScales& scales)
       : law_(blend_sites(frame, depth, {{source.frame, source.full, 1.0}}, scales).response.coefs, scales),
         own_(own),
-        straight_(*source.straight),
+        normal_(*source.normal),
         stretch_(source.full->depth / depth) {}
 
-  /// Force beside that of the straight push.
+  /// Force beside that of the normal indentation.
   [[nodiscard]] Eigen::Vector3d force(const Eigen::Vector3d& deflection) const {
     const Eigen::Vector3d there = stretch_ * deflection;
-    const double ratio = own_.force(deflection.z()).z() / straight_.force(there.z()).z();
+    const double ratio = own_.force(deflection.z()).z() / normal_.force(there.z()).z();
     return ratio * (law_.force(there) - law_.force({0, 0, there.z()}));
   }
   [[nodiscard]] double friction(double depth) const { return law_.friction(stretch_ * depth); }
 
 private:
   Potential law_;  // in the site's frame
-  const StraightCurve& own_;
-  const StraightCurve& straight_;
+  const NormalCurve& own_;
+  const NormalCurve& normal_;
   double stretch_;
 };
 
 }  // namespace
 
-StraightCurve::StraightCurve(const std::vector<Sample>& samples) {
+NormalCurve::NormalCurve(const std::vector<Sample>& samples) {
   for (const Sample& s : samples) {
     if (s.kind == SampleKind::normal && s.deflection.z() > 0 && s.force.z() > 0) {
       points_.emplace_back(s.deflection.z(), s.force);
@@ -49,11 +49,11 @@ StraightCurve::StraightCurve(const std::vector<Sample>& samples) {
   std::sort(points_.begin(), points_.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   if (points_.size() < 2) {
     throw Error(ExitCode::numerical,
-                "a straight push needs two depths with a force; there are " + std::to_string(points_.size()));
+                "a normal indentation needs two depths with a force; there are " + std::to_string(points_.size()));
   }
 }
 
-Eigen::Vector3d StraightCurve::force(double depth) const {
+Eigen::Vector3d NormalCurve::force(double depth) const {
   auto to = std::lower_bound(points_.begin(), points_.end(), depth,
                              [](const auto& point, double z) { return point.first < z; });
   if (to == points_.begin()) {  // Hertz: the force over the depth goes with its root
@@ -65,7 +65,7 @@ Eigen::Vector3d StraightCurve::force(double depth) const {
   return depth * ((1 - t) / from->first * from->second + t / to->first * to->second);
 }
 
-std::vector<Sample> carried_samples(const ContactFrame& frame, double depth, const StraightCurve& own,
+std::vector<Sample> carried_samples(const ContactFrame& frame, double depth, const NormalCurve& own,
                                     const PairPath& path, const std::vector<CarrySource>& sources,
                                     const ResponseScales& scales) {
   double total = 0;

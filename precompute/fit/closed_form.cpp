@@ -33,7 +33,7 @@ double ClosedForm::push(double d) const {
   return 0.0;
 }
 
-double ClosedForm::sideways_stiffness(double d) const {
+double ClosedForm::tangential_stiffness(double d) const {
   const double shear = young / (2 * (1 + poisson)), per_radius = 8 * shear / (2 - poisson);
   switch (law) {
     case AnalyticScene::Law::hertz:
@@ -43,9 +43,9 @@ double ClosedForm::sideways_stiffness(double d) const {
     case AnalyticScene::Law::cone:
       return per_radius * 2 / kPi * slope * d;
     case AnalyticScene::Law::winkler:
-      return sideways * kPi * radius * (flat ? radius : 2 * d);
+      return tangential * kPi * radius * (flat ? radius : 2 * d);
     case AnalyticScene::Law::spring:
-      return sideways;
+      return tangential;
     case AnalyticScene::Law::layer:
       break;
   }
@@ -79,7 +79,7 @@ std::vector<Sample> sample_along(const PairPath& path,
 
 std::vector<Sample> sample_law(const ClosedForm& law, const PairPath& path) {
   return sample_along(path, [&](const Eigen::Vector3d& d) -> Eigen::Vector3d {
-    const double stiffness = law.sideways_stiffness(d.z());
+    const double stiffness = law.tangential_stiffness(d.z());
     return {-stiffness * d.x(), -stiffness * d.y(), law.push(d.z())};
   });
 }

@@ -18,8 +18,8 @@ namespace palpate::fit {
 /// incompressible and bonded to a rigid base: F = 16/9 E sqrt(R) d^1.5 (1 + 1.133 x + 1.283 x^2 + 0.769 x^3 + 0.0975
 /// x^4), x = sqrt(R d) / thickness (Dimitriadis et al. 2002); winkler, a bed of springs: stiffness times the volume
 /// that the tool displaces, pi R d^2 under a sphere, pi a^2 d under a punch; spring: stiffness d. A contact that sticks
-/// answers sideways with 8 G a / (2 - nu) (Mindlin 1949), the bed with its area times sideways, the spring with
-/// sideways.
+/// has the tangential stiffness 8 G a / (2 - nu) (Mindlin 1949), the bed that of its area times `tangential`, the
+/// spring `tangential`.
 struct ClosedForm {
   AnalyticScene::Law law = AnalyticScene::Law::hertz;
   double young = 0.0, poisson = 0.0;  ///< Pa
@@ -27,14 +27,14 @@ struct ClosedForm {
   bool flat = false;
   double slope = 0.0;      ///< tan(theta)
   double thickness = 0.0;  ///< m
-  double stiffness = 0.0, sideways = 0.0;
+  double stiffness = 0.0, tangential = 0.0;
 
   [[nodiscard]] double push(double depth) const;                ///< N
-  [[nodiscard]] double sideways_stiffness(double depth) const;  ///< N/m; 0 for layer, which has no closed form
+  [[nodiscard]] double tangential_stiffness(double depth) const;  ///< N/m; 0 for layer, which has no closed form
 };
 
-/// The samples that a bake along `path` would have of a contact with this force (N) at a deflection (m): straight
-/// pushes and, with friction, sideways ones.
+/// The samples that a bake along `path` would have of a contact with this force (N) at a deflection (m): normal
+/// indentations and, with friction, tangential ones.
 std::vector<Sample> sample_along(const PairPath& path,
                                  const std::function<Eigen::Vector3d(const Eigen::Vector3d& deflection)>& force);
 

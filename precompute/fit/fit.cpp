@@ -13,8 +13,8 @@
 #include "formats/io/error.hpp"
 #include "precompute/bake/bake.hpp"
 #include "precompute/fit/carry.hpp"
+#include "precompute/fit/external_samples.hpp"
 #include "precompute/fit/fill.hpp"
-#include "precompute/fit/given_pairs.hpp"
 #include "precompute/fit/laws/potential_degrees.hpp"
 #include "precompute/fit/push_field.hpp"
 
@@ -134,7 +134,7 @@ public:
   FittedResponses run() {
     report_.planned = check_finished(plan_, journal_, sources_);
     report_.friction = settings_.friction;
-    check_given(plan_, sources_, settings_.friction);
+    check_external(plan_, sources_, settings_.friction);
     choose_law();
     for (std::uint32_t pair = 0; pair < plan_.pairs.size(); ++pair) fit_one(pair);
     for (std::uint32_t row = 0; row < rows_.size(); ++row) carry(row);
@@ -147,19 +147,19 @@ public:
 private:
   [[nodiscard]] std::uint32_t row_of(const PairPlan& pair) const { return first_[pair.tool] + pair.tool_vertex; }
 
-  /// Scales and degrees, from the pairs that were solved in full or given.
+  /// Scales and degrees, from the pairs that were solved in full or have external samples.
   void choose_law() {
     std::vector<const std::vector<Sample>*> all, exact;
     for (std::uint32_t pair = 0; pair < plan_.pairs.size(); ++pair) {
       if (plan_.pairs[pair].role == PairRole::hidden) continue;
       const std::vector<Sample>* samples = samples_of(pair, journal_, sources_);
       if (samples == nullptr) continue;
-      const auto given = sources_.given.find(pair);
-      const bool noisy = given != sources_.given.end() && given->second.measured;
+      const auto external = sources_.external.find(pair);
+      const bool noisy = external != sources_.external.end() && external->second.measured;
       report_.bias = report_.bias || (noisy ? has_steady_bias(*samples, settings_.bias_threshold)
                                             : has_bias(*samples, settings_.bias_threshold));
-      const bool solved = given == sources_.given.end();
-      if (solved && (plan_.pairs[pair].role == PairRole::straight || straight_alone(*samples))) continue;
+      const bool solved = external == sources_.external.end();
+      if (solved && (plan_.pairs[pair].role == PairRole::normal || normal_alone(*samples))) continue;
       all.push_back(samples);
       if (!noisy) exact.push_back(samples);
     }
@@ -173,8 +173,8 @@ private:
     report_.held_out = choice.held_out;
   }
 
-  /// A contact whose sideways pushes found no answer although there is friction.
-  [[nodiscard]] bool straight_alone(const std::vector<Sample>& samples) const {
+  /// A contact whose tangential pushes found no answer although there is friction.
+  [[nodiscard]] bool normal_alone(const std::vector<Sample>& samples) const {
     return settings_.friction && std::none_of(samples.begin(), samples.end(),
                                               [](const Sample& s) { return s.kind == SampleKind::tangential; });
   }
@@ -192,9 +192,9 @@ private:
   void fit_one(std::uint32_t pair) {
     const PairPlan& planned = plan_.pairs[pair];
     const std::uint32_t row = row_of(planned);
-    if (const auto given = sources_.given.find(pair); given != sources_.given.end()) {
-      rows_[row][planned.site] = fit_given(plan_, pair, given->second, result_.scales, report_, laws_);
-      flags_[row][planned.site] = given->second.measured ? layout::response_measured : layout::response_analytic;
+    if (const auto external = sources_.external.find(pair); external != sources_.external.end()) {
+      rows_[row][planned.site] = fit_external(plan_, pair, external->second, result_.scales, report_, laws_);
+      flags_[row][planned.site] = external->second.measured ? layout::response_measured : layout::response_analytic;
       return;
     }
     if (!sources_.solved(pair) || planned.role == PairRole::hidden) return;
@@ -203,10 +203,10 @@ private:
       refused_.push_back({pair, solved.outcome->cause});
       return;
     }
-    if (planned.role == PairRole::straight) {
+    if (planned.role == PairRole::normal) {
       alone_.insert(pair);
       ++report_.accepted;
-    } else if (straight_alone(solved.samples)) {
+    } else if (normal_alone(solved.samples)) {
       alone_.insert(pair);
       ++report_.accepted;
       ++report_.shortened;
@@ -262,9 +262,9 @@ private:
     flags_[row][planned.site] = layout::response_solved;
   }
 
-  /// The straight pushes of a tool vertex in as many steps, by site: the pairs planned for it or, where there are
+  /// The normal indentations of a tool vertex in as many steps, by site: the pairs planned for it or, where there are
   /// none, the pushes of the pairs that were to be solved in full.
-  [[nodiscard]] std::map<std::uint32_t, std::uint32_t> straight_pairs(std::uint32_t row) const {
+  [[nodiscard]] std::map<std::uint32_t, std::uint32_t> normal_pairs(std::uint32_t row) const {
     const auto pairs_of = [&](PairRole role) {
       std::map<std::uint32_t, std::uint32_t> pairs;
       for (std::uint32_t pair = 0; pair < plan_.pairs.size(); ++pair) {
@@ -274,19 +274,19 @@ private:
       }
       return pairs;
     };
-    const auto straight = pairs_of(PairRole::straight);
-    return straight.empty() ? pairs_of(PairRole::full) : straight;
+    const auto normal = pairs_of(PairRole::normal);
+    return normal.empty() ? pairs_of(PairRole::full) : normal;
   }
 
-  /// Gives the sites of a tool vertex that were pushed straight alone the responses of those solved in full.
+  /// Gives the sites of a tool vertex that had a normal indentation alone the responses of those solved in full.
   void carry(std::uint32_t row) {
-    const std::map<std::uint32_t, std::uint32_t> pairs = straight_pairs(row);
+    const std::map<std::uint32_t, std::uint32_t> pairs = normal_pairs(row);
     const auto wants = [&](const auto& at) { return alone_.count(at.second) > 0 && !rows_[row][at.first]; };
     if (std::none_of(pairs.begin(), pairs.end(), wants)) return;
-    std::map<std::uint32_t, fit::StraightCurve> curves;
+    std::map<std::uint32_t, fit::NormalCurve> curves;
     for (const auto& [site, pair] : pairs) {
       try {
-        curves.emplace(site, fit::StraightCurve(journal_.pairs.at(pair).samples));
+        curves.emplace(site, fit::NormalCurve(journal_.pairs.at(pair).samples));
       } catch (const Error& error) {
         if (wants(std::pair{site, pair})) refused_.push_back({pair, error.what()});
       }
@@ -310,19 +310,19 @@ private:
         carried[site] = carried_to(site, curve, sources);
         flags_[row][site] = layout::response_solved;
         ++report_.carried;
-        add_straight_errors(pairs.at(site), *carried[site]);
+        add_normal_errors(pairs.at(site), *carried[site]);
       } catch (const Error& error) {
         refused_.push_back({pairs.at(site), error.what()});
       }
     }
-    if (plan_.pairs[pairs.begin()->second].role == PairRole::straight) extrapolate(curves, sources, carried);
+    if (plan_.pairs[pairs.begin()->second].role == PairRole::normal) extrapolate(curves, sources, carried);
     for (std::size_t site = 0; site < carried.size(); ++site) {
       if (carried[site]) rows_[row][site] = std::move(carried[site]);
     }
   }
 
-  /// Fills sites beside those with a straight push.
-  void extrapolate(const std::map<std::uint32_t, fit::StraightCurve>& curves,
+  /// Fills sites beside those with a normal indentation.
+  void extrapolate(const std::map<std::uint32_t, fit::NormalCurve>& curves,
                    const std::vector<fit::CarrySource>& sources, SiteRow& carried) const {
     const fit::SiteGraph graph = fit::site_graph(plan_.sites.size(), triangles_);
     const fit::PushField field(plan_.sites, graph, curves);
@@ -334,20 +334,20 @@ private:
     }
   }
 
-  /// Depth (m) to which a response holds: the site's, less where its straight push stopped short of it.
-  [[nodiscard]] double depth_of(std::uint32_t site, const fit::StraightCurve& own) const {
+  /// Depth (m) to which a response holds: the site's, less where its normal indentation stopped short of it.
+  [[nodiscard]] double depth_of(std::uint32_t site, const fit::NormalCurve& own) const {
     constexpr double kWhole = 0.9;  // of the depth; the give of the penalty is taken off what the tool moved
     return own.deepest() >= kWhole * plan_.sites[site].depth ? plan_.sites[site].depth : own.deepest();
   }
 
-  [[nodiscard]] std::vector<Sample> samples_carried(std::uint32_t site, const fit::StraightCurve& own,
+  [[nodiscard]] std::vector<Sample> samples_carried(std::uint32_t site, const fit::NormalCurve& own,
                                                     const std::vector<fit::CarrySource>& sources) const {
     const double depth = depth_of(site, own);
     return fit::carried_samples(plan_.sites[site].frame, depth, own, settings_.path(depth), sources, result_.scales);
   }
 
-  /// Errors of a carried response at the straight push of its site.
-  void add_straight_errors(std::uint32_t pair, const SiteResponse& site) {
+  /// Errors of a carried response at the normal indentation of its site.
+  void add_normal_errors(std::uint32_t pair, const SiteResponse& site) {
     std::vector<Sample> push;
     for (const Sample& s : journal_.pairs.at(pair).samples) {
       if (s.kind == SampleKind::normal) push.push_back(s);
@@ -356,7 +356,7 @@ private:
   }
 
   /// Throws Error(numerical) where the carried samples cannot be fitted.
-  [[nodiscard]] SiteResponse carried_to(std::uint32_t site, const fit::StraightCurve& own,
+  [[nodiscard]] SiteResponse carried_to(std::uint32_t site, const fit::NormalCurve& own,
                                         const std::vector<fit::CarrySource>& all) const {
     const PlanSite& at = plan_.sites[site];
     const double depth = depth_of(site, own);
@@ -371,8 +371,8 @@ private:
     return carried;
   }
 
-  /// Errors of sideways pushes that would have been carried to a site that was solved in full.
-  void test_carried(std::uint32_t pair, const fit::StraightCurve& own, const SiteResponse& full,
+  /// Errors of tangential pushes that would have been carried to a site that was solved in full.
+  void test_carried(std::uint32_t pair, const fit::NormalCurve& own, const SiteResponse& full,
                     const std::vector<fit::CarrySource>& sources) {
     const fit::Potential law(full.response.coefs, result_.scales);
     const std::vector<Sample> carried = samples_carried(plan_.pairs[pair].site, own, sources);
@@ -448,7 +448,7 @@ private:
   std::vector<std::uint32_t> first_;  // row of each tool's first vertex
   std::vector<SiteRow> rows_;
   std::vector<std::vector<std::uint32_t>> flags_;  // layout::ResponseFlag, by row and site
-  std::set<std::uint32_t> alone_;                  // accepted pairs with a straight push and nothing else
+  std::set<std::uint32_t> alone_;                  // accepted pairs with a normal indentation and nothing else
   std::vector<RefusedPair> refused_;
   RowErrors normal_, tangential_, paths_, grasped_, turned_, laws_, left_out_;
   FittedResponses result_;

@@ -14,7 +14,7 @@
 #include "precompute/bake/plan.hpp"
 #include "precompute/bake/sampling_estimate.hpp"
 #include "precompute/compliance/report.hpp"
-#include "precompute/fit/given_pairs.hpp"
+#include "precompute/fit/external_samples.hpp"
 #include "precompute/fit/laws/pair_fit.hpp"
 #include "precompute/fit/laws/potential_degrees.hpp"
 #include "precompute/fit/refusals.hpp"
@@ -30,7 +30,7 @@ struct FitSettings {
   double tolerance = 0.05;       ///< requested relative force error, by which the degrees are chosen
   std::vector<bool> grasps;      ///< per tool, whether it bonds; empty: none does
   std::vector<bool> turns;       ///< per tool that bonds, whether it is rotated; empty: none is
-  /// The path of a bake to a depth (m); required for recordings and straight pushes.
+  /// The path of a bake to a depth (m); required for recordings and normal indentations.
   std::function<PairPath(double depth)> path;
 };
 
@@ -67,8 +67,8 @@ struct FitReport {
   std::size_t planned = 0, accepted = 0;                  ///< of the pairs to be solved
   std::size_t refused = 0;                                ///< by the solver or by the fit
   std::vector<Refusals> refusals;                         ///< these, by cause
-  std::size_t full = 0, carried = 0;                      ///< responses solved in full, carried to straight pushes
-  std::size_t shortened = 0;                              ///< of the accepted: a sideways push ended early
+  std::size_t full = 0, carried = 0;                      ///< responses solved in full, carried to normal indentations
+  std::size_t shortened = 0;                              ///< of the accepted: a tangential push ended early
   std::size_t filled = 0;                                 ///< responses from neighbours: refused and skipped ones
   std::size_t analytic = 0;                               ///< responses by a closed form; the measured ones: recorded
   std::size_t support = 0, outside = 0, unreachable = 0;  ///< of the filled ones, the reason why they were skipped
@@ -78,7 +78,7 @@ struct FitReport {
   ErrorFigures grasped;                        ///< of tools that bond
   ErrorFigures turned;                         ///< of the torques of rotated tools
   ErrorFigures laws;                           ///< of the fits to closed forms
-  ErrorFigures left_out;                       ///< of sideways pushes carried to sites that were solved in full
+  ErrorFigures left_out;                       ///< of tangential pushes carried to sites that were solved in full
   std::vector<RecordedFigures> recorded;       ///< by pair
   std::optional<SamplingEstimate> sampling;    ///< of automatic sampling; filled by pipeline::fit_file
   fit::HeldOutFigures held_out;                ///< of samples left out, by which the degrees were chosen
@@ -101,7 +101,7 @@ struct FittedResponses {
 /// Median, 95th percentile (nearest rank) and worst of `errors`; all zero when there are none.
 ErrorFigures error_figures(const std::vector<std::pair<double, std::uint32_t>>& errors);
 
-/// Fits every pair that was solved in full, carries these responses to sites that were pushed straight alone, and
+/// Fits every pair that was solved in full, carries these responses to sites that had a normal indentation alone, and
 /// fills the rest, whatever was refused. `triangles`: patches of the haptic mesh; `tool_vertices`: their number per
 /// tool; `sources`: recordings and closed forms in place of the journal. Throws Error(bad_input) when a pair to be
 /// solved has no outcome (the bake is not finished) and as fit_recorded, Error(numerical) with the causes when no

@@ -28,7 +28,7 @@ Eigen::Vector3d turned(const Eigen::Vector3d& force, const ContactFrame& from, c
 }  // namespace
 
 PushField::PushField(const std::vector<PlanSite>& sites, const SiteGraph& graph,
-                     const std::map<std::uint32_t, StraightCurve>& curves)
+                     const std::map<std::uint32_t, NormalCurve>& curves)
     : sites_(sites), graph_(graph), curves_(sites.size()), solved_(sites.size(), 0), blends_(sites.size()) {
   for (const auto& [site, curve] : curves) {
     curves_[site] = curve;
@@ -72,7 +72,7 @@ Eigen::Vector3d PushField::slope(std::uint32_t site, double depth) const {
   return g.x() * frame.x + g.y() * frame.y;
 }
 
-StraightCurve PushField::extrapolate(std::uint32_t site) const {
+NormalCurve PushField::extrapolate(std::uint32_t site) const {
   const PlanSite& here = sites_[site];
   std::vector<Sample> samples;
   for (int k = 1; k <= kPoints; ++k) {
@@ -94,7 +94,7 @@ StraightCurve PushField::extrapolate(std::uint32_t site) const {
     sample.force = force / total;
     samples.push_back(sample);
   }
-  return StraightCurve(samples);
+  return NormalCurve(samples);
 }
 
 void PushField::blend_others() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The straight pushes of one tool vertex over the sites, and predictions at sites without one.
+// The normal indentations of one tool vertex over the sites, and predictions at sites without one.
 #pragma once
 
 #include <map>
@@ -19,7 +19,7 @@ class PushField {
 public:
   /// `curves` by site. `sites` and `graph` must outlive the field.
   PushField(const std::vector<PlanSite>& sites, const SiteGraph& graph,
-            const std::map<std::uint32_t, StraightCurve>& curves);
+            const std::map<std::uint32_t, NormalCurve>& curves);
 
   [[nodiscard]] bool solved(std::uint32_t site) const { return solved_[site]; }
   /// False where no edges lead to a site with a push.
@@ -30,17 +30,17 @@ public:
   /// over its edges to solved sites.
   [[nodiscard]] Eigen::Vector3d slope(std::uint32_t site, double depth) const;
   /// The extrapolated pushes, by site.
-  [[nodiscard]] const std::map<std::uint32_t, StraightCurve>& extrapolated() const { return extrapolated_; }
+  [[nodiscard]] const std::map<std::uint32_t, NormalCurve>& extrapolated() const { return extrapolated_; }
 
 private:
-  [[nodiscard]] StraightCurve extrapolate(std::uint32_t site) const;
+  [[nodiscard]] NormalCurve extrapolate(std::uint32_t site) const;
   void blend_others();
 
   const std::vector<PlanSite>& sites_;
   const SiteGraph& graph_;
-  std::vector<std::optional<StraightCurve>> curves_;
+  std::vector<std::optional<NormalCurve>> curves_;
   std::vector<char> solved_;
-  std::map<std::uint32_t, StraightCurve> extrapolated_;
+  std::map<std::uint32_t, NormalCurve> extrapolated_;
   std::vector<std::vector<std::pair<std::uint32_t, double>>> blends_;  // sites with a push, and their weights
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pairs that were refused, grouped by cause: what a response file covers from neighbours, and why.
+// Pairs that were refused, grouped by cause: responses that a file fills from neighbours, and why.
 #pragma once
 
 #include <cstddef>

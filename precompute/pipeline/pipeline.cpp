@@ -12,7 +12,7 @@
 #include "formats/io/error.hpp"
 #include "formats/io/file.hpp"
 #include "formats/io/same_file.hpp"
-#include "precompute/common/draw.hpp"
+#include "precompute/common/random_subset.hpp"
 #include "precompute/fit/assemble.hpp"
 #include "precompute/mesh/surface/contact_surface.hpp"
 #include "precompute/pipeline/sources.hpp"
@@ -222,13 +222,13 @@ PairSolver contact_solver(const Pipeline& p) {
     if (p.plan.pairs[k].role == PairRole::full) full.push_back(k);
   }
   for (const std::size_t k :
-       draw_share(full.size(), solver.check_share, static_cast<std::uint64_t>(solver.check_seed))) {
+       random_subset(full.size(), solver.check_share, static_cast<std::uint64_t>(solver.check_seed))) {
     checked.insert(name(p.plan.pairs[full[k]]));
   }
   return [&p, scene_options, name, checked](const PairPlan& pair, const SampleSink& sink) {
     const Tool& tool = p.tools[pair.tool];
     if (pair.role != PairRole::full) {
-      return solve_pair(p.body, tool, tool.vertices[pair.tool_vertex], pair.frame, straight_path(p.scene, pair.depth),
+      return solve_pair({p.body, tool, tool.vertices[pair.tool_vertex], pair.frame}, normal_path(p.scene, pair.depth),
                         scene_options, sink);
     }
     PairOptions options = scene_options;
@@ -238,7 +238,7 @@ PairSolver contact_solver(const Pipeline& p) {
     if (const double draw = path_draw(pair); draw < path_share(p.scene)) {
       path.side_paths = test_paths(path, 2 * std::numbers::pi * draw / path_share(p.scene));
     }
-    return solve_pair(p.body, tool, tool.vertices[pair.tool_vertex], pair.frame, path, options, sink);
+    return solve_pair({p.body, tool, tool.vertices[pair.tool_vertex], pair.frame}, path, options, sink);
   };
 }
 
@@ -318,8 +318,9 @@ FitSettings fit_settings(const Pipeline& p) {
 JournalContent samples(const Pipeline& p) {
   if (!std::filesystem::exists(p.paths.samples)) {
     if (!p.sources.solves_any(p.plan.pairs.size())) return {};
-    const char* const other =
-        p.sources.given.empty() ? "" : ", or take the other sites from their neighbours: [sources] rest = \"covered\"";
+    const char* const other = p.sources.external.empty()
+                                  ? ""
+                                  : ", or take the other sites from their neighbours: [sources] rest = \"filled\"";
     throw Error(ExitCode::io, p.paths.samples.string() + ": there is no journal; run palpate bake first" + other);
   }
   return read_journal(p.paths.samples, p.manifest);

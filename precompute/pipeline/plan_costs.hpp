@@ -13,7 +13,7 @@ namespace palpate::pipeline {
 struct RoleCost {
   std::size_t pairs = 0;  ///< planned
   std::size_t open = 0;   ///< of these without an outcome
-  double seconds = 0.0;   ///< of a processor for one pair: straight for hidden ones, too
+  double seconds = 0.0;   ///< of a processor for one pair: normal for hidden ones, too
 };
 
 struct PlanCosts {
@@ -23,7 +23,7 @@ struct PlanCosts {
   double file_bytes = 0.0;         ///< of the response file with the sites of this round
 };
 
-/// Solves the middle pair in full and the middle straight push of the plan (nothing is kept) and multiplies. Needs
+/// Solves the middle pair in full and the middle normal indentation of the plan (nothing is kept) and multiplies. Needs
 /// plan().
 PlanCosts cost_plan(const Pipeline& pipeline);
 

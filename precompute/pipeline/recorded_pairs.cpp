@@ -12,7 +12,7 @@
 
 #include "formats/io/error.hpp"
 #include "formats/recording/recording.hpp"
-#include "precompute/bake/given_tool.hpp"
+#include "precompute/bake/tool_lookup.hpp"
 #include "precompute/sites/haptic_mesh.hpp"
 #include "precompute/solve/pair/pair.hpp"
 
@@ -22,7 +22,7 @@ namespace {
 using Eigen::Vector3d;
 using PairName = std::array<std::uint32_t, 3>;  // site, tool, tool vertex
 
-constexpr double kStraight = 0.05;  // sideways over depth, at most, of a push straight down
+constexpr double kTangentialOverDepth = 0.05;  // at most, of a normal indentation
 constexpr double kShallow = 0.1;    // of the sampled depth: the same of what is shallower
 constexpr double kFacing = 0.5;     // least cosine between the normals of a contact and of its site
 constexpr double kReach = 0.25;     // of sampling.spacing
@@ -78,7 +78,7 @@ public:
         throw Error(ExitCode::bad_input, where + ": its site " + std::to_string(contact->site) + " " +
                                              reason_text(plan_, name) + ": no response of this scene is there");
       }
-      add(row, *contact, plan_.pairs[pair->second], where, to.given[pair->second]);
+      add(row, *contact, plan_.pairs[pair->second], where, to.external[pair->second]);
     }
   }
 
@@ -136,15 +136,15 @@ private:
   }
 
   void add(const RecordedRow& row, const Contact& contact, const PairPlan& pair, const std::string& where,
-           GivenPair& to) const {
+           ExternalSamples& to) const {
     const Vector3d deflection = pair.frame.to_local(contact.turn * row.deflection);
     Sample sample;
     sample.deflection = {deflection.x(), deflection.y(), -deflection.z()};
     sample.force = pair.frame.to_local(contact.turn * row.force);
-    const double depth = sample.deflection.z(), sideways = sample.deflection.head<2>().norm();
-    const bool straight = sideways <= kStraight * std::max(depth, kShallow * pair.depth);
+    const double depth = sample.deflection.z(), tangential = sample.deflection.head<2>().norm();
+    const bool normal = tangential <= kTangentialOverDepth * std::max(depth, kShallow * pair.depth);
     to.measured = true;
-    const bool aside = !straight && (!(scene_.friction > 0) || sideways > aside_ * depth);
+    const bool aside = !normal && (!(scene_.friction > 0) || tangential > aside_ * depth);
     std::size_t* const passed = row.weight == 0                 ? &to.passed.weightless
                                 : !(depth > 0)                  ? &to.passed.out
                                 : depth > scene_.sampling.depth ? &to.passed.deep
@@ -154,7 +154,7 @@ private:
       ++*passed;
       return;
     }
-    sample.kind = straight ? SampleKind::normal : SampleKind::tangential;
+    sample.kind = normal ? SampleKind::normal : SampleKind::tangential;
     // Held-out samples are drawn by it.
     sample.index = static_cast<std::uint16_t>(to.samples.size() % 0xFFFF);
     sample.friction_limit = scene_.friction;

@@ -35,11 +35,11 @@ const JournalPair* accepted(const JournalContent& journal, std::uint32_t pair) {
   return &at->second;
 }
 
-std::map<std::uint32_t, fit::StraightCurve> curves_of(const Plan& plan, const JournalContent& journal, const Row& row) {
-  std::map<std::uint32_t, fit::StraightCurve> curves;
+std::map<std::uint32_t, fit::NormalCurve> curves_of(const Plan& plan, const JournalContent& journal, const Row& row) {
+  std::map<std::uint32_t, fit::NormalCurve> curves;
   for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
     const PairPlan& p = plan.pairs[pair];
-    if (p.role != PairRole::straight || Row(p.tool, p.tool_vertex) != row) continue;
+    if (p.role != PairRole::normal || Row(p.tool, p.tool_vertex) != row) continue;
     if (const JournalPair* solved = accepted(journal, pair)) curves.emplace(p.site, solved->samples);
   }
   return curves;
@@ -235,7 +235,7 @@ void add_full(const Sampled& sampled, const std::set<std::uint32_t>& pushed, Pla
   for (const PairPlan& p : plan.pairs) {
     // How a bonded tool is pulled is not carried.
     const bool bonds = sampled.tools[p.tool].scene.grasp_depth > 0 && full.count(p.site) == 0;
-    if (p.role != PairRole::straight || !(bonds || chosen.count(p.site) > 0)) continue;
+    if (p.role != PairRole::normal || !(bonds || chosen.count(p.site) > 0)) continue;
     added.push_back(p);
     added.back().role = PairRole::full;
   }
@@ -284,8 +284,8 @@ void add_hidden(const Sampled& sampled, std::size_t count, Plan& plan) {
     pair.depth = std::min(sampling.depth, sampling.depth_fraction * sampled.body.query->thickness(o, pair.frame.n));
     const Tool& tool = sampled.tools[pair.tool];
     const ToolVertex& vertex = tool.vertices[pair.tool_vertex];
-    if (reaches_support(sampled.body, tool, vertex, pair.frame, pair.depth) ||
-        !can_touch_first(sampled.body, tool, vertex, pair.frame)) {
+    if (reaches_support({sampled.body, tool, vertex, pair.frame}, pair.depth) ||
+        !can_touch_first({sampled.body, tool, vertex, pair.frame})) {
       continue;
     }
     plan.pairs.push_back(pair);
@@ -301,7 +301,7 @@ double first_spacing(const Scene& scene, const Body& body) {
 }
 
 Plan first_round(const Sampled& sampled, const HapticMesh& mesh) {
-  Plan plan = make_plan(sampled.scene, sampled.body, mesh, sampled.tools, PairRole::straight);
+  Plan plan = make_plan(sampled.scene, sampled.body, mesh, sampled.tools, PairRole::normal);
   plan.inputs.scene = Hasher()
                           .text(canonical_text(sampled.scene, CanonicalScope::solves))
                           .number(std::int64_t{kRoundsRevision})
@@ -344,9 +344,9 @@ bool add_round(const Sampled& sampled, const JournalContent& journal, HapticMesh
   split_edges(sampled.scene, sampled.body, edges, mesh);
   std::set<std::uint32_t> pushed;
   for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
-    if (plan.pairs[pair].role == PairRole::straight && accepted(journal, pair)) pushed.insert(plan.pairs[pair].site);
+    if (plan.pairs[pair].role == PairRole::normal && accepted(journal, pair)) pushed.insert(plan.pairs[pair].site);
   }
-  add_sites(plan, sampled.body, mesh, sampled.tools, PairRole::straight);
+  add_sites(plan, sampled.body, mesh, sampled.tools, PairRole::normal);
   add_full(sampled, pushed, plan);
   add_hidden(sampled, kLimits.more, plan);
   return true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Automatic sampling: rounds of straight pushes, each judged by hidden pushes between its sites.
+// Automatic sampling: rounds of normal indentations, each judged by hidden pushes between its sites.
 //
 // Every round is a function of the scene and of what the rounds before it solved, so that any number of threads or
 // shards and any interruption give the same sites.
@@ -44,7 +44,7 @@ struct RoundLimits {
 /// of the smallest tool's radius.
 double first_spacing(const Scene& scene, const Body& body);
 
-/// The first round: a straight push at every site, all paths of the scene at sites spread evenly, hidden pushes
+/// The first round: a normal indentation at every site, all paths of the scene at sites spread evenly, hidden pushes
 /// at places drawn evenly over the area that the tools can touch. Its inputs include what later rounds depend on.
 /// Throws as make_plan.
 Plan first_round(const Sampled& sampled, const HapticMesh& mesh);

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "formats/io/error.hpp"
-#include "precompute/bake/given_tool.hpp"
+#include "precompute/bake/tool_lookup.hpp"
 #include "precompute/fit/closed_form.hpp"
 #include "precompute/pipeline/recorded_pairs.hpp"
 
@@ -27,7 +27,8 @@ public:
       : scene_(scene), law_(law), where_(scene.file.string() + ": analytic " + std::to_string(number + 1)) {
     if (!law.tool.empty()) only_ = find_tool(tools, law.tool, where_);
     if (law.law == AnalyticScene::Law::layer && scene.friction > 0) {
-      throw Error(ExitCode::bad_input, where_ + ": a layer's sideways answer has no closed form: no friction with it");
+      throw Error(ExitCode::bad_input,
+                  where_ + ": a layer's tangential response has no closed form: no friction with it");
     }
   }
 
@@ -45,11 +46,11 @@ public:
     return surface.part_names[static_cast<std::size_t>(part)] == law_.mesh;
   }
 
-  [[nodiscard]] GivenPair samples(const PairPlan& pair, const Tool& tool, double wall) const {
+  [[nodiscard]] ExternalSamples samples(const PairPlan& pair, const Tool& tool, double wall) const {
     refuse_grasps(tool, where_);
-    GivenPair given;
-    given.samples = fit::sample_law(form(pair, tool, wall), bake_path(scene_, pair.depth));
-    return given;
+    ExternalSamples external;
+    external.samples = fit::sample_law(form(pair, tool, wall), bake_path(scene_, pair.depth));
+    return external;
   }
 
   void check_used(bool used) const {
@@ -79,7 +80,7 @@ private:
     form.slope = vertex.cone_slope;
     form.thickness = law_.thickness > 0 ? law_.thickness : wall;
     form.stiffness = law_.stiffness;
-    form.sideways = law_.sideways_stiffness > 0 ? law_.sideways_stiffness : law_.stiffness;
+    form.tangential = law_.tangential_stiffness > 0 ? law_.tangential_stiffness : law_.stiffness;
     check_depth(pair.depth, form, ball, tool);
     return form;
   }
@@ -111,20 +112,21 @@ private:
   std::optional<std::uint32_t> only_;
 };
 
-/// Throws unless every tool vertex has a pair that its other sites can be covered from.
-void check_covered(const Scene& scene, const std::vector<Tool>& tools, const Plan& plan, const PairSources& sources) {
-  const std::string where = scene.file.string() + ": sources.rest = \"covered\"";
-  if (sources.given.empty()) {
+/// Throws unless every tool vertex has a pair that its other sites can be filled from.
+void check_fillable(const Scene& scene, const std::vector<Tool>& tools, const Plan& plan, const PairSources& sources) {
+  const std::string where = scene.file.string() + ": sources.rest = \"filled\"";
+  if (sources.external.empty()) {
     throw Error(ExitCode::bad_input, where +
                                          " needs a recording ([[measured]], --measured) or a law ([[analytic]]) to "
-                                         "cover from");
+                                         "fill from");
   }
   std::set<std::pair<std::uint32_t, std::uint32_t>> given;  // tool, tool vertex
-  for (const auto& [pair, unused] : sources.given) given.emplace(plan.pairs[pair].tool, plan.pairs[pair].tool_vertex);
+  for (const auto& [pair, unused] : sources.external)
+    given.emplace(plan.pairs[pair].tool, plan.pairs[pair].tool_vertex);
   for (std::uint32_t tool = 0; tool < tools.size(); ++tool) {
     for (std::uint32_t vertex = 0; vertex < tools[tool].vertices.size(); ++vertex) {
       if (given.count({tool, vertex}) > 0) continue;
-      throw Error(ExitCode::bad_input, where + " has nothing to cover from for contact vertex " +
+      throw Error(ExitCode::bad_input, where + " has nothing to fill from for contact vertex " +
                                            std::to_string(vertex) + " of the tool '" + tools[tool].name +
                                            "': it needs a recording or a law at one site at least");
     }
@@ -144,13 +146,13 @@ PairSources find_sources(const Scene& scene, const SceneSources& wanted, const B
     bool used = false;
     for (std::uint32_t k = 0; k < plan.pairs.size(); ++k) {
       const PairPlan& pair = plan.pairs[k];
-      if (sources.given.count(k) > 0 || !law.holds(pair, body)) continue;
-      sources.given[k] = law.samples(pair, tools[pair.tool], mesh.thickness[pair.site]);
+      if (sources.external.count(k) > 0 || !law.holds(pair, body)) continue;
+      sources.external[k] = law.samples(pair, tools[pair.tool], mesh.thickness[pair.site]);
       used = true;
     }
     law.check_used(used);
   }
-  if (!sources.solve_others) check_covered(scene, tools, plan, sources);
+  if (!sources.solve_others) check_fillable(scene, tools, plan, sources);
   return sources;
 }
 

@@ -8,7 +8,7 @@
 #include "formats/scene/scene_sources.hpp"
 #include "precompute/bake/plan.hpp"
 #include "precompute/common/body.hpp"
-#include "precompute/fit/given_pairs.hpp"
+#include "precompute/fit/external_samples.hpp"
 #include "precompute/sites/haptic_mesh.hpp"
 #include "precompute/tool/tool.hpp"
 

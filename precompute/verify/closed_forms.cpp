@@ -56,7 +56,7 @@ PairResult press(double half_width, double height, double poisson, const ToolSce
   const Body body =
       prepare_body(scene, box_solid({-half_width, -half_width, -height}, {half_width, half_width, 0}, height, "box"));
   const Tool tool = make_tool(tool_scene);
-  return solve_pair(body, tool, tool.vertices[0], ContactFrame{}, path, pair_options(scene));
+  return solve_pair({body, tool, tool.vertices[0], ContactFrame{}}, path, pair_options(scene));
 }
 
 PairResult press_block(double half, const ToolScene& tool, const PairPath& path, const Elements& elements) {
@@ -87,7 +87,8 @@ LawValues hertz(double size, double coarser) {
                 // 0.1.
                 const double radius = std::sqrt(s.contact_area / (pi * kRadius * d));
                 if (!(std::abs(radius - 1) < 0.02)) v.cause = "the contact's radius is not sqrt(R d)";
-                if (s.force.head<2>().norm() > 0.01 * s.force.z()) v.cause = "a straight push pushes sideways";
+                if (s.force.head<2>().norm() > 0.01 * s.force.z())
+                  v.cause = "a normal indentation has a tangential force";
               });
 }
 
@@ -155,7 +156,7 @@ LawValues mindlin(double size, double coarser) {
               });
 }
 
-// Formed without friction and then pushed sideways: at nu 0.49 pressures hardly change. Slip removes the singular
+// Formed without friction and then pushed tangentially: at nu 0.49 pressures hardly change. Slip removes the singular
 // traction at the rim, so no ring of fine elements is needed.
 LawValues partial_slip(double size, double coarser) {
   const double depth = 0.001 * kRadius, a = std::sqrt(kRadius * depth), mu = 0.3;
@@ -198,7 +199,7 @@ std::vector<ClosedForm> closed_forms() {
       {"Sneddon, cone", "half angle 80 degrees: F = 2/pi E* tan(theta) d^2", 30, 60, laws::blunt_cone},
       {"Dimitriadis", "sphere on a bonded layer, nu 0.4999: the series below sqrt(R d)/h = 0.35, exact to 1", 6, 8,
        laws::layer},
-      {"Mindlin", "stuck sphere, d = 0.001 R, sideways: k = 8 G a / (2 - nu)", 40, 80, laws::mindlin},
+      {"Mindlin", "stuck sphere, d = 0.001 R, tangential push: k = 8 G a / (2 - nu)", 40, 80, laws::mindlin},
       {"Cattaneo and Mindlin", "partial slip: Q = mu P (1 - (1 - s/s_max)^1.5); full slip: Q = mu P", 30, 60,
        laws::partial_slip},
   };

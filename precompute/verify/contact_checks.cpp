@@ -62,7 +62,7 @@ std::vector<CheckedSlide> check_slides(const Scene& scene, const Body& body, con
     path.radii = options.radii;
     all[k].result = first_free(all[k].angle, "path:", [&](double angle) {
       path.angle = angle;
-      return solve_slide(body, tool, tool.vertices.at(0), contacts[k].frame, path, pair_options(scene), options.stop);
+      return solve_slide({body, tool, tool.vertices.at(0), contacts[k].frame}, path, pair_options(scene), options.stop);
     });
     return all[k];
   });
@@ -86,7 +86,7 @@ std::vector<CheckedStroke> check_strokes(const Scene& scene, const Body& body, c
       scale.angle = angle;
       NamedStroke named = standard_strokes(scale).at(k % kinds);
       stroke.name = named.name;
-      return solve_stroke(body, tool, tool.vertices.at(0), contact.frame, named.path, solver, options.stop);
+      return solve_stroke({body, tool, tool.vertices.at(0), contact.frame}, named.path, solver, options.stop);
     });
     return stroke;
   });

@@ -14,13 +14,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-// One contact, solved as a bake would: at a place of the sample's top, down and then perhaps sideways.
+// One contact, solved as a bake would: at a place of the sample's top, down and then perhaps along the surface.
 struct PaperPush {
   const Scene* scene = nullptr;
   const Body* body = nullptr;
   std::size_t tool = 0;
   Vector3d site{0, 0, 0};
-  int directions = 0;  // sideways, from +x on
+  int directions = 0;  // tangential, from +x on
 };
 
 std::vector<std::vector<Sample>> solve(const std::vector<PaperPush>& pushes, unsigned threads) {
@@ -34,7 +34,7 @@ std::vector<std::vector<Sample>> solve(const std::vector<PaperPush>& pushes, uns
     PairPath path = bake_path(scene, scene.sampling.depth);
     path.tangential_directions = push.directions;
     path.tangential_depths = {path.normal_depths.back()};
-    const PairResult r = solve_pair(*push.body, tool, tool.vertices.at(0), frame, path, pair_options(scene));
+    const PairResult r = solve_pair({*push.body, tool, tool.vertices.at(0), frame}, path, pair_options(scene));
     if (!r.outcome.accepted || !r.outcome.cause.empty()) {
       throw Error(ExitCode::numerical, scene.name + ", " + tool.name + ": " + r.outcome.cause);
     }
@@ -43,7 +43,7 @@ std::vector<std::vector<Sample>> solve(const std::vector<PaperPush>& pushes, uns
   return all;
 }
 
-PaperCurve straight(const std::string& name, const std::vector<Sample>& samples) {
+PaperCurve normal_curve(const std::string& name, const std::vector<Sample>& samples) {
   PaperCurve curve{name, {0}, {0}};
   for (const Sample& s : samples) {
     if (s.kind != SampleKind::normal) continue;
@@ -60,8 +60,8 @@ const Sample& deepest(const std::vector<Sample>& samples) {
 }
 
 // The force along `component` of the push towards the side of x that `side` has, over the deflection; times `sign`.
-PaperCurve sideways(const std::string& name, const std::vector<Sample>& samples, double side, int component,
-                    double sign) {
+PaperCurve tangential_curve(const std::string& name, const std::vector<Sample>& samples, double side, int component,
+                            double sign) {
   PaperCurve curve{name, {0}, {sign * deepest(samples).force[component]}};
   for (const Sample& s : samples) {
     if (s.kind != SampleKind::tangential || s.deflection.x() * side <= 0) continue;
@@ -71,10 +71,10 @@ PaperCurve sideways(const std::string& name, const std::vector<Sample>& samples,
   return curve;
 }
 
-// Force that a sideways push adds against itself. It excludes the sideways force of the normal indentation beside a
+// Force that a tangential push adds against itself. It excludes the tangential force of the normal indentation beside a
 // lump.
 PaperCurve answer(const std::string& name, const std::vector<Sample>& samples, double side) {
-  PaperCurve curve = sideways(name, samples, side, 0, -side);
+  PaperCurve curve = tangential_curve(name, samples, side, 0, -side);
   const double before = curve.force[0];
   for (double& f : curve.force) f -= before;
   return curve;
@@ -138,7 +138,7 @@ std::vector<PaperStatement> figure_4_statements(const std::vector<PaperPanel>& p
   const auto force = [&](double at) {
     return Eigen::Vector2d(force_at(panels[2].curves.at(0), at), force_at(panels[2].curves.at(1), at));
   };
-  return {{"a homogeneous sample answers sideways deflection symmetrically",
+  return {{"a homogeneous sample answers a tangential deflection symmetrically",
            difference(alike.at(0), alike.at(1), reach(panels[0]), reach(panels[0])), 0.03, true},
           {"a sample with a hard inclusion on one side answers skewed, more stiffly towards it",
            force_at(skewed.at(0), reach(panels[1])) / force_at(skewed.at(1), reach(panels[1])) - 1, 0.08, false},
@@ -158,7 +158,7 @@ PaperFigure solve_figure_2(const Scene& loose, const Scene& firm, unsigned threa
   PaperFigure figure{
       "Figure 2: three tools on one strip", "depth", {{"loosely supported", {}}, {"well supported", {}}}, {}};
   for (std::size_t k = 0; k < pushes.size(); ++k) {
-    figure.panels[k / 3].curves.push_back(straight(pushes[k].scene->tools[pushes[k].tool].name, samples[k]));
+    figure.panels[k / 3].curves.push_back(normal_curve(pushes[k].scene->tools[pushes[k].tool].name, samples[k]));
   }
   figure.statements = figure_2_statements(figure.panels);
   return figure;
@@ -177,17 +177,17 @@ PaperFigure solve_figure_4(const Scene& homogeneous, const Scene& inclusion, uns
   const auto samples = solve(pushes, threads);
   PaperPanel end{
       "same end point",
-      {{"normal", {0}, {deepest(samples[0]).force.z()}}, {"sideways", {0}, {-deepest(samples[0]).force.x()}}}};
+      {{"normal", {0}, {deepest(samples[0]).force.z()}}, {"tangential", {0}, {-deepest(samples[0]).force.x()}}}};
   for (std::size_t k = 0; k < beside.size(); ++k) {
     const auto& dragged = samples[2 + k];
     end.curves[0].at.push_back(beside[k]);
     end.curves[1].at.push_back(beside[k]);
-    end.curves[0].force.push_back(force_at(sideways("", dragged, 1, 2, 1), beside[k]));
-    end.curves[1].force.push_back(force_at(sideways("", dragged, 1, 0, -1), beside[k]));
+    end.curves[0].force.push_back(force_at(tangential_curve("", dragged, 1, 2, 1), beside[k]));
+    end.curves[1].force.push_back(force_at(tangential_curve("", dragged, 1, 0, -1), beside[k]));
   }
   PaperFigure figure{
-      "Figure 4: sideways answers and the first contact point",
-      "sideways from the first contact point to the tool's end point",
+      "Figure 4: tangential responses and the first contact point",
+      "tangential distance from the first contact point to the tool's end point",
       {{"homogeneous", {answer("to the right", samples[0], 1), answer("to the left", samples[0], -1)}},
        {"inclusion right", {answer("to the right", samples[1], 1), answer("to the left", samples[1], -1)}},
        end},

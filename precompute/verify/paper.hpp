@@ -34,12 +34,12 @@ struct PaperFigure {
   std::vector<PaperStatement> statements;
 };
 
-/// The straight pushes of three tools (a large sphere, a small one, a flat punch, in this order) at the origin of one
-/// sample, loosely and firmly supported. Throws Error(numerical) where a contact is refused, Error(bad_input) where the
-/// scenes have other tools than three.
+/// The normal indentations of three tools (a large sphere, a small one, a flat punch, in this order) at the origin of
+/// one sample, loosely and firmly supported. Throws Error(numerical) where a contact is refused, Error(bad_input) where
+/// the scenes have other tools than three.
 PaperFigure solve_figure_2(const Scene& loose, const Scene& firm, unsigned threads);
 
-/// Sideways pushes along x at the origin of a homogeneous sample and of one with an inclusion at +x, and the force at
+/// Tangential pushes along x at the origin of a homogeneous sample and of one with an inclusion at +x, and the force at
 /// one end point from several first contact points on the homogeneous one. Throws Error(numerical) likewise.
 PaperFigure solve_figure_4(const Scene& homogeneous, const Scene& inclusion, unsigned threads);
 
@@ -47,7 +47,7 @@ PaperFigure solve_figure_4(const Scene& homogeneous, const Scene& inclusion, uns
 std::vector<PaperStatement> figure_2_statements(const std::vector<PaperPanel>& panels);
 
 /// Statements of figure 4 on panels homogeneous, inclusion (curves to the right, to the left) and end point (curves
-/// normal, sideways over the distance of the first contact point).
+/// normal, tangential over the distance of the first contact point).
 std::vector<PaperStatement> figure_4_statements(const std::vector<PaperPanel>& panels);
 
 /// Force at a place, linear between points; not a number beyond them.

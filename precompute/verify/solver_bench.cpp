@@ -16,7 +16,7 @@ PairResult solve(const Scene& scene, const Body& body, const Tool& tool, const B
   options.mesh_size = setting.mesh_size;
   options.growth = setting.growth;
   if (setting.max_size > 0) options.max_size = setting.max_size * body.diagonal;
-  return solve_pair(body, tool, tool.vertices.at(0), contact.frame, bake_path(scene, contact.depth), options);
+  return solve_pair({body, tool, tool.vertices.at(0), contact.frame}, bake_path(scene, contact.depth), options);
 }
 
 double median(std::vector<double> values) {
@@ -35,7 +35,7 @@ double peak_megabytes() {
 
 // Medians over the contacts that both solved.
 void compare(const std::vector<PairResult>& solved, const std::vector<PairResult>& references, SolverBenchRow& row) {
-  std::vector<double> straight, sideways, stiffness;
+  std::vector<double> normal, tangential, stiffness;
   for (std::size_t k = 0; k < solved.size(); ++k) {
     if (!solved[k].outcome.accepted || !references[k].outcome.accepted) {
       ++row.refused;
@@ -43,12 +43,12 @@ void compare(const std::vector<PairResult>& solved, const std::vector<PairResult
     }
     ++row.solved;
     const SampleDifference d = sample_difference(solved[k].samples, references[k].samples);
-    straight.push_back(d.straight);
-    sideways.push_back(d.sideways);
+    normal.push_back(d.normal);
+    tangential.push_back(d.tangential);
     stiffness.push_back(d.stiffness);
   }
-  row.difference.straight = median(straight);
-  row.difference.sideways = median(sideways);
+  row.difference.normal = median(normal);
+  row.difference.tangential = median(tangential);
   row.difference.stiffness = median(stiffness);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Strokes that try what a hand does to a contact: sideways before, during and after deepening, stuck, slipping in part
-// and sliding, turned round, lifted under load.
+// Strokes that try what a hand does to a contact: tangential motion before, during and after deepening, stuck, slipping
+// in part and sliding, turned round, lifted under load.
 #pragma once
 
 #include "precompute/solve/reference/stroke.hpp"

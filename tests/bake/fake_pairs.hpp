@@ -34,8 +34,8 @@ struct FakeSolver {
     AnalyticPair pair = power_law(400.0 + 3.0 * plan.site, 1.5);
     pair.friction = friction;
     pair.growth = [](double z) { return std::sqrt(z / 0.005); };
-    pair.sideways_x = [](double x) { return -70 * x; };
-    pair.sideways_y = [](double y) { return -80 * y; };
+    pair.tangential_x = [](double x) { return -70 * x; };
+    pair.tangential_y = [](double y) { return -80 * y; };
     PairResult result;
     for (const std::uint32_t site : refused_sites) {
       if (site != plan.site) continue;

@@ -56,6 +56,19 @@ TEST(Manifest, ReadsBackToTheBit) {
   }
 }
 
+// Journals are bound to the hash of the text.
+TEST(Manifest, RolesKeepTheNamesOfVersionOne) {
+  Plan plan = awkward_plan();
+  plan.pairs[1].role = PairRole::normal;
+  plan.pairs[2].role = PairRole::hidden;
+  const std::string text = manifest_text(plan);
+  EXPECT_NE(text.find("\"role\": \"straight\""), std::string::npos) << text.substr(0, 2000);
+  const Manifest back = parse_manifest(text, "manifest.json");
+  EXPECT_EQ(back.pairs[0].role, PairRole::full);
+  EXPECT_EQ(back.pairs[1].role, PairRole::normal);
+  EXPECT_EQ(back.pairs[2].role, PairRole::hidden);
+}
+
 TEST(Manifest, AnyChangeChangesItsHash) {
   Plan plan = awkward_plan();
   const Hash128 hash = manifest_hash(manifest_text(plan));

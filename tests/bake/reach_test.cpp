@@ -37,14 +37,14 @@ TEST(Reach, AToolMeetsTheWallsOfANarrowFoldFirst) {
   top.origin = {0.02, 0, 0};
 
   const Body narrow = grooved(0.003);
-  EXPECT_NEAR(touch_reach(narrow, tool, tool.vertices[0], top).overlap, 0.0, 1e-9);
-  EXPECT_TRUE(can_touch_first(narrow, tool, tool.vertices[0], top));
+  EXPECT_NEAR(touch_reach({narrow, tool, tool.vertices[0], top}).overlap, 0.0, 1e-9);
+  EXPECT_TRUE(can_touch_first({narrow, tool, tool.vertices[0], top}));
   // Distance of the ball's centre (5 mm above the bottom) to a wall of slope 10 : 3 is 1.437 mm.
-  EXPECT_NEAR(touch_reach(narrow, tool, tool.vertices[0], bottom).overlap, 0.005 - 0.001437, 2e-4);
-  EXPECT_FALSE(can_touch_first(narrow, tool, tool.vertices[0], bottom));
+  EXPECT_NEAR(touch_reach({narrow, tool, tool.vertices[0], bottom}).overlap, 0.005 - 0.001437, 2e-4);
+  EXPECT_FALSE(can_touch_first({narrow, tool, tool.vertices[0], bottom}));
 
   // A wide groove of slope 10 : 28 keeps the wall 4.7 mm from the centre: the bottom is touched.
-  EXPECT_TRUE(can_touch_first(grooved(0.028), tool, tool.vertices[0], bottom));
+  EXPECT_TRUE(can_touch_first({grooved(0.028), tool, tool.vertices[0], bottom}));
 }
 
 // Ledges over the flat top: one that the tool just rubs lets it out, a second above it does not.
@@ -65,10 +65,10 @@ TEST(Reach, AWallInTheWayBlocksTheTool) {
     s.triangles.push_back({n + 1, n + 3, n + 2});
     s.parts.assign(s.triangles.size(), 0);
     body.query = std::make_shared<const SurfaceQuery>(s);
-    const TouchReach reach = touch_reach(body, tool, tool.vertices[0], top);
+    const TouchReach reach = touch_reach({body, tool, tool.vertices[0], top});
     EXPECT_NEAR(reach.overlap, 0.0005, 1e-5) << height;
     EXPECT_EQ(reach.blocked, height > 0.01) << height;
-    EXPECT_EQ(can_touch_first(body, tool, tool.vertices[0], top), height < 0.01) << height;
+    EXPECT_EQ(can_touch_first({body, tool, tool.vertices[0], top}), height < 0.01) << height;
   }
 }
 
@@ -86,9 +86,9 @@ TEST(Reach, SupportsUnderTheFootprintCount) {
   ContactFrame near_support, clear;
   near_support.origin = {-0.017, 0, 0};
   clear.origin = {-0.012, 0, 0};
-  EXPECT_TRUE(reaches_support(body, tool, tool.vertices[0], near_support, 0.0032));
-  EXPECT_FALSE(reaches_support(body, tool, tool.vertices[0], near_support, 0.0008));
-  EXPECT_FALSE(reaches_support(body, tool, tool.vertices[0], clear, 0.0032));
+  EXPECT_TRUE(reaches_support({body, tool, tool.vertices[0], near_support}, 0.0032));
+  EXPECT_FALSE(reaches_support({body, tool, tool.vertices[0], near_support}, 0.0008));
+  EXPECT_FALSE(reaches_support({body, tool, tool.vertices[0], clear}, 0.0032));
 
   // The end of a stem that lies on the body sinks into what is held 8 mm away.
   scene.shape = ToolScene::Shape::capsule;
@@ -96,8 +96,8 @@ TEST(Reach, SupportsUnderTheFootprintCount) {
   scene.length = 0.012;
   scene.whole = true;
   const Tool stem = make_tool(scene);
-  EXPECT_FALSE(reaches_support(body, stem, stem.vertices.front(), clear, 0.002)) << "the tip";
-  EXPECT_TRUE(reaches_support(body, stem, stem.vertices[stem.vertices.size() - 2], clear, 0.002))
+  EXPECT_FALSE(reaches_support({body, stem, stem.vertices.front(), clear}, 0.002)) << "the tip";
+  EXPECT_TRUE(reaches_support({body, stem, stem.vertices[stem.vertices.size() - 2], clear}, 0.002))
       << "the stem's middle";
 }
 

@@ -19,9 +19,9 @@ protected:
   }
 };
 
-const std::string kCovered = "[sources]\nrest = \"covered\"\n[contact]\nfriction = 0.3\n";
+const std::string kFilled = "[sources]\nrest = \"filled\"\n[contact]\nfriction = 0.3\n";
 
-/// Straight pushes, then pushes aside to `directions` evenly spaced sides, held as Mindlin's contact is.
+/// Normal indentations, then pushes aside to `directions` evenly spaced sides, held as Mindlin's contact is.
 std::vector<Row> pushed_aside(int directions) {
   std::vector<Row> rows = pushes(1);
   for (int depth = 1; depth <= 5; ++depth) {
@@ -65,7 +65,7 @@ TEST_F(Recordings, BadRecordingsNameLineAndCause) {
            {csv({0, 0, 0.02}, pushes(-1)), "off any fit"},
            {csv({0, 0, 0.02}, pushes(0)), "with a force"},
            {head + "\n0,0,0.02,0,0,0.001,0,0,0\n",
-            "at least 8 rows of pushes straight down; there are 0; 1 rows passed over: 1 not in contact"},
+            "at least 8 rows of normal indentations; there are 0; 1 rows passed over: 1 not in contact"},
        }) {
     const std::string text = refused(p, c.recording);
     EXPECT_NE(text.find(c.expected), std::string::npos) << text;
@@ -73,7 +73,7 @@ TEST_F(Recordings, BadRecordingsNameLineAndCause) {
 }
 
 TEST_F(Recordings, WithFrictionEverySideIsAskedFor) {
-  Pipeline p = open(kCovered, csv({0, 0, 0.02}, pushed_aside(8)));
+  Pipeline p = open(kFilled, csv({0, 0, 0.02}, pushed_aside(8)));
   const std::string one = refused(p, csv({0, 0, 0.02}, pushed_aside(1)));
   EXPECT_NE(one.find("recorded pair "), std::string::npos) << one;
   EXPECT_NE(one.find("at least 4 rows pushed aside to each of four sides; there are "), std::string::npos) << one;
@@ -81,7 +81,7 @@ TEST_F(Recordings, WithFrictionEverySideIsAskedFor) {
 }
 
 TEST_F(Recordings, AloneChooseTheDegrees) {
-  const Pipeline p = open(kCovered, csv({0, 0, 0.02}, pushed_aside(8)));
+  const Pipeline p = open(kFilled, csv({0, 0, 0.02}, pushed_aside(8)));
   const pipeline::FittedFile file = pipeline::fit_file(p, {}, pipeline::fit_settings(p));
   EXPECT_TRUE(file.fitted.scales.degrees.friction_families);
   EXPECT_GT(file.fitted.report.held_out.samples, 5U);
@@ -111,8 +111,8 @@ TEST_F(Recordings, TheOtherFaceOfAThinWallIsNotMeant) {
   below.frame.n = -below.frame.n;
   p.plan.sites.push_back(below);
   const PairSources found = sources();
-  ASSERT_EQ(found.given.size(), 1U);
-  EXPECT_EQ(found.given.begin()->first, expected);
+  ASSERT_EQ(found.external.size(), 1U);
+  EXPECT_EQ(found.external.begin()->first, expected);
   for (PlanSite& site : p.plan.sites) site.frame.n = {0, 0, -1};
   EXPECT_NE(message_of(sources).find("csv:3: no site of the body faces as"), std::string::npos);
 }
@@ -123,7 +123,7 @@ TEST_F(Recordings, WhatIsPassedOverIsCounted) {
   rows.push_back({{0, 0, 0}, {0, 0, 0}});
   rows.push_back({{0, 0, -1.1 * kDepth}, {0, 0, 1}});
   rows.push_back({{0.001, 0, -0.001}, {0, 0, 1}});
-  const FitReport report = pipeline::fit(open("[sources]\nrest = \"covered\"\n", csv({0, 0, 0.02}, rows)));
+  const FitReport report = pipeline::fit(open("[sources]\nrest = \"filled\"\n", csv({0, 0, 0.02}, rows)));
   ASSERT_EQ(report.recorded.size(), 1U);
   EXPECT_EQ(report.recorded[0].rows, 60U);
   EXPECT_EQ(to_text(report.recorded[0].passed),

@@ -61,7 +61,7 @@ protected:
   void solve(Sites& s) const {
     for (auto k = static_cast<std::uint32_t>(s.journal.pairs.size()); k < s.plan.pairs.size(); ++k) {
       JournalPair& pair = s.journal.pairs[k];
-      for (const double z : straight_path(scene_, s.plan.pairs[k].depth).normal_depths) {
+      for (const double z : normal_path(scene_, s.plan.pairs[k].depth).normal_depths) {
         Sample sample;
         sample.index = static_cast<std::uint16_t>(pair.samples.size());
         sample.deflection = {0, 0, z};
@@ -133,7 +133,7 @@ TEST_F(BallRounds, EveryRoleIsPlannedAndEarlierPairsKeepTheirNumbers) {
   }
   std::size_t count[3] = {};
   for (const PairPlan& p : s.plan.pairs) ++count[static_cast<std::size_t>(p.role)];
-  EXPECT_EQ(count[static_cast<std::size_t>(PairRole::straight)], s.plan.sites.size());
+  EXPECT_EQ(count[static_cast<std::size_t>(PairRole::normal)], s.plan.sites.size());
   EXPECT_GE(count[static_cast<std::size_t>(PairRole::full)], s.plan.sites.size() / 10);
   EXPECT_LE(count[static_cast<std::size_t>(PairRole::full)], s.plan.sites.size() / 5);
   EXPECT_GE(count[static_cast<std::size_t>(PairRole::hidden)], 40U);

@@ -133,7 +133,7 @@ inline std::string csv(const Eigen::Vector3d& point, const std::vector<Row>& row
 
 inline double hertz(double d) { return 4.0 / 3 * kYoung / (1 - kPoisson * kPoisson) * std::sqrt(kRadius * d) * d; }
 
-/// Straight pushes down the middle of the slab's top, harder by `factor` than Hertz's.
+/// Normal indentations down the middle of the slab's top, harder by `factor` than Hertz's.
 inline std::vector<Row> pushes(double factor, int count = 60, double deepest = kDepth) {
   std::vector<Row> rows;
   for (int k = 1; k <= count; ++k) {

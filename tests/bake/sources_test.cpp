@@ -26,7 +26,7 @@ TEST_F(Sources, AnAnalyticSceneSolvesNothing) {
 }
 
 TEST_F(Sources, AMeasuredSceneNeedsNoJournal) {
-  const Pipeline p = open("[sources]\nrest = \"covered\"\n", csv({0.001, 0.002, 0.02}, pushes(1.5)));
+  const Pipeline p = open("[sources]\nrest = \"filled\"\n", csv({0.001, 0.002, 0.02}, pushes(1.5)));
   const FitReport report = pipeline::fit(p);
   ASSERT_EQ(report.recorded.size(), 1U);
   EXPECT_TRUE(report.recorded[0].outliers.empty());
@@ -139,7 +139,7 @@ TEST_F(Sources, BadLawsSaySo) {
   const Pipeline p = open("");
   const std::string ball = "radius = 0.005\n", hertz = "[[analytic]]\nlaw = \"hertz\"\n";
   const std::string layer = "[[analytic]]\nlaw = \"layer\"\n", cone = "[[analytic]]\nlaw = \"cone\"\n";
-  const std::string covered = "[sources]\nrest = \"covered\"\n";
+  const std::string filled = "[sources]\nrest = \"filled\"\n";
   struct Case {
     std::string scene, tool, expected;
   };
@@ -153,9 +153,9 @@ TEST_F(Sources, BadLawsSaySo) {
                         {layer + "thickness = 0.0039\n", ball, "up to half the layer's thickness of 3.9 mm, not 2 mm"},
                         {hertz, "radius = 0.001\n", "up to the tip's radius of 1 mm"},
                         {hertz, "radius = 0.005\ngrasp_depth = 0.001\n", "has to be solved"},
-                        {covered, ball, "needs a recording"},
-                        {covered + hertz + "tool = \"a\"\n", "name = \"a\"\n[[tool]]\nname = \"b\"\n",
-                         "nothing to cover from for contact vertex 0 of the tool 'b'"}}) {
+                        {filled, ball, "needs a recording"},
+                        {filled + hertz + "tool = \"a\"\n", "name = \"a\"\n[[tool]]\nname = \"b\"\n",
+                         "nothing to fill from for contact vertex 0 of the tool 'b'"}}) {
     const std::filesystem::path file = write_scene(c.scene, c.tool);
     const Scene scene = read_scene(file);
     std::vector<Tool> tools;

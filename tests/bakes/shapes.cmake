@@ -4,5 +4,5 @@
 file(REMOVE_RECURSE ${FOLDER})
 file(MAKE_DIRECTORY ${FOLDER})
 set(PALPATE_ORGANS "$ENV{PALPATE_ORGANS}")
-set(hertz "\n[sources]\nrest = \"covered\"\n[[analytic]]\nlaw = \"hertz\"\nyoung = 5000\npoisson = 0.49\n")
+set(hertz "\n[sources]\nrest = \"filled\"\n[[analytic]]\nlaw = \"hertz\"\nyoung = 5000\npoisson = 0.49\n")
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)

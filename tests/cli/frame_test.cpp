@@ -52,7 +52,7 @@ TEST_F(Frame, WrongUsageEndsWithOne) {
   expect_failure(run({"synth", "slab", "--out", "x", "--inclusion-radius", "0.01"}), 1, {"--inclusion"});
   expect_failure(run({"synth", "slab", "--out", "x", "--inclusion", "--inclusion-radius", "0.9"}), 1, {"inclusion"});
   EXPECT_FALSE(std::filesystem::exists(folder() / "x"));
-  for (const char* option : {"--max-p95", "--max-p95-sideways", "--max-refused-share"}) {
+  for (const char* option : {"--max-p95", "--max-p95-tangential", "--max-refused-share"}) {
     expect_failure(run({"verify", "x.toml", option, "nan"}), 1, {option, "got nan; allowed [0, "});
   }
   expect_failure(run({"verify", "--slide", "--two-tips"}), 1, {"--slide", "exclude each other"});

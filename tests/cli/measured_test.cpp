@@ -16,7 +16,7 @@ protected:
           ".03 .03 .02\n3 0 2 1\n3 1 2 3\n3 4 5 6\n3 5 7 6\n3 0 1 4\n3 1 5 4\n3 2 6 3\n3 3 6 7\n3 0 4 2\n3 2 4 6\n"
           "3 1 3 5\n3 3 7 5\n");
     write("slab.toml",
-          "[body]\nsurface = \"slab.off\"\n[sampling]\nspacing = 0.02\ndepth = 0.002\n[sources]\nrest = \"covered\"\n");
+          "[body]\nsurface = \"slab.off\"\n[sampling]\nspacing = 0.02\ndepth = 0.002\n[sources]\nrest = \"filled\"\n");
   }
 
   /// Pushes down the middle of the top; every tenth row is a spike.
@@ -67,7 +67,7 @@ TEST_F(Measured, WhatIsPassedOverIsTold) {
 TEST_F(Measured, PlanAndVerifyKnowWhatIsNotSolved) {
   write("press.csv", recording());
   const std::string scene =
-      "[body]\nsurface = \"slab.off\"\n[sampling]\nspacing = 0.02\ndepth = 0.002\n[sources]\nrest = \"covered\"\n"
+      "[body]\nsurface = \"slab.off\"\n[sampling]\nspacing = 0.02\ndepth = 0.002\n[sources]\nrest = \"filled\"\n"
       "[[measured]]\nfile = \"press.csv\"\n";
   write("slab.toml", scene);
   const auto plan = nlohmann::json::parse(run({"plan", "slab.toml", "--json"}).out);
@@ -86,7 +86,7 @@ TEST_F(Measured, WithoutABakeTheOtherSitesMayBeCovered) {
   write("press.csv", recording());
   write("solved.toml", "[body]\nsurface = \"slab.off\"\n[sampling]\nspacing = 0.02\ndepth = 0.002\n");
   expect_failure(run({"fit", "solved.toml", "--measured", "press.csv"}), 4,
-                 {"no journal", "or take the other sites from their neighbours: [sources] rest = \"covered\""});
+                 {"no journal", "or take the other sites from their neighbours: [sources] rest = \"filled\""});
 }
 
 TEST_F(Measured, BadRecordingsEndWithTwo) {

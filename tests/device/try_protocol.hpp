@@ -2,7 +2,7 @@
 // Any bytes as what happens to a protocol: packets, time, ends of requests. For fuzzers and tests of every language.
 #pragma once
 
-#include "device/admit.hpp"
+#include "device/clamp_command.hpp"
 #include "device/usb/protocol.hpp"
 
 #include <cmath>
@@ -12,7 +12,7 @@
 
 namespace palpate::test {
 
-/// Plays the transport's part with `bytes` as its script. Returns the broken promise, or null.
+/// Plays the transport's part with `bytes` as its script. Returns the broken invariant, or null.
 inline const char* try_protocol(device::Protocol& protocol, const device::DeviceKind& kind, const std::uint8_t* bytes,
                                 std::size_t size) {
   using device::Fault;
@@ -47,7 +47,7 @@ inline const char* try_protocol(device::Protocol& protocol, const device::Device
       case 6: {
         if (sending) protocol.ended(time, Outcome::done);
         const double push = event - 128.0;
-        const Request request = protocol.next(time, device::admitted({time, {push, 1, -push}, {}}, kind, time));
+        const Request request = protocol.next(time, device::clamp_command({time, {push, 1, -push}, {}}, kind, time));
         sending = request.kind != Request::Kind::none;
         if (request.kind == Request::Kind::none && !(request.until > time - 1))
           return "the request has no time of the next call";

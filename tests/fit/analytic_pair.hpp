@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Samples of pairs with known answers: a power law in depth, a sideways response that is an exact product.
+// Samples of pairs with known answers: a power law in depth, a tangential response that is an exact product.
 #pragma once
 
 #include <cmath>
@@ -13,18 +13,20 @@ namespace palpate::test {
 
 /// A pair whose force is known everywhere.
 struct AnalyticPair {
-  std::function<Eigen::Vector3d(double)> push;                        ///< straight-push force (x, y, n) at a depth
-  std::function<double(double)> growth = [](double) { return 0.0; };  ///< of the sideways answer with depth
-  std::function<double(double)> sideways_x = [](double) { return 0.0; }, sideways_y = sideways_x;  ///< at growth 1
+  std::function<Eigen::Vector3d(double)> push;                        ///< normal indentation force (x, y, n) at a depth
+  std::function<double(double)> growth = [](double) { return 0.0; };  ///< of the tangential response with depth
+  std::function<double(double)> tangential_x = [](double) { return 0.0; },
+                                tangential_y = tangential_x;  ///< at growth 1
   double friction = 0.0;
 
   [[nodiscard]] Eigen::Vector3d force(const Eigen::Vector3d& deflection) const {
     const double g = growth(deflection.z());
-    return push(deflection.z()) + Eigen::Vector3d(g * sideways_x(deflection.x()), g * sideways_y(deflection.y()), 0);
+    return push(deflection.z()) +
+           Eigen::Vector3d(g * tangential_x(deflection.x()), g * tangential_y(deflection.y()), 0);
   }
 };
 
-/// The bake's path: `points` depths even in sqrt(depth) up to `depth`; sideways pushes at `levels` of them.
+/// The bake's path: `points` depths even in sqrt(depth) up to `depth`; tangential pushes at `levels` of them.
 inline std::vector<Sample> samples_of(const AnalyticPair& pair, double depth, int points = 12, int levels = 2,
                                       int directions = 4, double reach = 0.4) {
   std::vector<Sample> samples;

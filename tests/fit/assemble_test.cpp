@@ -33,7 +33,7 @@ struct Ball {
     AnalyticPair pair = power_law(500, 1.5);
     pair.friction = friction;
     pair.growth = [](double z) { return std::sqrt(z / 0.005); };
-    pair.sideways_x = pair.sideways_y = [](double x) { return -70 * x; };
+    pair.tangential_x = pair.tangential_y = [](double x) { return -70 * x; };
     for (std::uint32_t k = 0; k < plan.pairs.size(); ++k) {
       journal.pairs[k].samples = samples_of(pair, plan.pairs[k].depth);
       journal.pairs[k].outcome.emplace();

@@ -24,7 +24,7 @@ ClosedForm form(Law law) {
   f.slope = std::tan(1.2);
   f.thickness = 0.02;
   f.stiffness = law == Law::spring ? 150 : 2e6;
-  f.sideways = law == Law::spring ? 60 : 1e6;
+  f.tangential = law == Law::spring ? 60 : 1e6;
   f.flat = law == Law::punch;
   return f;
 }
@@ -32,7 +32,7 @@ ClosedForm form(Law law) {
 TEST(ClosedForm, FiguresByHand) {
   // E* = 8000 Pa, R = 4 mm, d = 1 mm: sqrt(R d) = 2 mm.
   EXPECT_NEAR(form(Law::hertz).push(0.001), 4.0 / 3 * 8000 * 0.002 * 0.001, 1e-12);
-  EXPECT_NEAR(form(Law::hertz).sideways_stiffness(0.001), 8 * 2000 * 0.002 / 1.5, 1e-9);
+  EXPECT_NEAR(form(Law::hertz).tangential_stiffness(0.001), 8 * 2000 * 0.002 / 1.5, 1e-9);
   EXPECT_NEAR(form(Law::punch).push(0.001), 2 * 8000 * 0.004 * 0.001, 1e-12);
   EXPECT_NEAR(form(Law::cone).push(0.001), 2 / std::numbers::pi * 8000 * std::tan(1.2) * 1e-6, 1e-12);
   EXPECT_NEAR(form(Law::spring).push(0.001), 0.15, 1e-12);
@@ -51,16 +51,16 @@ TEST(ClosedForm, FiguresByHand) {
   EXPECT_NEAR(flat.push(0.001), 2e6 * std::numbers::pi * 16e-6 * 0.001, 1e-9);
 }
 
-TEST(ClosedForm, SidewaysForceIsTheContactAreasShare) {
-  // A bed under a ball answers sideways with its contact area, dF/dd over the normal stiffness of the bed.
+TEST(ClosedForm, TangentialForceIsTheContactAreasShare) {
+  // A bed under a ball answers a tangential push with its contact area, dF/dd over the normal stiffness of the bed.
   const ClosedForm bed = form(Law::winkler);
   const double step = 1e-7, d = 0.0015, slope = (bed.push(d + step) - bed.push(d - step)) / (2 * step);
-  EXPECT_NEAR(bed.sideways_stiffness(d) / 1e6, slope / 2e6, 1e-9);
+  EXPECT_NEAR(bed.tangential_stiffness(d) / 1e6, slope / 2e6, 1e-9);
   // Mindlin's over the normal stiffness of Hertz, Sneddon, cone alike: 2 (1 - nu) / (2 - nu).
   for (const Law law : {Law::hertz, Law::punch, Law::cone}) {
     const ClosedForm f = form(law);
     const double stiffness = (f.push(d + step) - f.push(d - step)) / (2 * step);
-    EXPECT_NEAR(f.sideways_stiffness(d) / stiffness, 2 * (1 - 0.5) / (2 - 0.5), 1e-6);
+    EXPECT_NEAR(f.tangential_stiffness(d) / stiffness, 2 * (1 - 0.5) / (2 - 0.5), 1e-6);
   }
 }
 
@@ -84,8 +84,8 @@ TEST(ClosedForm, TheFitFollowsEveryLaw) {
     }
     EXPECT_NEAR(fitted.friction(depth), 0.3, 1e-3);
     const double x = 0.3 * depth;
-    EXPECT_NEAR(fitted.force({x, 0, depth}).x(), -f.sideways_stiffness(depth) * x,
-                0.05 * f.sideways_stiffness(depth) * x + 1e-5)
+    EXPECT_NEAR(fitted.force({x, 0, depth}).x(), -f.tangential_stiffness(depth) * x,
+                0.05 * f.tangential_stiffness(depth) * x + 1e-5)
         << static_cast<int>(law);
   }
 }

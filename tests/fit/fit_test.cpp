@@ -18,8 +18,8 @@ AnalyticPair hertz_with_friction(double stiffness) {
     return Eigen::Vector3d(0.06, 0.02, 1.0) * stiffness * std::pow(z, 1.5);
   };
   pair.growth = [](double z) { return std::sqrt(z / Z); };
-  pair.sideways_x = [](double x) { return -70 * x; };
-  pair.sideways_y = [](double y) { return -70 * y; };
+  pair.tangential_x = [](double x) { return -70 * x; };
+  pair.tangential_y = [](double y) { return -70 * y; };
   pair.friction = 0.5;
   return pair;
 }
@@ -101,7 +101,7 @@ TEST(Fit, APairBeyondTheResidualIsFilledAsWell) {
   EXPECT_NE(fitted.report.refusals[0].example.find("response.max_residual"), std::string::npos);
 }
 
-TEST(Fit, PairsWhoseSidewaysPushEndedEarlyAreCounted) {
+TEST(Fit, PairsWhoseTangentialPushEndedEarlyAreCounted) {
   GridPlan grid = grid_plan(5, Z, 0.0, [](int) { return power_law(500, 1.5); });
   grid.journal.pairs[3].outcome->cause = "stopped short: minimum Jacobian";
   EXPECT_EQ(fit_grid(grid, settings(false)).report.shortened, 1U);
@@ -168,7 +168,7 @@ TEST(Fit, OnlyEveryPairRefusedIsAnError) {
   }
 }
 
-/// As a bake samples: twelve depths, sideways at two of them.
+/// As a bake samples: twelve depths, tangential pushes at two of them.
 PairPath sampled_path(double depth) {
   PairPath path;
   for (int k = 1; k <= 12; ++k) path.normal_depths.push_back(depth * k * k / 144);
@@ -178,17 +178,17 @@ PairPath sampled_path(double depth) {
   return path;
 }
 
-/// A grid of straight pushes, with all paths at every sixth site.
-GridPlan grid_with_straight_pushes(const std::function<AnalyticPair(int)>& pair_at) {
+/// A grid of normal indentations, with all paths at every sixth site.
+GridPlan grid_with_normal_indentations(const std::function<AnalyticPair(int)>& pair_at) {
   GridPlan grid = grid_plan(7, Z, 0.3, pair_at);
   const GridPlan all = grid;
   for (std::uint32_t k = 0; k < 49; ++k) {
-    PairPlan straight = all.plan.pairs[k];
-    straight.role = PairRole::straight;
+    PairPlan normal = all.plan.pairs[k];
+    normal.role = PairRole::normal;
     JournalPair pushed = all.journal.pairs.at(k);
     std::erase_if(pushed.samples, [](const Sample& s) { return s.kind != SampleKind::normal; });
     grid.journal.pairs[static_cast<std::uint32_t>(grid.plan.pairs.size())] = pushed;
-    grid.plan.pairs.push_back(straight);
+    grid.plan.pairs.push_back(normal);
   }
   for (std::uint32_t k = 0; k < 49; ++k) {
     if (k % 6 == 0) continue;
@@ -197,18 +197,18 @@ GridPlan grid_with_straight_pushes(const std::function<AnalyticPair(int)>& pair_
   return grid;
 }
 
-TEST(Fit, StraightPushesGetTheResponsesOfSitesSolvedInFull) {
-  // The stiffness varies by a factor of four, the sideways stiffness with it.
+TEST(Fit, NormalIndentationsGetTheResponsesOfSitesSolvedInFull) {
+  // The stiffness varies by a factor of four, the tangential stiffness with it.
   const auto stiffness = [](int k) { return 400.0 * (1 + 3 * std::pow(std::sin(0.7 * k), 2)); };
   const auto pair_at = [&](int k) {
     AnalyticPair pair = hertz_with_friction(stiffness(k));
-    pair.sideways_x = pair.sideways_y = [f = stiffness(k) / 400](double x) { return -70 * f * x; };
+    pair.tangential_x = pair.tangential_y = [f = stiffness(k) / 400](double x) { return -70 * f * x; };
     return pair;
   };
   FitSettings s = settings(true);
   s.path = sampled_path;
   const FittedResponses whole = fit_grid(grid_plan(7, Z, 0.3, pair_at), s);
-  const FittedResponses carried = fit_grid(grid_with_straight_pushes(pair_at), s);
+  const FittedResponses carried = fit_grid(grid_with_normal_indentations(pair_at), s);
   EXPECT_EQ(carried.report.full, 9U);
   EXPECT_EQ(carried.report.carried, 40U);
   EXPECT_EQ(carried.report.filled, 0U);
@@ -226,11 +226,11 @@ TEST(Fit, StraightPushesGetTheResponsesOfSitesSolvedInFull) {
   }
 }
 
-TEST(Fit, AContactWithoutSidewaysAnswersTakesThemFromItsNeighbours) {
+TEST(Fit, AContactWithoutTangentialResponsesTakesThemFromItsNeighbours) {
   GridPlan grid = grid_plan(7, Z, 0.0, [](int k) { return hertz_with_friction(k == 24 ? 900 : 500); });
   JournalPair& alone = grid.journal.pairs[24];
   std::erase_if(alone.samples, [](const Sample& s) { return s.kind != SampleKind::normal; });
-  alone.outcome->cause = "stopped short: sideways answer";
+  alone.outcome->cause = "stopped short: tangential response";
   FitSettings s = settings(true);
   s.path = sampled_path;
   const FittedResponses fitted = fit_grid(grid, s);
@@ -255,8 +255,8 @@ TEST(Fit, AnUnfinishedBakeIsSaid) {
 }
 
 TEST(Fit, SectionsThatAreNotNeededAreLeftOut) {
-  GridPlan straight = grid_plan(3, Z, 0.0, [](int) { return power_law(500, 1.5); });
-  FittedResponses fitted = fit_grid(straight, settings(false));
+  GridPlan normal = grid_plan(3, Z, 0.0, [](int) { return power_law(500, 1.5); });
+  FittedResponses fitted = fit_grid(normal, settings(false));
   EXPECT_FALSE(fitted.report.bias);
   EXPECT_EQ(fitted.scales.degrees.bias, 0);
   EXPECT_FALSE(fitted.scales.degrees.friction_families);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Straight pushes over sites: extrapolation beside solved ones, blends beyond.
+// Normal indentations over sites: extrapolation beside solved ones, blends beyond.
 #include "precompute/fit/push_field.hpp"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ protected:
   static constexpr double kLength = 0.1;
   GridPlan grid_;
   fit::SiteGraph graph_;
-  std::map<std::uint32_t, fit::StraightCurve> curves_;
+  std::map<std::uint32_t, fit::NormalCurve> curves_;
 };
 
 TEST_F(ColumnsMissing, SitesBesideSolvedOnesAreExtrapolated) {

@@ -68,7 +68,7 @@ execute_process(
           -print_final_stats=1 -artifact_prefix=${FOLDER}/ ${FOLDER}/corpus ${seeds}
   RESULT_VARIABLE code ERROR_VARIABLE log)
 file(WRITE ${FOLDER}/log.txt "${log}")
-string(REGEX MATCHALL "stat::[^\n]*|SUMMARY[^\n]*|broken promise[^\n]*|Test unit written[^\n]*" lines "${log}")
+string(REGEX MATCHALL "stat::[^\n]*|SUMMARY[^\n]*|broken invariant[^\n]*|Test unit written[^\n]*" lines "${log}")
 list(JOIN lines "\n" text)
 if(NOT code EQUAL 0)
   message(FATAL_ERROR "the fuzzer ended with ${code} (whole output: ${FOLDER}/log.txt)\n${text}")

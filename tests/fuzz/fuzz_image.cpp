@@ -2,7 +2,7 @@
 // libFuzzer's entry: any bytes as a label image. The first byte chooses the format.
 #include "formats/image/label_image.hpp"
 #include "formats/io/error.hpp"
-#include "tests/fuzz/promise.hpp"
+#include "tests/fuzz/invariant.hpp"
 
 #include <unistd.h>
 #include <cstdint>

@@ -2,7 +2,7 @@
 // libFuzzer's entry: any bytes as a surface file. The first byte chooses the format.
 #include "formats/io/error.hpp"
 #include "formats/surface/surface_plain.hpp"
-#include "tests/fuzz/promise.hpp"
+#include "tests/fuzz/invariant.hpp"
 
 #include <cmath>
 #include <string_view>

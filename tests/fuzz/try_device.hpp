@@ -12,7 +12,7 @@
 #include "device/open_link/open_link_protocol.hpp"
 #include "device/wooden_haptics/wooden_protocol.hpp"
 #include "tests/device/try_protocol.hpp"
-#include "tests/fuzz/promise.hpp"
+#include "tests/fuzz/invariant.hpp"
 
 namespace palpate::test {
 

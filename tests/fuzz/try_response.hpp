@@ -11,7 +11,7 @@
 #include "palpate/format/open.hpp"
 #include "palpate/response/interpolation.hpp"
 #include "palpate/shared/tool_set.hpp"
-#include "tests/fuzz/promise.hpp"
+#include "tests/fuzz/invariant.hpp"
 
 namespace palpate::test {
 

@@ -50,7 +50,7 @@ inline PairCheck make_check(std::string cause = {}) {
   PairCheck check;
   check.nodes = 5123;
   check.compared = cause.empty() ? 12 : 0;
-  check.foretold = cause.empty() ? 11 : 0;
+  check.within_estimate = cause.empty() ? 11 : 0;
   check.difference = cause.empty() ? 0.013 : 0.0;
   check.cause = std::move(cause);
   return check;

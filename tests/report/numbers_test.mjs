@@ -60,8 +60,8 @@ test("contacts and equilibria are those that build counts", () => {
   assert.equal(bake.planned, built.pairs_planned);
   assert.equal(bake.accepted, built.pairs_accepted);
   assert.equal(bake.solves, built.normal_solves + built.tangential_solves);
-  const straight = report.curves.pairs.reduce((sum, p) => sum + p.normal_m_N.length, 0);
-  assert.equal(straight, built.normal_solves);
+  const normal = report.curves.pairs.reduce((sum, p) => sum + p.normal_m_N.length, 0);
+  assert.equal(normal, built.normal_solves);
   const friction = report.left_out.features.find((f) => f.name === "friction");
   assert.equal(friction.solves, built.pairs_planned * 2 * 4 * 2);
 });

@@ -338,13 +338,13 @@ TEST_F(SceneTest, TheReferenceHasEveryKeyThatTheCommentedLinesShow) {
 TEST_F(SceneTest, SourcesOfResponses) {
   const std::string body = "[body]\nsurface = \"a.ply\"\n";
   const std::string sources =
-      "[sources]\nrest = \"covered\"\n[[measured]]\nfile = \"sub/a.csv\"\n[[measured]]\nfile = \"b.csv\"\n"
+      "[sources]\nrest = \"filled\"\n[[measured]]\nfile = \"sub/a.csv\"\n[[measured]]\nfile = \"b.csv\"\n"
       "tool = \"probe\"\nreach = 0.002\n[[analytic]]\nlaw = \"winkler\"\nstiffness = 1e6\nsites = [7, "
       "3]\n[[analytic]]\n"
       "law = \"layer\"\nthickness = 0.01\nmesh = \"rib\"\nwithin_box = {min = [0, 0, 0], max = [1, 1, 1]}\n";
   const Scene with = read(body + sources);
   const SceneSources scene = read_sources(folder_.path() / "liver.toml");
-  EXPECT_EQ(scene.rest, SceneSources::Rest::covered);
+  EXPECT_EQ(scene.rest, SceneSources::Rest::filled);
   ASSERT_EQ(scene.measured.size(), 2U);
   EXPECT_EQ(scene.measured[0].file, folder_.path() / "sub/a.csv");
   EXPECT_EQ(scene.measured[1].tool, "probe");
@@ -363,6 +363,10 @@ TEST_F(SceneTest, SourcesOfResponses) {
   SceneSources other = scene;
   other.analytic[0].stiffness = 2e6;
   EXPECT_NE(canonical_text(other), canonical_text(scene));
+  // Names in the text are those of earlier programs, so that files keep the hash of their sources.
+  EXPECT_EQ(canonical_text(scene).rfind("sources.rest = \"covered\"\n", 0), 0U);
+  other.analytic[0].tangential_stiffness = 3e6;
+  EXPECT_NE(canonical_text(other).find("analytic.sideways_stiffness = 3e+06\n"), std::string::npos);
   other = scene;
   other.measured[0].file = "elsewhere.csv";
   EXPECT_EQ(canonical_text(other), canonical_text(scene));

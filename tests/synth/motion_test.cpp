@@ -85,7 +85,7 @@ TEST(Probe, PressesToTheDepthAndLetsGo) {
     if (i > 0) quickest = std::max(quickest, (rows[i].position - rows[i - 1].position).norm() * 1000);
   }
   EXPECT_NEAR(lowest, -options.depth, 1e-7);
-  EXPECT_NEAR(farthest, options.sideways, 1e-7);
+  EXPECT_NEAR(farthest, options.tangential, 1e-7);
   EXPECT_NEAR(height(rows.front(), site, options.tip_offset), options.clearance, 1e-7);
   EXPECT_NEAR(height(rows.back(), site, options.tip_offset), options.clearance, 1e-7);
   EXPECT_LT(quickest, 0.06);  // m/s

@@ -57,7 +57,7 @@ refuse(4 "slab.work: cannot be written: Is a directory" slab.toml --report slab.
 refuse(4 "rough.work/samples.journal: there is no journal" rough.toml --response old.palp)
 refuse(4 "other.work/samples.journal: there is no journal" slab.toml --work other.work)
 refuse(4 "no.palp: .*No such file" slab.toml --response no.palp)
-refuse(1 "--max-p95-sideways: the scene has no friction" slab.toml --max-p95-sideways 0.5)
+refuse(1 "--max-p95-tangential: the scene has no friction" slab.toml --max-p95-tangential 0.5)
 if(EXISTS ${FOLDER}/rough.work OR EXISTS ${FOLDER}/other.work)
   message(FATAL_ERROR "verify left a work folder behind")
 endif()
@@ -89,7 +89,7 @@ run(5 ${PALPATE} verify slab.palp --samples report.json --max-p95 1e-9)
 if(NOT err MATCHES "normal force error is [0-9.e-]+, required 1e-09")
   message(FATAL_ERROR "the broken limit is not named:\n${err}")
 endif()
-run(5 ${PALPATE} verify slab.palp --samples report.json --max-p95-sideways 1)  # nothing sideways was solved
+run(5 ${PALPATE} verify slab.palp --samples report.json --max-p95-tangential 1)  # nothing tangential was solved
 
 # Recorded contacts without a force, as refused ones are: no limit is met by what was not solved.
 file(READ ${FOLDER}/report.json report)
@@ -118,7 +118,7 @@ if(NOT first STREQUAL second)
   message(FATAL_ERROR "slab: different bytes on a second run")
 endif()
 
-# With friction the sideways curves are there, and sideways pushes are verified too.
+# With friction the tangential curves are there, and tangential pushes are verified too.
 run(0 ${PALPATE} build rough.toml --json)
 string(JSON tangential GET "${out}" bake tangential_solves)
 if(tangential EQUAL 0)
@@ -131,13 +131,13 @@ if(NOT features MATCHES "\"friction\"" OR sections MATCHES "\"(TOOL_PATCHES|SEAR
   message(FATAL_ERROR "rough slab: expected friction, no TOOL_PATCHES and, as its scene says, no SEARCH:\n${sections}")
 endif()
 refuse(2 "old.palp: was not made from the plan in .*rough.work" rough.toml --response old.palp)
-run(0 ${PALPATE} verify rough.toml --count 4 --max-p95 0.12 --max-p95-sideways 0.4 --report rough.json --json)
-string(JSON count GET "${out}" error_sideways count)
+run(0 ${PALPATE} verify rough.toml --count 4 --max-p95 0.12 --max-p95-tangential 0.4 --report rough.json --json)
+string(JSON count GET "${out}" error_tangential count)
 if(count LESS 8)
-  message(FATAL_ERROR "rough slab: ${count} sideways forces verified")
+  message(FATAL_ERROR "rough slab: ${count} tangential forces verified")
 endif()
 
-run(5 ${PALPATE} verify rough.palp --samples rough.json --max-p95-sideways 1e-9)
+run(5 ${PALPATE} verify rough.palp --samples rough.json --max-p95-tangential 1e-9)
 
 # The CMake function as a user's project has it.
 run(0 ${CMAKE_COMMAND} -S ${CONSUMER} -B consumer -DFOLDER=${FOLDER} -Dpalpate_DIR=${MODULES}

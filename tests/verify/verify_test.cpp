@@ -43,7 +43,7 @@ TEST(Statistics, CountsSharesAndThePlaceOfTheWorst) {
   EXPECT_EQ(s.contacts, 3u);
   EXPECT_EQ(s.refused, 1u);
   EXPECT_EQ(s.normal.count, 3u);
-  EXPECT_EQ(s.sideways.count, 1u);
+  EXPECT_EQ(s.tangential.count, 1u);
   EXPECT_DOUBLE_EQ(s.normal.median, 0.04);
   EXPECT_DOUBLE_EQ(s.normal.worst, 0.2);
   EXPECT_EQ(s.normal.worst_contact, 1u);
@@ -80,34 +80,34 @@ TEST(Statistics, AForceThatIsNoNumberIsTheWorst) {
   EXPECT_EQ(s.normal.count, 3u);
 }
 
-VerifyStatistics measured(std::size_t solved, std::size_t refused, double normal, double sideways) {
+VerifyStatistics measured(std::size_t solved, std::size_t refused, double normal, double tangential) {
   VerifyStatistics s;
   s.contacts = solved + refused;
   s.accepted = solved;
   s.refused = refused;
   s.normal.count = 12 * solved;
   s.normal.p95 = normal;
-  s.sideways.count = sideways > 0 ? 4 * solved : 0;
-  s.sideways.p95 = sideways;
+  s.tangential.count = tangential > 0 ? 4 * solved : 0;
+  s.tangential.p95 = tangential;
   return s;
 }
 
 TEST(Limits, NothingIsBrokenWhereNoneIsSet) {
   EXPECT_FALSE(broken_limits(measured(1, 39, 0.9, 0.9), {}));
-  EXPECT_FALSE(broken_limits(measured(38, 2, 0.05, 0.2), {.p95 = 0.1, .p95_sideways = 0.3, .refused_share = 0.05}));
+  EXPECT_FALSE(broken_limits(measured(38, 2, 0.05, 0.2), {.p95 = 0.1, .p95_tangential = 0.3, .refused_share = 0.05}));
 }
 
 TEST(Limits, APercentileBeyondItsLimitIsNamed) {
   EXPECT_NE(broken_limits(measured(40, 0, 0.11, 0), {.p95 = 0.1})->find("normal force error is 0.11, required 0.1"),
             std::string::npos);
-  const auto sideways = broken_limits(measured(40, 0, 0.11, 0.4), {.p95_sideways = 0.2});
-  EXPECT_EQ(*sideways, "95th percentile of the sideways force error is 0.4, required 0.2");
+  const auto tangential = broken_limits(measured(40, 0, 0.11, 0.4), {.p95_tangential = 0.2});
+  EXPECT_EQ(*tangential, "95th percentile of the tangential force error is 0.4, required 0.2");
   EXPECT_TRUE(broken_limits(measured(40, 0, HUGE_VAL, 0), {.p95 = 0.1}));
   EXPECT_TRUE(broken_limits(measured(40, 0, std::nan(""), 0), {.p95 = 0.1}));
 }
 
 TEST(Limits, WhatWasNotMeasuredMeetsNoLimit) {
-  EXPECT_TRUE(broken_limits(measured(40, 0, 0.01, 0), {.p95_sideways = 0.2}));
+  EXPECT_TRUE(broken_limits(measured(40, 0, 0.01, 0), {.p95_tangential = 0.2}));
   EXPECT_TRUE(broken_limits(measured(0, 40, 0, 0), {.p95 = 0.2}));
 }
 

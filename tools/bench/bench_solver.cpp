@@ -28,19 +28,19 @@ void run_solver_bench(const SolverBenchCommand& command, const Globals& globals)
   if (rows.size() < options.settings.size()) throw Interrupted("times are not kept; run the command again");
 
   const PairPath path = bake_path(c.scene, c.contacts[0].depth);
-  const std::size_t sideways =
+  const std::size_t tangential =
       path.tangential_depths.size() * std::size_t(path.tangential_directions) * std::size_t(path.tangential_points);
   char line[256];
   std::snprintf(
       line, sizeof line,
-      "%s\n%s; %zu contacts, one thread\na set: %zu points of the straight push, %zu sideways; errors against "
+      "%s\n%s; %zu contacts, one thread\na set: %zu points of the normal indentation, %zu tangential; errors against "
       "elements of %.2g contact radii\n\n",
-      machine_name().c_str(), c.name.c_str(), c.contacts.size(), path.normal_depths.size(), sideways,
+      machine_name().c_str(), c.name.c_str(), c.contacts.size(), path.normal_depths.size(), tangential,
       options.reference.mesh_size);
   std::string text = line;
   text +=
-      "| elements | growth | longest | nodes | s a set | sets an hour | force | sideways force | sideways stiffness | "
-      "refused | peak MB |\n"
+      "| elements | growth | longest | nodes | s a set | sets an hour | force | tangential force | "
+      "tangential stiffness | refused | peak MB |\n"
       "|---|---|---|---|---|---|---|---|---|---|---|\n";
   Json json{{"machine", machine_name()}, {"case", c.name}, {"contacts", c.contacts.size()}, {"rows", Json::array()}};
   for (const SolverBenchRow& row : rows) {
@@ -50,7 +50,7 @@ void run_solver_bench(const SolverBenchCommand& command, const Globals& globals)
     std::snprintf(line, sizeof line,
                   "| %.2g a | %.2g | %s | %.0f | %.2f | %.0f | %.2f %% | %.2f %% | %.2f %% | %zu | %.0f |\n",
                   row.setting.mesh_size, row.setting.growth, longest, row.nodes, row.seconds, per_hour,
-                  100 * row.difference.straight, 100 * row.difference.sideways, 100 * row.difference.stiffness,
+                  100 * row.difference.normal, 100 * row.difference.tangential, 100 * row.difference.stiffness,
                   row.refused, row.megabytes);
     text += line;
     json["rows"].push_back({{"mesh_size", row.setting.mesh_size},
@@ -59,8 +59,8 @@ void run_solver_bench(const SolverBenchCommand& command, const Globals& globals)
                             {"nodes", row.nodes},
                             {"seconds", row.seconds},
                             {"sets_per_hour", per_hour},
-                            {"force_error", row.difference.straight},
-                            {"sideways_error", row.difference.sideways},
+                            {"force_error", row.difference.normal},
+                            {"tangential_error", row.difference.tangential},
                             {"stiffness_error", row.difference.stiffness},
                             {"refused", row.refused},
                             {"peak_megabytes", row.megabytes}});

@@ -59,7 +59,7 @@ PairCounts count_pairs(const pipeline::Pipeline& p) {
     ++(pair.check->compared > 0 ? checks.compared : checks.uncompared);
     if (pair.check->compared == 0) continue;
     checks.samples += pair.check->compared;
-    checks.foretold += pair.check->foretold;
+    checks.within_estimate += pair.check->within_estimate;
     differences.push_back(pair.check->difference);
     if (differences.size() > 1 && differences.back() <= checks.worst) continue;
     checks.worst = differences.back();
@@ -70,10 +70,13 @@ PairCounts count_pairs(const pipeline::Pipeline& p) {
 }
 
 nlohmann::ordered_json to_json(const MeshChecks& checks) {
-  return {{"compared", checks.compared},       {"uncompared", checks.uncompared},
-          {"median", checks.median},           {"worst", checks.worst},
-          {"worst_pair", checks.worst_pair},   {"samples", checks.samples},
-          {"within_estimate", checks.foretold}};
+  return {{"compared", checks.compared},
+          {"uncompared", checks.uncompared},
+          {"median", checks.median},
+          {"worst", checks.worst},
+          {"worst_pair", checks.worst_pair},
+          {"samples", checks.samples},
+          {"within_estimate", checks.within_estimate}};
 }
 
 std::string to_text(const MeshChecks& checks) {
@@ -83,8 +86,8 @@ std::string to_text(const MeshChecks& checks) {
       text, sizeof text,
       "finer mesh: %zu pairs compared (%zu could not be), force off by %.2f %% at the median, %.2f %% in pair "
       "%u; %zu of %zu samples within their error estimates\n",
-      checks.compared, checks.uncompared, 100 * checks.median, 100 * checks.worst, checks.worst_pair, checks.foretold,
-      checks.samples);
+      checks.compared, checks.uncompared, 100 * checks.median, 100 * checks.worst, checks.worst_pair,
+      checks.within_estimate, checks.samples);
   return text;
 }
 

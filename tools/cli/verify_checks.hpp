@@ -27,7 +27,7 @@ struct MeshChecks {
   std::size_t compared = 0, uncompared = 0;  ///< pairs
   double median = 0.0, worst = 0.0;          ///< relative difference of the force, of the compared
   std::uint32_t worst_pair = 0;
-  std::size_t samples = 0, foretold = 0;  ///< see PairCheck
+  std::size_t samples = 0, within_estimate = 0;  ///< see PairCheck
 };
 
 /// Counts of the pairs to be solved.

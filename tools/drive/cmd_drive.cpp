@@ -62,10 +62,10 @@ std::uint32_t button_mask(const std::optional<double>& number) {
 device::LoopOptions loop_options(const DriveArguments& options, const device::DeviceKind& kind) {
   device::LoopOptions loop;
   loop.seconds = options.seconds;
-  loop.governor.rate = options.rate;
-  loop.governor.limit = std::min(options.limit, kind.peak_force);
-  loop.governor.ramp_up = options.ramp;
-  loop.governor.stop_buttons = button_mask(options.stop_button);
+  loop.safety.rate = options.rate;
+  loop.safety.limit = std::min(options.limit, kind.peak_force);
+  loop.safety.ramp_up = options.ramp;
+  loop.safety.stop_buttons = button_mask(options.stop_button);
   loop.realtime.core = options.core;
   loop.realtime.priority = options.priority;
   if (const char* wrong = loop.validate()) throw Error(ExitCode::usage, wrong);
@@ -92,7 +92,7 @@ void name_in(char (&field)[N], const std::string& text) {
 device::RunHeader run_header(const device::LoopOptions& loop, const Station& station, const ResponseInput& input,
                              std::uint32_t tool, const DriveTitle& title) {
   device::RunHeader header;
-  device::set_options(header, loop.governor, station.frame, station.coupling);
+  device::set_options(header, loop.safety, station.frame, station.coupling);
   header.tool = tool;
   header.several = station.several ? 1 : 0;
   header.response_size = input.view().size;
@@ -198,7 +198,7 @@ void run_drive(DriveArguments options, const Globals& globals) {
   }
   const ResponseInput input(options.file);
   const std::uint32_t tool = input.tool(options.tool);
-  const DriveTitle title{options.file, input.view().tools[tool].name, kind.name, loop_settings.governor.limit,
+  const DriveTitle title{options.file, input.view().tools[tool].name, kind.name, loop_settings.safety.limit,
                          kind.glove};
   options.coupling.rate = options.rate;
   if (!options.single && !kind.glove) options.coupling.places = 3;
@@ -207,7 +207,7 @@ void run_drive(DriveArguments options, const Globals& globals) {
                                  {{options.device, options.rate, options.priority, options.firmware, {}},
                                   frame_options(options, kind),
                                   options.coupling,
-                                  loop_settings.governor.limit,
+                                  loop_settings.safety.limit,
                                   options.single},
                                  globals);
 

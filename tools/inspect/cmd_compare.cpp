@@ -5,7 +5,7 @@
 #include "tools/cli/commands.hpp"
 #include "tools/cli/output.hpp"
 #include "tools/cli/response_input.hpp"
-#include "tools/play/straight_press.hpp"
+#include "tools/play/indentation_force.hpp"
 
 #include "palpate/math/vec3.hpp"
 
@@ -64,8 +64,8 @@ std::vector<Pair> compare(const CompareArguments& options, const ResponseInput& 
     }
     if (nearest == nullptr) continue;
     Pair pair{site.position, std::min({site.limit, nearest->limit, options.depth}), 0, 0};
-    pair.force = straight_press(file.view(), tool, site.number, pair.depth);
-    pair.other = straight_press(other.view(), other_tool, nearest->number, pair.depth);
+    pair.force = indentation_force(file.view(), tool, site.number, pair.depth);
+    pair.other = indentation_force(other.view(), other_tool, nearest->number, pair.depth);
     if (pair.force > 0 && pair.other > 0) pairs.push_back(pair);
   }
   std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.ratio() < b.ratio(); });

@@ -69,7 +69,7 @@ void run_solved(const ExportArguments& options, const Globals& globals) {
     if (reached < depth) return;
     fields = solved_fields(body, mesh, x);
   };
-  const PairResult result = solve_pair(p.body, tool, tool.vertices[pair.tool_vertex], pair.frame, path, solve);
+  const PairResult result = solve_pair({p.body, tool, tool.vertices[pair.tool_vertex], pair.frame}, path, solve);
   if (!result.outcome.accepted || result.samples.empty() || fields.tets.empty()) {
     throw Error(ExitCode::numerical,
                 options.file + ": contact " + std::to_string(options.contact) + " is refused: " + result.outcome.cause);

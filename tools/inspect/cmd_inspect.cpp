@@ -188,7 +188,7 @@ std::string as_text(const runtime::View& v, const Json& json) {
   const Json& provenance = json["provenance"];
   const auto at = Json::json_pointer("/pairs/carried");
   if (provenance.is_object() && provenance.contains(at)) {
-    append(text, "of these solved %d in full, %d carried from these to straight pushes\n",
+    append(text, "of these solved %d in full, %d carried from these to normal indentations\n",
            provenance["pairs"].value("full", 0), provenance["pairs"].value("carried", 0));
   }
   append(text, "%d coefficients of %u bits; degrees: normal %u, bias %u, stiffness %u, friction %u\n",

@@ -28,7 +28,7 @@ CurveTable response_curves(const runtime::View& view, double depth, int points);
 struct BodyFieldOptions {
   std::uint32_t tool = 0;         ///< index into the file's tools
   std::uint32_t tool_vertex = 0;  ///< of that tool
-  double depth = 0;               ///< m, of a straight push; above 0
+  double depth = 0;               ///< m, of a normal indentation; above 0
 };
 
 /// The contact surface with fields of a normal indentation by a tool's vertex, at every vertex of the surface:

@@ -26,7 +26,7 @@ struct PlanArguments {
   bool quick = false;
 };
 
-constexpr const char* kRoles[] = {"full", "straight", "hidden"};
+constexpr const char* kRoles[] = {"full", "normal", "hidden"};
 
 std::string costs_text(const pipeline::PlanCosts& costs, const pipeline::Pipeline& p, int threads) {
   std::string text;
@@ -94,16 +94,16 @@ void run_plan(const PlanArguments& options, const Globals& globals) {
   }
   std::size_t solved = 0;
   for (std::uint32_t k = 0; k < plan.pairs.size(); ++k) solved += p.sources.solved(k) ? 1 : 0;
-  const GivenCounts given = count_given(p.sources);
-  const std::size_t filled = plan.pairs.size() - solved - given.measured - given.analytic;
+  const ExternalCounts external = count_external(p.sources);
+  const std::size_t filled = plan.pairs.size() - solved - external.measured - external.analytic;
 
   std::optional<pipeline::PlanCosts> costs;
   if (!options.quick) costs = pipeline::cost_plan(p);
   if (globals.json) {
     print_json({{"sites", plan.sites.size()},
                 {"pairs_planned", solved},
-                {"pairs_measured", given.measured},
-                {"pairs_analytic", given.analytic},
+                {"pairs_measured", external.measured},
+                {"pairs_analytic", external.analytic},
                 {"pairs_filled", filled},
                 {"pairs_on_support", support},
                 {"support_area_share", plan.support_share},
@@ -122,7 +122,7 @@ void run_plan(const PlanArguments& options, const Globals& globals) {
   char text[640], others[128] = "";
   if (solved < plan.pairs.size()) {
     std::snprintf(others, sizeof others, "; %zu recorded, %zu by closed forms, %zu filled from neighbours",
-                  given.measured, given.analytic, filled);
+                  external.measured, external.analytic, filled);
   }
   std::snprintf(
       text, sizeof text,

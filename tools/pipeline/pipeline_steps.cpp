@@ -184,7 +184,7 @@ nlohmann::ordered_json fit_json(const pipeline::Pipeline& p, const FitReport& re
                               {"responses_full", report.full},
                               {"responses_carried", report.carried},
                               {"responses_filled", report.filled},
-                              {"fit_error_carried_sideways", figures_json(report.left_out)},
+                              {"fit_error_carried_tangential", figures_json(report.left_out)},
                               {"refusals", nlohmann::ordered_json::array()},
                               {"fit_error_normal", figures_json(report.normal)},
                               {"fit_error_tangential", figures_json(report.tangential)},
@@ -272,12 +272,12 @@ std::string fit_text(const pipeline::Pipeline& p, const FitReport& report) {
   }
   if (report.carried > 0) {
     text += std::to_string(report.full) + " responses solved in full, " + std::to_string(report.carried) +
-            " carried from these to sites with a straight push\n";
+            " carried from these to sites with a normal indentation\n";
   }
   text += figures_text("normal pushes", report.normal, p.plan);
   text += figures_text("tangential pushes", report.tangential, p.plan);
   text += figures_text("paths that were not fitted", report.paths, p.plan);
-  text += figures_text("carried sideways pushes, left out", report.left_out, p.plan);
+  text += figures_text("carried tangential pushes, left out", report.left_out, p.plan);
   text += figures_text("bonded contacts", report.grasped, p.plan);
   if (report.analytic > 0) text += std::to_string(report.analytic) + " responses by closed forms\n";
   text += figures_text("closed forms", report.laws, p.plan);

@@ -43,9 +43,9 @@ nlohmann::ordered_json json_of(const PlayArguments& options, const std::string& 
           {"peak_torque", s.peak_torque},
           {"peak_depth", s.peak_depth},
           {"starts_inside", s.starts_inside},
-          {"rows_beyond", s.rows_beyond},
-          {"rows_covered", s.rows_covered},
-          {"rows_elsewhere", s.rows_elsewhere},
+          {"rows_extrapolated", s.rows_extrapolated},
+          {"rows_filled", s.rows_filled},
+          {"rows_other_contacts", s.rows_other_contacts},
           {"rows_near", s.rows_near}};
 }
 
@@ -60,12 +60,12 @@ void report(const PlayArguments& options, const Globals& globals, const std::str
   if (s.starts_inside) {
     warn(options.motion + ": the first pose lies inside the body; its contact starts at zero force there");
   }
-  if (s.rows_beyond > 0) {
-    warn(rows_of(s.rows_beyond) + "lie deeper than was sampled, there or on the way: these forces are extrapolated");
+  if (s.rows_extrapolated > 0) {
+    warn(rows_of(s.rows_extrapolated) +
+         "lie deeper than was sampled, there or on the way: these forces are extrapolated");
   }
-  if (s.rows_elsewhere > 0) {
-    warn("in " + rows_of(s.rows_elsewhere) +
-         "the tool overlaps another wall, which --single leaves out");
+  if (s.rows_other_contacts > 0) {
+    warn("in " + rows_of(s.rows_other_contacts) + "the tool overlaps another wall, which --single leaves out");
   }
   if (s.rows_near > 0) {
     warn("in " + rows_of(s.rows_near) + "the places lie so near each other that their sum is more than 7 % too large");

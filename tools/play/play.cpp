@@ -77,9 +77,9 @@ void add(PlaySummary& summary, const PlaySummary& other) {
   summary.slide_time += other.slide_time;
   summary.contacts += other.contacts;
   summary.touching = summary.touching || other.touching;
-  summary.rows_beyond += other.rows_beyond;
-  summary.rows_covered += other.rows_covered;
-  summary.rows_elsewhere += other.rows_elsewhere;
+  summary.rows_extrapolated += other.rows_extrapolated;
+  summary.rows_filled += other.rows_filled;
+  summary.rows_other_contacts += other.rows_other_contacts;
   summary.rows_near += other.rows_near;
 }
 
@@ -99,16 +99,16 @@ std::vector<PlayedRow> play_with(Contact&& contact, const runtime::View& view, s
     const int steps = i > 0 ? steps_between(from, motion[i], reach, longest) : 1;
     const double duration = (motion[i].time - from.time) / steps;
     Tick tick;
-    bool beyond = false, covered = false;
+    bool extrapolated = false, filled = false;
     for (int k = 1; k <= steps; ++k) {
       tick = contact.tick(pose_between(from, motion[i], k / static_cast<double>(steps)));
       account(summary, tick, duration);
-      beyond = beyond || tick.extrapolated;
-      covered = covered || tick.filled_share > 0.5;
+      extrapolated = extrapolated || tick.extrapolated;
+      filled = filled || tick.filled_share > 0.5;
     }
-    summary.rows_beyond += beyond ? 1 : 0;
-    summary.rows_covered += covered ? 1 : 0;
-    summary.rows_elsewhere += OtherWalls::missed(contact, pose_between(from, motion[i], 1), tick) ? 1 : 0;
+    summary.rows_extrapolated += extrapolated ? 1 : 0;
+    summary.rows_filled += filled ? 1 : 0;
+    summary.rows_other_contacts += OtherWalls::missed(contact, pose_between(from, motion[i], 1), tick) ? 1 : 0;
     summary.rows_near += walls.near(contact) ? 1 : 0;
     summary.starts_inside = summary.starts_inside || (i == 0 && summary.touching);
     rows.push_back({motion[i].time, tick});

@@ -26,9 +26,9 @@ struct PlaySummary {
   double contact_time = 0, slide_time = 0;  ///< s
   std::size_t contacts = 0;                 ///< times that a contact began
   bool touching = false;                    ///< in the last tick
-  std::size_t rows_beyond = 0;              ///< deeper than the pair was sampled, there or on the way
-  std::size_t rows_covered = 0;             ///< more than half taken from neighbours, there or on the way
-  std::size_t rows_elsewhere = 0;           ///< where the tool touches at another place, too, that is not felt
+  std::size_t rows_extrapolated = 0;        ///< deeper than the pair was sampled, there or on the way
+  std::size_t rows_filled = 0;              ///< more than half taken from neighbours, there or on the way
+  std::size_t rows_other_contacts = 0;      ///< where the tool touches at another place, too, that is not felt
   std::size_t rows_near = 0;                ///< where places lie so near each other that their sum is too large
 };
 

@@ -32,7 +32,7 @@ std::array<Tick, kFingers> ticks_of(const device::GloveSource& source) { return 
 /// Counts other walls and contacts that are too near.
 template <class Tie, class Contact>
 void count_walls(PlaySummary& summary, const OtherWalls& walls, const device::ContactSource<Tie, Contact>& source) {
-  summary.rows_elsewhere += OtherWalls::missed(source.contact(), source.tool(), source.tick()) ? 1 : 0;
+  summary.rows_other_contacts += OtherWalls::missed(source.contact(), source.tool(), source.tick()) ? 1 : 0;
   summary.rows_near += walls.near(source.contact()) ? 1 : 0;
 }
 void count_walls(PlaySummary&, const OtherWalls&, const device::GloveSource&) {}
@@ -48,8 +48,8 @@ void replay_into(PlayedRun& played, const device::RunLog& log, const OtherWalls&
     const bool first = played.rows.empty();
     for (std::size_t k = 0; k < each.size(); ++k) {
       account(each[k], ticks[k], record.seconds);
-      each[k].rows_beyond += ticks[k].extrapolated ? 1 : 0;
-      each[k].rows_covered += ticks[k].filled_share > 0.5 ? 1 : 0;
+      each[k].rows_extrapolated += ticks[k].extrapolated ? 1 : 0;
+      each[k].rows_filled += ticks[k].filled_share > 0.5 ? 1 : 0;
       each[k].starts_inside = each[k].starts_inside || (first && each[k].touching);
       const int finger = each.size() > 1 ? static_cast<int>(k) + 1 : 0;
       played.rows.push_back({record.time - log.records.front().time, ticks[k], finger});

@@ -3,7 +3,7 @@
 # plots, timing.
 add_library(palpate_playback STATIC
   play/closed_motions.cpp play/motion_file.cpp play/play.cpp play/plot.cpp cli/response_input.cpp
-  play/straight_press.cpp)
+  play/indentation_force.cpp)
 target_link_libraries(palpate_playback PUBLIC palpate_runtime palpate_response palpate_file PRIVATE palpate_settings)
 palpate_together(palpate_playback)
 # Code that drive shares with play: runs recorded and replayed, devices placed in scenes and shown.

@@ -43,7 +43,7 @@ Json file_row(const runtime::View& view, const CostInput& input) {
   compare_with_file(view, contacts);
   const VerifyStatistics s = summarise(contacts);
   row["error"] = figures(s.normal);
-  if (s.sideways.count > 0) row["error_sideways"] = figures(s.sideways);
+  if (s.tangential.count > 0) row["error_tangential"] = figures(s.tangential);
   return row;
 }
 
@@ -92,7 +92,7 @@ void add_beside(Json& files, const CostInput& input, const std::string& scene) {
   files.push_back(row);
 }
 
-/// The plain solve: time of an equilibrium, and the error that the solver estimates for its straight pushes.
+/// The plain solve: time of an equilibrium, and the error that the solver estimates for its normal indentations.
 Json solve_row(const CostInput& input) {
   std::vector<double> errors;
   std::size_t equilibria = 0;

@@ -30,7 +30,7 @@ struct CostInput {
 /// {noticeable, laws: [{model, bytes_per_response, tick_ns, force_ns, error, error_paths}], solve: {ns, error},
 ///  files: [{label, chosen, tolerance, spacing_m, coefficient_bits, degrees, coefficients, bytes,
 ///           bytes_per_response, tick_ns, bake_hours,
-///           error, error_sideways}]}
+///           error, error_tangential}]}
 nlohmann::ordered_json error_against_time(const CostInput& input, const cli::Globals& globals);
 
 }  // namespace palpate::report

@@ -61,7 +61,7 @@ std::vector<double> neighbour_errors(const runtime::View& view, const std::vecto
 }
 
 /// Tangential pushes along one direction at each depth: the first that was solved.
-Json sideways_rays(const std::vector<Sample>& samples) {
+Json tangential_rays(const std::vector<Sample>& samples) {
   constexpr double kSame = 1e-6;  // of the depth, and of a unit direction
   Json rays = Json::array();
   double depth = -1;
@@ -180,7 +180,7 @@ Json solved_curves(const pipeline::Pipeline& p, const JournalContent& journal) {
         if (sample.kind != SampleKind::normal) continue;
         json["normal_m_N"].push_back({rounded(sample.deflection.z()), rounded(sample.force.z())});
       }
-      json["sideways"] = sideways_rays(content.samples);
+      json["tangential"] = tangential_rays(content.samples);
     }
     pairs.push_back(json);
   }
@@ -195,7 +195,7 @@ Json held_out_places(const std::vector<HeldOut>& contacts) {
                {"tool", contact.tool},
                {"accepted", contact.accepted}};
     if (!contact.accepted) place["cause"] = contact.cause;
-    double normal = 0, sideways = 0;
+    double normal = 0, tangential = 0;
     place["normal_m_N_N"] = Json::array();
     for (const ForcePair& f : contact.forces) {
       if (f.kind == SampleKind::normal) {
@@ -204,11 +204,11 @@ Json held_out_places(const std::vector<HeldOut>& contacts) {
                                          rounded(f.solved.dot(contact.frame.n)),
                                          rounded(f.baked.dot(contact.frame.n))});
       } else if (f.kind == SampleKind::tangential) {
-        sideways = std::max(sideways, f.error);
+        tangential = std::max(tangential, f.error);
       }
     }
     place["error"] = rounded(normal);
-    place["error_sideways"] = rounded(sideways);
+    place["error_tangential"] = rounded(tangential);
     places.push_back(place);
   }
   return places;

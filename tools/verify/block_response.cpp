@@ -48,7 +48,7 @@ std::vector<std::byte> BlockResponse::file(const TogetherResult& solved) {
   };
   pipeline_.sources.solve_others = false;
   for (std::uint32_t pair = 0; pair < pipeline_.plan.pairs.size(); ++pair) {
-    pipeline_.sources.given[pair].samples =
+    pipeline_.sources.external[pair].samples =
         fit::sample_along(bake_path(pipeline_.scene, pipeline_.plan.pairs[pair].depth), force);
   }
   return pipeline::fit_file(pipeline_, {}, pipeline::fit_settings(pipeline_), &compliance_).bytes;

@@ -65,7 +65,7 @@ std::string line(const char* name, const ErrorStatistics& s) {
   if (s.count == 0) return {};
   char text[256];
   std::snprintf(text, sizeof text,
-                "%-9s %6zu %8.2f %8.2f %8.2f   %5.1f %5.1f %5.1f %5.1f   contact %zu, depth %.2f mm\n", name, s.count,
+                "%-10s %6zu %8.2f %8.2f %8.2f   %5.1f %5.1f %5.1f %5.1f   contact %zu, depth %.2f mm\n", name, s.count,
                 100 * s.median, 100 * s.p95, 100 * s.worst, 100 * s.within_1, 100 * s.within_2, 100 * s.within_5,
                 100 * s.within_10, s.worst_contact, 1e3 * s.worst_depth);
   return text;
@@ -74,15 +74,15 @@ std::string line(const char* name, const ErrorStatistics& s) {
 std::string table(const VerifyStatistics& s) {
   return "error (forces, and torques of turns: % of the larger of the solved one and 2 % of its contact's peak; limit: "
          "% of the solved one)\n"
-         "push       forces   median      p95    worst      <1%   <2%   <5%  <10%   worst at\n" +
-         line("normal", s.normal) + line("sideways", s.sideways) + line("paths", s.paths) + line("grasped", s.grasped) +
-         line("turned", s.turned) + line("limit", s.limit) + line("spins", s.spins);
+         "push        forces   median      p95    worst      <1%   <2%   <5%  <10%   worst at\n" +
+         line("normal", s.normal) + line("tangential", s.tangential) + line("paths", s.paths) +
+         line("grasped", s.grasped) + line("turned", s.turned) + line("limit", s.limit) + line("spins", s.spins);
 }
 
 /// Errors (%) of each kind of push.
 void write_plot(const std::string& file, const std::vector<HeldOut>& contacts) {
   if (file.empty()) return;
-  std::vector<PlotSeries> series{{"normal", {}}, {"sideways", {}}, {"paths", {}}};
+  std::vector<PlotSeries> series{{"normal", {}}, {"tangential", {}}, {"paths", {}}};
   for (const HeldOut& contact : contacts) {
     for (const ForcePair& f : contact.forces) {
       const std::size_t kind = f.kind == SampleKind::normal ? 0 : f.kind == SampleKind::tangential ? 1 : 2;
@@ -119,7 +119,7 @@ void compare(const VerifyArguments& options, const Globals& globals) {
           {{"file", options.input},
            {"samples", options.samples},
            {"error", to_json(s.normal, contacts)},
-           {"error_sideways", to_json(s.sideways, contacts)},
+           {"error_tangential", to_json(s.tangential, contacts)},
            {"error_friction_limit", to_json(s.limit, contacts)},
            {"error_paths", to_json(s.paths, contacts)},
            {"error_grasped", to_json(s.grasped, contacts)},
@@ -138,8 +138,8 @@ HeldOutSet solve_contacts(const VerifyArguments& options, const Globals& globals
   held.seed = options.seed;
   held.threads = static_cast<unsigned>(globals.threads);
   held.stop = [] { return interrupted(); };
-  held.touchable = [&](const ContactFrame& frame, const Tool& tool, const ToolVertex& vertex, double depth) {
-    return !reaches_support(p.body, tool, vertex, frame, depth) && can_touch_first(p.body, tool, vertex, frame);
+  held.touchable = [](const ContactCase& contact, double depth) {
+    return !reaches_support(contact, depth) && can_touch_first(contact);
   };
   held.progress = [&](std::size_t done, std::size_t total) {
     if (!globals.quiet && (done == total || done % 10 == 0)) {
@@ -181,8 +181,8 @@ void solve(const VerifyArguments& options, const Globals& globals) {
   if (!options.report.empty()) check_writable(options.report);
   pipeline::Pipeline p = pipeline::prepare(options.input, {options.work, options.response});
   check_reports(p, {options.report});
-  if (options.limits.p95_sideways && !(p.scene.friction > 0)) {
-    throw Error(ExitCode::usage, "--max-p95-sideways: the scene has no friction, and nothing sideways to compare");
+  if (options.limits.p95_tangential && !(p.scene.friction > 0)) {
+    throw Error(ExitCode::usage, "--max-p95-tangential: the scene has no friction, and no tangential force to compare");
   }
   const auto has_spins = [](const Tool& tool) { return tool.scene.spins > 1; };
   if (options.limits.p95_spins && std::none_of(p.tools.begin(), p.tools.end(), has_spins)) {
@@ -208,7 +208,7 @@ void solve(const VerifyArguments& options, const Globals& globals) {
            {"pairs", {{"planned", pairs.planned}, {"accepted", pairs.accepted}, {"refused", pairs.refused}}},
            {"finer_mesh", to_json(pairs.checks)},
            {"error", to_json(s.normal, set.contacts)},
-           {"error_sideways", to_json(s.sideways, set.contacts)},
+           {"error_tangential", to_json(s.tangential, set.contacts)},
            {"error_friction_limit", to_json(s.limit, set.contacts)},
            {"error_paths", to_json(s.paths, set.contacts)},
            {"error_grasped", to_json(s.grasped, set.contacts)},
@@ -282,7 +282,7 @@ void check_usage(const VerifyArguments& options) {
     throw Error(ExitCode::usage, std::string(chosen) + " makes its own bodies; leave the scene out");
   }
   const VerifyLimits& limits = options.limits;
-  const bool limited = limits.p95 || limits.p95_sideways || limits.p95_spins || limits.refused_share;
+  const bool limited = limits.p95 || limits.p95_tangential || limits.p95_spins || limits.refused_share;
   if (limited && chosen != nullptr && options.samples.empty()) {
     throw Error(ExitCode::usage, std::string(chosen) +
                                      " has no limits to set; --max-... is for held-out contacts, of a "
@@ -431,7 +431,7 @@ void add_verify(CLI::App& app, Globals& globals) {
   const Check error = number_in(0, 1000);
   command.option("--max-p95", options->limits.p95, "Largest 95th percentile of the relative normal force error")
       .check(error);
-  command.option("--max-p95-sideways", options->limits.p95_sideways, "The same of the sideways pushes' error")
+  command.option("--max-p95-tangential", options->limits.p95_tangential, "The same of the tangential pushes' error")
       .check(error);
   command
       .option("--max-p95-spins", options->limits.p95_spins,

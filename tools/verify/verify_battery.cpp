@@ -45,7 +45,7 @@ Json to_json(const BatteryFigures& f) {
           {"core", f.core},         {"core_converged", f.core_converged},
           {"verified", f.verified}, {"by_augmented_lagrange", f.augmented},
           {"wrong", f.wrong},       {"unchecked", f.unchecked},
-          {"compared", f.compared}, {"within_estimate", f.foretold},
+          {"compared", f.compared}, {"within_estimate", f.within_estimate},
           {"slowest_s", f.slowest}};
 }
 
@@ -137,7 +137,7 @@ void run_battery_command(const BatteryCommand& command, const Globals& globals) 
   if (all.compared > 0) {
     text +=
         fmt::format("\nOf {} samples of checked cells {:.0f} % differ by no more than the error estimates of both.\n",
-                    all.compared, 100.0 * double(all.foretold) / double(all.compared));
+                    all.compared, 100.0 * double(all.within_estimate) / double(all.compared));
   }
   if (!wrong.empty()) text += "\nWrong:\n" + wrong;
   if (!unchecked.empty()) text += "\nNot checked:\n" + unchecked;

@@ -70,7 +70,7 @@ Json to_json(const BenchContact& contact, const CheckedSlide& slide) {
           {"cause", r.cause},
           {"ratio", r.ratio},
           {"ratio_deviation", r.spread},
-          {"ratio_of_slopes", r.foretold},
+          {"ratio_of_slopes", r.predicted},
           {"local_ratio", r.local_ratio},
           {"gross_slip_at_m", r.gross_at},
           {"energy_imbalance", r.imbalance},
@@ -84,7 +84,7 @@ std::string row(const BenchContact& contact, const CheckedSlide& slide, std::siz
   const SlideResult& r = slide.result;
   if (!r.usable) return printed("| %zu | %.3g |", k, 1e3 * contact.depth) + " refused: " + r.cause + " |\n";
   return printed("| %zu | %.3g | %.3g | %.4f | %.2f %% | %.4f | %.4f | %.3f | %.2f %% | %u | %.1f |\n", k,
-                 1e3 * contact.depth, 1e3 * r.contact_radius, r.ratio, 100 * r.spread, r.foretold, r.local_ratio,
+                 1e3 * contact.depth, 1e3 * r.contact_radius, r.ratio, 100 * r.spread, r.predicted, r.local_ratio,
                  r.gross_at / r.contact_radius, 100 * r.imbalance, r.nodes, slide.seconds);
 }
 

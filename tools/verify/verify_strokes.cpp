@@ -133,7 +133,7 @@ std::string drawing(const std::vector<CheckedStroke>& strokes,
                     const std::vector<std::vector<StrokeStation>>& stations) {
   std::vector<double> at;
   PlotPanel normal{"normal force (N)", {{"solved", {}}, {"baked", {}}}};
-  PlotPanel sideways{"sideways force (N)", {{"solved", {}}, {"baked", {}}}};
+  PlotPanel tangential{"tangential force (N)", {{"solved", {}}, {"baked", {}}}};
   PlotPanel way{"depth, way (mm)", {{"depth", {}}, {"way", {}}}};
   for (std::size_t k = 0; k < strokes.size() && strokes[k].contact == strokes[0].contact; ++k) {
     const Vector3d main(std::cos(strokes[k].angle), std::sin(strokes[k].angle), 0);
@@ -142,8 +142,8 @@ std::string drawing(const std::vector<CheckedStroke>& strokes,
       at.push_back(double(at.size()));
       normal.series[0].values.push_back(s.force.z());
       normal.series[1].values.push_back(stations[k][i].baked.z());
-      sideways.series[0].values.push_back(s.force.dot(main));
-      sideways.series[1].values.push_back(stations[k][i].baked.dot(main));
+      tangential.series[0].values.push_back(s.force.dot(main));
+      tangential.series[1].values.push_back(stations[k][i].baked.dot(main));
       way.series[0].values.push_back(-1e3 * std::min(s.station.z(), 0.0));
       way.series[1].values.push_back(1e3 * s.station.dot(main));
     }
@@ -152,7 +152,7 @@ std::string drawing(const std::vector<CheckedStroke>& strokes,
   for (std::size_t k = 0; k < strokes.size() && strokes[k].contact == strokes[0].contact; ++k) {
     title += (k > 0 ? ", " : " ") + strokes[k].name;
   }
-  return line_plot_svg(title, "station", at, {normal, sideways, way});
+  return line_plot_svg(title, "station", at, {normal, tangential, way});
 }
 
 }  // namespace

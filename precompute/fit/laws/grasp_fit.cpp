@@ -20,7 +20,7 @@ using Eigen::VectorXd;
 
 constexpr double kFloor = 0.02;  // of the peak force, below which errors count absolutely
 constexpr double kPrior = 1e-2;  // weight of smoothness against relative errors
-constexpr double kAside = 0.01;  // of Z: straight pulls are sideways by less
+constexpr double kAside = 0.01;  // of Z: normal pulls have a smaller tangential deflection
 constexpr double kLeast = 1e-3;  // smaller over larger stiffness
 constexpr double kLowest = -10;  // peaks: least coefficient of Fn
 
@@ -47,8 +47,8 @@ double peak_force(const std::vector<const Sample*>& samples) {
 
 // Fx, Fy, kxx, kxy, kyy together: every sample has two equations, linear in all of them. Stiffnesses are level at
 // their ends, so that the law goes on beyond them: their unknowns are two fewer.
-void fit_sideways(const std::vector<const Sample*>& samples, double scale, double peak, const std::string& what,
-                  VectorXd& curves) {
+void fit_tangential(const std::vector<const Sample*>& samples, double scale, double peak, const std::string& what,
+                    VectorXd& curves) {
   const MatrixXd level = level_ends(kGraspCoefs), bends = kPrior * smooth_rows(kGraspCoefs);
   const auto count = static_cast<Eigen::Index>(samples.size());
   MatrixXd all = MatrixXd::Zero(2 * count + 5 * bends.rows(), 5 * kGraspCoefs);
@@ -74,7 +74,7 @@ void fit_sideways(const std::vector<const Sample*>& samples, double scale, doubl
   for (int k = 0; k < 3; ++k)
     rows.middleCols(2 * kGraspCoefs + k * (kGraspCoefs - 2), kGraspCoefs - 2) =
         all.middleCols((2 + k) * kGraspCoefs, kGraspCoefs) * level;
-  const VectorXd solved = solve_linear(rows, target, what + ", grasp sideways curves");
+  const VectorXd solved = solve_linear(rows, target, what + ", grasp tangential curves");
   curves.segment(0, 2 * kGraspCoefs) = peak * solved.segment(0, 2 * kGraspCoefs);
   VectorXd stiffness(3 * kGraspCoefs);
   for (int k = 0; k < 3; ++k) {
@@ -93,14 +93,14 @@ void fit_sideways(const std::vector<const Sample*>& samples, double scale, doubl
   }
 }
 
-// Fn, from what sideways deflections do not add along the normal. Unknown are how far its first coefficient is above
+// Fn, from what tangential deflections do not add along the normal. Unknown are how far its first coefficient is above
 // kLowest, and the increments to the others.
 void fit_normal(const std::vector<const Sample*>& samples, double scale, double peak, const std::string& what,
                 GraspCurves& grasp) {
   MatrixXd coefs = MatrixXd::Zero(kGraspCoefs, kGraspCoefs);
   for (int i = 0; i < kGraspCoefs; ++i) coefs.row(i).head(i + 1).setOnes();
   grasp.curves.segment(2 * kGraspCoefs, kGraspCoefs).setZero();
-  const runtime::BondedLaw sideways = make_law(grasp, scale);
+  const runtime::BondedLaw tangential = make_law(grasp, scale);
   const MatrixXd bends = kPrior * smooth_rows(kGraspCoefs);
   const auto count = static_cast<Eigen::Index>(samples.size());
   MatrixXd rows(count + bends.rows(), kGraspCoefs);
@@ -108,7 +108,7 @@ void fit_normal(const std::vector<const Sample*>& samples, double scale, double 
   for (Eigen::Index i = 0; i < count; ++i) {
     const Sample& s = *samples[static_cast<std::size_t>(i)];
     const double weight = peak / std::max(s.force.norm(), kFloor * peak);
-    const double coupling = sideways.force({s.deflection.x(), s.deflection.y(), s.deflection.z()}).z;
+    const double coupling = tangential.force({s.deflection.x(), s.deflection.y(), s.deflection.z()}).z;
     rows.row(i) = weight * value_row(kGraspCoefs, grasp_abscissa(s.deflection.z(), scale));
     target[i] = weight * ((s.force.z() - coupling) / peak - kLowest);
   }
@@ -122,24 +122,24 @@ void fit_normal(const std::vector<const Sample*>& samples, double scale, double 
 GraspCurves fit_grasp(const std::vector<Sample>& samples, double depth_scale, const std::string& what) {
   const std::vector<const Sample*> taken = unturned(samples);
   GraspCurves grasp;
-  long straight = 0;
+  long normal = 0;
   for (const Sample* s : taken) {
     if (!s->force.allFinite() || !s->deflection.allFinite()) {
       throw Error(ExitCode::numerical, what + ": grasped sample " + std::to_string(s->index) + " is not finite");
     }
     grasp.pulled = std::max(grasp.pulled, -s->deflection.z());
-    straight += s->deflection.head<2>().norm() < kAside * depth_scale ? 1 : 0;
+    normal += s->deflection.head<2>().norm() < kAside * depth_scale ? 1 : 0;
   }
-  if (straight < 3) {
+  if (normal < 3) {
     throw Error(ExitCode::numerical,
-                what + ": a grasp needs straight pulls at three depths; there are " + std::to_string(straight));
+                what + ": a grasp needs normal pulls at three depths; there are " + std::to_string(normal));
   }
   const double peak = peak_force(taken);
   if (!(peak > 0)) throw Error(ExitCode::numerical, what + ": a grasp without any force");
   grasp.depth = taken.front()->deflection.z();
   grasp.pulled = std::min(grasp.pulled, depth_scale);
   grasp.curves = VectorXd::Zero(static_cast<Eigen::Index>(layout::kBondedCurves) * kGraspCoefs);
-  fit_sideways(taken, depth_scale, peak, what, grasp.curves);
+  fit_tangential(taken, depth_scale, peak, what, grasp.curves);
   fit_normal(taken, depth_scale, peak, what, grasp);
   return grasp;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The curves of a grasped contact: force and sideways stiffness over depths of either sign.
+// The curves of a grasped contact: force and tangential stiffness over depths of either sign.
 #pragma once
 
 #include <Eigen/Core>
@@ -32,7 +32,7 @@ struct GraspShare {
 };
 GraspCurves blend_grasps(const std::vector<GraspShare>& shares, double depth_scale);
 
-/// Force (x, y, n) at a deflection (x, y sideways, depth; m).
+/// Force (x, y, n) at a deflection (x, y tangential, depth; m).
 Eigen::Vector3d evaluate(const GraspCurves& grasp, double depth_scale, const Eigen::Vector3d& deflection);
 
 /// |model - sample| / max(|sample|, 2 % of the largest) of the samples that fit_grasp takes.

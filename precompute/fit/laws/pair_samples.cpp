@@ -31,7 +31,7 @@ PairSamples sort_samples(const std::vector<Sample>& samples, const std::string& 
   for (const Sample* sample : data.normal) data.peak = std::max(data.peak, sample->force.norm());
   if (data.normal.size() < 2 || !(data.normal.front()->deflection.z() > 0) || !(data.peak > 0)) {
     throw Error(ExitCode::numerical,
-                what + ": a fit needs at least two straight pushes deeper than 0 with a force; there are " +
+                what + ": a fit needs at least two normal indentations deeper than 0 with a force; there are " +
                     std::to_string(data.normal.size()));
   }
   return data;

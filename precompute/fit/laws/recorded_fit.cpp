@@ -20,7 +20,7 @@ constexpr double kMostOutliers = 0.25;   // of the samples
 constexpr double kMostResidual = 0.1;    // rms over the largest force
 constexpr double kLeastDepth = 0.5;      // of the required depth
 constexpr double kWidestGap = 0.25;      // in sqrt of depth, of the whole
-constexpr std::size_t kFewest = 8;       // straight pushes
+constexpr std::size_t kFewest = 8;       // normal indentations
 constexpr std::size_t kFewestAside = 4;  // to each side
 constexpr std::size_t kMost = 50000;     // rows
 constexpr std::size_t kNeighbours = 15;
@@ -152,7 +152,7 @@ private:
   const std::vector<Sample>& samples_;
   const ResponseScales& scales_;
   const std::string& what_;
-  std::vector<std::vector<std::size_t>> by_depth_;  // straight pushes, sideways ones
+  std::vector<std::vector<std::size_t>> by_depth_;  // normal indentations, tangential ones
   Marks kept_;
   std::vector<double> spread_, distance_;  // N
   bool weigh_ = false;
@@ -160,7 +160,7 @@ private:
   PairResponse response_;
 };
 
-/// Throws unless the straight pushes are enough for a curve.
+/// Throws unless the normal indentations are enough for a curve.
 void check_pushes(const std::vector<Sample>& samples, const Marks& kept, double depth, const std::string& what) {
   std::vector<double> depths{0.0};
   for (std::size_t k = 0; k < samples.size(); ++k) {
@@ -169,7 +169,7 @@ void check_pushes(const std::vector<Sample>& samples, const Marks& kept, double 
   std::sort(depths.begin(), depths.end());
   const auto refuse = [&](const std::string& cause) { throw Error(ExitCode::bad_input, what + ": " + cause); };
   if (depths.size() - 1 < kFewest) {
-    refuse("a response needs at least " + std::to_string(kFewest) + " rows of pushes straight down; there are " +
+    refuse("a response needs at least " + std::to_string(kFewest) + " rows of normal indentations; there are " +
            std::to_string(depths.size() - 1));
   }
   char text[160];

@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-std::string say(const char* gate, double figure, double limit, double depth) {
+std::string describe(const char* gate, double figure, double limit, double depth) {
   char text[160];
   std::snprintf(text, sizeof text, "%s: %.3g against a limit of %.3g at depth %.3g mm", gate, figure, limit,
                 1e3 * depth);
@@ -30,17 +30,17 @@ std::optional<std::string> failed_state(const GateState& s, const GateLimits& li
   }
   // An element turned inside out can still be an equilibrium.
   if (!(s.min_jacobian > limits.min_jacobian)) {
-    return say("minimum Jacobian", s.min_jacobian, limits.min_jacobian, s.depth);
+    return describe("minimum Jacobian", s.min_jacobian, limits.min_jacobian, s.depth);
   }
   // A held surface exerts no force, so a tool that sinks into it is not in the intended contact.
   if (sinks_into_held(s, limits)) {
-    return say("support: overlap of tool and held surface over contact radius",
-               s.contact.held_overlap / s.contact_radius, limits.penetration, s.depth);
+    return describe("support: overlap of tool and held surface over contact radius",
+                    s.contact.held_overlap / s.contact_radius, limits.penetration, s.depth);
   }
   // A penalty too soft for this contact.
   if (s.contact.penetration > limits.penetration * s.contact_radius) {
-    return say("penetration over contact radius", s.contact.penetration / s.contact_radius, limits.penetration,
-               s.depth);
+    return describe("penetration over contact radius", s.contact.penetration / s.contact_radius, limits.penetration,
+                    s.depth);
   }
   return std::nullopt;
 }
@@ -48,16 +48,16 @@ std::optional<std::string> failed_state(const GateState& s, const GateLimits& li
 // A contact that is not bonded can only press, whatever way the tool came.
 std::optional<std::string> failed_contact(const GateState& s, const GateLimits& limits) {
   if (auto failed = failed_state(s, limits)) return failed;
-  if (s.force <= 0) return say("force sign (N)", s.force, 0.0, s.depth);
+  if (s.force <= 0) return describe("force sign (N)", s.force, 0.0, s.depth);
   return std::nullopt;
 }
 
 // `most` (N, N m): an answer below it opposes the move, or has no sign.
 std::optional<std::string> failed_answer(const char* name, const GateState& s, double answer, double most,
                                          const GateLimits& limits) {
-  if (!(answer < most)) return say(name, answer, most, s.depth);
+  if (!(answer < most)) return describe(name, answer, most, s.depth);
   if (s.contact.points < limits.resolved_points) {
-    return say("contact resolution (points)", s.contact.points, limits.resolved_points, s.depth);
+    return describe("contact resolution (points)", s.contact.points, limits.resolved_points, s.depth);
   }
   return std::nullopt;
 }
@@ -66,7 +66,7 @@ std::optional<std::string> failed_answer(const char* name, const GateState& s, d
 std::optional<std::string> failed_balance(const GateState& s, double imbalance, double work, const GateLimits& limits) {
   const double scale = work + 0.01 / limits.energy_balance * s.energy_scale;
   if (std::abs(imbalance) > limits.energy_balance * scale) {
-    return say("energy balance", imbalance / scale, limits.energy_balance, s.depth);
+    return describe("energy balance", imbalance / scale, limits.energy_balance, s.depth);
   }
   return std::nullopt;
 }
@@ -76,41 +76,41 @@ std::optional<std::string> failed_balance(const GateState& s, double imbalance, 
 std::optional<std::string> failed_gate(const GateState& s, const GateLimits& limits) {
   if (auto failed = failed_contact(s, limits)) return failed;
   if (s.force < limits.force_drop * s.previous_force) {
-    return say("force growth", s.force / s.previous_force, limits.force_drop, s.depth);
+    return describe("force growth", s.force / s.previous_force, limits.force_drop, s.depth);
   }
   return failed_balance(s, s.stored - s.work, s.work, limits);
 }
 
-std::optional<std::string> failed_sideways_gate(const GateState& s, double answer, const GateLimits& limits) {
+std::optional<std::string> failed_tangential_gate(const GateState& s, double answer, const GateLimits& limits) {
   if (auto failed = failed_contact(s, limits)) return failed;
-  return failed_answer("sideways answer (N)", s, answer, limits.sideways_answer * s.force, limits);
+  return failed_answer("tangential response (N)", s, answer, limits.tangential_response * s.force, limits);
 }
 
 std::optional<std::string> failed_sticking_gate(const GateState& s, double answer, const GateLimits& limits) {
-  if (auto failed = failed_sideways_gate(s, answer, limits)) return failed;
+  if (auto failed = failed_tangential_gate(s, answer, limits)) return failed;
   return failed_balance(s, s.stored - s.work, std::abs(s.work), limits);
 }
 
 std::optional<std::string> failed_grasp_gate(const GateState& s, double answer, const GateLimits& limits) {
   if (auto failed = failed_state(s, limits)) return failed;
   const double give = s.contact.bond_give.norm() / s.contact_radius, gap = s.contact.bond_gap / s.contact_radius;
-  if (give > limits.bond_give) return say("give of the bond over contact radius", give, limits.bond_give, s.depth);
-  if (gap > limits.bond_gap) return say("gap of the bond over contact radius", gap, limits.bond_gap, s.depth);
+  if (give > limits.bond_give) return describe("give of the bond over contact radius", give, limits.bond_give, s.depth);
+  if (gap > limits.bond_gap) return describe("gap of the bond over contact radius", gap, limits.bond_gap, s.depth);
   if (auto failed = failed_answer("answer of the grasp (N, N m)", s, answer, 0.0, limits)) return failed;
   return failed_balance(s, s.stored - s.work, s.work, limits);
 }
 
 std::optional<std::string> failed_slip_gate(const GateState& s, double answer, double dissipated,
                                             const GateLimits& limits) {
-  if (auto failed = failed_sideways_gate(s, answer, limits)) return failed;
-  if (!std::isfinite(s.work) || !(dissipated >= 0)) return say("dissipated energy (J)", dissipated, 0.0, s.depth);
+  if (auto failed = failed_tangential_gate(s, answer, limits)) return failed;
+  if (!std::isfinite(s.work) || !(dissipated >= 0)) return describe("dissipated energy (J)", dissipated, 0.0, s.depth);
   return failed_balance(s, s.stored + dissipated - s.work, s.work, limits);
 }
 
 std::optional<std::string> failed_stroke_gate(const GateState& s, double most_work, double dissipated,
                                               const GateLimits& limits) {
   if (auto failed = s.contact.points > 0 ? failed_contact(s, limits) : failed_state(s, limits)) return failed;
-  if (!std::isfinite(s.work) || !(dissipated >= 0)) return say("dissipated energy (J)", dissipated, 0.0, s.depth);
+  if (!std::isfinite(s.work) || !(dissipated >= 0)) return describe("dissipated energy (J)", dissipated, 0.0, s.depth);
   return failed_balance(s, s.stored + dissipated - s.work, most_work, limits);
 }
 

@@ -96,7 +96,7 @@ std::optional<std::string> Bonded::turn(Stand& now, const Stand& from, const Vec
   const Vector3d start = now.turned, way = target - start;
   const Vector3d rests = run_.push.contact().pose() * run_.vertex.point;
   Vector3d reached = start;
-  const StepResult step = in_parts([&](double to, double /*part*/) {
+  const StepResult step = substep([&](double to, double /*part*/) {
     const PushState before = run_.push.state();
     const Vector3d next = start + to * way;
     const Matrix3d turned = rotation(next);

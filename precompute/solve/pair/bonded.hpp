@@ -21,7 +21,8 @@ public:
     double contact_energy = 0.0;      ///< J
   };
 
-  /// Bonds the contact of a point of the straight push, where the push then stands. `furthest` (m): size of the moves.
+  /// Bonds the contact of a point of the normal indentation, where the push then stands. `furthest` (m): size of the
+  /// moves.
   Bonded(PairRun& run, const CurvePoint& at, double furthest);
 
   [[nodiscard]] const Stand& start() const { return start_; }

@@ -108,10 +108,11 @@ double longest_edge(const Body& body, const PairOptions& options) {
   return wall > 0 ? std::min(body.diagonal / 8, kWalls * wall) : body.diagonal / 8;
 }
 
-SizeField contact_size(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
-                       double depth, double scale, const PairOptions& options, const std::vector<Vector3d>& further) {
+SizeField contact_size(const ContactCase& contact, double depth, double scale, const PairOptions& options,
+                       const std::vector<Vector3d>& further) {
+  const auto& [body, tool, vertex, frame] = contact;
   const auto deepest_at = [&](const ContactFrame& here) {
-    Eigen::Isometry3d deepest = touching_pose(vertex, here);
+    Eigen::Isometry3d deepest = touching_pose(contact.vertex, here);
     deepest.translation() -= depth * here.n;
     return deepest;
   };

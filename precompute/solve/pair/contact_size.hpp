@@ -11,11 +11,10 @@
 
 namespace palpate {
 
-/// Edge length for a push of `vertex` at `frame` down to `depth` (m) with options.mesh_size * `scale` of
+/// Edge length for a push down to `depth` (m) with options.mesh_size * `scale` of
 /// the contact radius over the footprint, and the supports' rims resolved. `further` are places (m, from frame.origin)
 /// that the tool goes to at that depth: where there are any, the first touch gets no smaller elements of its own.
-SizeField contact_size(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
-                       double depth, double scale, const PairOptions& options,
+SizeField contact_size(const ContactCase& contact, double depth, double scale, const PairOptions& options,
                        const std::vector<Eigen::Vector3d>& further = {});
 
 /// Longest edge (m) far from the contact: options.max_size, or an eighth of the body's diagonal and no more than twice

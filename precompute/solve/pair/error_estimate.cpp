@@ -19,8 +19,8 @@ constexpr double kPoints = 1.5;
 
 using Eigen::Vector3d;
 
-// Error of the change of the force in a sideways push that the other mesh did not solve.
-constexpr double kUnknownSideways = 0.1;
+// Error of the change of the force in a tangential push that the other mesh did not solve.
+constexpr double kUnknownTangential = 0.1;
 
 // By depth (m).
 using ByDepth = std::map<double, double>;
@@ -42,7 +42,7 @@ double around(const ByDepth& values, double depth) {
   return largest;
 }
 
-// The straight push from which a sample started, or which is as deep.
+// The normal indentation from which a sample started, or which is as deep.
 const Sample& base_of(const std::vector<Sample>& samples, const Sample& of) {
   const Sample* base = nullptr;
   const auto away = [&](const Sample& s) { return std::abs(s.deflection.z() - of.deflection.z()); };
@@ -74,25 +74,25 @@ PairPath compared_path(PairPath path) {
 }
 
 bool add_mesh_errors(std::vector<Sample>& samples, const std::vector<Sample>& other, double share) {
-  ByDepth straight, sideways;
+  ByDepth normal, tangential;
   for (const ComparedSample& c : sample_difference(samples, other).samples) {
     const Sample& s = samples[c.sample];
     if (s.kind == SampleKind::normal) {
-      straight[s.deflection.z()] = c.difference;
+      normal[s.deflection.z()] = c.difference;
       continue;
     }
     const Sample& o = other[c.other];
     const Vector3d change = s.force - base_of(samples, s).force, its = o.force - base_of(other, o).force;
-    double& at = sideways[s.deflection.z()];
+    double& at = tangential[s.deflection.z()];
     if (its.norm() > 0) at = std::max(at, (change - its).norm() / its.norm());
   }
-  if (straight.empty()) return false;
+  if (normal.empty()) return false;
   for (Sample& s : samples) {
-    double error = around(straight, s.deflection.z());
+    double error = around(normal, s.deflection.z());
     if (s.kind != SampleKind::normal) {
       const Vector3d& base = base_of(samples, s).force;
       const double change = (s.force - base).norm() / std::max(s.force.norm(), base.norm());
-      error += change * (sideways.empty() ? kUnknownSideways : nearest(sideways, s.deflection.z())->second);
+      error += change * (tangential.empty() ? kUnknownTangential : nearest(tangential, s.deflection.z())->second);
     }
     s.error_estimate += share * error;
   }

@@ -23,14 +23,14 @@ struct ErrorSources {
 /// Relative error of the force, without what the mesh leaves (add_mesh_errors).
 double error_estimate(const ErrorSources& sources);
 
-/// The pushes that the other mesh is compared by: the straight one, and from each tangential depth one sideways move as
-/// far as the first point of `path`'s.
+/// The pushes that the other mesh is compared by: the normal indentation, and from each tangential depth one tangential
+/// move as far as the first point of `path`'s.
 PairPath compared_path(PairPath path);
 
-/// Adds `share` of the relative difference to `other` to every sample's error estimate. Straight samples: the largest
+/// Adds `share` of the relative difference to `other` to every sample's error estimate. Normal samples: the largest
 /// of the difference at their own and at the neighbouring depths. Others: that of the nearest depth, and of the change
-/// of the force since the straight push the share by which the sideways moves differ at the nearest depth they have.
-/// False, and nothing added, where no straight sample has a partner in `other` (sample_difference).
+/// of the force since the normal indentation the share by which the tangential moves differ at the nearest depth they
+/// have. False, and nothing added, where no normal sample has a partner in `other` (sample_difference).
 bool add_mesh_errors(std::vector<Sample>& samples, const std::vector<Sample>& other, double share);
 
 }  // namespace palpate

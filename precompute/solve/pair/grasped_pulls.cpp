@@ -39,7 +39,7 @@ public:
     }
     if (!cause.empty()) run_.result.outcome.cause = "stopped short: " + cause;
     for (const Stand& s : stands) add(s.sample);
-    return sideways(stands) && turns(stands);
+    return tangential_moves(stands) && turns(stands);
   }
 
 private:
@@ -81,7 +81,7 @@ private:
     return from;
   }
 
-  bool sideways(const std::vector<Stand>& stands) {
+  bool tangential_moves(const std::vector<Stand>& stands) {
     std::string cause;
     std::size_t taken = 0;
     for (const Stand* s : bases(stands)) {

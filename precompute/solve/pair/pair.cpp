@@ -19,28 +19,21 @@
 namespace palpate {
 namespace {
 
-struct PairCase {
-  const Body& body;
-  const Tool& tool;
-  const ToolVertex& vertex;
-  const ContactFrame& frame;
-};
-
 // Meshes are made of the body free of stress, also where it has a prestress.
 const Body& stress_free(const Body& body) { return body.stress_free ? *body.stress_free : body; }
 
 struct Attempt {
   PairResult result;
-  std::vector<Sample> straight;  // of the push as far as it passed, whatever came after it
+  std::vector<Sample> normal;    // of the normal indentation, as far as it passed, whatever came after it
   double reached = 0.0;          // m, its depth
   bool contact_failed = false;   // see PairRun
   double lost = 0.0;             // see PairOptions
 };
 
-// `last`: no finer mesh is to come, and a sideways push keeps what it answered before it failed.
-Attempt attempt(const PairCase& pair, const PairPath& path, const PairOptions& options, const TetMesh& mesh, bool last,
-                const SolveLimits& limits) {
-  const auto& [body, tool, vertex, frame] = pair;
+// `last`: no finer mesh is to come, and a tangential push keeps what it answered before it failed.
+Attempt attempt(const ContactCase& contact, const PairPath& path, const PairOptions& options, const TetMesh& mesh,
+                bool last, const SolveLimits& limits) {
+  const auto& [body, tool, vertex, frame] = contact;
   Attempt made;
   PairResult& result = made.result;
   result.outcome.nodes = static_cast<std::uint32_t>(mesh.nodes.size());
@@ -48,13 +41,13 @@ Attempt attempt(const PairCase& pair, const PairPath& path, const PairOptions& o
     Push push(stress_free(body), mesh, *tool.shape, touching_pose(vertex, frame),
               {body.material.young, normal_penalty(options.method, options.penalty), options.tolerance, limits},
               options.materials);
-    PairRun run{body, tool, vertex, frame, path, options, mesh, last, push, result};
+    PairRun run{contact, path, options, mesh, last, push, result};
     if (!push.held_anywhere()) {
       run.refuse("support: no node of the mesh is held");
     } else if (approach(run)) {
-      const bool pushed = straight_push(run);
-      made.straight = result.samples;
-      if (!made.straight.empty()) made.reached = run.curve.back().depth;
+      const bool pushed = normal_indentation(run);
+      made.normal = result.samples;
+      if (!made.normal.empty()) made.reached = run.curve.back().depth;
       if (pushed && sticking_pushes(run) && grasped_pulls(run)) {
         slipping_pushes(run);
         side_paths(run);
@@ -85,17 +78,17 @@ constexpr Rung kLastRungs[] = {{"stiffer contact", ContactMethod::penalty, 4.0},
                                {"augmented Lagrange", ContactMethod::augmented, 1.0},
                                {"log barrier", ContactMethod::barrier, 1.0}};
 
-// The straight push on a mesh finer than the one with `scale`.
-PairCheck check_of(const PairResult& result, const Body& body, const Tool& tool, const ToolVertex& vertex,
-                   const ContactFrame& frame, const PairPath& path, const PairOptions& options) {
-  PairPath straight = path;
-  straight.tangential_depths.clear();
-  straight.side_paths.clear();
-  straight.tangential_directions = straight.slip_points = 0;
-  straight.grasp_depth = 0.0;
-  PairOptions finer = finer_options(options, body, kFiner);
+// The normal indentation on a mesh finer than the one with `scale`.
+PairCheck check_of(const PairResult& result, const ContactCase& contact, const PairPath& path,
+                   const PairOptions& options) {
+  PairPath normal = path;
+  normal.tangential_depths.clear();
+  normal.side_paths.clear();
+  normal.tangential_directions = normal.slip_points = 0;
+  normal.grasp_depth = 0.0;
+  PairOptions finer = finer_options(options, contact.body, kFiner);
   finer.check = finer.mesh_errors = false;
-  const PairResult fine = solve_pair(body, tool, vertex, frame, straight, finer);
+  const PairResult fine = solve_pair(contact, normal, finer);
   PairCheck check;
   check.nodes = fine.outcome.nodes;
   check.cause = fine.outcome.cause;
@@ -104,8 +97,8 @@ PairCheck check_of(const PairResult& result, const Body& body, const Tool& tool,
   std::erase_if(pushed.samples, [](const Sample& s) { return s.kind != SampleKind::normal; });
   const SampleDifference d = sample_difference(pushed.samples, fine.samples);
   check.compared = static_cast<std::uint32_t>(d.compared);
-  check.foretold = static_cast<std::uint32_t>(d.foretold);
-  check.difference = d.straight;
+  check.within_estimate = static_cast<std::uint32_t>(d.within_estimate);
+  check.difference = d.normal;
   return check;
 }
 
@@ -124,8 +117,8 @@ constexpr OtherMesh kCoarser{1.5, 0.6}, kFinerInstead{0.67, 1.5};
 // The ways of solving one pair, and what they led to.
 class PairSolve {
 public:
-  PairSolve(const PairCase& pair, const PairPath& path, const PairOptions& options)
-      : pair_(pair), path_(path), options_(options), deadline_(options.time_limit) {}
+  PairSolve(const ContactCase& contact, const PairPath& path, const PairOptions& options)
+      : contact_(contact), path_(path), options_(options), deadline_(options.time_limit) {}
 
   PairResult solve() {
     VolumeMeshResult mesh;
@@ -134,7 +127,7 @@ public:
       if (rough_) with.growth *= std::pow(scale, kGrowthPower);
       mesh = mesh_of(with, scale);
       if (mesh.usable) {
-        attempt(mesh.mesh, with, scale, scale == 0.6 || straight_.has_value());
+        attempt(mesh.mesh, with, scale, scale == 0.6 || normal_.has_value());
       } else {
         failed("mesh: " + mesh.cause);
       }
@@ -155,7 +148,7 @@ public:
   }
 
 private:
-  // A straight push that passed, of a pair that was not accepted.
+  // A normal indentation that passed, of a pair that was not accepted.
   struct Partial {
     PairResult result;
     double reached = 0.0;  // m
@@ -166,11 +159,11 @@ private:
   [[nodiscard]] bool ends() const { return no_deeper_ || deadline_.passed() || lost_ > options_.most_lost; }
 
   VolumeMeshResult mesh_of(const PairOptions& with, double scale) {
-    const SizeField size = contact_size(pair_.body, pair_.tool, pair_.vertex, pair_.frame, path_.normal_depths.back(),
-                                        with.refine * scale, with);
+    const SizeField size = contact_size(contact_, path_.normal_depths.back(), with.refine * scale, with);
     VolumeMeshOptions options = with.mesh;
     options.deadline = &deadline_;
-    return mesh_volume(stress_free(pair_.body), size, {pair_.body.material_point(pair_.frame.origin).point}, options);
+    return mesh_volume(stress_free(contact_.body), size, {contact_.body.material_point(contact_.frame.origin).point},
+                       options);
   }
 
   void failed(const std::string& cause) {
@@ -180,15 +173,15 @@ private:
   }
 
   void attempt(const TetMesh& mesh, const PairOptions& with, double scale, bool last) {
-    Attempt made = palpate::attempt(pair_, path_, with, mesh, last, limits());
+    Attempt made = palpate::attempt(contact_, path_, with, mesh, last, limits());
     result_ = std::move(made.result);
     accepted_ = result_.outcome.accepted;
     contact_failed_ = made.contact_failed;
     lost_ += made.lost;
-    if (!accepted_ && !made.straight.empty()) {
-      no_deeper_ = straight_ && made.reached <= straight_->reached;
-      if (!straight_ || made.reached >= straight_->reached) {
-        straight_ = {{result_.outcome, std::move(made.straight), {}}, made.reached, with, scale};
+    if (!accepted_ && !made.normal.empty()) {
+      no_deeper_ = normal_ && made.reached <= normal_->reached;
+      if (!normal_ || made.reached >= normal_->reached) {
+        normal_ = {{result_.outcome, std::move(made.normal), {}}, made.reached, with, scale};
       }
     }
     if (accepted_) judge_mesh(with, scale);
@@ -216,8 +209,8 @@ private:
       options.watch = {};
       const VolumeMeshResult mesh = mesh_of(options, scale * other.scale);
       if (!mesh.usable) continue;
-      const Attempt made = palpate::attempt(pair_, compared_path(path_), options, mesh.mesh, true, limits());
-      if (add_mesh_errors(samples, made.result.outcome.accepted ? made.result.samples : made.straight, other.share)) {
+      const Attempt made = palpate::attempt(contact_, compared_path(path_), options, mesh.mesh, true, limits());
+      if (add_mesh_errors(samples, made.result.outcome.accepted ? made.result.samples : made.normal, other.share)) {
         return true;
       }
     }
@@ -236,11 +229,11 @@ private:
   void check(const PairOptions& with, double scale) {
     PairOptions here = with;
     here.refine *= scale;
-    result_.check = check_of(result_, pair_.body, pair_.tool, pair_.vertex, pair_.frame, path_, here);
+    result_.check = check_of(result_, contact_, path_, here);
     const auto cause = failed_check(*result_.check, GateLimits{});
     if (!cause) return;
     std::optional<PairCheck> kept = result_.check;
-    straight_.reset();  // the check refuses all of it
+    normal_.reset();  // the check refuses all of it
     rough_.reset();
     failed(*cause);
     result_.check = std::move(kept);
@@ -263,11 +256,11 @@ private:
       rough_->outcome.cause = causes_;
       return std::move(*rough_);
     }
-    if (!rough_ && straight_) {
-      result_ = std::move(straight_->result);
+    if (!rough_ && normal_) {
+      result_ = std::move(normal_->result);
       result_.outcome.accepted = true;
       causes_ = "stopped short: " + causes_;
-      if (options_.mesh_errors) add_errors(result_.samples, straight_->with, straight_->scale);
+      if (options_.mesh_errors) add_errors(result_.samples, normal_->with, normal_->scale);
     }
     result_.outcome.cause = causes_;
     return std::move(result_);
@@ -275,13 +268,13 @@ private:
 
   [[nodiscard]] SolveLimits limits() { return {&deadline_, options_.memory_limit}; }
 
-  const PairCase& pair_;
+  const ContactCase& contact_;
   const PairPath& path_;
   const PairOptions& options_;
   Deadline deadline_;
   PairResult result_;                // of the last attempt
   std::optional<PairResult> rough_;  // the best whose mesh is too far off
-  std::optional<Partial> straight_;  // the deepest and last
+  std::optional<Partial> normal_;    // the deepest and last
   bool accepted_ = false, contact_failed_ = false, no_deeper_ = false;
   double lost_ = 0.0;
   std::string causes_;
@@ -289,15 +282,14 @@ private:
 
 }  // namespace
 
-PairResult solve_on_mesh(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
-                         const PairPath& path, const PairOptions& options, const TetMesh& mesh) {
-  return attempt({body, tool, vertex, frame}, path, options, mesh, true, {}).result;
+PairResult solve_on_mesh(const ContactCase& contact, const PairPath& path, const PairOptions& options,
+                         const TetMesh& mesh) {
+  return attempt(contact, path, options, mesh, true, {}).result;
 }
 
-PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
-                      const PairPath& path, const PairOptions& options, const SampleSink& sink) {
-  const PairCase pair{body, tool, vertex, frame};
-  PairResult result = PairSolve(pair, path, options).solve();
+PairResult solve_pair(const ContactCase& contact, const PairPath& path, const PairOptions& options,
+                      const SampleSink& sink) {
+  PairResult result = PairSolve(contact, path, options).solve();
   // Samples leave only with a pair that passed: a journal never holds points of an abandoned attempt.
   if (sink) {
     for (const Sample& s : result.samples) sink(s);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Solves one pair: mesh, normal curve, sideways pushes, gates. The only entry point to contact solves:
+// Solves one pair: mesh, normal curve, tangential pushes, gates. The only entry point to contact solves:
 // bake, verify and the closed-form tests all come through here.
 #pragma once
 
@@ -7,6 +7,7 @@
 #include "precompute/common/body.hpp"
 #include "precompute/fem/materials/material.hpp"
 #include "precompute/mesh/volume/volume_mesh.hpp"
+#include "precompute/solve/pair/contact_case.hpp"
 #include "precompute/solve/push/contact_method.hpp"
 #include "precompute/tool/tool.hpp"
 
@@ -16,13 +17,14 @@
 
 namespace palpate {
 
-/// A way of the tool that sticks and goes deeper or less deep while it is held sideways. It starts at a straight push.
+/// A way of the tool that sticks and goes deeper or less deep while it is held at a tangential deflection. It starts at
+/// a normal indentation.
 struct SidePath {
   struct Point {
-    double sideways = 0.0, depth = 0.0;  ///< m
+    double tangential = 0.0, depth = 0.0;  ///< m
   };
-  double from = 0.0;          ///< m, depth of the straight push: the first accepted one from there on
-  double angle = 0.0;         ///< rad, of the sideways direction from +x
+  double from = 0.0;          ///< m, depth of the normal indentation: the first accepted one from there on
+  double angle = 0.0;         ///< rad, of the tangential direction from +x
   std::vector<Point> points;  ///< solved one after the other, at most kPathStride - 1
 };
 inline constexpr int kPathStride = 8;
@@ -32,37 +34,37 @@ struct PairPath {
   std::vector<double> normal_depths;
   std::vector<double>
       tangential_depths;           ///< at most the last normal depth; each takes the first accepted one from there on
-  int tangential_directions = 0;   ///< evenly spaced; 0: no sideways pushes
+  int tangential_directions = 0;   ///< evenly spaced; 0: no tangential pushes
   double tangential_start = 0.0;   ///< rad, of the first direction from +x
   int tangential_points = 3;       ///< per push
-  double tangential_reach = 0.4;   ///< largest sideways deflection over the depth of the push
+  double tangential_reach = 0.4;   ///< largest tangential deflection over the depth of the push
   double friction = 0.0;           ///< Coulomb coefficient; > 0: the push is solved sticking
   bool form_frictionless = false;  ///< push frictionless, then stick (Mindlin's conditions)
   int slip_points = 0;             ///< of further pushes from the same depths, in which the contact slips where
                                    ///< Coulomb's law lets it: samples of kind slipping. One that fails ends short and
                                    ///< refuses nothing. 0: none
   int slip_directions = 0;         ///< of those, evenly spaced; 0: as of the tangential ones
-  double slip_reach = 0.0;         ///< their largest sideways deflection over the depth (see gross_slip_reach)
-  std::vector<SidePath> side_paths{};  ///< samples of kind path, first the straight push it starts from; number k's
+  double slip_reach = 0.0;         ///< their largest tangential deflection over the depth (see gross_slip_reach)
+  std::vector<SidePath> side_paths{};  ///< samples of kind path, first its start on the normal curve; number k's
                                        ///< indices from k kPathStride on. One that fails ends short and refuses nothing
   double grasp_depth = 0.0;  ///< m; > 0: the contact of the first accepted normal depth from there on is bonded, and
                              ///< what follows are samples of kind grasped, at least at three depths; what fails beyond
                              ///< ends short and refuses nothing
   std::vector<double> grasp_depths;  ///< m, of either sign: the bonded tool is moved to each, out or further in
-  int grasp_directions = 0;          ///< evenly spaced; sideways from the deepest push, depth 0 and the furthest pull
-  int grasp_points = 2;              ///< per sideways move
-  double grasp_reach = 0.0;          ///< m, of a sideways move
+  int grasp_directions = 0;  ///< evenly spaced; tangential moves from the deepest push, depth 0 and the furthest pull
+  int grasp_points = 2;      ///< per tangential move
+  double grasp_reach = 0.0;  ///< m, of a tangential move
   std::vector<Eigen::Vector3d> grasp_turns;  ///< rad, axis times angle in (x, y, n), angle in (0, 1]: the bonded tool
                                              ///< is turned so, the point by which it touched resting, from where the
-                                             ///< sideways moves begin
+                                             ///< tangential moves begin
 };
 
 /// The path the bake uses for a pair of this scene: depths evenly spaced in sqrt(depth).
 PairPath bake_path(const Scene& scene, double depth);
 
-/// The path of a pair of role straight: the push alone, at the same depths, because a contact that sticks where it
+/// The path of a pair of role normal: the indentation alone, at the same depths, because a contact that sticks where it
 /// lands shears more the more steps a push has.
-PairPath straight_path(const Scene& scene, double depth);
+PairPath normal_path(const Scene& scene, double depth);
 
 /// Adds the grasp of a tool that holds on: its grasp depth (all of `depth` where that is less) among the normal ones,
 /// its bonded contact evenly from as far out as `depth` is deep to the bottom; turned about x, y and n, both ways, by
@@ -88,15 +90,15 @@ struct PairOptions {
   /// attempt that it is at. A punch 5 mm deep at nu 0.4999 lost 4.1 million on three meshes, in seven minutes of a
   /// processor; the three further ways of solving it took another six, and failed as well.
   double most_lost = 3.5e6;
-  /// Also solve the straight push on a finer mesh (finer_options); far from it is a gate that fails.
+  /// Also solve the normal indentation on a finer mesh (finer_options); far from it is a gate that fails.
   bool check = false;
   /// Also push on a coarser mesh: the samples' error estimates hold what the mesh leaves, and a pair that is too far
   /// off is solved on a finer one. pair_options() sets it.
   bool mesh_errors = false;
   VolumeMeshOptions mesh;
   std::vector<Material> materials;  ///< per region, for comparisons; empty: the body's
-  /// Called with the mesh, the node positions (m) and the depth (m) of every accepted state of a straight push; a pair
-  /// that is tried again begins anew. Changes nothing.
+  /// Called with the mesh, the node positions (m) and the depth (m) of every accepted state of a normal indentation; a
+  /// pair that is tried again begins anew. Changes nothing.
   std::function<void(const TetMesh&, const Eigen::VectorXd&, double)> watch;
 };
 
@@ -115,17 +117,17 @@ using SampleSink = std::function<void(const Sample&)>;
 /// solves of two programs.
 inline constexpr int kSolverRevision = 18;
 
-/// Solves `plan` along `path`. A solve that fails a gate or finds no equilibrium is tried again on finer meshes, then
-/// on the finest with a stiffer penalty, with multipliers and with a log barrier, until one reaches no deeper than the
-/// one before, too much was lost, or a limit is reached. The depths that passed of the straight push are then accepted
-/// alone, "stopped short", if there are GateLimits::curve_points of them. Never throws for a numerical failure: the
-/// outcome names the cause of every attempt. Deterministic: the same inputs give the same bits.
-PairResult solve_pair(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
-                      const PairPath& path, const PairOptions& options, const SampleSink& sink = {});
+/// Solves a contact along `path`. A solve that fails a gate or finds no equilibrium is tried again on finer meshes,
+/// then on the finest with a stiffer penalty, with multipliers and with a log barrier, until one reaches no deeper than
+/// the one before, too much was lost, or a limit is reached. The depths that passed of the normal indentation are then
+/// accepted alone, "stopped short", if there are GateLimits::curve_points of them. Never throws for a numerical
+/// failure: the outcome names the cause of every attempt. Deterministic: the same inputs give the same bits.
+PairResult solve_pair(const ContactCase& contact, const PairPath& path, const PairOptions& options,
+                      const SampleSink& sink = {});
 
 /// solve_pair on this one mesh of the body: a refusal is not tried again on another, and the samples' error estimates
 /// lack the mesh's share.
-PairResult solve_on_mesh(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
-                         const PairPath& path, const PairOptions& options, const TetMesh& mesh);
+PairResult solve_on_mesh(const ContactCase& contact, const PairPath& path, const PairOptions& options,
+                         const TetMesh& mesh);
 
 }  // namespace palpate

@@ -59,7 +59,7 @@ Sample PairRun::sample(std::uint32_t iterations) const {
   return s;
 }
 
-GateState PairRun::sideways_gate(double depth, const Sample& sample, const WayEnergy& way) const {
+GateState PairRun::tangential_gate(double depth, const Sample& sample, const WayEnergy& way) const {
   GateState gate;
   gate.depth = depth;
   gate.contact_radius = radius(depth);

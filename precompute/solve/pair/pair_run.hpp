@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-/// An accepted point of the straight push.
+/// An accepted point of the normal indentation.
 struct CurvePoint {
   double depth = 0.0;  ///< m moved by the tool
   ContactReport contact;
@@ -38,20 +38,16 @@ private:
   Eigen::Vector3d at_, force_;
 };
 
-struct PairRun {
-  const Body& body;
-  const Tool& tool;
-  const ToolVertex& vertex;
-  const ContactFrame& frame;
+struct PairRun : ContactCase {
   const PairPath& path;
   const PairOptions& options;
   const TetMesh& mesh;
-  bool last = false;  ///< an attempt before failed too, or no finer mesh is to come: a sideways push keeps what it
+  bool last = false;  ///< an attempt before failed too, or no finer mesh is to come: a tangential push keeps what it
                       ///< answered before it failed
   Push& push;
   PairResult& result;
   Eigen::Vector3d start{0, 0, 0};   ///< m, the tool's translation at first touch
-  std::vector<CurvePoint> curve{};  ///< of the straight push; its samples are the result's first, in the same order
+  std::vector<CurvePoint> curve{};  ///< of the normal indentation; its samples are the first of the result
 
   bool contact_failed = false;  ///< refused for what another contact method may mend
 
@@ -59,7 +55,7 @@ struct PairRun {
   bool refuse(const std::string& cause);
   /// The same for what another contact method may mend.
   bool refuse_contact(const std::string& cause) { return contact_failed = true, refuse(cause); }
-  /// The end of a sideways push at less than its reach: accepted where the contact `peels` and in the pair's last
+  /// The end of a tangential push at less than its reach: accepted where the contact `peels` and in the pair's last
   /// attempt, else as refuse().
   bool stop_short(const std::string& cause, bool nothing_yet, bool peels);
   [[nodiscard]] double radius(double depth) const { return contact_radius(vertex, depth); }  ///< m
@@ -69,15 +65,15 @@ struct PairRun {
                      const std::vector<Eigen::VectorXd>& starts = {}) const;
   /// The sample of the push's current state, without the friction of separate terms and without an error estimate.
   [[nodiscard]] Sample sample(std::uint32_t iterations) const;
-  /// The state for the gates of a contact that stuck while it moved sideways at that depth (m), by `way` from the
+  /// The state for the gates of a contact that stuck while it moved tangentially at that depth (m), by `way` from the
   /// normal indentation.
-  [[nodiscard]] GateState sideways_gate(double depth, const Sample& sample, const WayEnergy& way) const;
+  [[nodiscard]] GateState tangential_gate(double depth, const Sample& sample, const WayEnergy& way) const;
   /// The first accepted point from `depth` on: the contact of a shallower one may have been too small to resolve.
   [[nodiscard]] const CurvePoint& point_from(double depth) const;
   [[nodiscard]] const Sample& sample_of(const CurvePoint& point) const {
     return result.samples[std::size_t(&point - curve.data())];
   }
-  /// Unit, in the contact's frame: sideways direction `k` of `count` evenly spaced ones.
+  /// Unit, in the contact's frame: tangential direction `k` of `count` evenly spaced ones.
   [[nodiscard]] Eigen::Vector3d direction(int k, int count) const;
 };
 
@@ -85,14 +81,15 @@ struct PairRun {
 
 /// Prestress, then the tool comes to where it first touches.
 bool approach(PairRun& run);
-/// The curve of the straight push. False: its samples end at the last depth that passed, or are none where these are
-/// fewer than GateLimits::curve_points.
-bool straight_push(PairRun& run);
-/// Sideways pushes of a contact that sticks.
+/// The curve of the normal indentation. False: its samples end at the last depth that passed, or are none where these
+/// are fewer than GateLimits::curve_points.
+bool normal_indentation(PairRun& run);
+/// Tangential pushes of a contact that sticks.
 bool sticking_pushes(PairRun& run);
 /// Pulls, pushes and turns of a contact that is bonded.
 bool grasped_pulls(PairRun& run);
-/// Sideways pushes of a contact that slips by Coulomb's law. They refuse nothing: on failure the limits are predicted.
+/// Tangential pushes of a contact that slips by Coulomb's law. They refuse nothing: on failure the limits are
+/// predicted.
 void slipping_pushes(PairRun& run);
 /// Ways deeper and less deep under side load; they refuse nothing either.
 void side_paths(PairRun& run);

@@ -35,7 +35,7 @@ PairPath bake_path(const Scene& scene, double depth) {
   return path;
 }
 
-PairPath straight_path(const Scene& scene, double depth) {
+PairPath normal_path(const Scene& scene, double depth) {
   PairPath path;
   path.normal_depths = bake_path(scene, depth).normal_depths;
   path.friction = scene.friction;
@@ -70,7 +70,7 @@ std::vector<SidePath> test_paths(const PairPath& path, double angle) {
   for (int k = 1; k <= kPoints; ++k) {
     const double share = static_cast<double>(k) / kPoints;
     diagonal.points.push_back({share * reach, shallow + share * (deepest - shallow)});
-    // A third sideways, the rest up or down.
+    // A third tangential, the rest up or down.
     const double side = std::min(1.0, 3 * share), way = std::max(0.0, 1.5 * share - 0.5);
     deeper.points.push_back({side * 0.25 * reach, shallow + way * (deepest - shallow)});
     lift.points.push_back({side * 0.5 * reach, deepest - way * 0.5 * deepest});

@@ -22,7 +22,7 @@ const Sample* partner(const Sample& of, const std::vector<Sample>& reference) {
   return nearest != nullptr && away(*nearest) <= kSame * of.deflection.norm() ? nearest : nullptr;
 }
 
-std::vector<const Sample*> straight(const std::vector<Sample>& samples) {
+std::vector<const Sample*> normal_samples(const std::vector<Sample>& samples) {
   std::vector<const Sample*> all;
   for (const Sample& s : samples) {
     if (s.kind == SampleKind::normal) all.push_back(&s);
@@ -30,12 +30,12 @@ std::vector<const Sample*> straight(const std::vector<Sample>& samples) {
   return all;
 }
 
-// The force of the straight push from which a sideways one started.
-Vector3d base_force(const std::vector<Sample>& samples, const Sample& sideways) {
+// The force of the normal indentation from which a tangential one started.
+Vector3d base_force(const std::vector<Sample>& samples, const Sample& tangential) {
   const Sample* nearest = nullptr;
   for (const Sample& s : samples) {
     if (s.kind != SampleKind::normal) continue;
-    const auto away = [&](const Sample& other) { return std::abs(other.deflection.z() - sideways.deflection.z()); };
+    const auto away = [&](const Sample& other) { return std::abs(other.deflection.z() - tangential.deflection.z()); };
     if (nearest == nullptr || away(s) < away(*nearest)) nearest = &s;
   }
   return nearest != nullptr ? nearest->force : Vector3d::Zero();
@@ -63,10 +63,10 @@ SampleDifference sample_difference(const std::vector<Sample>& samples, const std
     const double difference = (of.force - force).norm() / force.norm();
     ++d.compared;
     d.samples.push_back({std::size_t(&of - samples.data()), std::size_t(&other - reference.data()), difference});
-    d.foretold += difference <= of.error_estimate + other.error_estimate;
+    d.within_estimate += difference <= of.error_estimate + other.error_estimate;
     return difference;
   };
-  const auto a = straight(samples), b = straight(reference);
+  const auto a = normal_samples(samples), b = normal_samples(reference);
   for (std::size_t k = 0; k < a.size(); ++k) {
     const Sample* other = partner(*a[k], reference);
     if (other == nullptr) continue;
@@ -74,14 +74,14 @@ SampleDifference sample_difference(const std::vector<Sample>& samples, const std
     const Vector3d force =
         b.size() > 1 ? force_at(*other, *b[at > 0 ? at - 1 : at + 1], a[k]->deflection.z()) : other->force;
     const double difference = relative(*a[k], *other, force);
-    if (2 * k >= a.size()) raise(d.straight, difference);
+    if (2 * k >= a.size()) raise(d.normal, difference);
   }
   double depth = -1, angle = 0;
   for (const Sample& s : samples) {
     if (s.kind != SampleKind::tangential) continue;
     const Sample* other = partner(s, reference);
     if (other == nullptr) continue;
-    raise(d.sideways, relative(s, *other, other->force));
+    raise(d.tangential, relative(s, *other, other->force));
     const double turned = std::atan2(s.deflection.y(), s.deflection.x());
     const bool first = s.deflection.z() != depth || std::abs(turned - angle) > 1e-3;
     depth = s.deflection.z();

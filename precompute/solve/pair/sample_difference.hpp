@@ -16,20 +16,20 @@ struct ComparedSample {
 };
 
 struct SampleDifference {
-  double straight = 0.0;     ///< largest |F - F'| / |F'| over the deeper half of the straight push
-  double sideways = 0.0;     ///< the same over the sideways pushes
-  std::size_t compared = 0;  ///< samples that had a partner: straight ones of any depth, sideways ones
-  std::size_t foretold = 0;  ///< of these: differ by no more than their error estimates together
-  double stiffness = 0.0;    ///< largest relative difference of a sideways push's secant stiffness at its first point
+  double normal = 0.0;              ///< largest |F - F'| / |F'| over the deeper half of the normal indentation
+  double tangential = 0.0;          ///< the same over the tangential pushes
+  std::size_t compared = 0;         ///< samples that had a partner: normal ones of any depth, tangential ones
+  std::size_t within_estimate = 0;  ///< of these: differ by no more than their error estimates together
+  double stiffness = 0.0;  ///< largest relative difference of a tangential push's secant stiffness at its first point
   std::vector<ComparedSample> samples;  ///< every one that had a partner
 };
 
 /// Difference of samples along one path, or along a part of it. A sample's partner is the one of its kind with the
-/// nearest deflection, at most 15 % away: either solve may lack points. Straight ones are compared at the depths of
+/// nearest deflection, at most 15 % away: either solve may lack points. Normal ones are compared at the depths of
 /// `samples`.
 SampleDifference sample_difference(const std::vector<Sample>& samples, const std::vector<Sample>& reference);
 
-/// Force of a straight push at a depth (m) near `here`, by the power law through it and a neighbour on its curve.
+/// Force of a normal indentation at a depth (m) near `here`, by the power law through it and a neighbour on its curve.
 Eigen::Vector3d force_at(const Sample& here, const Sample& neighbour, double depth);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Ways of a contact that sticks deeper and less deep under side load, from points of the straight push.
+// Ways of a contact that sticks deeper and less deep under side load, from points of the normal indentation.
 #include "precompute/solve/contact/gates.hpp"
 #include "precompute/solve/pair/error_estimate.hpp"
 #include "precompute/solve/pair/pair_run.hpp"
@@ -14,13 +14,13 @@ namespace {
 using Eigen::Vector3d;
 
 // The normal indentation's state where the tool has moved by `depth`, interpolated between its points.
-struct Straight {
+struct NormalState {
   Vector3d force{0, 0, 0};         // N, contact frame
   double depth = 0.0;              // m, corrected
   double tangential_energy = 0.0;  // J in the anchors: a push that sticks shears its contact from the middle outwards
 };
 
-Straight straight_at(const PairRun& run, double depth) {
+NormalState normal_state(const PairRun& run, double depth) {
   const std::vector<CurvePoint>& curve = run.curve;
   const auto above = std::find_if(curve.begin(), curve.end(), [&](const CurvePoint& p) { return p.depth >= depth; });
   const CurvePoint& b = above == curve.end() ? curve.back() : *above;
@@ -37,26 +37,26 @@ std::optional<std::string> go(PairRun& run, const CurvePoint& from, WayEnergy& w
                               const SidePath::Point& point, std::size_t index) {
   const Vector3d local(std::cos(angle), std::sin(angle), 0);
   const Vector3d target =
-      from.state.translation + point.sideways * run.frame.to_world(local) - (point.depth - from.depth) * run.frame.n;
+      from.state.translation + point.tangential * run.frame.to_world(local) - (point.depth - from.depth) * run.frame.n;
   const StepResult step = run.move_to(target, point.depth, true);
   ++run.result.outcome.tangential_solves;
-  const auto where = " on the path " + std::to_string(1e3 * point.sideways) + " mm sideways at depth " +
-                     std::to_string(1e3 * point.depth) + " mm";
+  const auto where = " on the path at a tangential deflection of " + std::to_string(1e3 * point.tangential) +
+                     " mm, at depth " + std::to_string(1e3 * point.depth) + " mm";
   if (!step.converged) return step.cause + where;
   way.moved();
   Sample s = run.sample(step.iterations);
   s.kind = SampleKind::path;
   s.index = static_cast<std::uint16_t>(index);
-  const Straight straight = straight_at(run, point.depth);
-  const double pull = (s.force - straight.force).dot(local);
-  const GateState gate = run.sideways_gate(point.depth, s, way);
+  const NormalState normal = normal_state(run, point.depth);
+  const double pull = (s.force - normal.force).dot(local);
+  const GateState gate = run.tangential_gate(point.depth, s, way);
   if (const auto failed = failed_sticking_gate(gate, pull, GateLimits{})) return *failed + where;
   // Elongation of the anchors (m), from the energy that the side load alone stores in them.
-  const double sheared = std::max(gate.contact.tangential_energy - straight.tangential_energy, 0.0);
+  const double sheared = std::max(gate.contact.tangential_energy - normal.tangential_energy, 0.0);
   const double give = pull < 0 ? 2 * sheared / -pull : 0.0;
-  s.deflection = (point.sideways - std::min(give, 0.1 * point.sideways)) * local + Vector3d(0, 0, straight.depth);
+  s.deflection = (point.tangential - std::min(give, 0.1 * point.tangential)) * local + Vector3d(0, 0, normal.depth);
   s.error_estimate = run.sample_of(from).error_estimate +
-                     error_estimate({gate.contact.force.norm(), point.sideways, give, step.energy_error,
+                     error_estimate({gate.contact.force.norm(), point.tangential, give, step.energy_error,
                                      run.push.state().penalty * gate.contact.area, s.contact_points});
   run.result.samples.push_back(s);
   return std::nullopt;

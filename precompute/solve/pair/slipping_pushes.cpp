@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sideways pushes with Coulomb friction: partial slip from the rim inwards, then gross slip, both solved.
+// Tangential pushes with Coulomb friction: partial slip from the rim inwards, then gross slip, both solved.
 #include "precompute/solve/contact/gates.hpp"
 #include "precompute/solve/pair/pair_run.hpp"
 #include "precompute/solve/push/coulomb_push.hpp"
@@ -13,8 +13,8 @@ using Eigen::Vector3d;
 
 class SlippingPush {
 public:
-  // From a point of the straight push towards `direction` (contact frame). The force of a contact that stuck while it
-  // was pushed is first brought within the limit of every point.
+  // From a point of the normal indentation towards `direction` (contact frame). The force of a contact that stuck while
+  // it was pushed is first brought within the limit of every point.
   SlippingPush(PairRun& run, const CurvePoint& from, const Vector3d& direction)
       : run_(run), from_(from), direction_(direction), radius_(run.radius(from.depth)) {}
 
@@ -40,7 +40,7 @@ public:
         cause = take(slip, reach, step.iterations, static_cast<std::uint16_t>(index + k - 1));
       }
       if (cause.empty()) continue;
-      return cause + " in the slipping push of " + std::to_string(1e3 * reach) + " mm sideways at depth " +
+      return cause + " in the slipping push of " + std::to_string(1e3 * reach) + " mm at depth " +
              std::to_string(1e3 * from_.depth) + " mm";
     }
     return {};

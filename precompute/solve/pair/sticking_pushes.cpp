@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sideways pushes of a contact that sticks, from points of the straight push.
+// Tangential pushes of a contact that sticks, from points of the normal indentation.
 #include "precompute/solve/contact/gates.hpp"
 #include "precompute/solve/pair/error_estimate.hpp"
 #include "precompute/solve/pair/pair_run.hpp"
@@ -40,7 +40,7 @@ public:
   }
 
 private:
-  // Estimates of a sideways push's end, by the same push at the last depth, and by the opposite push at this depth.
+  // Estimates of a tangential push's end, by the same push at the last depth, and by the opposite push at this depth.
   std::vector<Eigen::VectorXd> starts(const CurvePoint& at, double reach, int slot) const {
     std::vector<Eigen::VectorXd> starts;
     if (moved_[slot].size() > 0) starts.emplace_back(at.state.x + reach * moved_[slot]);
@@ -65,7 +65,7 @@ private:
     const StepResult step = run_.move_to(at.state.translation + reach * run_.frame.to_world(local), at.depth, true,
                                          starts(at, reach, slot));
     ++run_.result.outcome.tangential_solves;
-    const auto where = " in the push of " + std::to_string(1e3 * reach) + " mm sideways at depth " +
+    const auto where = " in the tangential push of " + std::to_string(1e3 * reach) + " mm at depth " +
                        std::to_string(1e3 * at.depth) + " mm";
     if (!step.converged) return Failure{step.cause + where, step.peels};
     way.moved();
@@ -74,10 +74,10 @@ private:
     s.kind = SampleKind::tangential;
     s.index = index;
     const double pull = (s.force - base.force).dot(local);
-    const GateState gate = run_.sideways_gate(at.depth, s, way);
+    const GateState gate = run_.tangential_gate(at.depth, s, way);
     if (const auto failed = failed_sticking_gate(gate, pull, GateLimits{})) return Failure{*failed + where};
-    // The anchors' own compliance, at a constant contact area: 2 E / Q, E without what the straight push had sheared.
-    // An answer without a sign (GateLimits::sideways_answer) gives no compliance.
+    // The anchors' own compliance, at a constant contact area: 2 E / Q, E without what the normal indentation had
+    // sheared. An answer without a sign (GateLimits::tangential_response) gives no compliance.
     const double sheared = std::max(gate.contact.tangential_energy - at.contact.tangential_energy, 0.0);
     const double give = pull < 0 ? 2 * sheared / -pull : 0.0;
     s.deflection = (reach - std::min(give, 0.1 * reach)) * local + Vector3d(0, 0, base.deflection.z());

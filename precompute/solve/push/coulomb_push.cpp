@@ -99,7 +99,7 @@ StepResult CoulombPush::step(const Isometry3d& target, double contact_radius, do
 
 StepResult CoulombPush::move_to(const Isometry3d& target, double contact_radius, double work_scale) {
   const Isometry3d start = push_.contact().pose();
-  return in_parts(
+  return substep(
       [&](double to, double /*part*/) { return step(between(start, target, to), contact_radius, work_scale); });
 }
 

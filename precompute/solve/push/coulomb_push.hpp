@@ -60,8 +60,8 @@ private:
   Eigen::Vector3d previous_translation_{0, 0, 0};
 };
 
-/// Sideways deflection over depth at which a contact on a half-space begins to slip as a whole (Mindlin 1949): the same
-/// for a sphere, formed without friction, and a flat punch.
+/// Tangential deflection over depth at which a contact on a half-space begins to slip as a whole (Mindlin 1949): the
+/// same for a sphere, formed without friction, and a flat punch.
 double gross_slip_reach(double friction, double poisson);
 
 }  // namespace palpate

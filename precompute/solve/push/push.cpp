@@ -183,7 +183,7 @@ StepResult Push::step(const Vector3d& target, double contact_radius, double work
 StepResult Push::move_to(const Vector3d& target, double contact_radius, double work_scale, bool sticking,
                          const std::vector<VectorXd>& starts) {
   const Vector3d start = state_.translation;
-  return in_parts([&](double to, double part) {
+  return substep([&](double to, double part) {
     return step(start + to * (target - start), contact_radius, work_scale, sticking,
                 part == 1.0 ? starts : std::vector<VectorXd>{});
   });

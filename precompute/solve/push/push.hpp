@@ -6,8 +6,8 @@
 #include "precompute/fem/minimiser.hpp"
 #include "precompute/solve/contact/body_energy.hpp"
 #include "precompute/solve/contact/contact.hpp"
-#include "precompute/solve/contact/in_parts.hpp"
 #include "precompute/solve/contact/settle.hpp"
+#include "precompute/solve/contact/substepping.hpp"
 
 #include <string>
 #include <vector>

@@ -35,35 +35,31 @@ void check(const SlidePath& path) {
 
 class Slide {
 public:
-  Slide(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame, const SlidePath& path,
-        const PairOptions& options)
-      : body_(body),
-        tool_(tool),
-        vertex_(vertex),
-        frame_(frame),
+  Slide(const ContactCase& contact, const SlidePath& path, const PairOptions& options)
+      : contact_(contact),
         path_(path),
         options_(options),
-        way_(std::cos(path.angle) * frame.x + std::sin(path.angle) * frame.y),
-        radius_(contact_radius(vertex, path.depth)),
-        work_scale_(body.material.young * radius_ * path.depth * path.depth) {
+        way_(std::cos(path.angle) * contact.frame.x + std::sin(path.angle) * contact.frame.y),
+        radius_(contact_radius(contact.vertex, path.depth)),
+        work_scale_(contact.body.material.young * radius_ * path.depth * path.depth) {
     result_.contact_radius = radius_;
   }
 
   SlideResult run(const std::function<bool()>& stop) {
-    if (body_.prestress.any()) return refuse("prestress: slides are solved of bodies without prestress only");
+    if (contact_.body.prestress.any()) return refuse("prestress: slides are solved of bodies without prestress only");
     const std::vector<Vector3d> places = places_on_the_way();
     if (!result_.cause.empty()) return result_;
-    const SizeField size = contact_size(body_, tool_, vertex_, frame_, path_.depth, options_.refine, options_, places);
-    const VolumeMeshResult mesh = mesh_volume(body_, size, {frame_.origin}, options_.mesh);
+    const SizeField size = contact_size(contact_, path_.depth, options_.refine, options_, places);
+    const VolumeMeshResult mesh = mesh_volume(contact_.body, size, {contact_.frame.origin}, options_.mesh);
     if (!mesh.usable) return refuse("mesh: " + mesh.cause);
     result_.nodes = static_cast<std::uint32_t>(mesh.mesh.nodes.size());
     try {
-      Push push(body_, mesh.mesh, *tool_.shape, touching_pose(vertex_, frame_),
-                {body_.material.young, options_.penalty, options_.tolerance});
+      Push push(contact_.body, mesh.mesh, *contact_.tool.shape, touching_pose(contact_.vertex, contact_.frame),
+                {contact_.body.material.young, options_.penalty, options_.tolerance});
       if (!push.held_anywhere()) return refuse("support: no node of the mesh is held");
       CoulombOptions friction;
       friction.coefficient = path_.friction;
-      friction.stiffness = options_.penalty * body_.material.young / radius_;
+      friction.stiffness = options_.penalty * contact_.body.material.young / radius_;
       CoulombPush slip(push, friction);
       if (press(push, slip) && slide(push, slip, stop)) judge();
       result_.factorisations = push.factorisations();
@@ -85,14 +81,14 @@ private:
     std::vector<Vector3d> places;
     const int count = static_cast<int>(std::ceil(2 * path_.radii));
     for (int k = 0; k <= count; ++k) {
-      const Vector3d over = frame_.origin + path_.radii * radius_ * k / count * way_;
-      const Vector3d on = body_.query->closest(over).point;
+      const Vector3d over = contact_.frame.origin + path_.radii * radius_ * k / count * way_;
+      const Vector3d on = contact_.body.query->closest(over).point;
       // A way that the surface bends away from, or that passes its edge, is not one along it.
-      const double off = (on - over).cross(frame_.n).norm();
-      const auto where = " at " + std::to_string(1e3 * (over - frame_.origin).norm()) + " mm of the way";
+      const double off = (on - over).cross(contact_.frame.n).norm();
+      const auto where = " at " + std::to_string(1e3 * (over - contact_.frame.origin).norm()) + " mm of the way";
       if (off > radius_) refuse("path: the surface bends away or ends" + where);
-      if (body_.held(on)) refuse("path: the surface is held" + where);
-      if (k > 0) places.push_back(on - frame_.origin);
+      if (contact_.body.held(on)) refuse("path: the surface is held" + where);
+      if (k > 0) places.push_back(on - contact_.frame.origin);
     }
     return places;
   }
@@ -101,7 +97,7 @@ private:
   std::vector<double> stations() const {
     std::vector<double> all;
     const double length = path_.radii * radius_, even = path_.step * radius_;
-    const double gross = gross_slip_reach(path_.friction, body_.material.poisson) * path_.depth;
+    const double gross = gross_slip_reach(path_.friction, contact_.body.material.poisson) * path_.depth;
     const int most = path_.approach < 0 ? 2 * kTransition : kTransition;
     for (int k = 1; k <= most && k * gross / 4 < std::min(most * even, length); ++k) {
       all.push_back(k * gross / 4);
@@ -113,8 +109,8 @@ private:
   }
 
   std::optional<Vector3d> lower(Push& push, const Vector3d& translation, double depth) const {
-    return at_depth([&](const Vector3d& t) { return push.rest_gap(t); }, translation, frame_.n, depth,
-                    1e-6 * path_.depth, 2 * std::max(vertex_.curvature_radius, radius_));
+    return at_depth([&](const Vector3d& t) { return push.rest_gap(t); }, translation, contact_.frame.n, depth,
+                    1e-6 * path_.depth, 2 * std::max(contact_.vertex.curvature_radius, radius_));
   }
 
   bool press(Push& push, CoulombPush& slip) {
@@ -125,8 +121,8 @@ private:
       const Vector3d aside = (depth - path_.depth) * std::tan(path_.approach) * way_;
       const auto target = lower(push, *touch + aside, depth);
       if (!target) return refuse("path: the surface is not found along the normal on the way in"), false;
-      const double radius = contact_radius(vertex_, depth);
-      const StepResult step = slip.move_to(*target, radius, body_.material.young * radius * depth * depth);
+      const double radius = contact_radius(contact_.vertex, depth);
+      const StepResult step = slip.move_to(*target, radius, contact_.body.material.young * radius * depth * depth);
       if (!step.converged)
         return refuse("way in at depth " + std::to_string(1e3 * depth) + " mm: " + step.cause), false;
     }
@@ -140,7 +136,7 @@ private:
       if (stop && stop()) return refuse("stopped"), false;
       const auto where = " after " + std::to_string(1e3 * travelled) + " mm of the way";
       Vector3d over = start + travelled * way_;
-      over += frame_.n.dot(push.state().translation - over) * frame_.n;
+      over += contact_.frame.n.dot(push.state().translation - over) * contact_.frame.n;
       const auto target = lower(push, over, path_.depth);
       if (!target) return refuse("path: the surface is not found along the normal" + where), false;
       const StepResult step = slip.move_to(*target, radius_, work_scale_);
@@ -159,11 +155,11 @@ private:
     const Vector3d force = slip.force();
     SlideStep s;
     s.travelled = travelled;
-    s.force = {-force.dot(way_), force.dot(frame_.n.cross(way_)), force.dot(frame_.n)};
+    s.force = {-force.dot(way_), force.dot(contact_.frame.n.cross(way_)), force.dot(contact_.frame.n)};
     s.slipping = friction.slipping;
     s.gross = friction.gross();
     s.local_ratio = friction.traction / friction.pressure;
-    s.foretold = path_.friction * push.contact().slip_ratio(push.state().x, way_, frame_.n);
+    s.predicted = path_.friction * push.contact().slip_ratio(push.state().x, way_, contact_.frame.n);
     s.work = slip.work();
     s.stored = slip.stored();
     s.dissipated = slip.dissipated();
@@ -208,7 +204,7 @@ private:
     for (auto s = first; s != steps.end(); ++s) {
       result_.ratio += s->force.x() / s->force.z() / count;
       result_.local_ratio += s->local_ratio / count;
-      result_.foretold += s->foretold / count;
+      result_.predicted += s->predicted / count;
     }
     for (auto s = first; s != steps.end(); ++s) {
       result_.spread = std::max(result_.spread, std::abs(s->force.x() / s->force.z() / result_.ratio - 1));
@@ -216,10 +212,7 @@ private:
     result_.usable = true;
   }
 
-  const Body& body_;
-  const Tool& tool_;
-  const ToolVertex& vertex_;
-  const ContactFrame& frame_;
+  const ContactCase& contact_;
   const SlidePath& path_;
   const PairOptions& options_;
   const Vector3d way_;
@@ -229,10 +222,10 @@ private:
 
 }  // namespace
 
-SlideResult solve_slide(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
-                        const SlidePath& path, const PairOptions& options, const std::function<bool()>& stop) {
+SlideResult solve_slide(const ContactCase& contact, const SlidePath& path, const PairOptions& options,
+                        const std::function<bool()>& stop) {
   check(path);
-  return Slide(body, tool, vertex, frame, path, options).run(stop);
+  return Slide(contact, path, options).run(stop);
 }
 
 }  // namespace palpate

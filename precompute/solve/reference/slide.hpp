@@ -34,7 +34,7 @@ struct SlideStep {
   double slipping = 0.0;           ///< share of the friction limit at points that slip
   bool gross = false;              ///< the contact slips as a whole (FrictionReport::gross)
   double local_ratio = 0.0;        ///< sum of the tractions over sum of the pressures: mu where all slip
-  double foretold = 0.0;           ///< mu times ContactEnergy::slip_ratio: the force ratio from the slopes alone
+  double predicted = 0.0;          ///< mu times ContactEnergy::slip_ratio: the force ratio from the slopes alone
   double work = 0.0, stored = 0.0, dissipated = 0.0;  ///< J since the end of the way in
   std::uint32_t points = 0;                           ///< integration points in contact
   std::uint32_t iterations = 0;
@@ -49,15 +49,15 @@ struct SlideResult {
   double ratio = 0.0;           ///< mean of force against the way over normal force, in the last half of the way
   double spread = 0.0;          ///< largest deviation from it there, relative
   double local_ratio = 0.0;     ///< mean there
-  double foretold = 0.0;        ///< mean there
+  double predicted = 0.0;       ///< mean there
   double imbalance = 0.0;       ///< (work - stored - dissipated) / work at the end
   std::uint32_t nodes = 0, factorisations = 0;
 };
 
-/// Presses `vertex` on the body at `frame`, in from the side where the path says so, and slides. Usable where every
+/// Presses the tool on the body, in from the side where the path says so, and slides. Usable where every
 /// step passed its gates and the whole contact slipped over the last half of the way. Throws Error(usage) for a path
 /// out of its ranges, never for a numerical failure. `stop` (may be empty) is polled between steps: the way then ends.
-SlideResult solve_slide(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
-                        const SlidePath& path, const PairOptions& options, const std::function<bool()>& stop = {});
+SlideResult solve_slide(const ContactCase& contact, const SlidePath& path, const PairOptions& options,
+                        const std::function<bool()>& stop = {});
 
 }  // namespace palpate

@@ -34,37 +34,34 @@ double deepest(const StrokePath& path) {
 
 class Stroke {
 public:
-  Stroke(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
-         const StrokePath& path, const PairOptions& options)
-      : body_(body),
-        tool_(tool),
-        vertex_(vertex),
-        frame_(frame),
+  Stroke(const ContactCase& contact, const StrokePath& path, const PairOptions& options)
+      : contact_(contact),
         path_(path),
         options_(options),
         depth_(deepest(path)),
-        radius_(contact_radius(vertex, depth_)) {
+        radius_(contact_radius(contact.vertex, depth_)) {
     result_.contact_radius = radius_;
   }
 
   StrokeResult run(const std::function<bool()>& stop) {
-    if (body_.prestress.any()) return refuse("prestress: strokes are solved of bodies without prestress only");
+    if (contact_.body.prestress.any()) return refuse("prestress: strokes are solved of bodies without prestress only");
     const std::vector<Vector3d> places = pressed_places();
     if (!result_.cause.empty()) return result_;
-    const SizeField size = contact_size(body_, tool_, vertex_, frame_, depth_, options_.refine, options_, places);
-    const VolumeMeshResult mesh = mesh_volume(body_, size, {frame_.origin}, options_.mesh);
+    const SizeField size = contact_size(contact_, depth_, options_.refine, options_, places);
+    const VolumeMeshResult mesh = mesh_volume(contact_.body, size, {contact_.frame.origin}, options_.mesh);
     if (!mesh.usable) return refuse("mesh: " + mesh.cause);
     result_.nodes = static_cast<std::uint32_t>(mesh.mesh.nodes.size());
     try {
-      Push push(body_, mesh.mesh, *tool_.shape, touching_pose(vertex_, frame_),
-                {body_.material.young, options_.penalty, options_.tolerance});
+      Push push(contact_.body, mesh.mesh, *contact_.tool.shape, touching_pose(contact_.vertex, contact_.frame),
+                {contact_.body.material.young, options_.penalty, options_.tolerance});
       if (!push.held_anywhere()) return refuse("support: no node of the mesh is held");
-      const auto touch = at_depth([&](const Vector3d& t) { return push.rest_gap(t); }, push.state().translation,
-                                  frame_.n, 0.0, 1e-6 * depth_, 2 * std::max(vertex_.curvature_radius, radius_));
+      const auto touch =
+          at_depth([&](const Vector3d& t) { return push.rest_gap(t); }, push.state().translation, contact_.frame.n, 0.0,
+                   1e-6 * depth_, 2 * std::max(contact_.vertex.curvature_radius, radius_));
       if (!touch) return refuse("first touch: the surface is not found along the normal");
       CoulombOptions friction;
       friction.coefficient = path_.friction;
-      friction.stiffness = options_.penalty * body_.material.young / radius_;
+      friction.stiffness = options_.penalty * contact_.body.material.young / radius_;
       CoulombPush slip(push, friction);
       result_.usable = draw(push, slip, *touch, stop);
       result_.factorisations = push.factorisations();
@@ -90,9 +87,10 @@ private:
       for (int k = 1; k <= count; ++k) {
         const Vector3d at = from + (to - from) * k / count;
         if (at.z() >= 0) continue;
-        const Vector3d on = body_.query->closest(frame_.origin + frame_.to_world({at.x(), at.y(), 0})).point;
-        if (body_.held(on)) refuse("path: the surface is held under a station");
-        const Vector3d place = on - frame_.origin;
+        const Vector3d on =
+            contact_.body.query->closest(contact_.frame.origin + contact_.frame.to_world({at.x(), at.y(), 0})).point;
+        if (contact_.body.held(on)) refuse("path: the surface is held under a station");
+        const Vector3d place = on - contact_.frame.origin;
         const auto near = [&](const Vector3d& other) { return (other - place).norm() < 0.9 * kPlaces * radius_; };
         if (!near(Vector3d::Zero()) && std::none_of(places.begin(), places.end(), near)) places.push_back(place);
       }
@@ -105,11 +103,11 @@ private:
     for (const Vector3d& station : path_.stations) {
       if (stop && stop()) return refuse("stopped"), false;
       const auto where = " at station " + std::to_string(result_.steps.size());
-      const Vector3d target = touch + frame_.to_world(station);
+      const Vector3d target = touch + contact_.frame.to_world(station);
       const double overlap = -push.rest_gap(target), depth = std::max(overlap, kShallowest * depth_);
-      const double radius = contact_radius(vertex_, depth);
+      const double radius = contact_radius(contact_.vertex, depth);
       if (overlap > 0) {
-        const StepResult step = slip.move_to(target, radius, body_.material.young * radius * depth * depth);
+        const StepResult step = slip.move_to(target, radius, contact_.body.material.young * radius * depth * depth);
         if (!step.converged) return refuse(step.cause + where), false;
       } else {
         slip.let_go(target);
@@ -129,7 +127,7 @@ private:
     gate.contact = push.report();
     StrokeStep s;
     s.station = station;
-    s.force = frame_.to_local(slip.force());
+    s.force = contact_.frame.to_local(slip.force());
     s.points = gate.contact.points;
     s.resolved = s.points >= GateLimits{}.resolved_points;
     s.slipping = friction.slipping;
@@ -143,17 +141,14 @@ private:
     gate.force = s.force.z();
     gate.work = s.work;
     gate.stored = s.stored;
-    gate.energy_scale = body_.material.young * radius_ * depth_ * depth_;
+    gate.energy_scale = contact_.body.material.young * radius_ * depth_ * depth_;
     gate.min_jacobian = push.min_jacobian();
     if (auto failed = failed_stroke_gate(gate, most_work_, s.dissipated, GateLimits{})) return failed;
     result_.steps.push_back(s);
     return std::nullopt;
   }
 
-  const Body& body_;
-  const Tool& tool_;
-  const ToolVertex& vertex_;
-  const ContactFrame& frame_;
+  const ContactCase& contact_;
   const StrokePath& path_;
   const PairOptions& options_;
   const double depth_, radius_;
@@ -163,9 +158,9 @@ private:
 
 }  // namespace
 
-StrokeResult solve_stroke(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
-                          const StrokePath& path, const PairOptions& options, const std::function<bool()>& stop) {
-  return Stroke(body, tool, vertex, frame, path, options).run(stop);
+StrokeResult solve_stroke(const ContactCase& contact, const StrokePath& path, const PairOptions& options,
+                          const std::function<bool()>& stop) {
+  return Stroke(contact, path, options).run(stop);
 }
 
 }  // namespace palpate

@@ -42,10 +42,10 @@ struct StrokeResult {
   std::uint32_t nodes = 0, factorisations = 0;
 };
 
-/// Draws `vertex` of the tool past the body at `frame`, on a mesh that is refined wherever the stroke presses. Throws
+/// Draws the tool past the body, on a mesh that is refined wherever the stroke presses. Throws
 /// Error(usage) for a path out of its ranges, never for a numerical failure. `stop` (may be empty) is polled between
 /// stations: the stroke then ends.
-StrokeResult solve_stroke(const Body& body, const Tool& tool, const ToolVertex& vertex, const ContactFrame& frame,
-                          const StrokePath& path, const PairOptions& options, const std::function<bool()>& stop = {});
+StrokeResult solve_stroke(const ContactCase& contact, const StrokePath& path, const PairOptions& options,
+                          const std::function<bool()>& stop = {});
 
 }  // namespace palpate

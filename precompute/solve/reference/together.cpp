@@ -136,7 +136,7 @@ private:
     gate.force = report.force.dot(frame.n);
     gate.min_jacobian = push.min_jacobian();
     gate.contact = report;
-    if (const auto failed = failed_sideways_gate(gate, -1.0, GateLimits{})) cause = *failed;
+    if (const auto failed = failed_tangential_gate(gate, -1.0, GateLimits{})) cause = *failed;
     return frame.to_local(report.force);
   }
 
@@ -173,7 +173,7 @@ TogetherResult solve_together(const Body& body, const Tool& tool, const ToolVert
   std::vector<Vector3d> further;
   for (std::size_t k = 1; k < path.places.size(); ++k) further.push_back(path.places[k].origin - first.origin);
   if (path.aside > 0) further.push_back(path.aside * first.x);
-  const SizeField size = contact_size(body, tool, vertex, first, path.depth, options.refine, options, further);
+  const SizeField size = contact_size({body, tool, vertex, first}, path.depth, options.refine, options, further);
   const VolumeMeshResult mesh = mesh_volume(body, size, {first.origin}, options.mesh);
   if (!mesh.usable) {
     result.cause = "mesh: " + mesh.cause;

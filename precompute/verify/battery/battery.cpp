@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "precompute/verify/battery/battery.hpp"
 
-#include "precompute/common/draw.hpp"
+#include "precompute/common/random_subset.hpp"
 #include "precompute/solve/pair/sample_difference.hpp"
 #include "precompute/verify/parallel.hpp"
 
@@ -20,9 +20,9 @@ void compare(CellResult& result, const CellSolve& other) {
     result.check_cause = "no sample of the check matches";
     return;
   }
-  result.difference = std::max(d.straight, d.sideways);
+  result.difference = std::max(d.normal, d.tangential);
   result.compared = d.compared;
-  result.foretold = d.foretold;
+  result.within_estimate = d.within_estimate;
   result.check_cause.clear();
 }
 
@@ -62,8 +62,8 @@ public:
     }
     for (const auto& [family, numbers] : converged) {
       Family drawn;
-      drawn.wanted = draw_share(numbers.size(), options.verified_share, options.seed).size();
-      for (const std::size_t k : draw_share(numbers.size(), 1.0, options.seed)) drawn.order.push_back(numbers[k]);
+      drawn.wanted = random_subset(numbers.size(), options.verified_share, options.seed).size();
+      for (const std::size_t k : random_subset(numbers.size(), 1.0, options.seed)) drawn.order.push_back(numbers[k]);
       families_.push_back(std::move(drawn));
     }
   }
@@ -133,7 +133,7 @@ BatteryFigures battery_figures(const std::vector<BatteryCell>& cells, const Batt
     f.verified += cell.difference && *cell.difference <= tolerance;
     f.augmented += cell.augmented;
     f.compared += cell.compared;
-    f.foretold += cell.foretold;
+    f.within_estimate += cell.within_estimate;
     f.wrong += cell.difference && !(*cell.difference <= tolerance);
     f.slowest = std::max(f.slowest, cell.seconds);
   }

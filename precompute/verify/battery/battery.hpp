@@ -26,7 +26,7 @@ struct CellResult : CellSolve {
   std::optional<double> difference;  ///< to the check; none: not drawn, or not checked
   bool augmented = false;            ///< the check was the augmented-Lagrange solve
   std::size_t compared = 0;          ///< samples that the check had a partner for ...
-  std::size_t foretold = 0;          ///< ... of which this many differ by no more than their error estimates
+  std::size_t within_estimate = 0;   ///< ... of which this many differ by no more than their error estimates
   std::string check_cause;           ///< why a drawn cell could not be checked by a finer mesh, or at all
 };
 
@@ -44,7 +44,7 @@ BatteryResult run_battery(const std::vector<BatteryCell>& cells, const BatteryOp
 struct BatteryFigures {
   std::size_t cells = 0, converged = 0, core = 0, core_converged = 0;
   std::size_t verified = 0, augmented = 0, wrong = 0, unchecked = 0;  ///< of the drawn ones
-  std::size_t compared = 0, foretold = 0;                             ///< samples, see CellResult
+  std::size_t compared = 0, within_estimate = 0;                      ///< samples, see CellResult
   double slowest = 0.0;                                               ///< s
 };
 

@@ -58,7 +58,7 @@ PairResult solve(const BatteryCell& cell, const CellChange& change) {
   PairOptions options = pair_options(cell.scene);
   PairPath path = bake_path(cell.scene, cell.depth);
   if (change) change(options, path, body);
-  return solve_pair(body, tool, tool.vertices.at(0), frame, path, options);
+  return solve_pair({body, tool, tool.vertices.at(0), frame}, path, options);
 }
 
 }  // namespace

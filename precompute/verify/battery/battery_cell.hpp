@@ -17,7 +17,7 @@ namespace palpate {
 struct BatteryCell {
   std::string family;  ///< stiff: what is driven to its ends; random: the kind of body
   std::string name;    ///< the cell in that family, with its numbers
-  Scene scene;         ///< friction > 0: with sideways pushes
+  Scene scene;         ///< friction > 0: with tangential pushes
   Surface surface;     ///< of the body
   Eigen::Vector3d site{0, 0, 0};
   Eigen::Vector3d normal{0, 0, 1};

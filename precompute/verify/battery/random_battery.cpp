@@ -24,8 +24,8 @@ Spread spread_of(std::vector<double> values) {
 }
 
 // The contact that is judged on a much finer mesh; its longest elements are refined by the root (contact_size). Without
-// friction a force depends on the depth alone, and three depths are solved; with it all of the straight push is, and
-// one of the sideways pushes.
+// friction a force depends on the depth alone, and three depths are solved; with it all of the normal indentation is,
+// and one of the tangential pushes.
 void much_finer(PairOptions& options, PairPath& path, double refine) {
   without_limits(options);
   options.time_limit = kReferenceLimit;

@@ -43,7 +43,7 @@ CcxMesh ccx_mesh(const CcxCase& c, double size, const CcxSettings& settings, boo
   const PairOptions options = pair_options(mesh, c, settings);
   // The quarter takes the sizes of the whole.
   const SizeField sizes =
-      contact_size(c.body, c.tool, c.tool.vertices.at(0), ContactFrame{}, c.depths.back(), c.base * size, options);
+      contact_size({c.body, c.tool, c.tool.vertices.at(0), ContactFrame{}}, c.depths.back(), c.base * size, options);
   VolumeMeshResult made = mesh_volume(quarter ? c.quarter : c.body, sizes, {ContactFrame{}.origin}, options.mesh);
   if (!made.usable) throw Error(ExitCode::numerical, c.name + ": mesh: " + made.cause);
   mesh.mesh = std::move(made.mesh);
@@ -61,7 +61,7 @@ CcxSolve solve_ours(const CcxCase& c, const CcxMesh& mesh, bool plain, const Ccx
   solve.nodes = mesh.mesh.nodes.size();
   const double before = processor_time(RUSAGE_THREAD);
   const PairResult result =
-      solve_on_mesh(c.body, c.tool, c.tool.vertices.at(0), ContactFrame{}, path, options, mesh.mesh);
+      solve_on_mesh({c.body, c.tool, c.tool.vertices.at(0), ContactFrame{}}, path, options, mesh.mesh);
   solve.seconds = processor_time(RUSAGE_THREAD) - before;
   if (!result.outcome.accepted) {
     solve.cause = result.outcome.cause;

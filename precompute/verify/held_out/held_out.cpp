@@ -103,7 +103,7 @@ std::vector<Vector3d> held_out_turns(double angle, double start) {
   return {0.7 * angle * axes.col(0), -0.7 * angle * axes.col(1), 0.7 * angle * axes.col(2)};
 }
 
-// `start`: of the sideways directions, in the frame at which the tool was baked. It leaves the bake's rays without
+// `start`: of the tangential directions, in the frame at which the tool was baked. It leaves the bake's rays without
 // turning the tool, so that x, y and what lies between them are compared.
 PairPath held_out_path(const Scene& scene, const ToolScene& tool, double depth, double start) {
   PairPath path = bake_path(scene, depth);
@@ -143,17 +143,17 @@ void solve(const Scene& scene, const Body& body, const Tool& tool, HeldOut& cont
     path.slip_points = 0;
     path.side_paths.clear();
   }
-  const PairResult result = solve_pair(body, tool, vertex, frame, path, pair_options(scene));
+  const PairResult result = solve_pair({body, tool, vertex, frame}, path, pair_options(scene));
   contact.accepted = result.outcome.accepted;
   contact.cause = result.outcome.cause;
   if (!contact.accepted) return;
   std::optional<Vector3d> from;
-  std::map<double, const Sample*> straight;  // by depth
+  std::map<double, const Sample*> normal;  // by depth
   for (const Sample& s : result.samples) {
-    if (s.kind == SampleKind::normal) straight[s.deflection.z()] = &s;
+    if (s.kind == SampleKind::normal) normal[s.deflection.z()] = &s;
     if (s.kind == SampleKind::slipping) {
-      const auto before = straight.find(s.deflection.z());
-      if (s.friction_limit > 0 && before != straight.end()) {
+      const auto before = normal.find(s.deflection.z());
+      if (s.friction_limit > 0 && before != normal.end()) {
         contact.limits.push_back({s.deflection.z(), solved_limit(s, *before->second, scene.sampling.depth), 0.0, 0.0});
       }
       continue;
@@ -214,7 +214,7 @@ bool place(const runtime::View& view, const Scene& scene, const Body& body, cons
   contact.depth = std::min(scene.sampling.depth, scene.sampling.depth_fraction * contact.thickness);
   const ToolVertex vertex = pressing(tool, contact);
   if (tool.scene.spins > 1) contact.orientation = touching_pose(vertex, contact.frame).linear();
-  return !options.touchable || options.touchable(contact.frame, tool, vertex, contact.depth);
+  return !options.touchable || options.touchable({body, tool, vertex, contact.frame}, contact.depth);
 }
 
 // The corner of a tool patch that is this vertex alone; false where no patch has it.

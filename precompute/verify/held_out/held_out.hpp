@@ -7,6 +7,7 @@
 #include "formats/scene/scene.hpp"
 #include "palpate/format/response_view.hpp"
 #include "precompute/common/body.hpp"
+#include "precompute/solve/pair/contact_case.hpp"
 #include "precompute/tool/tool.hpp"
 
 #include <cstdint>
@@ -24,8 +25,8 @@ struct ForcePair {
   Eigen::Vector3d solved{0, 0, 0};      ///< N on the tool
   Eigen::Vector3d baked{0, 0, 0};       ///< N
   double error = 0.0;                   ///< |baked - solved| / max(|solved|, 2 % of the contact's peak force)
-  /// Kind path: of its first force the deflection (m) of the straight push that it left from; the tool goes straight
-  /// from force to force.
+  /// Kind path: of its first force the deflection (m) of the normal indentation that it left from; the tool goes
+  /// straight from force to force.
   std::optional<Eigen::Vector3d> from;
   /// Kind grasped, of a tool that was turned.
   struct Turn {
@@ -37,7 +38,7 @@ struct ForcePair {
   std::optional<Turn> turn;
 };
 
-/// The friction limit at which a contact that is drawn sideways slips as a whole.
+/// The friction limit at which a contact that is drawn tangentially slips as a whole.
 struct LimitPair {
   double depth = 0.0;   ///< m
   double solved = 0.0;  ///< solved_limit()
@@ -68,8 +69,7 @@ struct HeldOutOptions {
   std::uint32_t count = 40;  ///< contacts, [1, 100000]
   std::uint64_t seed = 1;
   unsigned threads = 1;  ///< [1, 1024]
-  std::function<bool(const ContactFrame&, const Tool&, const ToolVertex&, double depth)>
-      touchable;               ///< empty: everywhere
+  std::function<bool(const ContactCase&, double depth)> touchable;  ///< empty: everywhere
   std::function<bool()> stop;  ///< polled between solves
   std::function<void(std::size_t done, std::size_t total)> progress;
 };
@@ -82,7 +82,7 @@ struct HeldOutSet {
 
 /// Draws the contacts (uniform over the body's area; uniform over the length or area of the tool's patches; uniform
 /// over the spins of tools that have any, with as many contacts more at sampled pairs, between their spins alone) and
-/// solves them at depths off the bake's grid, and with friction sideways off its rays at three depths and along
+/// solves them at depths off the bake's grid, and with friction tangentially off its rays at three depths and along
 /// test_paths; pulled and drawn aside where the tool holds on, and turned about other axes
 /// by less where it turns; until the contact slips as a whole where the scene wants its friction limit solved. An
 /// exception, also of a callback, ends every thread after the solve it is in and is rethrown.

@@ -23,13 +23,13 @@ std::string percentile_over(const ErrorStatistics& s, const std::optional<double
 }  // namespace
 
 std::optional<std::string> broken_limits(const VerifyStatistics& s, const VerifyLimits& limits) {
-  if (!limits.p95 && !limits.p95_sideways && !limits.p95_spins && !limits.refused_share) return std::nullopt;
+  if (!limits.p95 && !limits.p95_tangential && !limits.p95_spins && !limits.refused_share) return std::nullopt;
   std::string all;
   const auto add = [&](const std::string& text) {
     if (!text.empty()) all += (all.empty() ? "" : "; ") + text;
   };
   add(percentile_over(s.normal, limits.p95, "normal"));
-  add(percentile_over(s.sideways, limits.p95_sideways, "sideways"));
+  add(percentile_over(s.tangential, limits.p95_tangential, "tangential"));
   add(percentile_over(s.spins, limits.p95_spins, "held-out spins'"));
   const double most = limits.refused_share.value_or(kRefusedShare);
   if (static_cast<double>(s.refused) > most * static_cast<double>(s.contacts)) {

@@ -10,8 +10,8 @@
 namespace palpate {
 
 struct VerifyLimits {
-  std::optional<double> p95{};            ///< 95th percentile of the straight pushes' error
-  std::optional<double> p95_sideways{};   ///< of the sideways pushes'
+  std::optional<double> p95{};             ///< 95th percentile of the normal indentations' error
+  std::optional<double> p95_tangential{};  ///< of the tangential pushes'
   std::optional<double> p95_spins{};      ///< of pushes at sampled pairs between their spins
   std::optional<double> refused_share{};  ///< of the held-out contacts; 0.1 where another limit is set
 };

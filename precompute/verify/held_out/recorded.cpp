@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 constexpr std::size_t kLargestReport = std::size_t{1} << 30;
 
 constexpr std::pair<SampleKind, std::string_view> kKinds[] = {{SampleKind::normal, "normal"},
-                                                              {SampleKind::tangential, "sideways"},
+                                                              {SampleKind::tangential, "tangential"},
                                                               {SampleKind::path, "path"},
                                                               {SampleKind::grasped, "grasped"}};
 
@@ -63,7 +63,7 @@ HeldOut contact_from(const Json& j) {
     const auto known =
         std::find_if(std::begin(kKinds), std::end(kKinds), [&](const auto& k) { return k.second == kind; });
     if (known == std::end(kKinds)) {
-      throw std::runtime_error("kind is '" + kind + "'; allowed normal, sideways, path, grasped");
+      throw std::runtime_error("kind is '" + kind + "'; allowed normal, tangential, path, grasped");
     }
     force.kind = known->first;
     if (f.contains("from_m")) force.from = vector(f, "from_m");

@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// [{tool, tool_patch, tool_weights, c, n, x, depth_m, thickness_m, covered, accepted, cause,
+/// [{tool, tool_patch, tool_weights, c, n, x, depth_m, thickness_m, filled, accepted, cause,
 ///   forces: [{kind, deflection_m, solved_N, baked_N, error, from_m of a path's first}],
 ///   limits: [{depth_m, solved, baked, error}], spin_rad, tool_x, tool_z, at_pair}]
 /// with limits only where there are any, and what follows them only of tools with spins.

@@ -95,7 +95,7 @@ VerifyStatistics summarise(const std::vector<HeldOut>& contacts) {
       std::count_if(contacts.begin(), contacts.end(), [](const HeldOut& c) { return c.accepted; }));
   s.refused = s.contacts - s.accepted;
   s.normal = of_kind(contacts, {SampleKind::normal});
-  s.sideways = of_kind(contacts, {SampleKind::tangential});
+  s.tangential = of_kind(contacts, {SampleKind::tangential});
   s.limit = of_limits(contacts);
   s.paths = of_kind(contacts, {SampleKind::path});
   s.grasped = of_kind(contacts, {SampleKind::grasped});

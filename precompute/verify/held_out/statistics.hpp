@@ -17,7 +17,7 @@ struct ErrorStatistics {
 
 struct VerifyStatistics {
   std::size_t contacts = 0, accepted = 0, refused = 0;
-  ErrorStatistics normal, sideways, limit;
+  ErrorStatistics normal, tangential, limit;
   ErrorStatistics paths;    ///< deeper or less deep under side load, followed by the model's own rule
   ErrorStatistics grasped;  ///< of tools that hold on
   ErrorStatistics turned;   ///< of their torques when they are turned

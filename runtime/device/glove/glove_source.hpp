@@ -16,7 +16,7 @@ namespace palpate::device {
 
 /// One sphere tool of the file at five fingertips. A force of the scene is projected on the one direction in which its
 /// finger's cable pulls (across the last bone, so that the hand opens), then limited, smoothed and limited in its rate
-/// there: it never pushes, and a finger that turns does not turn what is remembered. Sideways parts and torques are
+/// there: it never pushes, and a finger that turns does not turn what is remembered. Tangential parts and torques are
 /// lost. A sample's pose is the hand's frame in the device's. The answer's depth is the deepest finger's; after one
 /// that is not usable what overlaps begins without force.
 class GloveSource : public ForceSource {

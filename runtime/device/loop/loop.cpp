@@ -7,7 +7,7 @@
 namespace palpate::device {
 
 const char* LoopOptions::validate() const {
-  if (const char* wrong = governor.validate()) return wrong;
+  if (const char* wrong = safety.validate()) return wrong;
   if (const char* wrong = realtime.validate()) return wrong;
   return seconds >= 0 && seconds < 1e6 ? nullptr : "the length of the run is outside 0 to 1e6 s";
 }
@@ -20,8 +20,8 @@ ForceLoop::ForceLoop(Device& device, ForceSource& source, const LoopOptions& opt
       stop_(stop),
       record_(record),
       clock_(clock),
-      governor_(options.governor),
-      period_(1 / options.governor.rate) {}
+      controller_(options.safety),
+      period_(1 / options.safety.rate) {}
 
 ForceLoop::~ForceLoop() {
   if (thread_.joinable()) {
@@ -61,7 +61,7 @@ void ForceLoop::run() noexcept {
     seen.requests = stop_.requests();
     if (options_.seconds > 0 && seen.time - begin >= options_.seconds) seen.requests |= TickInput::stop;
 
-    out = governor_.step(seen, source_);
+    out = controller_.step(seen, source_);
     device_.write(out.command);
     const double done = clock_.now();
     if (record_ != nullptr) record_->put(seen, out);
@@ -83,7 +83,7 @@ void ForceLoop::account(const TickInput& seen, const TickOutput& out, std::uint3
   ++c.ticks;
   c.elapsed = elapsed;
   c.missed += missed;
-  c.late_ticks += seen.seconds > options_.governor.gap ? 1 : 0;
+  c.late_ticks += seen.seconds > options_.safety.gap ? 1 : 0;
   c.stale_ticks += out.cause == Cause::stale ? 1 : 0;
   c.late.add(seen.time - seen.due);
   if (seen.sample.phase == Phase::ready) c.age.add(seen.time - seen.sample.time);

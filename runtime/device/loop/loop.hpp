@@ -4,9 +4,9 @@
 #pragma once
 
 #include "device/loop/clock.hpp"
-#include "device/loop/governor.hpp"
 #include "device/loop/histogram.hpp"
 #include "device/loop/realtime.hpp"
+#include "device/loop/safety_controller.hpp"
 #include "device/loop/stop_flags.hpp"
 #include "device/loop/tick_sink.hpp"
 #include "palpate/threading/triple_buffer.hpp"
@@ -17,7 +17,7 @@
 namespace palpate::device {
 
 struct LoopOptions {
-  GovernorOptions governor;
+  SafetyLimits safety;
   RealtimeOptions realtime;
   double seconds = 0;  ///< s after which a stop is requested; 0: none
 
@@ -33,7 +33,7 @@ struct LoopReport {
   double peak_force = 0;  ///< N, of a command (Command::strength())
   std::uint64_t ticks = 0;
   std::uint64_t missed = 0;       ///< deadlines
-  std::uint64_t late_ticks = 0;   ///< that came later after the last one than the governor's gap
+  std::uint64_t late_ticks = 0;   ///< that came later after the last one than the safety controller's gap
   std::uint64_t stale_ticks = 0;  ///< without force because the sample was too old
   std::uint64_t suspensions = 0;  ///< times that a force was taken away without a requested stop
   Histogram period;               ///< between two ticks
@@ -81,7 +81,7 @@ private:
   StopFlags& stop_;
   TickSink* record_;
   Clock& clock_;
-  Governor governor_;
+  SafetyController controller_;
   double period_;        // s
   LoopReport counted_;   // of the loop's thread
   LoopReport reported_;  // of the thread that calls report()

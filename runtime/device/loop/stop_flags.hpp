@@ -2,7 +2,7 @@
 // Flags by which any thread, or a signal handler, requests a force loop to stop.
 #pragma once
 
-#include "device/loop/governor.hpp"
+#include "device/loop/safety_controller.hpp"
 
 #include <atomic>
 

@@ -2,7 +2,7 @@
 // The receiver of every tick of the force loop.
 #pragma once
 
-#include "device/loop/governor.hpp"
+#include "device/loop/safety_controller.hpp"
 
 namespace palpate::device {
 

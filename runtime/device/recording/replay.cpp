@@ -8,10 +8,10 @@ namespace palpate::device {
 Replay replay(const RunLog& log, ForceSource& source,
               const std::function<void(const RunTick&, const TickOutput&)>& each) {
   Replay result;
-  Governor governor(governor_options(log.header));
+  SafetyController controller(safety_limits(log.header));
   std::uint32_t next = 1;
   for (const RunTick& record : log.records) {
-    const TickOutput out = governor.step(to_input(record), source);
+    const TickOutput out = controller.step(to_input(record), source);
     result.missing += record.number - next;
     next = record.number + 1;
     ++result.ticks;

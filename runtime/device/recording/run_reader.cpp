@@ -19,7 +19,7 @@ bool terminated(const char* text, std::size_t size) { return std::memchr(text, 0
 // Only what an honest writer cannot have written: the checksum has found the accidents.
 const char* wrong_in(const RunHeader& h) {
   const runtime::DeviceFrame frame = device_frame(h);
-  if (const char* wrong = governor_options(h).validate()) return wrong;
+  if (const char* wrong = safety_limits(h).validate()) return wrong;
   if (!frame.pose.valid()) return "the frame is no pose";
   if (!(frame.scale > 0 && std::isfinite(frame.scale))) return "the scale is not above 0";
   if (!(frame.force_scale >= 0 && std::isfinite(frame.force_scale))) return "the scale of the force is below 0";

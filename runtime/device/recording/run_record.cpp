@@ -28,7 +28,7 @@ std::uint64_t checksum_of(const T& part) {
 
 }  // namespace
 
-void set_options(RunHeader& header, const GovernorOptions& options, const runtime::DeviceFrame& frame,
+void set_options(RunHeader& header, const SafetyLimits& options, const runtime::DeviceFrame& frame,
                  const std::optional<runtime::CouplingOptions>& coupling) {
   header.rate = options.rate;
   header.limit = options.limit;
@@ -50,8 +50,8 @@ void set_options(RunHeader& header, const GovernorOptions& options, const runtim
   header.coupling_trials = static_cast<std::uint32_t>(coupling->trials);
 }
 
-GovernorOptions governor_options(const RunHeader& header) {
-  GovernorOptions options;
+SafetyLimits safety_limits(const RunHeader& header) {
+  SafetyLimits options;
   options.rate = header.rate;
   options.limit = header.limit;
   options.torque_limit = header.torque_limit;

@@ -2,7 +2,7 @@
 // Layout of a recording of a run, as it is on disk: run-record.md.
 #pragma once
 
-#include "device/loop/governor.hpp"
+#include "device/loop/safety_controller.hpp"
 #include "palpate/output/device_frame.hpp"
 #include "palpate/output/virtual_coupling.hpp"
 
@@ -25,7 +25,7 @@ struct RunHeader {
   std::uint32_t tool = 0;                              ///< index in the response file
   std::uint64_t response_size = 0, response_hash = 0;  ///< of the whole response file: bytes, XXH64
   double rate = 0, limit = 0, torque_limit = 0, ramp_up = 0, ramp_down = 0, stale = 0, gap = 0, silent = 0,
-         missed_share = 0;                                              ///< GovernorOptions
+         missed_share = 0;                                              ///< SafetyLimits
   double rotation[9] = {}, origin[3] = {}, scale = 0, force_scale = 0;  ///< DeviceFrame
   std::uint32_t stop_buttons = 0;
   std::uint32_t several = 0;  ///< 1: the tool was felt at several places (runtime::ContactSet<3>)
@@ -86,10 +86,10 @@ static_assert(sizeof(HandRecord) == 208 && offsetof(HandRecord, pull) == 160);
 static_assert(sizeof(RunEnd) == 64 && offsetof(RunEnd, checksum) == 56);
 static_assert(std::is_trivially_copyable_v<RunHeader> && std::is_trivially_copyable_v<RunTick>);
 
-/// Fills in the governor's options, the frame, and the coupling in the hand where there is one.
-void set_options(RunHeader& header, const GovernorOptions& options, const runtime::DeviceFrame& frame,
+/// Fills in the limits of the safety controller, the frame, and the coupling in the hand where there is one.
+void set_options(RunHeader& header, const SafetyLimits& options, const runtime::DeviceFrame& frame,
                  const std::optional<runtime::CouplingOptions>& coupling = {});
-GovernorOptions governor_options(const RunHeader& header);
+SafetyLimits safety_limits(const RunHeader& header);
 runtime::DeviceFrame device_frame(const RunHeader& header);
 std::optional<runtime::CouplingOptions> coupling_options(const RunHeader& header);
 

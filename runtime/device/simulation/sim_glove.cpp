@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "device/simulation/sim_glove.hpp"
 
-#include "device/admit.hpp"
+#include "device/clamp_command.hpp"
 
 #include <algorithm>
 
@@ -94,7 +94,8 @@ Sample SimGlove::read() noexcept {
 }
 
 void SimGlove::write(const Command& command) noexcept {
-  const Command given = admitted(command, kSimGlove, command.time);  // how old it is each cable judges by its own clock
+  const Command given =
+      clamp_command(command, kSimGlove, command.time);  // how old it is each cable judges by its own clock
   for (std::size_t f = 0; f < kFingers; ++f) cables_[f].write({command.time, {0, 0, given.pull[f]}, {}});
 }
 

@@ -27,11 +27,11 @@ struct FileStiffness {
   Slope slope;
   std::uint32_t tool = 0, site = 0, tool_vertex = 0;
   double depth = 0;     ///< m
-  double sideways = 0;  ///< m, deflection across the normal
+  double tangential = 0;  ///< m, deflection across the normal
 };
 
-/// Every response of the file at 24 depths down to where it was sampled, straight and deflected sideways in eight ways
-/// within its friction limit. Stiffness that blending of responses or rotation of the normal adds is not counted.
+/// Every response of the file at 24 depths down to where it was sampled, straight and deflected tangentially in eight
+/// ways within its friction limit. Stiffness that blending of responses or rotation of the normal adds is not counted.
 FileStiffness file_stiffness(const runtime::View& view);
 
 template <class Response>

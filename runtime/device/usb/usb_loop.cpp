@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "device/usb/usb_loop.hpp"
 
-#include "device/admit.hpp"
+#include "device/clamp_command.hpp"
 
 #include <pthread.h>
 #include <sys/eventfd.h>
@@ -181,7 +181,7 @@ void UsbLoop::period(double time) {
   }
   commands.read(command_);
   if (!fresh(command_, time)) stale_.fetch_add(1, std::memory_order_relaxed);
-  issue(time, protocol_->next(time, admitted(command_, kind_, time)));
+  issue(time, protocol_->next(time, clamp_command(command_, kind_, time)));
 }
 
 void UsbLoop::issue(double time, const Request& request) {

@@ -328,8 +328,8 @@ struct GloveRun {
     RunHeader header;
     LoopOptions loop_options;
     loop_options.seconds = 3;
-    loop_options.governor.limit = 1;
-    set_options(header, loop_options.governor, frame);
+    loop_options.safety.limit = 1;
+    set_options(header, loop_options.safety, frame);
     GloveOptions pulls;
     pulls.limit = 1;
     GloveSource source(box.view, 0, found, frame, pulls);

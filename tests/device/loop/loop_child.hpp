@@ -62,9 +62,9 @@ private:
 
 inline device::LoopOptions short_ramp() {
   device::LoopOptions options;
-  options.governor.ramp_up = 0.01;
-  options.governor.missed_share = 1;  // a machine that does much else
-  options.governor.silent = 10;
+  options.safety.ramp_up = 0.01;
+  options.safety.missed_share = 1;  // a machine that does much else
+  options.safety.silent = 10;
   options.realtime.lock_memory = false;
   return options;
 }

@@ -147,7 +147,7 @@ TEST(LoopContact, ASimulatedHandRestsOnTheBall) {
   device::SimDevice device(kind.kind, plant, {}, [] { return clock.now(); });
   LoopOptions options;
   options.seconds = 6;
-  options.governor.rate = 2000;
+  options.safety.rate = 2000;
   device::StopFlags stop;
   device::ForceLoop loop(device, source, options, stop, nullptr, clock);
   loop.run();

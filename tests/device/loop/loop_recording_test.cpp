@@ -56,13 +56,13 @@ protected:
     };
     clock_.oversleep = [](int k) { return k == 3600 ? 0.03 : k % 7 == 0 ? 1.3e-4 : 2e-5; };
     options_.seconds = 5;
-    options_.governor.limit = 1.5;
+    options_.safety.limit = 1.5;
   }
 
   std::string record(const std::string& name, std::size_t capacity = 1 << 14) {
     const std::string path = folder_.path() / name;
     RunHeader header;
-    device::set_options(header, options_.governor, over_the_ball(), coupling_);
+    device::set_options(header, options_.safety, over_the_ball(), coupling_);
     RunWriter writer(path, header, {}, capacity);
     EXPECT_EQ(writer.error(), "");
     ContactSource<> rigid(ball_.view, 0, over_the_ball());
@@ -89,7 +89,7 @@ protected:
 };
 
 TEST_F(Recorded, ReplaysToTheSameBits) {
-  options_.governor.torque_limit = 0.004;
+  options_.safety.torque_limit = 0.004;
   const RunLog log = read(record("run"));
   ASSERT_TRUE(log.ok) << log.error;
   EXPECT_TRUE(log.complete);
@@ -213,7 +213,7 @@ TEST_F(Recorded, ASlowDiskDropsTicksAndHoldsUpNone) {
   device::RunWritten written;
   {
     RunHeader header;
-    device::set_options(header, options_.governor, over_the_ball());
+    device::set_options(header, options_.safety, over_the_ball());
     RunWriter writer(path, header, {}, 64);
     const auto begin = std::chrono::steady_clock::now();
     for (std::uint32_t k = 1; k <= 20000; ++k) {

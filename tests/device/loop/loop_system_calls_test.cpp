@@ -57,7 +57,7 @@ int run_guarded(bool calls) {
     SharedDevice device(*shared);
     Guarded source(calls);
     device::LoopOptions options = short_ramp();
-    options.governor.rate = 4000;
+    options.safety.rate = 4000;
     device::ForceLoop loop(device, source, options, flags, &writer);
     loop.start();
     loop.join();

@@ -38,7 +38,7 @@ double size(const Command& command) { return length(command.force); }
 TEST(Loop, KeepsItsRateAndStopsWhenItsTimeIsOver) {
   for (const double rate : {1000.0, 4000.0}) {
     Bench bench;
-    bench.options.governor.rate = rate;
+    bench.options.safety.rate = rate;
     bench.options.seconds = 3;
     const LoopReport report = bench.run();
     EXPECT_EQ(report.out.mode, Mode::stopped);
@@ -167,7 +167,7 @@ TEST(Loop, RunsByTheRealClockInAThreadOfItsOwn) {
   LoopOptions options;
   options.seconds = 0.2;
   options.realtime.lock_memory = false;  // what another test maps is none of ours
-  options.governor.missed_share = 1;     // a machine that does much else
+  options.safety.missed_share = 1;       // a machine that does much else
   ForceLoop loop(device, source, options, stop);
   const device::Realtime granted = loop.start();
   EXPECT_EQ(granted.fifo, granted.refused.empty()) << granted.refused;

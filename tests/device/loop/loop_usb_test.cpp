@@ -39,9 +39,9 @@ device::UsbOptions prompt() {
 class LoopUsb : public testing::Test {
 protected:
   LoopUsb() {
-    options_.governor.ramp_up = 0.01;
-    options_.governor.missed_share = 1;  // a machine that does much else
-    options_.governor.stale = device::kStale;
+    options_.safety.ramp_up = 0.01;
+    options_.safety.missed_share = 1;  // a machine that does much else
+    options_.safety.stale = device::kStale;
     options_.realtime.lock_memory = false;
   }
 

@@ -184,10 +184,10 @@ ContactLaw file_law(const std::string& name, const View& view) {
   law.slope = [field, n, step](double depth) { return device::slope(*field, -depth * n, step).norm; };
   law.amplitude = [field, n, step](double depth) {
     const device::Slope slope = device::slope(*field, -depth * n, step);
-    const double sideways = slope.norm * length(tangential(slope.direction, n));
+    const double tangential_slope = slope.norm * length(tangential(slope.direction, n));
     const runtime::ResponseAtDepth r = field->law().at(depth);
     const double most = 0.7 * r.friction_coefficient * r.normal_force;
-    return sideways * 0.25 * depth < most ? 0.25 * depth : most / sideways;
+    return tangential_slope * 0.25 * depth < most ? 0.25 * depth : most / tangential_slope;
   };
   law.direction = [field, n, step, frame](double depth) {
     return inverse(frame).rotate(device::slope(*field, -depth * n, step).direction);

@@ -17,7 +17,7 @@ std::vector<Sample> samples() {
   test::AnalyticPair pair = test::power_law(2000, 1.5);
   pair.friction = 0.3;
   pair.growth = [](double z) { return std::sqrt(z / kDepth); };
-  pair.sideways_x = pair.sideways_y = [](double x) { return -300 * x; };
+  pair.tangential_x = pair.tangential_y = [](double x) { return -300 * x; };
   return test::samples_of(pair, kDepth, 12, 3, 8, kReach / kDepth);
 }
 
@@ -38,7 +38,7 @@ TEST(RadialBasis, GoesThroughItsSamplesWithACentreAtEach) {
   EXPECT_LT(worst(fitted(24), all), 0.5 * worst(fitted(6), all));
   EXPECT_EQ(fitted(24).force({0, 0, 0}), Eigen::Vector3d::Zero());
   EXPECT_EQ(RadialBasis::bytes(24), 576);
-  EXPECT_THROW(fit_radial_basis({all[0]}, kDepth, kReach, 6, "test"), Error) << "one straight push";
+  EXPECT_THROW(fit_radial_basis({all[0]}, kDepth, kReach, 6, "test"), Error) << "one normal indentation";
 }
 
 }  // namespace

@@ -103,7 +103,7 @@ TEST(SeparableFit, SofteningDataStillGiveAMonotoneCurve) {
   expect_monotone(curves);
 }
 
-TEST(SeparableFit, LateralForceOfAStraightPush) {
+TEST(SeparableFit, LateralForceOfANormalIndentation) {
   AnalyticPair skewed;
   skewed.push = [](double z) -> Eigen::Vector3d {
     return Eigen::Vector3d(-0.05, 0.03, 1.0) * 500 * std::pow(z, 1.5) + Eigen::Vector3d(0, 0.2 * z, 0);
@@ -116,19 +116,19 @@ TEST(SeparableFit, LateralForceOfAStraightPush) {
   }
 }
 
-AnalyticPair skewed_sideways() {
+AnalyticPair skewed_tangential() {
   AnalyticPair pair = power_law(500.0, 1.5);
   pair.push = [](double z) -> Eigen::Vector3d { return Eigen::Vector3d(0.04, -0.02, 1.0) * 500 * std::pow(z, 1.5); };
   pair.growth = [](double z) { return std::sqrt(z / Z); };
   // Not odd: stiffer towards -x, softening with the deflection.
-  pair.sideways_x = [](double x) { return -60 * x + 4000 * x * x + 3e6 * x * x * x; };
-  pair.sideways_y = [](double y) { return -90 * y; };
+  pair.tangential_x = [](double x) { return -60 * x + 4000 * x * x + 3e6 * x * x * x; };
+  pair.tangential_y = [](double y) { return -90 * y; };
   pair.friction = 0.4;
   return pair;
 }
 
-TEST(SeparableFit, SkewedSidewaysAnswer) {
-  const AnalyticPair pair = skewed_sideways();
+TEST(SeparableFit, SkewedTangentialResponse) {
+  const AnalyticPair pair = skewed_tangential();
   const std::vector<Sample> samples = samples_of(pair, Z, 12, 3);
   const SeparableField curves = fit_separable(samples, Z, 0.4 * Z, "pair");
   for (const double z : {0.3 * Z, 0.6 * Z, Z}) {
@@ -153,7 +153,7 @@ TEST(SeparableFit, SkewedSidewaysAnswer) {
 }
 
 TEST(SeparableFit, SameSamplesSameBits) {
-  std::vector<Sample> samples = samples_of(skewed_sideways(), Z);
+  std::vector<Sample> samples = samples_of(skewed_tangential(), Z);
   const SeparableField a = fit_separable(samples, Z, 0.4 * Z, "pair"), b = fit_separable(samples, Z, 0.4 * Z, "pair");
   EXPECT_EQ(a.normal, b.normal);
   EXPECT_EQ(a.phi_x, b.phi_x);

@@ -16,8 +16,8 @@ namespace {
 
 constexpr double Z = 0.005;
 
-// The gradient of an energy: stiffer in than out, off to one side, with a sideways stiffness that grows with the depth
-// and has skew axes.
+// The gradient of an energy: stiffer in than out, off to one side, with a tangential stiffness that grows with the
+// depth and has skew axes.
 Eigen::Vector3d answer(const Eigen::Vector3d& d) {
   const double x = d.x(), y = d.y(), z = d.z() / Z, grows = 1 + 0.3 * z;
   const double normal = 1.2 * z + 0.4 * z * z * (z > 0 ? 1 : -0.2);

@@ -129,8 +129,8 @@ AnalyticPair skewed() {
   AnalyticPair pair = power_law(500.0, 1.5);
   pair.push = [](double z) -> Eigen::Vector3d { return Eigen::Vector3d(0.04, -0.02, 1.0) * 500 * std::pow(z, 1.5); };
   pair.growth = [](double z) { return std::sqrt(z / Z); };
-  pair.sideways_x = [](double x) { return -60 * x; };
-  pair.sideways_y = [](double y) { return -90 * y; };
+  pair.tangential_x = [](double x) { return -60 * x; };
+  pair.tangential_y = [](double y) { return -90 * y; };
   pair.friction = 0.4;
   return pair;
 }

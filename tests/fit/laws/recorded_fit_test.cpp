@@ -22,8 +22,8 @@ AnalyticPair truth() {
     return kPeak * std::pow(z / Z, 1.5) * Eigen::Vector3d(0.05, -0.02, 1);
   };
   pair.growth = [](double z) { return std::sqrt(z / Z); };
-  pair.sideways_x = [](double x) { return -120 * x; };
-  pair.sideways_y = [](double y) { return -90 * y; };
+  pair.tangential_x = [](double x) { return -120 * x; };
+  pair.tangential_y = [](double y) { return -90 * y; };
   pair.friction = 0.4;
   return pair;
 }
@@ -35,7 +35,7 @@ struct Recorded {
 
 /// `count` rows by depth drawn evenly, noise in every component (N); every twentieth a gross error: a spike, a dropout,
 /// or a force of the wrong sign.
-Recorded record(std::size_t count, double noise, bool outliers, bool sideways, unsigned seed) {
+Recorded record(std::size_t count, double noise, bool outliers, bool tangential, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> share(0, 1);
   std::normal_distribution<double> normal;
@@ -45,7 +45,7 @@ Recorded record(std::size_t count, double noise, bool outliers, bool sideways, u
     Sample s;
     const double z = Z * (0.01 + 0.99 * share(random));
     s.deflection = {0, 0, z};
-    if (sideways && k % 2 == 1) {
+    if (tangential && k % 2 == 1) {
       const double angle = 6.28 * share(random), way = 0.4 * z * std::sqrt(share(random));
       s.kind = SampleKind::tangential;
       s.deflection = {way * std::cos(angle), way * std::sin(angle), z};
@@ -67,11 +67,11 @@ fit::ResponseScales scales(bool friction) {
   return {Z, 0, {5, 4, 0, 0, false}, 16};
 }
 
-double worst_error(const fit::PairResponse& response, const fit::ResponseScales& s, double sideways) {
+double worst_error(const fit::PairResponse& response, const fit::ResponseScales& s, double tangential) {
   double worst = 0;
   const AnalyticPair pair = truth();
   for (double z = 0.02 * Z; z <= Z; z += 0.02 * Z) {
-    const Eigen::Vector3d at(0.3 * sideways * z, -0.2 * sideways * z, z);
+    const Eigen::Vector3d at(0.3 * tangential * z, -0.2 * tangential * z, z);
     worst = std::max(worst, (fit::Potential(response.coefs, s).force(at) - pair.force(at)).norm());
   }
   return worst;
@@ -95,7 +95,7 @@ TEST(RecordedFit, NoiseAndGrossErrorsLeaveTheCurves) {
   }
 }
 
-TEST(RecordedFit, SidewaysPushesToo) {
+TEST(RecordedFit, TangentialPushesToo) {
   constexpr double kNoise = 0.008;
   const Recorded recorded = record(800, kNoise, true, true, 4);
   const fit::RecordedFit fitted = fit::fit_recorded(recorded.samples, Z, scales(true), "recording");

@@ -32,11 +32,11 @@ std::vector<Sample> samples_of(double softening, const Course& course = {}, doub
   std::vector<Sample> samples;
   for (const double share : {0.25, 0.5, 0.75, 1.0}) {
     const double depth = share * share * deepest;
-    Sample straight;
-    straight.deflection = {0, 0, depth};
-    straight.force = sticking(straight.deflection);
-    straight.friction_limit = kCoulomb;
-    samples.push_back(straight);
+    Sample normal;
+    normal.deflection = {0, 0, depth};
+    normal.force = sticking(normal.deflection);
+    normal.friction_limit = kCoulomb;
+    samples.push_back(normal);
     for (int d = 0; d < 3; ++d) {
       const double angle = 2 * M_PI * d / 3;
       const Vector2d u(std::cos(angle), std::sin(angle));

@@ -36,7 +36,7 @@ Answer answer(const Vector3d& d, const Vector3d& theta) {
   Coupling c;
   c << 0.05, 0.4, 0.02, -0.35, 0.03, 0.01;
   const Eigen::Vector2d e = d.head<2>(), stiff(200 * e.x(), 180 * e.y());
-  const Eigen::Vector2d sideways = -grows * (stiff + c * theta);
+  const Eigen::Vector2d tangential = -grows * (stiff + c * theta);
   const double rise = 0.2 / Z * (0.5 * e.dot(stiff) + e.dot(c * theta) + 0.5 * theta.dot(k * theta));
   const Vector3d by_theta = -torque + grows * (c.transpose() * e + k * theta);
   Matrix3d jacobian = Matrix3d::Identity();
@@ -45,7 +45,8 @@ Answer answer(const Vector3d& d, const Vector3d& theta) {
     cross << 0, -theta.z(), theta.y(), theta.z(), 0, -theta.x(), -theta.y(), theta.x(), 0;
     jacobian += (1 - std::cos(a)) / (a * a) * cross + (a - std::sin(a)) / (a * a * a) * cross * cross;
   }
-  return {{sideways.x(), sideways.y(), 1.2 * z - slope.dot(theta) + rise}, -jacobian.transpose().inverse() * by_theta};
+  return {{tangential.x(), tangential.y(), 1.2 * z - slope.dot(theta) + rise},
+          -jacobian.transpose().inverse() * by_theta};
 }
 
 std::vector<Sample> samples(double angle = 0.3) {

@@ -118,7 +118,7 @@ TEST(LooseSupports, AnswerMoreSoftly) {
     scene.sampling.normal_points = 4;
     const Tool tool = make_tool(ToolScene{});
     const PairResult r =
-        solve_pair(block, tool, tool.vertices[0], ContactFrame{}, bake_path(scene, 0.004), pair_options(scene));
+        solve_pair({block, tool, tool.vertices[0], ContactFrame{}}, bake_path(scene, 0.004), pair_options(scene));
     EXPECT_TRUE(r.outcome.accepted) << r.outcome.cause;
     return r.samples.empty() ? 0.0 : r.samples.back().force.z();
   };

@@ -29,7 +29,7 @@ GateState good() {
 struct Fault {
   const char* gate;  // what the cause begins with
   std::function<void(GateState&)> make;
-  bool sideways;  // the sideways gates see it too
+  bool tangential;  // the tangential gates see it too
 };
 
 // For the test's name and output; otherwise the bytes of the case are printed.
@@ -55,18 +55,18 @@ TEST(Gates, APullIsRightWhereTheContactIsGrasped) {
 
 TEST(Gates, AGoodStatePasses) {
   EXPECT_EQ(failed_gate(good(), {}), std::nullopt);
-  EXPECT_EQ(failed_sideways_gate(good(), -0.01, {}), std::nullopt);
+  EXPECT_EQ(failed_tangential_gate(good(), -0.01, {}), std::nullopt);
   EXPECT_EQ(failed_sticking_gate(good(), -0.01, {}), std::nullopt);
 }
 
 TEST_P(Gates, RefusesAndNamesItself) {
   GateState s = good();
   GetParam().make(s);
-  const auto straight = failed_gate(s, {});
-  ASSERT_TRUE(straight.has_value());
-  EXPECT_EQ(straight->rfind(GetParam().gate, 0), 0U) << *straight;
-  const auto sideways = failed_sideways_gate(s, -0.01, {});
-  EXPECT_EQ(sideways.has_value(), GetParam().sideways);
+  const auto normal = failed_gate(s, {});
+  ASSERT_TRUE(normal.has_value());
+  EXPECT_EQ(normal->rfind(GetParam().gate, 0), 0U) << *normal;
+  const auto tangential = failed_tangential_gate(s, -0.01, {});
+  EXPECT_EQ(tangential.has_value(), GetParam().tangential);
 }
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -84,24 +84,24 @@ INSTANTIATE_TEST_SUITE_P(
                       Fault{"energy balance", [](GateState& s) { s.stored = 1.2e-5; }, false},
                       Fault{"energy balance", [](GateState& s) { s.stored = 2.1e-5; }, false}));
 
-TEST(SidewaysGates, AnAnswerTooSmallForASignPasses) {
-  const double small = 0.9 * GateLimits{}.sideways_answer * good().force;
-  EXPECT_EQ(failed_sideways_gate(good(), small, {}), std::nullopt);
+TEST(TangentialGates, AnAnswerTooSmallForASignPasses) {
+  const double small = 0.9 * GateLimits{}.tangential_response * good().force;
+  EXPECT_EQ(failed_tangential_gate(good(), small, {}), std::nullopt);
   EXPECT_EQ(failed_sticking_gate(good(), small, {}), std::nullopt);
-  EXPECT_TRUE(failed_sideways_gate(good(), 1.2 * small, {}).has_value());
+  EXPECT_TRUE(failed_tangential_gate(good(), 1.2 * small, {}).has_value());
 }
 
-TEST(SidewaysGates, AnAnswerAlongThePushAndAPeeledContactAreRefused) {
-  EXPECT_EQ(failed_sideways_gate(good(), 0.001, {})->rfind("sideways answer", 0), 0U);
-  EXPECT_TRUE(failed_sideways_gate(good(), kNan, {}).has_value());
+TEST(TangentialGates, AnAnswerAlongThePushAndAPeeledContactAreRefused) {
+  EXPECT_EQ(failed_tangential_gate(good(), 0.001, {})->rfind("tangential response", 0), 0U);
+  EXPECT_TRUE(failed_tangential_gate(good(), kNan, {}).has_value());
   GateState peeled = good();
   peeled.contact.points = 5;
-  EXPECT_EQ(failed_sideways_gate(peeled, -0.01, {})->rfind("contact resolution", 0), 0U);
+  EXPECT_EQ(failed_tangential_gate(peeled, -0.01, {})->rfind("contact resolution", 0), 0U);
 }
 
 // A thin lobe that snaps to another state while it is pushed aside answers with a smaller force and less energy; the
 // tool may also be given work back.
-TEST(SidewaysGates, AStuckContactThatJumpsToAnotherStateIsRefused) {
+TEST(TangentialGates, AStuckContactThatJumpsToAnotherStateIsRefused) {
   for (const double way : {1.0, -1.0}) {
     GateState stuck = good(), jumped = good();
     stuck.work = jumped.work = way * good().work;
@@ -112,7 +112,7 @@ TEST(SidewaysGates, AStuckContactThatJumpsToAnotherStateIsRefused) {
     ASSERT_TRUE(failed.has_value());
     EXPECT_EQ(failed->rfind("energy balance", 0), 0U) << *failed;
   }
-  EXPECT_EQ(failed_sticking_gate(good(), 0.001, {})->rfind("sideways answer", 0), 0U);
+  EXPECT_EQ(failed_sticking_gate(good(), 0.001, {})->rfind("tangential response", 0), 0U);
 }
 
 TEST(CheckGate, AForceFarFromThatOfTheFinerMeshIsRefused) {

@@ -224,7 +224,7 @@ Pressed press(const Body& body, double radius, double depth, double mesh_size = 
   frame.origin = body.query->closest({0, 0, 0}).point;
   PairOptions options;
   options.mesh_size = mesh_size;
-  Pressed pressed{solve_pair(body, tool, tool.vertices[0], frame, path, options)};
+  Pressed pressed{solve_pair({body, tool, tool.vertices[0], frame}, path, options)};
   if (!pressed.result.samples.empty()) {
     pressed.force = pressed.result.samples.back().force.z();
     pressed.depth = pressed.result.samples.back().deflection.z();

@@ -15,7 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-
 class FlatPunch : public testing::Test {
 protected:
   FlatPunch() {
@@ -29,7 +28,7 @@ protected:
   // Edge of the elements in contact radii of `radius`, at this share of it from the centre.
   double size_at(const Body& body, double radius, double share) const {
     const SizeField size =
-        contact_size(body, tool_, tool_.vertices[0], ContactFrame{}, depth_, 1.0, pair_options(scene_));
+        contact_size({body, tool_, tool_.vertices[0], ContactFrame{}}, depth_, 1.0, pair_options(scene_));
     return size({share * radius, 0, 0}) / radius;
   }
 

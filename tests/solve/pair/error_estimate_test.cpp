@@ -19,8 +19,8 @@ Sample sample(SampleKind kind, std::uint16_t index, const Vector3d& deflection, 
   return s;
 }
 
-// Straight pushes of F = d (mm, N) to 1, 2 and 4 mm; the other mesh's force at each is `factors` times as large.
-std::vector<Sample> straight(const Vector3d& factors) {
+// Normal indentations of F = d (mm, N) to 1, 2 and 4 mm; the other mesh's force at each is `factors` times as large.
+std::vector<Sample> normal_indentation(const Vector3d& factors) {
   std::vector<Sample> samples;
   for (int k = 0; k < 3; ++k) {
     const double depth = 1 << k;
@@ -29,19 +29,19 @@ std::vector<Sample> straight(const Vector3d& factors) {
   return samples;
 }
 
-TEST(MeshError, StraightPushesTakeTheLargestOfTheNeighbouringDepths) {
-  std::vector<Sample> samples = straight({1, 1, 1});
-  ASSERT_TRUE(add_mesh_errors(samples, straight({1, 1.25, 1}), 0.5));
+TEST(MeshError, NormalIndentationsTakeTheLargestOfTheNeighbouringDepths) {
+  std::vector<Sample> samples = normal_indentation({1, 1, 1});
+  ASSERT_TRUE(add_mesh_errors(samples, normal_indentation({1, 1.25, 1}), 0.5));
   // Only the middle depth differs, by a fifth of the other's force.
   for (const Sample& s : samples) EXPECT_NEAR(s.error_estimate, 0.001 + 0.5 * 0.2, 1e-12);
-  samples = straight({1, 1, 1});
-  ASSERT_TRUE(add_mesh_errors(samples, straight({1, 1, 1.25}), 1));
+  samples = normal_indentation({1, 1, 1});
+  ASSERT_TRUE(add_mesh_errors(samples, normal_indentation({1, 1, 1.25}), 1));
   EXPECT_NEAR(samples[0].error_estimate, 0.001, 1e-12);
   EXPECT_NEAR(samples[2].error_estimate, 0.001 + 0.2, 1e-12);
 }
 
-TEST(MeshError, SidewaysPushesAddTheirShareOfTheSidewaysDifference) {
-  std::vector<Sample> samples = straight({1, 1, 1}), other = samples;
+TEST(MeshError, TangentialPushesAddTheirShareOfTheTangentialDifference) {
+  std::vector<Sample> samples = normal_indentation({1, 1, 1}), other = samples;
   samples.push_back(sample(SampleKind::tangential, 0, {1e-3, 0, 4e-3}, {-1, 0, 4}));
   samples.push_back(sample(SampleKind::path, 0, {2e-3, 0, 4e-3}, {-3, 0, 4}));
   other.push_back(sample(SampleKind::tangential, 0, {1e-3, 0, 4e-3}, {-0.8, 0, 4}));
@@ -52,13 +52,13 @@ TEST(MeshError, SidewaysPushesAddTheirShareOfTheSidewaysDifference) {
 }
 
 TEST(MeshError, NothingIsAddedWhereNoDepthIsSolvedOnBoth) {
-  std::vector<Sample> samples = straight({1, 1, 1});
+  std::vector<Sample> samples = normal_indentation({1, 1, 1});
   EXPECT_FALSE(add_mesh_errors(samples, {}, 1));
   EXPECT_FALSE(add_mesh_errors(samples, {sample(SampleKind::normal, 0, {0, 0, 8e-3}, {0, 0, 8})}, 1));
   for (const Sample& s : samples) EXPECT_EQ(s.error_estimate, 0.001);
 }
 
-TEST(MeshError, TheComparedPathHasOneShortSidewaysMoveADepth) {
+TEST(MeshError, TheComparedPathHasOneShortTangentialMoveADepth) {
   PairPath path;
   path.normal_depths = {1e-3, 2e-3};
   path.tangential_depths = {1e-3, 2e-3};

@@ -73,19 +73,19 @@ TEST(GraspedSphere, GoesOnFromThePushIntoAPull) {
   const PairResult r = test::press(test::block_body(0.03, kYoung, 0.49), ToolScene{}, path, {});
   ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
   EXPECT_EQ(r.outcome.cause, "");
-  std::vector<Sample> straight, aside;
-  for (const Sample& s : grasped(r)) (s.deflection.head<2>().norm() > 1e-4 ? aside : straight).push_back(s);
-  ASSERT_EQ(straight.size(), 6U);
+  std::vector<Sample> normal, aside;
+  for (const Sample& s : grasped(r)) (s.deflection.head<2>().norm() > 1e-4 ? aside : normal).push_back(s);
+  ASSERT_EQ(normal.size(), 6U);
   ASSERT_EQ(aside.size(), 3U * 4U);
-  EXPECT_EQ(straight[0].force, r.samples[1].force);
-  std::sort(straight.begin(), straight.end(),
+  EXPECT_EQ(normal[0].force, r.samples[1].force);
+  std::sort(normal.begin(), normal.end(),
             [](const Sample& a, const Sample& b) { return a.deflection.z() < b.deflection.z(); });
-  EXPECT_LT(straight.front().force.z(), 0);
-  for (std::size_t k = 1; k < straight.size(); ++k) {
-    EXPECT_GT(straight[k].force.z(), straight[k - 1].force.z());
+  EXPECT_LT(normal.front().force.z(), 0);
+  for (std::size_t k = 1; k < normal.size(); ++k) {
+    EXPECT_GT(normal[k].force.z(), normal[k - 1].force.z());
   }
   // Bonds that formed on the way remain as the push goes deeper; the push alone is a little softer.
-  EXPECT_NEAR(straight.back().force.z() / r.samples[2].force.z(), 1.0, 0.03);
+  EXPECT_NEAR(normal.back().force.z() / r.samples[2].force.z(), 1.0, 0.03);
   for (std::size_t k = 0; k < aside.size(); k += 4) {
     EXPECT_LT(aside[k + 1].force.x(), 0);
     EXPECT_NEAR(aside[k + 1].force.x() / -aside[k + 3].force.x(), 1.0, 0.05);

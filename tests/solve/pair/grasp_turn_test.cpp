@@ -92,7 +92,7 @@ TEST(TurnedPunch, AnswersTwistAndRollingAsARigidDisc) {
 }
 
 // Rolling a round tip about the point by which it touched drags that point's surroundings aside: the force of a turn
-// and the torque of a sideways move are the same derivative of one energy.
+// and the torque of a tangential move are the same derivative of one energy.
 TEST(TurnedSphere, ForceOfATurnIsTheTorqueOfAMove) {
   PairPath path;
   path.normal_depths = {0.001, 0.002};

@@ -39,7 +39,7 @@ protected:
     scene_.friction = friction;
     PairPath path = bake_path(scene_, depth);
     path.tangential_directions = 0;
-    return solve_pair(body, tool, vertex, ContactFrame{}, path, pair_options(scene_));
+    return solve_pair({body, tool, vertex, ContactFrame{}}, path, pair_options(scene_));
   }
 
   test::TemporaryFolder folder_;
@@ -115,7 +115,7 @@ TEST_F(MeshTools, EdgesRefineTheMeshWhereTheyTouch) {
   const Tool tool = tool_of(test::box_surface({-side / 2, -side / 2, 0}, {side / 2, side / 2, side}));
   const double edge = tool.scene.edge_radius;
   EXPECT_NEAR(edge, side / 20, 1e-9);  // the file has single precision
-  const SizeField size = contact_size(body, tool, lowest(tool), ContactFrame{}, 0.001, 1.0, pair_options(scene_));
+  const SizeField size = contact_size({body, tool, lowest(tool), ContactFrame{}}, 0.001, 1.0, pair_options(scene_));
   const Eigen::Isometry3d pose = touching_pose(lowest(tool), ContactFrame{});
   for (const double at : {-1.0, -0.3, 0.4}) {
     EXPECT_LT(size(pose * Vector3d(side / 2, at * side / 2, 0)), 1.2 * edge);

@@ -36,7 +36,7 @@ protected:
     scene.friction = friction;
     scene.sampling.normal_points = 6;
     const Tool tool = make_tool(sphere);
-    return solve_pair(body, tool, tool.vertices[0], ContactFrame{}, bake_path(scene, depth), pair_options(scene));
+    return solve_pair({body, tool, tool.vertices[0], ContactFrame{}}, bake_path(scene, depth), pair_options(scene));
   }
 };
 
@@ -84,7 +84,7 @@ TEST_F(Pair, ErrorEstimatesHoldTheMeshsShare) {
     options.growth = growth;
     options.mesh_errors = mesh_errors;
     const Tool tool = make_tool(sphere);
-    return solve_pair(body, tool, tool.vertices[0], ContactFrame{}, bake_path(scene, 0.004), options);
+    return solve_pair({body, tool, tool.vertices[0], ContactFrame{}}, bake_path(scene, 0.004), options);
   };
   const PairResult alone = with(0.8, false), coarse = with(0.8, true), fine = with(0.4, true);
   ASSERT_TRUE(alone.outcome.accepted && coarse.outcome.accepted && fine.outcome.accepted);
@@ -103,7 +103,7 @@ TEST_F(Pair, ManyThreadsGiveTheSameBits) {
   PairOptions options = pair_options(scene);
   without_limits(options);
   const auto once = [&] {
-    return solve_pair(body, tool, tool.vertices[0], ContactFrame{}, bake_path(scene, 0.002), options);
+    return solve_pair({body, tool, tool.vertices[0], ContactFrame{}}, bake_path(scene, 0.002), options);
   };
   const PairResult alone = once();
   ASSERT_TRUE(alone.outcome.accepted) << alone.outcome.cause;
@@ -121,7 +121,7 @@ TEST_F(Pair, ManyThreadsGiveTheSameBits) {
   }
 }
 
-TEST_F(Pair, StickingPushIsStifferAndSidewaysAnswerIsSymmetric) {
+TEST_F(Pair, StickingPushIsStifferAndTangentialResponseIsSymmetric) {
   const PairResult free = solve(0.0, 0.005), stuck = solve(0.3, 0.005);
   ASSERT_TRUE(free.outcome.accepted) << free.outcome.cause;
   ASSERT_TRUE(stuck.outcome.accepted) << stuck.outcome.cause;
@@ -129,7 +129,7 @@ TEST_F(Pair, StickingPushIsStifferAndSidewaysAnswerIsSymmetric) {
   const double gain = deepest(stuck).force.z() / deepest(free).force.z();
   EXPECT_GT(gain, 1.02);
   EXPECT_LT(gain, 1.15);
-  // The four directions at the largest sideways deflection of the deepest push.
+  // The four directions at the largest tangential deflection of the deepest push.
   double reach = 0, largest = 0, least = 1e9;
   for (const Sample& s : stuck.samples) reach = std::max(reach, s.deflection.head<2>().norm());
   for (const Sample& s : stuck.samples) {
@@ -142,8 +142,8 @@ TEST_F(Pair, StickingPushIsStifferAndSidewaysAnswerIsSymmetric) {
   EXPECT_LT(largest / least, 1.08);
 }
 
-// Shear of the anchors in the normal indentation does not count as compliance of the sideways push that follows.
-TEST_F(Pair, SidewaysStiffnessIsNoMatterOfTheAnchors) {
+// Shear of the anchors in the normal indentation does not count as compliance of the tangential push that follows.
+TEST_F(Pair, TangentialStiffnessIsIndependentOfTheAnchors) {
   const Tool tool = make_tool(sphere);
   scene.friction = 0.3;
   scene.solver.mesh_size = 0.35;
@@ -151,15 +151,15 @@ TEST_F(Pair, SidewaysStiffnessIsNoMatterOfTheAnchors) {
   scene.sampling.tangential_depths = 2;
   const PairPath path = bake_path(scene, 0.005);
   PairOptions options = pair_options(scene);
-  const PairResult usual = solve_pair(body, tool, tool.vertices[0], ContactFrame{}, path, options);
+  const PairResult usual = solve_pair({body, tool, tool.vertices[0], ContactFrame{}}, path, options);
   options.penalty *= 4;
-  const PairResult stiffer = solve_pair(body, tool, tool.vertices[0], ContactFrame{}, path, options);
+  const PairResult stiffer = solve_pair({body, tool, tool.vertices[0], ContactFrame{}}, path, options);
   ASSERT_TRUE(usual.outcome.accepted) << usual.outcome.cause;
   ASSERT_TRUE(stiffer.outcome.accepted) << stiffer.outcome.cause;
   const SampleDifference difference = sample_difference(usual.samples, stiffer.samples);
   ASSERT_GT(difference.compared, 20U);
   EXPECT_LT(difference.stiffness, 0.02);
-  EXPECT_LT(difference.sideways, 0.01);
+  EXPECT_LT(difference.tangential, 0.01);
   const double first = path.tangential_reach * path.tangential_depths.back() / path.tangential_points;
   for (const Sample& s : usual.samples) {
     const bool deep = int(s.index) >= path.tangential_directions * path.tangential_points;
@@ -195,7 +195,8 @@ TEST_F(Pair, ABallOnItsSupportAnswersAlikeOnEveryMesh) {
     frame.origin = body.query->closest(0.006 * frame.n).point;
     frame.x = {0, std::cos(turn), std::sin(turn)};
     frame.y = frame.n.cross(frame.x);
-    const PairResult r = solve_pair(body, tool, tool.vertices[0], frame, bake_path(scene, 0.001), pair_options(scene));
+    const PairResult r =
+        solve_pair({body, tool, tool.vertices[0], frame}, bake_path(scene, 0.001), pair_options(scene));
     ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
     forces.push_back(deepest(r).force.norm());
   }
@@ -231,7 +232,7 @@ TEST_F(Pair, AToolThatCannotReachIsRefusedByName) {
   ContactFrame inside;
   inside.origin = {0, 0, -0.015};  // in the middle of the block: every way out is through tissue
   const Tool tool = make_tool(sphere);
-  const PairResult r = solve_pair(body, tool, tool.vertices[0], inside, bake_path(scene, 0.002), pair_options(scene));
+  const PairResult r = solve_pair({body, tool, tool.vertices[0], inside}, bake_path(scene, 0.002), pair_options(scene));
   EXPECT_FALSE(r.outcome.accepted);
   EXPECT_NE(r.outcome.cause.find("first touch"), std::string::npos) << r.outcome.cause;
 }
@@ -247,7 +248,7 @@ TEST_F(Pair, WhatLosesTooMuchIsGivenUp) {
   options.most_lost = 1.0;
   PairPath path;
   path.normal_depths = {0.0025, 0.01};
-  const PairResult r = solve_pair(body, tool, tool.vertices[0], ContactFrame{}, path, options);
+  const PairResult r = solve_pair({body, tool, tool.vertices[0], ContactFrame{}}, path, options);
   EXPECT_FALSE(r.outcome.accepted);
   EXPECT_NE(r.outcome.cause.find("no convergence"), std::string::npos) << r.outcome.cause;
   EXPECT_NE(r.outcome.cause.find("; given up"), std::string::npos) << r.outcome.cause;
@@ -262,7 +263,7 @@ TEST_F(Pair, TooFewResolvedDepthsAreRefusedByName) {
   PairOptions coarse = pair_options(scene);
   coarse.mesh_size = coarse.rim_size = 1.0;
   const Tool tool = make_tool(sphere);
-  const PairResult r = solve_pair(body, tool, tool.vertices[0], ContactFrame{}, path, coarse);
+  const PairResult r = solve_pair({body, tool, tool.vertices[0], ContactFrame{}}, path, coarse);
   EXPECT_FALSE(r.outcome.accepted);
   EXPECT_NE(r.outcome.cause.find("1 of 4 depths"), std::string::npos) << r.outcome.cause;
 }
@@ -283,15 +284,15 @@ TEST_F(Pair, AToolThatReachesHeldSurfaceIsRefusedByName) {
   scene.sampling.normal_points = 3;
   scene.solver.mesh_size = 0.9;
   const Tool stem = make_tool(scene_tool);
-  const PairResult r = solve_pair(body, stem, stem.vertices[stem.vertices.size() - 2], ContactFrame{},
+  const PairResult r = solve_pair({body, stem, stem.vertices[stem.vertices.size() - 2], ContactFrame{}},
                                   bake_path(scene, 0.002), pair_options(scene));
   EXPECT_FALSE(r.outcome.accepted);
   EXPECT_NE(r.outcome.cause.find("support: overlap"), std::string::npos) << r.outcome.cause;
 }
 
-// New area sticks where it lands: at one and the same place of the tool, more of the sideways force is there the deeper
-// it was when it was pushed aside.
-TEST_F(Pair, PathsUnderSideLoadAreSolvedFromTheStraightPush) {
+// New area sticks where it lands: at one and the same place of the tool, more of the tangential force is there the
+// deeper it was when it was pushed aside.
+TEST_F(Pair, PathsUnderSideLoadAreSolvedFromTheNormalIndentation) {
   scene.solver.mesh_size = 0.7;
   scene.friction = 0.3;
   scene.sampling.normal_points = 4;
@@ -306,7 +307,7 @@ TEST_F(Pair, PathsUnderSideLoadAreSolvedFromTheStraightPush) {
   path.tangential_reach = side / depth;  // straight down, then as far aside as the path was at a quarter of the depth
   path.side_paths = {{0.25 * depth, 0.0, {{side, 0.25 * depth}, {side, depth}}}};
   const Tool tool = make_tool(sphere);
-  const PairResult r = solve_pair(body, tool, tool.vertices[0], ContactFrame{}, path, pair_options(scene));
+  const PairResult r = solve_pair({body, tool, tool.vertices[0], ContactFrame{}}, path, pair_options(scene));
   ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
   EXPECT_EQ(r.outcome.cause, "");
   std::vector<Sample> paths;

@@ -53,10 +53,10 @@ protected:
     PairPath path;
     path.normal_depths = {0.5 * kDepth, kDepth};
     const ToolVertex& tip = tool_.vertices[0];
-    const PairResult r = solve_pair(body_, tool_, tip, ContactFrame{}, path, options);
+    const PairResult r = solve_pair({body_, tool_, tip, ContactFrame{}}, path, options);
     EXPECT_TRUE(r.outcome.accepted) << r.outcome.cause;
     // Every way that a failed push is tried again has a finer mesh.
-    const SizeField size = contact_size(body_, tool_, tip, ContactFrame{}, kDepth, factor, options);
+    const SizeField size = contact_size({body_, tool_, tip, ContactFrame{}}, kDepth, factor, options);
     EXPECT_EQ(r.outcome.nodes, mesh_volume(body_, size, {ContactFrame{}.origin}).mesh.nodes.size());
     return r.samples.size() == 2 ? force_at(r.samples[1], r.samples[0], kDepth).z() : std::nan("");
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sideways pushes from stick to slip, through the entry point that the bake uses.
+// Tangential pushes from stick to slip, through the entry point that the bake uses.
 #include "precompute/solve/push/coulomb_push.hpp"
 #include "tests/support/press.hpp"
 
@@ -34,14 +34,14 @@ TEST(SlippingPushes, ChangeNothingElse) {
     EXPECT_EQ(more.samples[k].force, plain.samples[k].force);
     EXPECT_EQ(more.samples[k].deflection, plain.samples[k].deflection);
   }
-  const double foretold = plain.samples[2].friction_limit;
+  const double predicted = plain.samples[2].friction_limit;
   for (std::size_t k = plain.samples.size(); k < more.samples.size(); ++k) {
     const Sample& s = more.samples[k];
     EXPECT_EQ(s.kind, SampleKind::slipping);
     EXPECT_EQ(s.index, k - plain.samples.size());
     EXPECT_EQ(s.friction_limit > 0, s.index % 2 == 1);
     if (s.index % 2 == 1) {
-      EXPECT_NEAR(s.friction_limit / foretold, 1.15, 0.15);
+      EXPECT_NEAR(s.friction_limit / predicted, 1.15, 0.15);
     }
   }
 }

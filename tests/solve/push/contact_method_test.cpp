@@ -60,7 +60,7 @@ TEST_F(ContactMethods, GiveOneForce) {
     const PairResult other = press(method);
     ASSERT_TRUE(other.outcome.accepted) << other.outcome.cause;
     ASSERT_EQ(other.samples.size(), penalty.samples.size());
-    EXPECT_LT(sample_difference(penalty.samples, other.samples).straight, 0.01);
+    EXPECT_LT(sample_difference(penalty.samples, other.samples).normal, 0.01);
     for (std::size_t k = 0; k < other.samples.size(); ++k) {
       const Sample& s = other.samples[k];
       const double give = std::abs(path.normal_depths[k] - s.deflection.z());
@@ -79,7 +79,7 @@ TEST_F(ContactMethods, MultipliersSolveWhatAPenaltyCannot) {
   const PairResult soft = press(ContactMethod::penalty);
   ASSERT_TRUE(soft.outcome.accepted) << soft.outcome.cause;
   EXPECT_LT(0.002 - soft.samples.back().deflection.z(), 0.5 * (0.002 - usual.samples.back().deflection.z()));
-  EXPECT_LT(sample_difference(soft.samples, usual.samples).straight, 0.02);
+  EXPECT_LT(sample_difference(soft.samples, usual.samples).normal, 0.02);
 }
 
 TEST_F(ContactMethods, ARefusalNamesEveryAttempt) {
@@ -104,7 +104,7 @@ TEST_F(ContactMethods, ACheckComparesWithAFinerMesh) {
   EXPECT_EQ(r.check->compared, 4U);
   EXPECT_GT(r.check->difference, 0);
   EXPECT_LT(r.check->difference, 0.05);
-  EXPECT_EQ(r.check->foretold, 4U);
+  EXPECT_EQ(r.check->within_estimate, 4U);
   options.check = false;
   EXPECT_FALSE(press(ContactMethod::penalty).check);
 }

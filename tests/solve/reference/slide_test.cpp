@@ -31,7 +31,7 @@ protected:
   SlideResult slide() const {
     const Body body = test::block_body(half, 5e3, 0.49);
     const Tool tool = make_tool(sphere);
-    return solve_slide(body, tool, tool.vertices[0], ContactFrame{}, path, options);
+    return solve_slide({body, tool, tool.vertices[0], ContactFrame{}}, path, options);
   }
 };
 
@@ -41,7 +41,7 @@ TEST_F(Sliding, ForceIsMuTimesTheNormalForceOnABlock) {
   const SlideResult r = slide();
   ASSERT_TRUE(r.usable) << r.cause;
   EXPECT_NEAR(r.ratio / path.friction, 1.0, 0.02);
-  EXPECT_NEAR(r.foretold / path.friction, 1.0, 0.02);
+  EXPECT_NEAR(r.predicted / path.friction, 1.0, 0.02);
   EXPECT_NEAR(r.local_ratio / path.friction, 1.0, 0.005);
   EXPECT_LT(r.spread, 0.02);
   EXPECT_LT(std::abs(r.imbalance), 0.03);
@@ -67,8 +67,8 @@ TEST_F(Sliding, OnADeepContactTheForceRatioPassesMu) {
   const SlideResult r = slide();
   ASSERT_TRUE(r.usable) << r.cause;
   EXPECT_NEAR(r.local_ratio / path.friction, 1.0, 0.01);
-  EXPECT_GT(r.foretold, 1.05 * path.friction);
-  EXPECT_GT(r.ratio, 1.1 * r.foretold);
+  EXPECT_GT(r.predicted, 1.05 * path.friction);
+  EXPECT_GT(r.ratio, 1.1 * r.predicted);
   EXPECT_LT(std::abs(r.imbalance), 0.03);
 }
 

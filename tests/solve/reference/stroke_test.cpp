@@ -31,7 +31,7 @@ protected:
   StrokeResult stroke(const std::function<bool()>& stop = {}) const {
     const Body body = test::block_body(15 * radius, 5e3, 0.49);
     const Tool tool = make_tool(sphere);
-    return solve_stroke(body, tool, tool.vertices[0], ContactFrame{}, path, options, stop);
+    return solve_stroke({body, tool, tool.vertices[0], ContactFrame{}}, path, options, stop);
   }
 };
 
@@ -71,7 +71,7 @@ TEST_F(Stroking, SticksSlipsTurnsRoundAndLetsGo) {
 
 // A hand holds the tool sideways and trembles up and down. Points that a lift releases carry no traction when the next
 // push touches them again, so the force is lost once.
-TEST_F(Stroking, ATremblingHandLosesItsSidewaysForceOnce) {
+TEST_F(Stroking, ATremblingHandLosesItsTangentialForceOnce) {
   path.friction = 1;
   path.stations = {{0, 0, 0.1 * depth}};
   for (int k = 1; k <= 4; ++k) path.stations.emplace_back(0, 0, -depth * k * k / 16);
@@ -85,7 +85,7 @@ TEST_F(Stroking, ATremblingHandLosesItsSidewaysForceOnce) {
   const StrokeResult r = stroke();
   ASSERT_TRUE(r.usable) << r.cause;
   const auto force = [&](int cycle) { return -r.steps[held + 4 * static_cast<std::size_t>(cycle)].force.x(); };
-  // The sideways stiffness grows like the radius, and what slips at the rim is lost besides.
+  // The tangential stiffness grows like the radius, and what slips at the rim is lost besides.
   EXPECT_LT(force(1), 0.85 * force(0));
   EXPECT_GT(force(1), 0.7 * force(0));
   EXPECT_NEAR(force(2), force(1), 0.02 * force(1));

@@ -191,7 +191,7 @@ TEST_F(Drive, AToolBetweenTwoLobesIsFeltAtBothUnlessSingle) {
       const Json json = Json::parse(played.out);
       EXPECT_EQ(json["run"]["ticks_different"], 0);
       EXPECT_EQ(json["run"]["ticks_compared"], Json::parse(driven.out)["ticks"]);
-      EXPECT_EQ(json["rows_elsewhere"] > 0, single) << played.error;
+      EXPECT_EQ(json["rows_other_contacts"] > 0, single) << played.error;
       EXPECT_EQ(played.error.find("another wall, which --single leaves out") != std::string::npos, single)
           << played.error;
       std::string bytes = file_content(folder() / "lobes.palprun");

@@ -52,7 +52,7 @@ TEST_F(Play, AProbeTouchesOncePressesSlidesAndLetsGo) {
   ASSERT_EQ(rows.size(), 301U);
   EXPECT_EQ(s.contacts, 1U);
   EXPECT_FALSE(s.starts_inside);
-  EXPECT_EQ(s.rows_beyond, 0U);
+  EXPECT_EQ(s.rows_extrapolated, 0U);
   EXPECT_NEAR(s.peak_depth, 0.003, 1e-6);
   EXPECT_GT(s.slide_time, 0.3);
   EXPECT_LT(s.slide_time, s.contact_time);
@@ -98,7 +98,7 @@ TEST_F(Play, AStartInsideIsReported) {
 TEST_F(Play, DeeperThanSampledIsCounted) {
   PlaySummary s;
   cli::play(view_, 0, probe(0.006, 100), s);
-  EXPECT_GT(s.rows_beyond, 50U);
+  EXPECT_GT(s.rows_extrapolated, 50U);
 }
 
 TEST_F(Play, CsvHasOneRowAPoseAndTwelveColumns) {

@@ -121,7 +121,7 @@ TEST_F(Playback, PlayFeelsBothWallsAndCountsTheWallThatSingleLeavesOut) {
   const RunResult both = run({"play", "lobes.palp", "between.csv", "--out", "both.csv", "--json"});
   ASSERT_EQ(both.exit_code, 0) << both.error;
   EXPECT_EQ(both.error.find("another wall"), std::string::npos) << both.error;
-  EXPECT_EQ(Json::parse(both.out)["rows_elsewhere"], 0);
+  EXPECT_EQ(Json::parse(both.out)["rows_other_contacts"], 0);
   // The last row of each: t,fx,fy,fz and so on.
   const auto last = [&](const char* name) {
     const std::string text = file_content(folder() / name);

@@ -94,10 +94,10 @@ TEST(Plot, SurvivesConstantsSinglePointsAndGaps) {
 TEST(Plot, DistributionsRiseToTheLargestValue) {
   std::vector<double> values;
   for (int k = 0; k < 1000; ++k) values.push_back((k * 7919) % 1000);
-  const std::string svg = cli::distribution_svg("errors", "error (%)", {{"normal", values}, {"sideways", {}}});
+  const std::string svg = cli::distribution_svg("errors", "error (%)", {{"normal", values}, {"tangential", {}}});
   EXPECT_TRUE(well_formed(svg));
   EXPECT_NE(svg.find("normal (1000)"), std::string::npos);
-  EXPECT_EQ(svg.find("sideways"), std::string::npos);
+  EXPECT_EQ(svg.find("tangential"), std::string::npos);
   const std::vector<double> y = heights(svg);
   ASSERT_GT(y.size(), 100U);
   for (std::size_t k = 1; k < y.size(); ++k) EXPECT_LE(y[k], y[k - 1] + 0.011);

@@ -3,7 +3,7 @@
 // All cells: palpate verify --battery stiff.
 #include "precompute/verify/battery/battery.hpp"
 
-#include "precompute/common/draw.hpp"
+#include "precompute/common/random_subset.hpp"
 #include "precompute/solve/pair/sample_difference.hpp"
 #include "precompute/verify/battery/stiff_cells.hpp"
 #include "precompute/verify/parallel.hpp"
@@ -99,7 +99,7 @@ TEST(Battery, ADrawnCellOfEveryFamilyConvergesOrSaysWhyNot) {
   for (const BatteryCell& cell : stiff_cells()) families[cell.family].push_back(cell);
   std::vector<BatteryCell> cells;
   for (const auto& [family, all] : families) {
-    cells.push_back(all[draw_share(all.size(), 1e-6, 23).at(0)]);
+    cells.push_back(all[random_subset(all.size(), 1e-6, 23).at(0)]);
     cells.back().scene.sampling.normal_points = 4;
     cells.back().scene.solver.mesh_size = 0.45;
   }
@@ -134,15 +134,15 @@ TEST(SampleDifference, MatchesFromFullDepthAndByDirection) {
       sample(K::normal, 2, {0, 0, 1e-3}, {0, 0, 10}),         sample(K::tangential, 0, {1e-4, 0, 1e-3}, {-1, 0, 10}),
       sample(K::tangential, 1, {2e-4, 0, 1e-3}, {-2, 0, 10}), sample(K::tangential, 2, {0, 1e-4, 1e-3}, {0, -1, 10})};
   std::vector<Sample> other(reference.begin() + 1, reference.end());  // without the shallowest
-  EXPECT_EQ(sample_difference(other, reference).straight, 0);
+  EXPECT_EQ(sample_difference(other, reference).normal, 0);
   EXPECT_EQ(sample_difference(other, reference).stiffness, 0);
   other[1].force = {0, 0, 10.2};
   for (std::size_t k = 2; k < other.size(); ++k) other[k].force.z() = 10.2;
   other[4].force.y() = -1.1;  // the push along y
   const SampleDifference d = sample_difference(other, reference);
-  EXPECT_NEAR(d.straight, 0.02, 1e-12);
+  EXPECT_NEAR(d.normal, 0.02, 1e-12);
   EXPECT_NEAR(d.stiffness, 0.1, 1e-9);
-  EXPECT_NEAR(d.sideways, std::hypot(0.1, 0.2) / std::hypot(1, 10), 1e-12);
+  EXPECT_NEAR(d.tangential, std::hypot(0.1, 0.2) / std::hypot(1, 10), 1e-12);
 }
 
 TEST(SolverBench, RowsComeNearerToTheReference) {
@@ -161,24 +161,24 @@ TEST(SolverBench, RowsComeNearerToTheReference) {
   for (const SolverBenchRow& row : rows) {
     EXPECT_EQ(row.solved, 1U);
     EXPECT_GT(row.seconds, 0);
-    EXPECT_GT(row.difference.straight, 0);
-    EXPECT_LT(row.difference.straight, 0.2);
-    EXPECT_EQ(row.difference.sideways, 0);  // a frictionless scene has no sideways pushes
+    EXPECT_GT(row.difference.normal, 0);
+    EXPECT_LT(row.difference.normal, 0.2);
+    EXPECT_EQ(row.difference.tangential, 0);  // a frictionless scene has no tangential pushes
   }
-  EXPECT_LT(rows[1].difference.straight, rows[0].difference.straight);
+  EXPECT_LT(rows[1].difference.normal, rows[0].difference.normal);
   EXPECT_GT(rows[1].nodes, rows[0].nodes);
 }
 
 TEST(DrawShare, IsAShareOfDifferentNumbersBySeed) {
-  const auto drawn = draw_share(40, 0.2, 1);
+  const auto drawn = random_subset(40, 0.2, 1);
   EXPECT_EQ(drawn.size(), 8U);
   EXPECT_EQ(std::set<std::size_t>(drawn.begin(), drawn.end()).size(), 8U);
   for (const std::size_t k : drawn) EXPECT_LT(k, 40U);
-  EXPECT_EQ(draw_share(40, 0.2, 1), drawn);
-  EXPECT_NE(draw_share(40, 0.2, 2), drawn);
-  EXPECT_EQ(draw_share(40, 1e-6, 1).size(), 1U);
-  EXPECT_TRUE(draw_share(40, 0, 1).empty());
-  EXPECT_TRUE(draw_share(0, 1, 1).empty());
+  EXPECT_EQ(random_subset(40, 0.2, 1), drawn);
+  EXPECT_NE(random_subset(40, 0.2, 2), drawn);
+  EXPECT_EQ(random_subset(40, 1e-6, 1).size(), 1U);
+  EXPECT_TRUE(random_subset(40, 0, 1).empty());
+  EXPECT_TRUE(random_subset(0, 1, 1).empty());
 }
 
 TEST(ParallelFor, DoesEachPieceOnceAndStopsWhenAsked) {

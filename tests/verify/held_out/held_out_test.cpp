@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Held-out solves on a box: where sideways pushes go, and how the threads end.
+// Held-out solves on a box: where tangential pushes go, and how the threads end.
 #include "precompute/verify/held_out/held_out.hpp"
 
 #include "precompute/mesh/surface/remesh.hpp"
@@ -66,8 +66,8 @@ protected:
 TEST_F(HeldOutSolves, AToolThatMustKeepItsSpinIsPushedObliquely) {
   scene_.friction = 0.3;
   // A contact near the tip: the sample's tool has few patches, the first reaches from the tip to 45 degrees.
-  options_.touchable = [](const ContactFrame&, const Tool&, const ToolVertex& v, double) {
-    return v.meridian < 0.9 * test::kTipRadius;
+  options_.touchable = [](const ContactCase& contact, double) {
+    return contact.vertex.meridian < 0.9 * test::kTipRadius;
   };
   options_.count = 2;
   const HeldOutSet set = solve(ToolScene::Shape::capsule, test::ResponseSampleOptions::Tools::capsule);

@@ -56,10 +56,10 @@ export class Palp {
     return this.#floats(at, depths.length);
   }
   /** Baked forces (N) along a unit direction at deflections (m) along it, at one depth (m). */
-  sidewaysForces(site, toolVertex, depth, direction, deflections) {
+  tangentialForces(site, toolVertex, depth, direction, deflections) {
     const at = this.exports.reserve_numbers(deflections.length);
     new Float32Array(this.exports.memory.buffer, at, deflections.length).set(deflections);
-    this.exports.sideways_forces(site, toolVertex, depth, direction[0], direction[1]);
+    this.exports.tangential_forces(site, toolVertex, depth, direction[0], direction[1]);
     return this.#floats(at, deflections.length);
   }
 

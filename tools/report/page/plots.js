@@ -108,7 +108,7 @@ export function errorTimePlots(errorTime) {
 
 /** Share of held-out contacts within an error. */
 export function errorDistribution(places, noticeable) {
-  const series = [["normal", "error"], ["tangential", "error_sideways"]].flatMap(([kind, key]) => {
+  const series = [["normal", "error"], ["tangential", "error_tangential"]].flatMap(([kind, key]) => {
     const errors = places.filter((p) => p.accepted).map((p) => 100 * p[key]).filter((e) => e > 0).sort((a, b) => a - b);
     return errors.map((error, k) => ({ kind, error, share: (100 * (k + 1)) / errors.length }));
   });
@@ -145,14 +145,14 @@ export function siteCurves(palp, organ, pairs, site, toolVertex) {
       ],
     }),
   ];
-  const rays = (pair?.sideways ?? []).filter((ray) => ray.push_m_N.length);
+  const rays = (pair?.tangential ?? []).filter((ray) => ray.push_m_N.length);
   if (rays.length) {
     const lines = [], dots = [];
     for (const { depth_m: z, direction, push_m_N: pushes } of rays) {
       const name = `${number(1e3 * z, 2)} mm deep`;
       const far = Math.max(...pushes.map(([way]) => way));
       const at = Float32Array.from({ length: 12 }, (_, k) => (far * k) / 11);
-      [...palp.sidewaysForces(site, toolVertex, z, direction, at)].forEach((force, k) => lines.push({ name, e: 1e3 * at[k], force: -force }));
+      [...palp.tangentialForces(site, toolVertex, z, direction, at)].forEach((force, k) => lines.push({ name, e: 1e3 * at[k], force: -force }));
       pushes.forEach(([way, force]) => dots.push({ name, e: 1e3 * way, force }));
     }
     charts.push(Plot.plot({

@@ -59,7 +59,7 @@ export function stability(numbers) {
   const { bake, battery, battery_command, devices, devices_command } = numbers.stability;
   const facts = [
     ["contacts accepted", `${bake.accepted} of ${bake.planned}`],
-    ["sideways pushes that ended early", String(bake.shortened)],
+    ["tangential pushes that ended early", String(bake.shortened)],
     ["smallest Jacobian (1: undeformed, 0: inside out)", number(bake.smallest_jacobian)],
     ["largest overlap left by the penalty, of the depth", percent(bake.largest_penetration_of_depth)],
     ["iterations: median, 95th percentile, most", [bake.iterations.median, bake.iterations.p95, bake.iterations.worst].map((x) => number(x)).join(", ")],

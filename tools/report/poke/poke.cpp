@@ -147,10 +147,10 @@ void PALPATE_EXPORT(normal_forces)(std::uint32_t site, std::uint32_t tool_vertex
       cli::response_law(opened.view, layout::response_index(*opened.view.meta, site, tool_vertex));
   for (float& x : numbers) x = x > 0 ? static_cast<float>(law.at(double{x}).normal_force) : 0.0F;
 }
-/// Baked force against a sideways deflection along (direction_x, direction_y), unit, at one depth (m): `numbers` holds
-/// deflections (m) and is replaced by forces (N) against that direction.
-void PALPATE_EXPORT(sideways_forces)(std::uint32_t site, std::uint32_t tool_vertex, double depth, double direction_x,
-                                     double direction_y) {
+/// Baked force against a tangential deflection along (direction_x, direction_y), unit, at one depth (m): `numbers`
+/// holds deflections (m) and is replaced by forces (N) against that direction.
+void PALPATE_EXPORT(tangential_forces)(std::uint32_t site, std::uint32_t tool_vertex, double depth, double direction_x,
+                                       double direction_y) {
   const runtime::ResponseAtDepth r =
       cli::response_law(opened.view, layout::response_index(*opened.view.meta, site, tool_vertex)).at(depth);
   const runtime::Vec2 along{direction_x, direction_y};

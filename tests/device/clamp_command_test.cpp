@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The command that a device receives.
-#include "device/admit.hpp"
+#include "device/clamp_command.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,26 +11,26 @@ namespace {
 
 const DeviceKind kKind = {"test", 0, 0, 5.0, 0.0, 0.0, 0.0};
 
-TEST(Admit, LetsThroughWhatIsFreshAndSmall) {
-  const Command out = admitted({1.0, {1, -2, 3}, {0.1, 0, 0}}, kKind, 1.009);
+TEST(ClampCommand, LetsThroughWhatIsFreshAndSmall) {
+  const Command out = clamp_command({1.0, {1, -2, 3}, {0.1, 0, 0}}, kKind, 1.009);
   EXPECT_EQ(out.force.x, 1);
   EXPECT_EQ(out.force.y, -2);
   EXPECT_EQ(out.force.z, 3);
   EXPECT_EQ(out.torque.x, 0.1);
 }
 
-TEST(Admit, ShortensAlongTheSameLine) {
+TEST(ClampCommand, ShortensAlongTheSameLine) {
   const Vec3 force{30, -40, 120};
-  const Command out = admitted({1.0, force, {}}, kKind, 1.0);
+  const Command out = clamp_command({1.0, force, {}}, kKind, 1.0);
   EXPECT_NEAR(length(out.force), 5, 1e-12);
   EXPECT_LT(length(cross(out.force, force)), 1e-12);
   EXPECT_GT(dot(out.force, force), 0);
 }
 
-TEST(Admit, WhatIsStaleOrOfTheFutureOrNoNumberIsZero) {
+TEST(ClampCommand, WhatIsStaleOrOfTheFutureOrNoNumberIsZero) {
   const double nan = std::nan(""), infinite = std::numeric_limits<double>::infinity();
   const auto zero = [](const Command& command, double time) {
-    const Command out = admitted(command, kKind, time);
+    const Command out = clamp_command(command, kKind, time);
     return length(out.force) == 0 && length(out.torque) == 0;
   };
   EXPECT_FALSE(zero({1.0, {1, 1, 1}, {}}, 1.0 + kStale - 1e-6));

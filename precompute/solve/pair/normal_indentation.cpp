@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The curve of the straight push: each depth solved from the last, passed by the gates, freed of the penalty's give.
+// The curve of the normal indentation: each depth solved from the last, passed by the gates, freed of the penalty's
+// give.
 #include "precompute/solve/contact/gates.hpp"
 #include "precompute/solve/pair/error_estimate.hpp"
 #include "precompute/solve/pair/pair_run.hpp"
@@ -93,7 +94,7 @@ std::optional<std::string> push_to(PairRun& run, double depth, double& work) {
 
 }  // namespace
 
-bool straight_push(PairRun& run) {
+bool normal_indentation(PairRun& run) {
   const PairPath& path = run.path;
   const GateLimits limits;
   run.push.set_anchor_stiffness(run.options.penalty * run.body.material.young / run.radius(path.normal_depths.back()));

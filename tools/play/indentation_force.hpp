@@ -10,6 +10,6 @@ namespace palpate::cli {
 
 /// Force (N) on the tool after a normal indentation at the site to that depth (m, > 0). The tool touches with the first
 /// vertex of its first patch.
-double straight_press(const runtime::View& view, std::uint32_t tool, std::uint32_t site, double depth);
+double indentation_force(const runtime::View& view, std::uint32_t tool, std::uint32_t site, double depth);
 
 }  // namespace palpate::cli

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// When there is a force and how much of it: every rule of the governor, each against the one fault that it is for.
+// When there is a force and how much of it: every rule of the safety controller, each against the one fault that it is
+// for.
 #include "tests/device/loop/scripted_device.hpp"
 
 #include <gtest/gtest.h>
@@ -13,16 +14,16 @@ namespace {
 
 using device::Cause;
 using device::Fault;
-using device::Governor;
-using device::GovernorOptions;
 using device::Mode;
+using device::SafetyController;
+using device::SafetyLimits;
 using device::TickInput;
 using device::TickOutput;
 
 constexpr double kPeriod = 1e-3;
 
 /// Ticks of 1 ms with samples of half a millisecond, until a test says otherwise.
-class GovernorRules : public testing::Test {
+class SafetyRules : public testing::Test {
 protected:
   TickOutput tick(const std::function<void(TickInput&)>& change = {}) {
     TickInput seen;
@@ -33,7 +34,7 @@ protected:
     seen.sample.time = time_ - 0.0005;
     seen.sample.phase = Phase::ready;
     if (change) change(seen);
-    return governor_.step(seen, source_);
+    return controller_.step(seen, source_);
   }
   TickOutput ticks(int count, const std::function<void(TickInput&)>& change = {}) {
     TickOutput out;
@@ -42,7 +43,7 @@ protected:
   }
   void engage() { ASSERT_EQ(ticks(1001).mode, Mode::engaged); }
 
-  Governor governor_{GovernorOptions{}};
+  SafetyController controller_{SafetyLimits{}};
   KnownSource source_;
 
 private:
@@ -52,7 +53,7 @@ private:
 
 double size(const TickOutput& out) { return length(out.command.force); }
 
-TEST_F(GovernorRules, NoForceUntilTheDeviceIsReady) {
+TEST_F(SafetyRules, NoForceUntilTheDeviceIsReady) {
   for (const Phase phase : {Phase::closed, Phase::starting, Phase::homing}) {
     const TickOutput out = ticks(2000, [&](TickInput& seen) { seen.sample.phase = phase; });
     EXPECT_EQ(size(out), 0);
@@ -62,7 +63,7 @@ TEST_F(GovernorRules, NoForceUntilTheDeviceIsReady) {
   EXPECT_GT(size(tick()), 0);
 }
 
-TEST_F(GovernorRules, TheForceGrowsOverTheRampAndNoFaster) {
+TEST_F(SafetyRules, TheForceGrowsOverTheRampAndNoFaster) {
   double before = 0;
   for (int k = 1; k <= 1000; ++k) {
     const TickOutput out = tick();
@@ -74,7 +75,7 @@ TEST_F(GovernorRules, TheForceGrowsOverTheRampAndNoFaster) {
   EXPECT_EQ(size(tick()), 2);
 }
 
-TEST_F(GovernorRules, SaturationKeepsTheDirectionOfAnyForce) {
+TEST_F(SafetyRules, SaturationKeepsTheDirectionOfAnyForce) {
   engage();
   const Vec3 directions[] = {{1, 0, 0}, {-1, 2, -3}, {1e-3, -1, 1e-6}};
   for (const Vec3& d : directions) {
@@ -88,10 +89,10 @@ TEST_F(GovernorRules, SaturationKeepsTheDirectionOfAnyForce) {
   }
 }
 
-TEST_F(GovernorRules, WhatIsNotFiniteIsNoForce) {
+TEST_F(SafetyRules, WhatIsNotFiniteIsNoForce) {
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e200}) {
-    Governor governor{GovernorOptions{}};
-    std::swap(governor, governor_);
+    SafetyController controller{SafetyLimits{}};
+    std::swap(controller, controller_);
     source_.next.force = {0, 0, 2};
     engage();
     source_.next.force = {0, bad, 0};
@@ -101,18 +102,18 @@ TEST_F(GovernorRules, WhatIsNotFiniteIsNoForce) {
   }
 }
 
-TEST_F(GovernorRules, TorqueIsLeftOutUnlessItHasALimit) {
+TEST_F(SafetyRules, TorqueIsLeftOutUnlessItHasALimit) {
   source_.next.torque = {0, 5, 0};
   engage();
   EXPECT_EQ(length(tick().command.torque), 0);
-  GovernorOptions options;
+  SafetyLimits options;
   options.torque_limit = 0.1;
-  governor_ = Governor(options);
+  controller_ = SafetyController(options);
   engage();
   EXPECT_NEAR(tick().command.torque.y, 0.1, 1e-12);
 }
 
-TEST_F(GovernorRules, AStaleSampleTakesTheForceAtOnceAndTheRampGivesItBack) {
+TEST_F(SafetyRules, AStaleSampleTakesTheForceAtOnceAndTheRampGivesItBack) {
   engage();
   EXPECT_GT(size(tick([](TickInput& seen) { seen.sample.time = seen.time - 0.0049; })), 0);
   for (const double age : {0.0051, 1.0, -0.1, std::numeric_limits<double>::quiet_NaN()}) {
@@ -127,7 +128,7 @@ TEST_F(GovernorRules, AStaleSampleTakesTheForceAtOnceAndTheRampGivesItBack) {
   }
 }
 
-TEST_F(GovernorRules, SilenceForHalfASecondIsTheEnd) {
+TEST_F(SafetyRules, SilenceForHalfASecondIsTheEnd) {
   engage();
   const auto silent = [](TickInput& seen) { seen.sample.time = seen.time - 1; };
   EXPECT_EQ(ticks(499, silent).mode, Mode::suspended);
@@ -137,7 +138,7 @@ TEST_F(GovernorRules, SilenceForHalfASecondIsTheEnd) {
   EXPECT_EQ(tick().mode, Mode::stopped) << "it comes back too late";
 }
 
-TEST_F(GovernorRules, ALateTickGivesNoForce) {
+TEST_F(SafetyRules, ALateTickGivesNoForce) {
   engage();
   for (const double seconds : {0.0101, 3.0, 0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
     const TickOutput out = tick([&](TickInput& seen) { seen.seconds = seconds; });
@@ -145,7 +146,7 @@ TEST_F(GovernorRules, ALateTickGivesNoForce) {
   }
 }
 
-TEST_F(GovernorRules, APoseThatIsNoneGivesNoForce) {
+TEST_F(SafetyRules, APoseThatIsNoneGivesNoForce) {
   engage();
   const TickOutput out = tick([](TickInput& seen) { seen.sample.pose.translation.x = NAN; });
   EXPECT_EQ(size(out), 0);
@@ -154,7 +155,7 @@ TEST_F(GovernorRules, APoseThatIsNoneGivesNoForce) {
   EXPECT_EQ(size(tick([](TickInput& seen) { seen.sample.pose.rotation[0] = 2; })), 0);
 }
 
-TEST_F(GovernorRules, ATrackerThatDiesTakesTheForceAndThenTheRun) {
+TEST_F(SafetyRules, ATrackerThatDiesTakesTheForceAndThenTheRun) {
   engage();
   source_.next.usable = false;
   TickOutput out = tick();
@@ -165,7 +166,7 @@ TEST_F(GovernorRules, ATrackerThatDiesTakesTheForceAndThenTheRun) {
   EXPECT_EQ(out.mode, Mode::stopped);
 }
 
-TEST_F(GovernorRules, EmergencyStopsLatch) {
+TEST_F(SafetyRules, EmergencyStopsLatch) {
   const std::function<void(TickInput&)> stops[] = {
       [](TickInput& seen) { seen.requests = TickInput::emergency_stop; },
       [](TickInput& seen) { seen.sample.buttons = 8; },
@@ -173,7 +174,7 @@ TEST_F(GovernorRules, EmergencyStopsLatch) {
       [](TickInput& seen) { seen.sample.fault = Fault::impossible; }};
   const Cause causes[] = {Cause::emergency, Cause::button, Cause::device, Cause::device};
   for (int k = 0; k < 4; ++k) {
-    governor_ = Governor(GovernorOptions{});
+    controller_ = SafetyController(SafetyLimits{});
     engage();
     TickOutput out = tick(stops[k]);
     EXPECT_EQ(size(out), 0);
@@ -185,15 +186,15 @@ TEST_F(GovernorRules, EmergencyStopsLatch) {
   }
 }
 
-TEST_F(GovernorRules, OnlyTheButtonsThatAreNamedStop) {
-  GovernorOptions options;
+TEST_F(SafetyRules, OnlyTheButtonsThatAreNamedStop) {
+  SafetyLimits options;
   options.stop_buttons = 2;
-  governor_ = Governor(options);
+  controller_ = SafetyController(options);
   EXPECT_NE(tick([](TickInput& seen) { seen.sample.buttons = 1; }).mode, Mode::stopped);
   EXPECT_EQ(tick([](TickInput& seen) { seen.sample.buttons = 3; }).mode, Mode::stopped);
 }
 
-TEST_F(GovernorRules, AStopThatIsAskedForTakesTheForceByTheRamp) {
+TEST_F(SafetyRules, AStopThatIsAskedForTakesTheForceByTheRamp) {
   engage();
   const auto stop = [](TickInput& seen) { seen.requests = TickInput::stop; };
   double before = 2;
@@ -209,7 +210,7 @@ TEST_F(GovernorRules, AStopThatIsAskedForTakesTheForceByTheRamp) {
   EXPECT_EQ(out.cause, Cause::asked);
 }
 
-TEST_F(GovernorRules, AStopBeforeAnyForceIsAtOnce) {
+TEST_F(SafetyRules, AStopBeforeAnyForceIsAtOnce) {
   const TickOutput out = tick([](TickInput& seen) {
     seen.sample.phase = Phase::homing;
     seen.requests = TickInput::stop;
@@ -218,7 +219,7 @@ TEST_F(GovernorRules, AStopBeforeAnyForceIsAtOnce) {
   EXPECT_EQ(out.cause, Cause::asked);
 }
 
-TEST_F(GovernorRules, ATenthOfTheDeadlinesMayBeMissedInASecond) {
+TEST_F(SafetyRules, ATenthOfTheDeadlinesMayBeMissedInASecond) {
   engage();
   int number = 0;
   const auto every = [&](int nth) {
@@ -230,7 +231,7 @@ TEST_F(GovernorRules, ATenthOfTheDeadlinesMayBeMissedInASecond) {
   EXPECT_EQ(out.cause, Cause::deadlines);
 }
 
-TEST_F(GovernorRules, MissedDeadlinesCountBeforeThereIsAForceToo) {
+TEST_F(SafetyRules, MissedDeadlinesCountBeforeThereIsAForceToo) {
   const TickOutput out = ticks(1100, [](TickInput& seen) {
     seen.sample.phase = Phase::homing;
     seen.missed = 1;
@@ -238,27 +239,27 @@ TEST_F(GovernorRules, MissedDeadlinesCountBeforeThereIsAForceToo) {
   EXPECT_EQ(out.cause, Cause::deadlines);
 }
 
-TEST(GovernorOptions, EveryLimitIsChecked) {
-  EXPECT_EQ(GovernorOptions{}.validate(), nullptr);
+TEST(SafetyLimits, EveryLimitIsChecked) {
+  EXPECT_EQ(SafetyLimits{}.validate(), nullptr);
   const auto refuses = [](const char* word, auto change) {
-    GovernorOptions options;
+    SafetyLimits options;
     change(options);
     const char* wrong = options.validate();
     ASSERT_NE(wrong, nullptr) << word;
     EXPECT_NE(std::string(wrong).find(word), std::string::npos) << wrong;
   };
   for (const double bad : {-1.0, 1e9, std::numeric_limits<double>::quiet_NaN()}) {
-    refuses("rate", [&](GovernorOptions& o) { o.rate = bad; });
-    refuses("limit of the force", [&](GovernorOptions& o) { o.limit = bad; });
-    refuses("limit of the torque", [&](GovernorOptions& o) { o.torque_limit = bad; });
-    refuses("ramp up", [&](GovernorOptions& o) { o.ramp_up = bad; });
-    refuses("ramp down", [&](GovernorOptions& o) { o.ramp_down = bad; });
-    refuses("stale", [&](GovernorOptions& o) { o.stale = bad; });
-    refuses("gap", [&](GovernorOptions& o) { o.gap = bad; });
-    refuses("usable", [&](GovernorOptions& o) { o.silent = bad; });
-    refuses("missed", [&](GovernorOptions& o) { o.missed_share = bad; });
+    refuses("rate", [&](SafetyLimits& o) { o.rate = bad; });
+    refuses("limit of the force", [&](SafetyLimits& o) { o.limit = bad; });
+    refuses("limit of the torque", [&](SafetyLimits& o) { o.torque_limit = bad; });
+    refuses("ramp up", [&](SafetyLimits& o) { o.ramp_up = bad; });
+    refuses("ramp down", [&](SafetyLimits& o) { o.ramp_down = bad; });
+    refuses("stale", [&](SafetyLimits& o) { o.stale = bad; });
+    refuses("gap", [&](SafetyLimits& o) { o.gap = bad; });
+    refuses("usable", [&](SafetyLimits& o) { o.silent = bad; });
+    refuses("missed", [&](SafetyLimits& o) { o.missed_share = bad; });
   }
-  refuses("stale", [](GovernorOptions& o) { o.stale = 0.02; });
+  refuses("stale", [](SafetyLimits& o) { o.stale = 0.02; });
 }
 
 }  // namespace

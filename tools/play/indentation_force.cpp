@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "tools/play/straight_press.hpp"
+#include "tools/play/indentation_force.hpp"
 
 #include "palpate/geometry/closest_point.hpp"
 #include "palpate/response/interpolation.hpp"
 
 namespace palpate::cli {
 
-double straight_press(const runtime::View& view, std::uint32_t tool, std::uint32_t site, double depth) {
+double indentation_force(const runtime::View& view, std::uint32_t tool, std::uint32_t site, double depth) {
   const runtime::BodyPoint at = closest_point(view, runtime::to_vec(view.sites[site].position)).at;
   runtime::BlendedResponse<> response;
   response.blend(view, tool, at, {view.tools[tool].first_patch, {1, 0, 0}}, {1, 0, 0}, nullptr);

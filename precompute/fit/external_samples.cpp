@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "precompute/fit/given_pairs.hpp"
+#include "precompute/fit/external_samples.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -21,36 +21,37 @@ using SampleList = std::vector<Sample>;
 
 constexpr std::size_t kDrawn = 12;  // by which degrees are chosen: recorded pairs, and others beside them
 
-std::string name_of(const Plan& plan, std::uint32_t pair, const GivenPair& given) {
-  const std::string where = given.rows.empty() ? "" : given.rows.front() + ": ";  // the first of the contact
-  return where + (given.measured ? "recorded " : "closed form, ") + describe(pair, plan.pairs[pair]);
+std::string name_of(const Plan& plan, std::uint32_t pair, const ExternalSamples& external) {
+  const std::string where = external.rows.empty() ? "" : external.rows.front() + ": ";  // the first of the contact
+  return where + (external.measured ? "recorded " : "closed form, ") + describe(pair, plan.pairs[pair]);
 }
 
 /// Runs `action`. If it refuses a recording, the ignored rows are added to the message: they may be the cause.
 template <class Action>
-auto telling_passed(const GivenPair& given, const Action& action) {
+auto telling_passed(const ExternalSamples& external, const Action& action) {
   try {
     return action();
   } catch (const Error& error) {
-    if (given.passed.total() == 0) throw;
-    throw Error(error.code(), std::string(error.what()) + "; " + to_text(given.passed));
+    if (external.passed.total() == 0) throw;
+    throw Error(error.code(), std::string(error.what()) + "; " + to_text(external.passed));
   }
 }
 
-fit::RecordedFit fit_rows(const Plan& plan, std::uint32_t pair, const GivenPair& given, const ResponseScales& scales) {
-  return telling_passed(given, [&] {
-    return fit::fit_recorded(given.samples, plan.pairs[pair].depth, scales, name_of(plan, pair, given));
+fit::RecordedFit fit_rows(const Plan& plan, std::uint32_t pair, const ExternalSamples& external,
+                          const ResponseScales& scales) {
+  return telling_passed(external, [&] {
+    return fit::fit_recorded(external.samples, plan.pairs[pair].depth, scales, name_of(plan, pair, external));
   });
 }
 
 /// Samples of a bake's path from a fit of many coefficients, as deep and as far aside as the recording went.
-SampleList smoothed(const Plan& plan, std::uint32_t pair, const GivenPair& given, ResponseScales scales, bool bias,
-                    const FitSettings& settings) {
+SampleList smoothed(const Plan& plan, std::uint32_t pair, const ExternalSamples& external, ResponseScales scales,
+                    bool bias, const FitSettings& settings) {
   scales.degrees = {5, bias ? 4 : 0, 3, 3, true};
   if (!scales.friction()) scales.degrees = {response::kMaxDegree, bias ? 4 : 0, 0, 0, false};
-  const fit::RecordedFit fitted = fit_rows(plan, pair, given, scales);
+  const fit::RecordedFit fitted = fit_rows(plan, pair, external, scales);
   double aside = 0;
-  for (const Sample& s : given.samples) {
+  for (const Sample& s : external.samples) {
     if (s.kind == SampleKind::tangential) aside = std::max(aside, s.deflection.head<2>().norm());
   }
   PairPath path = settings.path(fitted.depth);
@@ -78,14 +79,15 @@ std::string to_text(const Passed& passed) {
   return text;
 }
 
-GivenCounts count_given(const PairSources& sources) {
-  GivenCounts counts;
-  for (const auto& [pair, given] : sources.given) ++(given.measured ? counts.measured : counts.analytic);
+ExternalCounts count_external(const PairSources& sources) {
+  ExternalCounts counts;
+  for (const auto& [pair, external] : sources.external) ++(external.measured ? counts.measured : counts.analytic);
   return counts;
 }
 
 const SampleList* samples_of(std::uint32_t pair, const JournalContent& journal, const PairSources& sources) {
-  if (const auto given = sources.given.find(pair); given != sources.given.end()) return &given->second.samples;
+  if (const auto external = sources.external.find(pair); external != sources.external.end())
+    return &external->second.samples;
   if (!sources.solved(pair)) return nullptr;
   const JournalPair& solved = journal.pairs.at(pair);
   return solved.outcome->accepted ? &solved.samples : nullptr;
@@ -111,12 +113,12 @@ bool has_steady_bias(const std::vector<Sample>& samples, double threshold) {
   return std::max(std::abs(median(force[0])), std::abs(median(force[1]))) >= threshold * std::abs(median(force[2]));
 }
 
-void check_given(const Plan& plan, const PairSources& sources, bool friction) {
-  for (const auto& [pair, given] : sources.given) {
-    if (!given.measured) continue;
-    const std::string what = name_of(plan, pair, given);
-    telling_passed(given, [&, pair = pair, &given = given] {
-      fit::check_recorded(given.samples, plan.pairs[pair].depth, friction, what);
+void check_external(const Plan& plan, const PairSources& sources, bool friction) {
+  for (const auto& [pair, external] : sources.external) {
+    if (!external.measured) continue;
+    const std::string what = name_of(plan, pair, external);
+    telling_passed(external, [&, pair = pair, &external = external] {
+      fit::check_recorded(external.samples, plan.pairs[pair].depth, friction, what);
     });
   }
 }
@@ -125,35 +127,36 @@ fit::DegreeChoice choose_degrees(const Plan& plan, const PairSources& sources,
                                  const std::vector<const SampleList*>& exact, const ResponseScales& scales, bool bias,
                                  const FitSettings& settings) {
   std::vector<std::uint32_t> recorded;
-  for (const auto& [pair, given] : sources.given) {
-    if (given.measured) recorded.push_back(pair);
+  for (const auto& [pair, external] : sources.external) {
+    if (external.measured) recorded.push_back(pair);
   }
   if (recorded.empty()) return fit::choose_degrees(exact, scales, bias, settings.tolerance);
   std::vector<SampleList> smooth;
   for (const std::uint32_t pair : drawn(recorded)) {
-    smooth.push_back(smoothed(plan, pair, sources.given.at(pair), scales, bias, settings));
+    smooth.push_back(smoothed(plan, pair, sources.external.at(pair), scales, bias, settings));
   }
   std::vector<const SampleList*> pairs = drawn(exact);
   for (const SampleList& samples : smooth) pairs.push_back(&samples);
   return fit::choose_degrees(pairs, scales, bias, settings.tolerance);
 }
 
-SiteResponse fit_given(const Plan& plan, std::uint32_t pair, const GivenPair& given, const ResponseScales& scales,
-                     FitReport& report, std::vector<std::pair<double, std::uint32_t>>& laws) {
+SiteResponse fit_external(const Plan& plan, std::uint32_t pair, const ExternalSamples& external,
+                          const ResponseScales& scales, FitReport& report,
+                          std::vector<std::pair<double, std::uint32_t>>& laws) {
   const PairPlan& planned = plan.pairs[pair];
-  if (!given.measured) {
-    SiteResponse site{fit::fit_pair(given.samples, scales, name_of(plan, pair, given)), planned.depth, {}, {}};
-    const fit::FitErrors errors = fit::fit_errors(site.response, scales, given.samples);
+  if (!external.measured) {
+    SiteResponse site{fit::fit_pair(external.samples, scales, name_of(plan, pair, external)), planned.depth, {}, {}};
+    const fit::FitErrors errors = fit::fit_errors(site.response, scales, external.samples);
     for (const auto* list : {&errors.normal, &errors.tangential}) {
       for (const double e : *list) laws.emplace_back(e, pair);
     }
     ++report.analytic;
     return site;
   }
-  fit::RecordedFit fitted = fit_rows(plan, pair, given, scales);
+  fit::RecordedFit fitted = fit_rows(plan, pair, external, scales);
   RecordedFigures& figures = report.recorded.emplace_back();
-  figures = {pair, given.rows.size(), {}, fitted.rms, fitted.worst, fitted.depth, given.passed};
-  for (const std::size_t k : fitted.outliers) figures.outliers.push_back(given.rows[k]);
+  figures = {pair, external.rows.size(), {}, fitted.rms, fitted.worst, fitted.depth, external.passed};
+  for (const std::size_t k : fitted.outliers) figures.outliers.push_back(external.rows[k]);
   return {std::move(fitted.response), fitted.depth, {}, {}};
 }
 

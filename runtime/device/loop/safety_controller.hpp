@@ -9,7 +9,7 @@
 namespace palpate::device {
 
 /// Limits of a run, all stated.
-struct GovernorOptions {
+struct SafetyLimits {
   double rate = 1000;         ///< Hz, [100, 10000]: of the loop
   double limit = 3;           ///< N, (0, 100]: a longer force is shortened along its line, a pull to it
   double torque_limit = 0;    ///< N m, [0, 10]; 0: no torque
@@ -83,9 +83,9 @@ struct TickOutput {
 ///  3. Else the source's force, shortened to the limit along its line, times a share that grows from 0 over `ramp_up`.
 ///     A requested stop shrinks the share over `ramp_down` and then stops.
 ///  A sample between fresh and stale is used as it is: an extrapolated pose does work that no hand did.
-class Governor {
+class SafetyController {
 public:
-  explicit Governor(const GovernorOptions& options) : options_(options) {}
+  explicit SafetyController(const SafetyLimits& limits) : limits_(limits) {}
 
   /// One tick. Allocates nothing, throws nothing.
   TickOutput step(const TickInput& seen, ForceSource& source) noexcept;
@@ -97,7 +97,7 @@ private:
   TickOutput stop(const TickInput& seen, Cause cause);
   TickOutput hold(const TickInput& seen, Cause cause, ForceSource& source);
 
-  GovernorOptions options_;
+  SafetyLimits limits_;
   Mode mode_ = Mode::waiting;
   Cause cause_ = Cause::none;
   Fault fault_ = Fault::none;

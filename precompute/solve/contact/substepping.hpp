@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A way that is gone in one step, or in parts where a step finds no equilibrium.
+// A move of the tool in one step, or in substeps where a step finds no equilibrium.
 #pragma once
 
 #include <algorithm>
@@ -16,10 +16,10 @@ struct StepResult {
   double energy_error = 0.0;  ///< J, half of the last decrement: how far above its minimum the energy may be
 };
 
-/// Calls step(to, part) for shares `to` of the way, up to 1; a step that fails is halved, down to an eighth of the way.
-/// If the smallest share fails too, the result has its cause, and the way ends at the last good step.
+/// Calls step(to, part) for shares `to` of the move, up to 1; a step that fails is halved, down to an eighth of the
+/// move. If the smallest share fails too, the result has its cause, and the move ends at the last good step.
 template <class Step>
-StepResult in_parts(Step&& step) {
+StepResult substep(Step&& step) {
   StepResult total;
   double done = 0.0, part = 1.0;
   while (done < 1.0) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The command that is sent to a device: the rules that Device::write() promises, in one place for every device.
+// The command that is sent to a device: the rules of Device::write(), in one place for every device.
 #pragma once
 
 #include "device/device.hpp"
@@ -17,7 +17,7 @@ inline bool fresh(const Command& command, double time) {
 
 /// The command to send at `time` (s): zero where it is not fresh or not finite; a force beyond kind.peak_force
 /// shortened along its line, a pull to it, or to 0 where it pushes.
-inline Command admitted(const Command& command, const DeviceKind& kind, double time) {
+inline Command clamp_command(const Command& command, const DeviceKind& kind, double time) {
   if (!fresh(command, time) || !finite(command.force) || !finite(command.torque) || !finite(command.pull)) {
     return {time, {}, {}};
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "device/loop/governor.hpp"
+#include "device/loop/safety_controller.hpp"
 
 #include "palpate/output/output_chain.hpp"
 
@@ -14,7 +14,7 @@ Vec3 shortened(const Vec3& v, double most) { return runtime::output::Limit{most}
 
 }  // namespace
 
-const char* GovernorOptions::validate() const {
+const char* SafetyLimits::validate() const {
   constexpr double kLeast = 1e-9;
   if (!within(rate, 100, 10000)) return "the rate is outside 100 to 10000 Hz";
   if (!within(limit, kLeast, 100)) return "the limit of the force is outside 0 to 100 N";
@@ -29,7 +29,7 @@ const char* GovernorOptions::validate() const {
   return nullptr;
 }
 
-TickOutput Governor::step(const TickInput& seen, ForceSource& source) noexcept {
+TickOutput SafetyController::step(const TickInput& seen, ForceSource& source) noexcept {
   if (mode_ == Mode::stopped) return stop(seen, cause_);
   if (const Cause end = ends(seen); end != Cause::none) return stop(seen, end);
   if (const Cause wait = holds(seen); wait != Cause::none) return hold(seen, wait, source);
@@ -41,45 +41,44 @@ TickOutput Governor::step(const TickInput& seen, ForceSource& source) noexcept {
   }
   held_ = 0;
   const bool stopping = (seen.requests & TickInput::stop) != 0 || mode_ == Mode::stopping;
-  share_ += stopping ? -seen.seconds / options_.ramp_down : seen.seconds / options_.ramp_up;
+  share_ += stopping ? -seen.seconds / limits_.ramp_down : seen.seconds / limits_.ramp_up;
   if (stopping && share_ <= 0) return stop(seen, Cause::asked);
   share_ = std::fmin(1, share_);
   mode_ = stopping ? Mode::stopping : share_ < 1 ? Mode::ramping : Mode::engaged;
   out.mode = mode_;
-  out.command = {seen.time, share_ * shortened(out.answer.force, options_.limit),
-                 share_ * shortened(out.answer.torque, options_.torque_limit),
-                 limited(out.answer.pull, options_.limit)};
+  out.command = {seen.time, share_ * shortened(out.answer.force, limits_.limit),
+                 share_ * shortened(out.answer.torque, limits_.torque_limit), limited(out.answer.pull, limits_.limit)};
   for (double& pull : out.command.pull) pull *= share_;
   return out;
 }
 
 /// Counted over whole seconds, one after the other.
-bool Governor::too_many_missed(const TickInput& seen) {
+bool SafetyController::too_many_missed(const TickInput& seen) {
   second_ += seen.seconds;
   if (second_ >= 1) second_ = missed_ = 0;
   missed_ += seen.missed;
-  return missed_ > options_.missed_share * options_.rate;
+  return missed_ > limits_.missed_share * limits_.rate;
 }
 
-Cause Governor::ends(const TickInput& seen) {
+Cause SafetyController::ends(const TickInput& seen) {
   const bool missed = too_many_missed(seen);
   if ((seen.requests & TickInput::emergency_stop) != 0) return Cause::emergency;
-  if ((seen.sample.buttons & options_.stop_buttons) != 0) return Cause::button;
+  if ((seen.sample.buttons & limits_.stop_buttons) != 0) return Cause::button;
   if (seen.sample.phase == Phase::stopped || seen.sample.fault != Fault::none) return Cause::device;
   return missed ? Cause::deadlines : Cause::none;
 }
 
 // Written so that a NaN is refused.
-Cause Governor::holds(const TickInput& seen) const {
+Cause SafetyController::holds(const TickInput& seen) const {
   constexpr double kClocks = 1e-3;  // s that a sample may come from the future, by clocks of two processors
   if (seen.sample.phase != Phase::ready) return Cause::not_ready;
   const double age = seen.time - seen.sample.time;
-  if (!within(age, -kClocks, options_.stale)) return Cause::stale;
-  if (!(seen.seconds > 0 && seen.seconds <= options_.gap)) return Cause::late;
+  if (!within(age, -kClocks, limits_.stale)) return Cause::stale;
+  if (!(seen.seconds > 0 && seen.seconds <= limits_.gap)) return Cause::late;
   return seen.sample.pose.valid() ? Cause::none : Cause::pose;
 }
 
-TickOutput Governor::stop(const TickInput& seen, Cause cause) {
+TickOutput SafetyController::stop(const TickInput& seen, Cause cause) {
   if (mode_ != Mode::stopped) fault_ = seen.sample.fault;
   mode_ = Mode::stopped;
   cause_ = cause;
@@ -91,13 +90,13 @@ TickOutput Governor::stop(const TickInput& seen, Cause cause) {
   return out;
 }
 
-TickOutput Governor::hold(const TickInput& seen, Cause cause, ForceSource& source) {
+TickOutput SafetyController::hold(const TickInput& seen, Cause cause, ForceSource& source) {
   if ((seen.requests & TickInput::stop) != 0 || mode_ == Mode::stopping) return stop(seen, Cause::asked);
   if (mode_ == Mode::ramping || mode_ == Mode::engaged || cause == Cause::source) source.reset();
   if (mode_ != Mode::waiting) {
     mode_ = Mode::suspended;
     held_ = cause == Cause::not_ready ? 0 : held_ + seen.seconds;
-    if (!(held_ <= options_.silent)) return stop(seen, cause);
+    if (!(held_ <= limits_.silent)) return stop(seen, cause);
   }
   share_ = 0;
   TickOutput out;

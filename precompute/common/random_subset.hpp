@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A seeded draw, the same with every standard library.
+// A seeded random subset, the same with every standard library.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace palpate {
 
 /// A share [0, 1] of the numbers 0 to count - 1, at least one where there are any and the share is not 0, in the order
 /// drawn.
-inline std::vector<std::size_t> draw_share(std::size_t count, double share, std::uint64_t seed) {
+inline std::vector<std::size_t> random_subset(std::size_t count, double share, std::uint64_t seed) {
   std::vector<std::size_t> numbers(count);
   std::iota(numbers.begin(), numbers.end(), std::size_t{0});
   std::mt19937_64 engine(seed);

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A contact to be solved: which body a tool touches, by which of its vertices, and where.
+#pragma once
+
+namespace palpate {
+
+struct Body;
+struct ContactFrame;
+struct Tool;
+struct ToolVertex;
+
+/// References: the objects outlive the case.
+struct ContactCase {
+  const Body& body;
+  const Tool& tool;
+  const ToolVertex& vertex;   ///< of the tool, or between its vertices: it touches first
+  const ContactFrame& frame;  ///< of the first touch, at the body's surface
+};
+
+}  // namespace palpate
