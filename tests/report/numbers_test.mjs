@@ -60,8 +60,11 @@ test("contacts and equilibria are those that build counts", () => {
   assert.equal(bake.planned, built.pairs_planned);
   assert.equal(bake.accepted, built.pairs_accepted);
   assert.equal(bake.solves, built.normal_solves + built.tangential_solves);
-  const straight = report.curves.pairs.reduce((sum, p) => sum + p.normal_m_N.length, 0);
-  assert.equal(straight, built.normal_solves);
+  // A shallow push whose contact the mesh does not resolve has no place on its curve.
+  const depths = report.curves.pairs.map((pair) => pair.normal_m_N.map(([depth]) => depth));
+  const all = depths.find((each) => each.length === 6);
+  for (const each of depths) each.forEach((depth, k) => near(depth, all.at(k - each.length), 0.02));
+  assert.equal(built.normal_solves, 6 * depths.length);
   const friction = report.left_out.features.find((f) => f.name === "friction");
   assert.equal(friction.solves, built.pairs_planned * 2 * 4 * 2);
 });
