@@ -174,7 +174,7 @@ shutil.rmtree(folder, ignore_errors=True)
 folder.mkdir(parents=True)
 label_ball(folder / "ball.nii.gz")
 block = (source / "tests/report/block.toml.in").read_text(encoding="utf-8")
-(folder / "block.toml").write_text(block.replace("@SLAB@", str(source / "tests/bakes/slab.obj")), encoding="utf-8")
+(folder / "block.toml").write_text(block.replace("@BLOCK@", str(source / "tests/report/grooved_block.obj")), encoding="utf-8")
 path = {**os.environ, "PATH": f"{palpate.parent}{os.pathsep}{os.environ['PATH']}"}
 for command, expected, *copied in RUN:
     for old, new in copied:
