@@ -24,7 +24,7 @@ namespace {
 struct MadeOrgan {
   Surface surface;
   std::string file;
-  double held_below = 0.0;
+  std::vector<HalfSpace> held;
   double spacing = 0.015;
   double clear_radius = 0.0;  ///< probing stays within this distance of the centre, seen from above
   double inclusion_radius = 0.008;
@@ -37,12 +37,14 @@ struct MadeOrgan {
   double risen = 0.0;  ///< by prestress, where it is probed, about
 };
 
+HalfSpace below(double z) { return {{0, 0, z}, {0, 0, 1}}; }
+
 MadeOrgan make_slab(const DatasetOptions& options) {
   const Eigen::Vector3d size = options.scale * Eigen::Vector3d(0.12, 0.12, 0.05);
   MadeOrgan organ;
   organ.surface = box(size, options.edge.value_or(0.01 * options.scale), "slab");
   organ.file = "slab.ply";
-  organ.held_below = -0.999 * size.z();
+  organ.held = {below(-0.999 * size.z())};
   organ.spacing = 0.02 * options.scale;
   organ.clear_radius = 0.25 * size.x();
   organ.inclusion_radius = 0.008 * options.scale;
@@ -61,7 +63,7 @@ MadeOrgan make_ball(const DatasetOptions& options) {
   organ.surface =
       ellipsoid({0, 0, 0}, Eigen::Vector3d::Constant(radius), options.edge.value_or(0.004 * options.scale), "ball");
   organ.file = "ball.ply";
-  organ.held_below = -0.6 * radius;
+  organ.held = {below(-0.6 * radius)};
   organ.spacing = 0.015 * options.scale;
   organ.clear_radius = 0.4 * radius;
   organ.inclusion_radius = 0.25 * radius;
@@ -74,7 +76,7 @@ MadeOrgan make_liver(const DatasetOptions& options) {
   MadeOrgan organ;
   organ.surface = liver_surface(shape, options.edge.value_or(0.005 * options.scale));
   organ.file = "liver.ply";
-  organ.held_below = 0.85 * shape.underside();
+  organ.held = {below(0.85 * shape.underside())};
   organ.spacing = 0.015 * options.scale;
   organ.clear_radius = 0.02 * options.scale;
   organ.inclusion_radius = 0.009 * options.scale;
@@ -92,7 +94,7 @@ MadeOrgan make_kidney(const DatasetOptions& options) {
   MadeOrgan organ;
   organ.surface = shape.surface(options.edge.value_or(0.003 * options.scale));
   organ.file = "kidney.ply";
-  organ.held_below = shape.underside();
+  organ.held = {below(shape.underside())};
   organ.spacing = 0.012 * options.scale;
   organ.clear_radius = 0.012 * options.scale;
   organ.inclusion_radius = 0.004 * options.scale;
@@ -110,11 +112,28 @@ MadeOrgan make_bladder(const DatasetOptions& options) {
   MadeOrgan organ;
   organ.surface = shape.surface(options.edge.value_or(0.003 * options.scale));
   organ.file = "bladder.ply";
-  organ.held_below = shape.neck();
+  organ.held = {below(shape.neck())};
   organ.spacing = 0.015 * options.scale;
   organ.clear_radius = 0.008 * options.scale;
   organ.young = 3e4;
   organ.risen = shape.rise(options.young.value_or(organ.young), options.pressure);
+  return organ;
+}
+
+/// A strip of 60 x 40 x 2 mm, held at both ends.
+MadeOrgan make_sheet(const DatasetOptions& options) {
+  const Eigen::Vector3d size = options.scale * Eigen::Vector3d(0.06, 0.04, 0.002);
+  MadeOrgan organ;
+  organ.surface = box(size, options.edge.value_or(0.005 * options.scale), "sheet");
+  organ.file = "sheet.ply";
+  const Eigen::Vector3d end = 0.4 * size.x() * Eigen::Vector3d::UnitX();
+  organ.held = {{end, -Eigen::Vector3d::UnitX()}, {-end, Eigen::Vector3d::UnitX()}};
+  organ.spacing = 0.01 * options.scale;
+  organ.clear_radius = 0.2 * size.x();
+  organ.young = 3e4;
+  const double thin = 0.1 * size.z();
+  organ.sampled_box = {Eigen::Vector3d(-0.3 * size.x(), -0.35 * size.y(), -thin),
+                       Eigen::Vector3d(0.3 * size.x(), 0.35 * size.y(), thin)};
   return organ;
 }
 
@@ -135,6 +154,8 @@ MadeOrgan make_organ(const DatasetOptions& options) {
       return make_kidney(options);
     case Organ::bladder:
       return make_bladder(options);
+    case Organ::sheet:
+      return make_sheet(options);
   }
   throw Error(ExitCode::usage, "unknown organ");
 }
@@ -166,8 +187,8 @@ EllipsoidFacts place_inclusion(const MadeOrgan& organ, const View& view, const D
 
 void check_options(const DatasetOptions& options) {
   const auto refuse = [](const char* what) { throw Error(ExitCode::usage, what); };
-  if (options.inclusion && (options.organ == Organ::kidney || options.organ == Organ::bladder))
-    refuse("an inclusion is put into a slab, a ball or a liver");
+  const bool solid = options.organ == Organ::slab || options.organ == Organ::ball || options.organ == Organ::liver;
+  if (options.inclusion && !solid) refuse("an inclusion is put into a slab, a ball or a liver");
   if (options.tumour && !(options.organ == Organ::liver && options.inclusion))
     refuse("a tumour is the inclusion of a liver");
   if (options.tumour && options.young) refuse("a liver with a tumour has its tissue's stiffness");
@@ -223,11 +244,11 @@ std::vector<std::filesystem::path> write_dataset(const DatasetOptions& options, 
   const View view(organ.surface);
   SceneFacts facts;
   facts.organ_file = organ.file;
-  facts.held_below = organ.held_below;
+  facts.held = organ.held;
   facts.spacing = options.spacing.value_or(organ.spacing);
   facts.sampled_box = organ.sampled_box;
-  // The slab's margins lie outside the sampled box; a bladder is thin all over.
-  facts.uniform = options.organ == Organ::slab || options.organ == Organ::bladder;
+  // The margins of slab and sheet lie outside the sampled box; a bladder is thin all over.
+  facts.uniform = organ.sampled_box || options.organ == Organ::bladder;
   facts.regions = organ.regions;
   facts.young = options.young.value_or(organ.young);
   if (!options.young) facts.tissue = organ.tissue;

@@ -10,7 +10,7 @@
 
 namespace palpate::synth {
 
-enum class Organ { slab, ball, liver, kidney, bladder };
+enum class Organ { slab, ball, liver, kidney, bladder, sheet };
 enum class Instrument { sphere, punch, capsule, stylus };
 enum class MotionKind { probe, scan };
 

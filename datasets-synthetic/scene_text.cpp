@@ -90,8 +90,10 @@ std::string scene_text(const DatasetOptions& options, const SceneFacts& facts) {
     set(out, "poisson", text(options.poisson));
   }
   for (const EllipsoidFacts& region : facts.regions) append_region(out, options, region);
-  out += "\n[[support]]\n";
-  set(out, "half_space", "{point = " + text(Eigen::Vector3d(0, 0, facts.held_below)) + ", normal = [0, 0, 1]}");
+  for (const HalfSpace& support : facts.held) {
+    out += "\n[[support]]\n";
+    set(out, "half_space", "{point = " + text(support.point) + ", normal = " + text(support.normal) + "}");
+  }
   if (facts.pressure > 0) {
     out += "\n[prestress]\n";
     set(out, "pressure", text(facts.pressure));

@@ -18,6 +18,11 @@ struct EllipsoidFacts {
   double young = 0.0;  ///< Pa
 };
 
+/// The points p with (p - point) . normal <= 0; m.
+struct HalfSpace {
+  Eigen::Vector3d point{0, 0, 0}, normal{0, 0, 1};
+};
+
 /// Properties of a synthetic organ that its scene needs. Lengths in m.
 struct SceneFacts {
   std::string organ_file;
@@ -27,7 +32,7 @@ struct SceneFacts {
   std::string tissue;       ///< of the organ; empty: young
   double young = 5e3;       ///< Pa
   double pressure = 0.0;    ///< Pa, in its cavities
-  double held_below = 0.0;  ///< the surface is held where z is at most this
+  std::vector<HalfSpace> held;  ///< the surface is held in each
   double spacing = 0.015;
   bool uniform = false;  ///< as coarse at margins as elsewhere
   std::optional<std::pair<Eigen::Vector3d, Eigen::Vector3d>> sampled_box;

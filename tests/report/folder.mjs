@@ -14,18 +14,21 @@ export const at = (name) => path.join(folder, name);
 export const json = (name) => JSON.parse(readFileSync(at(name), "utf8"));
 export const palpate = (...args) => execFileSync(PALPATE, args, { cwd: folder, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
 
-/** Poses [x, y, z, w, x, y, z] of a ball of this radius (m) on the plane z = 0: pressed in, drawn aside, lifted. Steps are
- *  below a hundredth of the depth scale, so that `palpate play` makes one tick a row. */
-export function pressDragLift(radius, depth, aside) {
-  const rows = [];
-  const line = (from, to, steps) => {
-    for (let k = 1; k <= steps; k++) rows.push([...from.map((x, i) => x + (k / steps) * (to[i] - x)), 1, 0, 0, 0]);
-  };
-  const above = [0.002, -0.001, radius + 0.0005], below = [0.002, -0.001, radius - depth], away = [0.002 + aside, -0.001 + aside / 3, radius - depth];
-  rows.push([...above, 1, 0, 0, 0]);
-  line(above, below, 150);
-  line(below, away, 400);
-  line(away, [away[0], away[1], above[2]], 150);
+/** Poses [x, y, z, w, x, y, z] of the block's tip (m): pressed 2 mm into the top, drawn across the groove, whose two flanks
+ *  it overlaps at the bottom, up on the other side, lifted. Steps are below a hundredth of the depth scale, so that
+ *  `palpate play` makes one tick a row. */
+export function pressDragLift() {
+  const step = 2e-5, top = 3e-3, bottom = 1e-3, above = 5.5e-3;
+  const corners = [
+    [0.002, -0.001, above], [0.002, -0.001, top], [-0.006, 0, top], [-0.012, 0.001, bottom], [-0.018, 0.002, top],
+    [-0.02, 0.003, top], [-0.02, 0.003, above],
+  ];
+  const rows = [[...corners[0], 1, 0, 0, 0]];
+  for (const to of corners.slice(1)) {
+    const from = rows.at(-1);
+    const steps = Math.ceil(Math.hypot(...to.map((x, i) => x - from[i])) / step);
+    for (let k = 1; k <= steps; k++) rows.push([...to.map((x, i) => from[i] + (k / steps) * (x - from[i])), 1, 0, 0, 0]);
+  }
   return rows;
 }
 

@@ -6,7 +6,7 @@ import { at, palpate, played, pressDragLift } from "./folder.mjs";
 rmSync(at("scene.work"), { recursive: true, force: true });  // of an earlier program
 palpate("build", "scene.toml", "--quiet");
 palpate("verify", "scene.toml", "--count", "3", "--report", "verify.json", "--quiet");
-const { text } = played(pressDragLift(0.005, 0.002, 0.004), "forces.csv");
+const { text } = played(pressDragLift(), "forces.csv");
 writeFileSync(at("motion.csv"), text);
 palpate("play", "scene.palp", "motion.csv", "--out", "forces.csv", "--quiet");
 // Cells of the stiff battery, as its report lists them.

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { statSync } from "node:fs";
 import test, { after, before } from "node:test";
-import { needChromium, openBrowser, openPage } from "./browser.mjs";
+import { drag, needChromium, openBrowser, openPage } from "./browser.mjs";
 import { at, json, played, pressDragLift } from "./folder.mjs";
 
 needChromium();
@@ -42,12 +42,14 @@ test("plots hold the data of the numbers", async () => {
   for (const law of report.error_time.laws) assert.ok(holds("error-force_ns-laws", law.force_ns, 100 * law.error.p95), law.model);
 });
 
-test("tables print the numbers", async () => {
+test("tables print the numbers and the commands that made them", async () => {
   const text = await page.evaluate(() => document.body.innerText);
   const own = report.error_time.files[0];
   for (const printed of [
     `${Number((100 * own.error.p95).toPrecision(3))} %`, String(own.bytes_per_response), report.provenance.manifest,
     ...report.provenance.inputs.map((input) => input.hash), ...report.stability.devices.map((d) => d.device),
+    ...[report.organ, report.error_time, report.stability.bake, report.left_out, report.provenance].map((part) => part.command),
+    report.stability.battery_command, report.stability.devices_command,
   ]) assert.ok(text.includes(printed), printed);
 });
 
@@ -74,8 +76,8 @@ test("hovering a site shows its solved and baked curves", async () => {
   assert.match(shown.text, new RegExp(`Site ${pair.site}:`));
 });
 
-test("a scripted press, drag and lift has the native forces within 1e-6", async () => {
-  const rows = pressDragLift(0.005, 0.002, 0.004);
+test("a scripted press, drag across the groove and lift has the native forces within 1e-6", async () => {
+  const rows = pressDragLift();
   const native = played(rows, "forces.csv").read();
   const ticks = await page.evaluate((r) => palpateReport.poke.script(0, r), rows);
   const peak = Math.max(...native.map((row) => Math.hypot(...row.force)));
@@ -90,18 +92,10 @@ test("the mouse presses, drags, tilts and lifts; ticks run at 1 kHz", async (t) 
   await page.mouse.move(x, y);
   await page.mouse.down();
   await page.waitForFunction(() => document.querySelector("#readout b")?.innerText.match(/[1-9]/), { timeout: 5000 });
-  const count = () => page.evaluate(() => [palpateReport.poke.ticks, palpateReport.view.frames, performance.now()]);
-  const before = await count();
-  for (let k = 1; k <= 40; k++) {
-    await page.mouse.move(x + 1.2 * k, y);
-    await new Promise((done) => setTimeout(done, 25));
-  }
-  const since = await count();
-  const seconds = (since[2] - before[2]) / 1e3;
-  const rates = [(since[0] - before[0]) / seconds, (since[1] - before[1]) / seconds];
-  t.diagnostic(`${rates[0].toFixed(0)} ticks and ${rates[1].toFixed(1)} frames a second`);
-  assert.ok(Math.abs(rates[0] / 1000 - 1) < 0.1, `${rates[0]} ticks a second`);
-  assert.ok(rates[1] > 2);
+  const { ticks, frames } = await drag(page, (t) => [x + 48 * t, y], 1);
+  t.diagnostic(`${ticks.toFixed(0)} ticks and ${frames.toFixed(1)} frames a second`);
+  assert.ok(Math.abs(ticks / 1000 - 1) < 0.1, `${ticks} ticks a second`);
+  assert.ok(frames > 5, `${frames} frames a second`);  // beside other tests; organ_pages_test.mjs has the rate
   const state = await page.evaluate(() => document.querySelector("#readout span").innerText);
   assert.equal(state, "slide");
   const depth = await page.evaluate(() => palpateReport.view.material.uniforms.dentDepth.value);
@@ -132,6 +126,14 @@ test("colours, dark mode and a narrow screen", async () => {
   await page.waitForFunction(() => document.documentElement.dataset.theme === "dark", { timeout: 5000 });
   await page.setViewport({ width: 390, height: 800 });
   assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= 390, "the page scrolls sideways");
+});
+
+test("notices of all code in the page are in it", async () => {
+  const notices = await page.evaluate(() => [...document.querySelectorAll("#licences details")].map((d) => [d.querySelector("summary").textContent, d.querySelector("pre").textContent]));
+  for (const name of ["palpate", "three ", "three-mesh-bvh", "@observablehq/plot", "wasi-libc", "libc++"]) {
+    const found = notices.find(([summary]) => summary.startsWith(name));
+    assert.ok(found && found[1].length > 400, name);
+  }
 });
 
 test("no error and no request", () => {

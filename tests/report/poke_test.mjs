@@ -12,18 +12,19 @@ const file = readFileSync(at("scene.palp"));
 
 test("the module imports nothing", () => assert.deepEqual(WebAssembly.Module.imports(new WebAssembly.Module(wasm)), []));
 
-test("a press, a drag and a lift have the native forces within 1e-6", async () => {
+test("a press, a drag across a groove and a lift have the native forces within 1e-6", async () => {
   const palp = await Palp.open(wasm, file);
-  const rows = pressDragLift(0.005, 0.002, 0.004);
+  const rows = pressDragLift();
   const native = played(rows, "forces.csv").read();
   assert.equal(native.length, rows.length);
   const peak = Math.max(...native.map((row) => Math.hypot(...row.force)));
   assert.ok(peak > 0.01);
-  const states = new Set();
+  const states = new Set(), flanks = new Set();
   palp.takeTool(0);
   rows.forEach((row, k) => {
     const tick = palp.tick(row);
     states.add(STATES[tick.state]);
+    if (Math.abs(tick.normal[0]) > 0.3) flanks.add(Math.sign(tick.normal[0]));
     assert.equal(STATES[tick.state], native[k].state, `row ${k}`);
     const off = Math.hypot(...tick.force.map((f, i) => f - native[k].force[i]));
     const size = Math.hypot(...native[k].force);
@@ -31,6 +32,7 @@ test("a press, a drag and a lift have the native forces within 1e-6", async () =
     assert.ok(off <= 1e-6 * Math.max(size, 1e-3 * peak), `row ${k}: ${tick.force} instead of ${native[k].force}`);
   });
   for (const state of ["free", "stick", "slide", "released"]) assert.ok(states.has(state), state);
+  assert.deepEqual([...flanks], [-1, 1], "the tool touches one flank of the groove, then the other");
 });
 
 test("curves are those of palpate export", async () => {

@@ -109,6 +109,21 @@ TEST_F(Dataset, BladderIsAHollowShellThatMayBeFilled) {
   expect_refused(options, folder_ / "none", "holds up to about");
 }
 
+TEST_F(Dataset, SheetIsThinAndHeldAtBothEnds) {
+  DatasetOptions options;
+  options.organ = Organ::sheet;
+  options.depth = 0.001;
+  const Scene scene = read_scene(write_dataset(options, folder_)[0]);
+  const Surface body = read_surface(scene.body.surfaces[0]);
+  EXPECT_EQ(test::edge_faults(body), 0);
+  EXPECT_NEAR(test::volume(body), 0.06 * 0.04 * 0.002, 1e-9);
+  ASSERT_EQ(scene.supports.size(), 2U);
+  EXPECT_EQ(scene.supports[0].point.x(), -scene.supports[1].point.x());
+  EXPECT_EQ(scene.supports[0].normal.x(), -1);
+  options.inclusion = true;
+  expect_refused(options, folder_ / "none", "a slab, a ball or a liver");
+}
+
 TEST_F(Dataset, TumourIsARegionOfItsTissue) {
   DatasetOptions options;
   options.organ = Organ::liver;

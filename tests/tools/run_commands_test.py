@@ -63,6 +63,7 @@ ELSEWHERE = [
     (r"palpate verify scene\.palp --samples report\.json --max-p95 0\.12", "Pipeline.SlabEndToEnd"),
     (r"palpate_add_force_test\(.*\)", "Pipeline.SlabEndToEnd"),
     (r"palpate report (liver/)?scene\.toml --verify verify\.json( --battery battery\.json)?", "ReportBuild"),
+    (r"palpate report scene\.toml --verify verify\.json --beside coarse\.toml", "Report.numbers"),
     (r"palpate view .*", "Report.view"),
     (r"palpate verify --battery stiff.*", "Battery.Stiff"),
     (r"palpate verify --battery random .*", "Battery.Random"),
@@ -99,7 +100,6 @@ BY_HAND = {
     "palpate bench --solver": "takes minutes",
     "palpate bench --solver scene.toml": "takes minutes",
     "palpate bench --solver liver.toml --contacts 1": "takes minutes",
-    "palpate report scene.toml --verify verify.json --beside coarse.toml": "bakes a scene twice",
     'seq 64 | parallel -S node1,node2 --wd "$PWD" --retries 3 palpate bake scene.toml --shard {}/64 --threads 1': "needs hosts",
 }
 PROGRAMS = re.compile(r"(palpate|cmake|ctest|tools/[\w.-]+\.sh|build/\S+|seq|for|arm-none-eabi-g\+\+)(?=[ _/]|$)")
@@ -175,7 +175,7 @@ shutil.rmtree(folder, ignore_errors=True)
 folder.mkdir(parents=True)
 label_ball(folder / "ball.nii.gz")
 block = (source / "tests/report/block.toml.in").read_text(encoding="utf-8")
-(folder / "block.toml").write_text(block.replace("@SLAB@", str(source / "tests/bakes/slab.obj")), encoding="utf-8")
+(folder / "block.toml").write_text(block.replace("@BLOCK@", str(source / "tests/report/grooved_block.obj")), encoding="utf-8")
 path = {**os.environ, "PATH": f"{palpate.parent}{os.pathsep}{os.environ['PATH']}"}
 for command, expected, *copied in RUN:
     for old, new in copied:

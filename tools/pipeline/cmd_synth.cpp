@@ -15,7 +15,7 @@ namespace palpate::cli {
 namespace {
 
 // In the order of the enumerators.
-const std::vector<std::string> kOrgans{"slab", "ball", "liver", "kidney", "bladder"};
+const std::vector<std::string> kOrgans{"slab", "ball", "liver", "kidney", "bladder", "sheet"};
 const std::vector<std::string> kInstruments{"sphere", "punch", "capsule", "stylus"};
 const std::vector<std::string> kMotions{"probe", "scan"};
 
@@ -65,7 +65,9 @@ void add_synth(CLI::App& app, Globals& globals) {
   synth::DatasetOptions& o = arguments->options;
   Command command(app, "synth", "Writes a synthetic organ with scene and motion, from a seed");
 
-  command.option("organ", arguments->organ, "slab, ball, liver, kidney (with its pyramids) or bladder")
+  command
+      .option("organ", arguments->organ,
+              "slab, ball, liver, kidney (with its pyramids), bladder or sheet (held at two ends)")
       .required()
       .check(one_of(kOrgans))
       .named("ORGAN");

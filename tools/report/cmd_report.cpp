@@ -27,8 +27,10 @@ void add_report(CLI::App& app, Globals& globals) {
   command.option("scene", input.scene, "Scene file (TOML) that was baked").required();
   command.option("--verify", input.verify, "Report of 'palpate verify SCENE': errors at contacts between the sites");
   command.option("--battery", input.battery, "Report of 'palpate verify --battery stiff': stability of extreme cases");
-  command.option("--beside", input.beside,
-                 "Scene of the same organ baked with another spacing; compared at the contacts of --verify");
+  command
+      .option("--beside", input.beside,
+              "Scene of the same organ baked with another spacing; compared at the contacts of --verify")
+      .needs("--verify");
   command.option("--compare", input.compared, "Response file of another organ, shown beside this one");
   command.option("--run", input.run, "Motion (CSV) or recording of 'palpate drive' to play back");
   command.option("--tool", input.tool, "Tool of the run; default: the run's, or the first");

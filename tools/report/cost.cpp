@@ -97,7 +97,7 @@ Json solve_row(const CostInput& input) {
   std::vector<double> errors;
   std::size_t equilibria = 0;
   for (const auto& [index, pair] : input.journal.pairs) {
-    equilibria += pair.samples.size();
+    if (pair.outcome) equilibria += pair.outcome->normal_solves + pair.outcome->tangential_solves;
     for (const Sample& s : pair.samples) {
       if (s.kind == SampleKind::normal) errors.push_back(s.error_estimate);
     }

@@ -118,6 +118,7 @@ Json make_report(const ReportInput& input, const pipeline::Pipeline& p, const cl
   for (const std::string& used : {input.verify, input.battery, input.compared, input.run}) {
     if (!used.empty()) read.emplace_back(used);
   }
+  read.insert(read.end(), input.beside.begin(), input.beside.end());
   report["provenance"] = provenance(p, view, read);
   report["provenance"]["command"] = report["command"];
   return report;

@@ -41,11 +41,12 @@ bool within_factor(double a, double b, double factor) {
 Json bake_stability(const pipeline::Pipeline& p, const JournalContent& journal) {
   const cli::PairCounts counts = cli::count_pairs(p);
   std::map<std::string, int> causes;
-  std::size_t shortened = 0;
+  std::size_t shortened = 0, solves = 0;
   double jacobian = 1, penetration = 0;
   std::vector<double> iterations, estimates;
   for (const auto& [index, pair] : journal.pairs) {
     if (!pair.outcome) continue;
+    solves += pair.outcome->normal_solves + pair.outcome->tangential_solves;
     if (!pair.outcome->accepted) {
       ++causes[gate_of(pair.outcome->cause)];
       continue;
@@ -63,7 +64,7 @@ Json bake_stability(const pipeline::Pipeline& p, const JournalContent& journal) 
             {"accepted", counts.accepted},
             {"refused", counts.refused},
             {"shortened", shortened},
-            {"solves", iterations.size()},
+            {"solves", solves},
             {"smallest_jacobian", rounded(jacobian)},
             {"largest_penetration_of_depth", rounded(penetration)},
             {"iterations", figures(iterations)},

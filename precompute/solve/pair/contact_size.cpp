@@ -117,10 +117,15 @@ SizeField contact_size(const ContactCase& contact, double depth, double scale, c
     return deepest;
   };
   const double widest = contact_radius(vertex, depth);
-  const double overlap = overlap_radius(body, tool, deepest_at(frame), frame, widest);
-  // A flat tool touches a round body like a curved one.
-  const bool curved = vertex.flat_radius == 0 || overlap < (1 - kGrid) * vertex.flat_radius;
-  const double shrink = curved ? kShrink : 1.0, radius = std::min(widest, shrink * overlap);
+  // A flat tool touches a round body like a curved one, where the overlap is narrower than the tool.
+  double radius = widest;
+  bool curved = vertex.flat_radius == 0;
+  if (!curved) {
+    const double overlap = overlap_radius(body, tool, deepest_at(frame), frame, widest);
+    curved = overlap < (1 - kGrid) * widest;
+    if (curved) radius = kShrink * overlap;
+  }
+  const double shrink = curved ? kShrink : 1.0;
   const double size = options.mesh_size * scale * radius;
   const double largest = longest_edge(body, options) * std::sqrt(scale);
 
