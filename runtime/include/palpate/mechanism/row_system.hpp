@@ -15,6 +15,7 @@ template <int Handles, int MostRows>
 class RowSystem {
   static constexpr std::size_t kHandles = static_cast<std::size_t>(Handles);
   static constexpr int kRows = MostRows + 3 * Handles;
+  static constexpr auto kMost = static_cast<std::size_t>(kRows);
 
 public:
   using Constraints = ConstraintSet<MostRows>;
@@ -57,7 +58,7 @@ public:
   /// m, world: displacement of the surface under contact h by the rows of all others.
   [[nodiscard]] Vec3 surface(std::size_t h) const {
     Vec3 sum;
-    for (int i = 0; i < rows_.size(); ++i) sum = sum + force_[i] * surface_[h][i];
+    for (int i = 0; i < rows_.size(); ++i) sum = sum + force_[i] * surface_[h][static_cast<std::size_t>(i)];
     return sum;
   }
 
@@ -120,13 +121,15 @@ private:
   /// C between contact h and all other rows, and how far each of these moves the surface under it.
   void add_surface(const HandleSet<Handles>& handles, const Constraints& constraints, const Contacts& contacts,
                    std::size_t h) {
-    for (Vec3& way : surface_[h]) way = {};
+    std::array<Vec3, kMost>& surface = surface_[h];
+    surface.fill({});
     if (first_[h] < 0) return;
     const ContactRows& to = contacts[h];
     for (std::size_t m = 0; m < kHandles; ++m) {  // the body has the force of a tool with the other sign
       if (m == h || first_[m] < 0) continue;
       for (int k = 0; k < 3; ++k) {
-        surface_[h][first_[m] + k] = -to.body->displacement(contacts[m].at, to.at, contacts[m].direction[k]);
+        surface[static_cast<std::size_t>(first_[m] + k)] =
+            -to.body->displacement(contacts[m].at, to.at, contacts[m].direction[k]);
       }
     }
     for (std::size_t i = 0; i < constraints.size(); ++i) {
@@ -135,14 +138,15 @@ private:
         if (side->body != to.body) continue;
         for (int k = 0; k < 3; ++k) {
           if (!Constraints::has_row(c, k)) continue;
-          Vec3& way = surface_[h][constraints.row(i, k)];
+          Vec3& way = surface[static_cast<std::size_t>(constraints.row(i, k))];
           way = way + (side == &c.a ? 1.0 : -1.0) * moved(*side, to.at, handles.direction(c, k));
         }
       }
     }
     for (int j = 0; j < rows_.size(); ++j) {
       if (j >= first_[h] && j < contact_rows_) continue;  // each pair of two contacts once
-      for (int k = 0; k < 3; ++k) rows_.add_compliance(first_[h] + k, j, -dot(to.direction[k], surface_[h][j]));
+      const Vec3& way = surface[static_cast<std::size_t>(j)];
+      for (int k = 0; k < 3; ++k) rows_.add_compliance(first_[h] + k, j, -dot(to.direction[k], way));
     }
   }
 
@@ -161,9 +165,9 @@ private:
 
   Rows<kRows> rows_;
   Lever lever_[kRows];
-  int first_[kHandles] = {};      ///< of each contact's rows, or -1
-  int contact_rows_ = 0;          ///< of all contacts
-  Vec3 surface_[kHandles][kRows];  ///< m/N, world: way of the surface at a contact
+  int first_[kHandles] = {};                                 ///< of each contact's rows, or -1
+  int contact_rows_ = 0;                                     ///< of all contacts
+  std::array<std::array<Vec3, kMost>, kHandles> surface_{};  ///< m/N, world: way of the surface at a contact
   double free_[kRows] = {}, force_[kRows] = {};
 };
 
