@@ -229,10 +229,8 @@ PairSolver contact_solver(const Pipeline& p) {
   }
   return [&p, scene_options, name, checked](const PairPlan& pair, const SampleSink& sink) {
     const Tool& tool = p.tools[pair.tool];
-    if (pair.role != PairRole::full) {
-      return solve_pair({p.body, tool, tool.vertices[pair.tool_vertex], pair.frame}, normal_path(p.scene, pair.depth),
-                        scene_options, sink);
-    }
+    const ContactCase contact{p.body, tool, tool.vertices[pair.tool_vertex], pair.frame};
+    if (pair.role != PairRole::full) return solve_pair(contact, normal_path(p.scene, pair.depth), scene_options, sink);
     PairOptions options = scene_options;
     options.check = options.mesh_errors = checked.count(name(pair)) != 0;
     PairPath path = bake_path(p.scene, pair.depth);
@@ -240,7 +238,7 @@ PairSolver contact_solver(const Pipeline& p) {
     if (const double draw = path_draw(pair); draw < path_share(p.scene)) {
       path.side_paths = test_paths(path, 2 * std::numbers::pi * draw / path_share(p.scene));
     }
-    return solve_pair({p.body, tool, tool.vertices[pair.tool_vertex], pair.frame}, path, options, sink);
+    return solve_pair(contact, path, options, sink);
   };
 }
 

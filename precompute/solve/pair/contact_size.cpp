@@ -75,19 +75,23 @@ std::vector<Vector3d> footprint(const Body& body, const Tool& tool, const Eigen:
   return points;
 }
 
-// The radius (m) of the overlap of the two shapes at full depth, to half a step of the grid; `widest` is that of the
-// contact on a plane.
-double overlap_radius(const Body& body, const Tool& tool, const Eigen::Isometry3d& deepest, const ContactFrame& frame,
+// The radius (m) within which the tool covers the body's surface on its way to full depth, rounded up by a step of the
+// grid. `pose_at`: the tool at a share of the depth; a ball covers most when half of it is inside. `widest`: radius of
+// the contact on a plane.
+template <class PoseAt>
+double overlap_radius(const Body& body, const Tool& tool, const PoseAt& pose_at, const ContactFrame& frame,
                       double widest) {
   double radius = widest, reach = 0;
   while (radius > kLeastTouched * widest) {
-    for (const Vector3d& p : footprint(body, tool, deepest, frame, radius)) {
-      reach = std::max(reach, frame.to_local(p - frame.origin).head<2>().norm());
+    for (const double share : {0.5, 1.0}) {
+      for (const Vector3d& p : footprint(body, tool, pose_at(share), frame, radius)) {
+        reach = std::max(reach, frame.to_local(p - frame.origin).head<2>().norm());
+      }
     }
     if (reach >= (1 - kGrid) * radius) break;
     radius = std::max(reach, kGrid * radius);  // the grid is too wide for less
   }
-  return reach + kGrid * radius / 2;
+  return reach + kGrid * radius;
 }
 
 // The reduced size of an element at this point of the surface, where the body is a wedge thinner than `over` elements.
@@ -111,21 +115,19 @@ double longest_edge(const Body& body, const PairOptions& options) {
 SizeField contact_size(const ContactCase& contact, double depth, double scale, const PairOptions& options,
                        const std::vector<Vector3d>& further) {
   const auto& [body, tool, vertex, frame] = contact;
-  const auto deepest_at = [&](const ContactFrame& here) {
-    Eigen::Isometry3d deepest = touching_pose(contact.vertex, here);
-    deepest.translation() -= depth * here.n;
-    return deepest;
+  const auto pose_at = [&](const ContactFrame& here, double share) {
+    Eigen::Isometry3d pose = touching_pose(contact.vertex, here);
+    pose.translation() -= share * depth * here.n;
+    return pose;
   };
+  // No contact is wider than the overlap, on a round body far less than a wide tool. A flat face that overlaps as a
+  // whole touches at once; everything else touches at a point first.
   const double widest = contact_radius(vertex, depth);
-  // A flat tool touches a round body like a curved one, where the overlap is narrower than the tool.
-  double radius = widest;
-  bool curved = vertex.flat_radius == 0;
-  if (!curved) {
-    const double overlap = overlap_radius(body, tool, deepest_at(frame), frame, widest);
-    curved = overlap < (1 - kGrid) * widest;
-    if (curved) radius = kShrink * overlap;
-  }
-  const double shrink = curved ? kShrink : 1.0;
+  const double overlap = overlap_radius(
+      body, tool, [&](double share) { return pose_at(contact.frame, share); }, frame, widest);
+  const double radius = std::min(widest, overlap);
+  const bool at_once = vertex.flat_radius > 0 && overlap > (1 - kGrid / 2) * vertex.flat_radius;
+  const double shrink = at_once ? 1.0 : kShrink;
   const double size = options.mesh_size * scale * radius;
   const double largest = longest_edge(body, options) * std::sqrt(scale);
 
@@ -136,7 +138,7 @@ SizeField contact_size(const ContactCase& contact, double depth, double scale, c
     ContactFrame here = frame;
     here.origin += place;
     const Eigen::Isometry3d touching = touching_pose(vertex, here);
-    const Eigen::Isometry3d deepest = deepest_at(here);
+    const Eigen::Isometry3d deepest = pose_at(here, 1.0);
     for (const Vector3d& p : footprint(body, tool, deepest, here, radius)) {
       const Vector3d at = here.origin + shrink * (p - here.origin);
       sources.push_back({at, on_wedge(*body.query, body.query->closest(at).point, size, kOverWedge)});
@@ -164,8 +166,8 @@ SizeField contact_size(const ContactCase& contact, double depth, double scale, c
       sources.push_back({touching * e.point, e.size * scale});
     }
   }
-  // Curved surfaces touch at a point first: the shallow contact needs elements of its own scale.
-  if (curved && further.empty()) sources.push_back({frame.origin, kTouch * size});
+  // A shallow contact that begins at a point needs elements of its own scale.
+  if (!at_once && further.empty()) sources.push_back({frame.origin, kTouch * size});
 
   if (body.stress_free) {
     // The mesh is made free of stress: where prestress stretches it there are finer elements before.

@@ -14,8 +14,8 @@ namespace palpate::runtime {
 template <int Handles, int MostRows>
 class RowSystem {
   static constexpr std::size_t kHandles = static_cast<std::size_t>(Handles);
-  static constexpr int kRows = MostRows + 3 * Handles;
-  static constexpr auto kMost = static_cast<std::size_t>(kRows);
+  static constexpr int kMost = MostRows + 3 * Handles;
+  static constexpr auto kRows = static_cast<std::size_t>(kMost);
 
 public:
   using Constraints = ConstraintSet<MostRows>;
@@ -62,7 +62,7 @@ public:
     return sum;
   }
 
-  [[nodiscard]] const Rows<kRows>& rows() const { return rows_; }
+  [[nodiscard]] const Rows<kMost>& rows() const { return rows_; }
 
 private:
   void number(Constraints& constraints, const Contacts& contacts) {
@@ -121,7 +121,7 @@ private:
   /// C between contact h and all other rows, and how far each of these moves the surface under it.
   void add_surface(const HandleSet<Handles>& handles, const Constraints& constraints, const Contacts& contacts,
                    std::size_t h) {
-    std::array<Vec3, kMost>& surface = surface_[h];
+    std::array<Vec3, kRows>& surface = surface_[h];
     surface.fill({});
     if (first_[h] < 0) return;
     const ContactRows& to = contacts[h];
@@ -163,11 +163,11 @@ private:
     }
   }
 
-  Rows<kRows> rows_;
+  Rows<kMost> rows_;
   Lever lever_[kRows];
   int first_[kHandles] = {};                                 ///< of each contact's rows, or -1
   int contact_rows_ = 0;                                     ///< of all contacts
-  std::array<std::array<Vec3, kMost>, kHandles> surface_{};  ///< m/N, world: way of the surface at a contact
+  std::array<std::array<Vec3, kRows>, kHandles> surface_{};  ///< m/N, world: way of the surface at a contact
   double free_[kRows] = {}, force_[kRows] = {};
 };
 
