@@ -29,7 +29,7 @@ struct Key {
   /// TOML text of the value in `target`; empty: not set.
   std::function<std::string(const T& target)> show;
   std::string example;   ///< for the reference, where there is no default
-  std::string former{};  ///< name in earlier programs: refused with the new one; the canonical text keeps it
+  std::string former{};  ///< name in earlier programs: refused with the new one
 };
 
 template <class T>

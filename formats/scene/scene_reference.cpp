@@ -29,9 +29,7 @@ void append_canonical(std::string& text, const std::string& section, const Keys<
   for (const Key<T>& key : keys) {
     if (key.affects == Affects::nothing || (only_solves && key.affects != Affects::solves)) continue;
     const std::string value = key.show(values);
-    // Hashes of earlier programs stay valid.
-    const std::string& name = key.former.empty() ? key.name : key.former;
-    if (!value.empty()) text += section + "." + name + " = " + value + "\n";
+    if (!value.empty()) text += section + "." + key.name + " = " + value + "\n";
   }
 }
 
@@ -149,9 +147,6 @@ std::string canonical_text(const SceneSources& sources) {
   std::string text;
   if (sources.measured.empty() && sources.analytic.empty()) return text;
   append_canonical(text, "sources", sources_keys(), sources, false);
-  // The value has its name in earlier programs, too.
-  const std::string filled = "sources.rest = \"filled\"\n";
-  if (text == filled) text = "sources.rest = \"covered\"\n";
   for (const MeasuredScene& measured : sources.measured) {
     text += "[measured]\n";
     append_canonical(text, "measured", measured_keys(), measured, false);
