@@ -8,6 +8,7 @@
 #include "tools/pipeline/pipeline_steps.hpp"
 #ifdef PALPATE_REPORT
 #include "tools/report/files.hpp"
+#include "tools/report/page.hpp"
 #endif
 
 #include <memory>
@@ -22,6 +23,9 @@ struct BuildArguments {
 };
 
 void run_build(const BuildArguments& options, const Globals& globals) {
+#ifdef PALPATE_REPORT
+  if (options.report) report::require_page();
+#endif
   pipeline::Pipeline p = pipeline::prepare(options.scene, {options.work, options.output});
   note(globals, text(p.body));
   if (p.body.report.thin_bag) {

@@ -7,6 +7,7 @@
 #include "tools/cli/commands.hpp"
 #include "tools/cli/output.hpp"
 #include "tools/report/files.hpp"
+#include "tools/report/page.hpp"
 
 namespace palpate::cli {
 namespace {
@@ -46,6 +47,7 @@ void add_report(CLI::App& app, Globals& globals) {
     options->input.laws = !options->quick;
     const report::WrittenReport written = write_report_files(options->input, options->files, globals);
     globals.json ? print_json(to_json(written)) : print(to_text(written));
+    report::require_page();
   });
 }
 

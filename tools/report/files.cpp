@@ -27,11 +27,10 @@ std::span<const std::byte> bytes_of(const cli::ResponseInput& file) {
 WrittenReport write_report_files(const ReportInput& input, const ReportFiles& files, const cli::Globals& globals) {
   pipeline::Pipeline p = pipeline::prepare(input.scene, {files.work, files.response});
   WrittenReport written{beside(p, files.numbers, ".report.json"), beside(p, files.page, ".report.html"), 0};
-  const std::string missing = missing_for_page();
   cli::check_reports(p, {written.numbers, written.page});
   refuse_same({written.numbers, written.page}, {input.verify, input.battery, input.compared, input.run});
   cli::check_writable(written.numbers);
-  if (missing.empty()) cli::check_writable(written.page);
+  if (has_page()) cli::check_writable(written.page);
   pipeline::find_pairs(p);
   cli::check_baked(p);
   pipeline::write_manifest(p);
@@ -40,8 +39,7 @@ WrittenReport write_report_files(const ReportInput& input, const ReportFiles& fi
   cli::check_same_plan(p, response.view());
   const nlohmann::ordered_json numbers = make_report(input, p, response, globals);
   cli::write_report(written.numbers, numbers);
-  if (!missing.empty()) {
-    cli::warn("there is no page, only its numbers: this program was built without it: " + missing);
+  if (!has_page()) {
     written.page.clear();
     return written;
   }

@@ -20,8 +20,8 @@ struct WrittenReport {
   std::size_t page_bytes = 0;
 };
 
-/// Prepares the scene, makes its report and writes both files; warns where there is no page. Throws as the pipeline and
-/// make_report do.
+/// Prepares the scene, makes its report and writes both files, or the numbers alone where the program has no page.
+/// Throws as the pipeline and make_report do.
 WrittenReport write_report_files(const ReportInput& input, const ReportFiles& files, const cli::Globals& globals);
 
 /// {numbers, page, page_bytes}

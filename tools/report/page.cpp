@@ -67,11 +67,17 @@ void replace(std::string& text, std::string_view mark, const std::string& by) {
 
 }  // namespace
 
-std::string missing_for_page() { return std::string(page_template().missing); }
+bool has_page() { return page_template().missing.empty(); }
+
+void require_page() {
+  if (has_page()) return;
+  throw Error(ExitCode::usage,
+              "this program was built without the page of a report: " + std::string(page_template().missing) +
+                  "; mend that and build again (tools/report/README.md)");
+}
 
 std::string page(const nlohmann::ordered_json& numbers, const std::vector<std::span<const std::byte>>& responses) {
-  const PageTemplate from = page_template();
-  if (!from.missing.empty()) throw Error(ExitCode::usage, "there is no page: " + std::string(from.missing));
+  require_page();
   const std::string json = numbers.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
   std::string data =
       data_block("palpate-numbers", packed(reinterpret_cast<const unsigned char*>(json.data()), json.size()));
@@ -79,7 +85,7 @@ std::string page(const nlohmann::ordered_json& numbers, const std::vector<std::s
     const std::vector<unsigned char> sorted = planes(responses[k]);
     data += data_block("palpate-response-" + std::to_string(k), packed(sorted.data(), sorted.size()));
   }
-  std::string html(from.html);
+  std::string html(page_template().html);
   replace(html, "@@TITLE@@", escaped(numbers.value("title", "report")));
   replace(html, "<!--@@DATA@@-->", data);
   return html;

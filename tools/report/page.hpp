@@ -10,11 +10,14 @@
 
 namespace palpate::report {
 
-/// Parts that the build lacked for the page, as text for a message; empty where the program contains the page.
-std::string missing_for_page();
+/// Whether the program contains the page.
+bool has_page();
+
+/// Throws Error(usage), which names what the build of the program lacked, where the program does not contain the page.
+void require_page();
 
 /// The page. `numbers` and each response file are compressed (zlib) and written as base64; the bytes of a response file
-/// are sorted by their place in words of four first, which saves a tenth. Throws Error(usage) where missing_for_page().
+/// are sorted by their place in words of four first, which saves a tenth. Throws as require_page does.
 std::string page(const nlohmann::ordered_json& numbers, const std::vector<std::span<const std::byte>>& responses);
 
 }  // namespace palpate::report
