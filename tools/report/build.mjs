@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bundles the page: node build.mjs FOLDER_WITH_NODE_MODULES poke.wasm OUT.html
+// Bundles the page: node build.mjs FOLDER_WITH_NODE_MODULES poke.wasm OUT.html NOTICE...
+// NOTICE: PACKAGE/copyright, the licence text of a library in poke.wasm.
 import { createRequire } from "node:module";
-import { existsSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
+import { readFileSync, readdirSync, writeFileSync } from "node:fs";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
 import { deflateSync } from "node:zlib";
 
-const [folder, wasm, out] = process.argv.slice(2);
+const [folder, wasm, out, ...texts] = process.argv.slice(2);
 const here = path.dirname(fileURLToPath(import.meta.url));
 const { build } = createRequire(path.join(path.resolve(folder), "package.json"))("esbuild");
 
@@ -59,13 +60,13 @@ const main = await bundle("main.js", [
   },
 ]);
 
-// The module holds parts of wasi-libc and libc++; Debian has their licence texts.
-const debian = ["wasi-libc", "libc++-dev-wasm32"]
-  .map((name) => ({ name, file: `/usr/share/doc/${name}/copyright` }))
-  .filter(({ file }) => existsSync(file))
-  .map(({ name, file }) => ({ name, version: "", license: "see text", text: readFileSync(file, "utf8") }));
-const own = { name: "palpate", version: "", license: "MIT (runtime), GPL-3.0-or-later (page)", text: readFileSync(path.join(here, "../../runtime/LICENSE"), "utf8") };
-const licences = [own, ...notices([...main.inputs, ...worker.inputs]), ...debian]
+const notice = (name, license, file) => ({ name, version: "", license, text: readFileSync(file, "utf8") });
+const module = texts.map((file) => notice(path.basename(path.dirname(file)), "see text", file));
+const own = [
+  notice("palpate runtime", "MIT", path.join(here, "../../runtime/LICENSE")),
+  notice("palpate page", "GPL-3.0-or-later", path.join(here, "../../LICENSES/GPL-3.0-or-later.txt")),
+];
+const licences = [...own, ...notices([...main.inputs, ...worker.inputs]), ...module]
   .map(({ name, version, license, text }) => `<details><summary>${name} ${version}, ${escape(license)}</summary><pre>${escape(text)}</pre></details>`)
   .join("\n");
 

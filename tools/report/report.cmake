@@ -30,6 +30,18 @@ else()
       list(APPEND page_missing "clang does not compile for wasm32 (lld wasi-libc libc++-dev-wasm32 libclang-rt-dev-wasm32)")
     endif()
   endif()
+  # Licence texts of the libraries in the module, which the page shows: those of clang's own version.
+  set(page_notices "")
+  if(PALPATE_WASM_CXX)
+    execute_process(COMMAND ${PALPATE_WASM_CXX} -dumpversion OUTPUT_VARIABLE clang_version ERROR_QUIET)
+    string(REGEX MATCH "^[0-9]+" clang_major "${clang_version}")
+    foreach(library IN ITEMS wasi-libc libc++-${clang_major}-dev-wasm32 libclang-rt-${clang_major}-dev-wasm32)
+      list(APPEND page_notices /usr/share/doc/${library}/copyright)
+      if(NOT EXISTS /usr/share/doc/${library}/copyright)
+        list(APPEND page_missing "the licence text /usr/share/doc/${library}/copyright does not exist")
+      endif()
+    endforeach()
+  endif()
 endif()
 
 # Packages as package-lock.json names them, in the build folder.
@@ -67,7 +79,7 @@ else()
   set(page ${page_build}/page.html)
   add_custom_command(
     OUTPUT ${page}
-    COMMAND ${PALPATE_NODE} ${page_source}/build.mjs ${page_build} ${poke} ${page}
+    COMMAND ${PALPATE_NODE} ${page_source}/build.mjs ${page_build} ${poke} ${page} ${page_notices}
     DEPENDS ${page_sources} ${poke} ${page_build}/installed-${lock} COMMENT "The page of palpate report" VERBATIM)
   set_source_files_properties(${template} PROPERTIES COMPILE_DEFINITIONS "PALPATE_PAGE=\"${page}\""
                                                      OBJECT_DEPENDS ${page})
