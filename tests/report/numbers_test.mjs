@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Numbers of the report, each recomputed another way.
 import assert from "node:assert/strict";
-import { readFileSync, statSync, writeFileSync } from "node:fs";
+import { readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
 import test from "node:test";
 import { at, json, palpate } from "./folder.mjs";
 
@@ -55,10 +55,12 @@ test("the stiffness of a site is the slope of its exported curve", () => {
 test("a scene beside this one has the errors of its own file at the same contacts", () => {
   const coarse = readFileSync(at("scene.toml"), "utf8").replace(/spacing = .*/g, "spacing = 0.04");
   writeFileSync(at("coarse.toml"), coarse);
+  rmSync(at("coarse.work"), { recursive: true, force: true });  // of an earlier program
   palpate("build", "coarse.toml", "--quiet");
   const files = ["--quick", "--quiet", "--contacts", "2", "--numbers", "beside.json", "--page", "beside.html"];
   palpate("report", "scene.toml", "--verify", "verify.json", "--beside", "coarse.toml", ...files);
-  const { error_time, provenance } = json("beside.json");
+  const { error_time, provenance, command } = json("beside.json");
+  assert.equal(command, "palpate report scene.toml --verify verify.json --beside coarse.toml --contacts 2 --quick");
   assert.deepEqual(error_time.files.map((file) => file.label), ["this file", "spacing 40 mm"]);
   const [own, other] = error_time.files;
   assert.equal(other.bytes, statSync(at("coarse.palp")).size);

@@ -51,6 +51,9 @@ std::string command_line(const ReportInput& input) {
   for (const std::string& scene : input.beside) add("--beside", scene);
   add("--compare", input.compared);
   add("--run", input.run);
+  add("--tool", input.tool);
+  if (input.contacts != ReportInput{}.contacts) add("--contacts", std::to_string(input.contacts));
+  if (!input.laws) line += " --quick";
   return line;
 }
 
