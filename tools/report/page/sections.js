@@ -43,6 +43,7 @@ export function errorTime(numbers) {
   ];
   const laws = lawRows(cost);
   if (laws.length) parts.push(make("h3", {}, "Response laws at the samples left out"), table(laws, row.filter(([title]) => title !== "ns of a tick"), (r) => (r.chosen ? "chosen" : null)));
+  else parts.push(make("p", { class: "missing" }, "Other response laws are not compared: their tangential samples come from a scene with friction, and a report with ", make("code", {}, "--quick"), " leaves them out."));
   parts.push(make("h3", {}, "Files at the held-out contacts"), table(fileRows(cost), [
     ...row.filter(([title]) => title !== "ns of a force"),
     ["bits", (r) => String(r.coefficient_bits), true],
@@ -88,7 +89,7 @@ export function stability(numbers) {
   }
   const families = Map.groupBy(battery.cells, (cell) => cell.family);
   parts.push(make("p", { class: "lead" }, "A square is a contact at or beyond the end of a range. Framed: near this scene in modulus, Poisson's ratio and depth over radius."));
-  parts.push(make("p", { class: "lead" }, ["verified", "converged", "refused", "wrong"].map((result) =>
+  parts.push(make("p", { class: "source" }, ["verified", "converged", "refused", "wrong"].map((result) =>
     make("span", { style: "margin-right: 1rem" }, make("span", { class: "swatch result-" + result, style: "display: inline-block; width: .8rem; height: .8rem; border-radius: 3px; margin-right: .35rem; vertical-align: -.06rem" }), result))));
   for (const [family, cells] of families) {
     parts.push(make("div", { class: "family" }, make("span", {}, family),
