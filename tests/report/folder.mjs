@@ -12,31 +12,6 @@ export const chromium = PALPATE_CHROMIUM?.endsWith("NOTFOUND") ? "" : PALPATE_CH
 
 export const at = (name) => path.join(folder, name);
 export const json = (name) => JSON.parse(readFileSync(at(name), "utf8"));
-export const palpate = (...args) => execFileSync(PALPATE, args, { cwd: folder, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
-
-/** Poses [x, y, z, w, x, y, z] of the block's tip (m): pressed 2 mm into the top, drawn across the groove, whose two flanks
- *  it overlaps at the bottom, up on the other side, lifted. Steps are below a hundredth of the depth scale, so that
- *  `palpate play` makes one tick a row. */
-export function pressDragLift() {
-  const step = 2e-5, top = 3e-3, bottom = 1e-3, above = 5.5e-3;
-  const corners = [
-    [0.002, -0.001, above], [0.002, -0.001, top], [-0.006, 0, top], [-0.012, 0.001, bottom], [-0.018, 0.002, top],
-    [-0.02, 0.003, top], [-0.02, 0.003, above],
-  ];
-  const rows = [[...corners[0], 1, 0, 0, 0]];
-  for (const to of corners.slice(1)) {
-    const from = rows.at(-1);
-    const steps = Math.ceil(Math.hypot(...to.map((x, i) => x - from[i])) / step);
-    for (let k = 1; k <= steps; k++) rows.push([...to.map((x, i) => from[i] + (k / steps) * (x - from[i])), 1, 0, 0, 0]);
-  }
-  return rows;
-}
-
-/** Forces of `palpate play` for such rows. */
-export function played(rows, name) {
-  const text = "t,x,y,z,qw,qx,qy,qz\n" + rows.map((row, k) => [k / 1000, ...row].join(",")).join("\n") + "\n";
-  return { text, read: () => readFileSync(at(name), "utf8").trim().split("\n").slice(1).map((line) => {
-    const [, fx, fy, fz, , , , state, depth] = line.split(",");
-    return { force: [fx, fy, fz].map(Number), state, depth: Number(depth) };
-  }) };
-}
+/** Standard output of a program that runs in the folder. */
+export const run = (program, args) => execFileSync(program, args, { cwd: folder, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
+export const palpate = (...args) => run(PALPATE, args);

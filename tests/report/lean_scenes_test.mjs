@@ -1,22 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Leaner scenes have smaller files, faster ticks and shorter bakes: a frictionless liver with one tip, a liver with a
 // tumour and two tools, a kidney with pyramids and a capsule that lies on it. Spacing and depth are the same, and only
-// sites near the top are solved. PALPATE_SCENES: folder to write to.
+// sites near the top are solved. PALPATE_FOLDER: folder to write to.
 import assert from "node:assert/strict";
-import { execFileSync } from "node:child_process";
 import { mkdirSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
-import path from "node:path";
 import test from "node:test";
+import { at, folder, json, palpate, run } from "./folder.mjs";
 
-const folder = process.env.PALPATE_SCENES;
-const run = (program, args) => execFileSync(program, args, { cwd: folder, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
-const palpate = (...args) => run(process.env.PALPATE, args);
 const common = ["--tool-radius", "0.004", "--depth", "0.002", "--spacing", "0.018"];
 const liver = ["liver", "--seed", "1", "--scale", "0.6", ...common];
 
 function make(name, synth, tool = "") {
   palpate("synth", ...synth, "--out", name);
-  const scene = path.join(folder, name, "scene.toml");
+  const scene = at(`${name}/scene.toml`);
   const text = readFileSync(scene, "utf8").replace("[contact]", tool + "[contact]").replace("[sampling]", "[sampling]\nwithin_box = {min = [-0.014, -0.01, 0], max = [0.014, 0.01, 1]}");
   // Coarse solves: their number counts.
   writeFileSync(scene, text + "\n[response]\nmax_residual = 1000\npath_share = 0\n[solver]\nmesh_size = 0.6\ncheck_share = 0\n");
@@ -26,7 +22,7 @@ function make(name, synth, tool = "") {
 function measure(name) {
   const out = run("bash", ["-c", '"$0" build "$1" --quiet --threads 1 --json > built.json && times', process.env.PALPATE, `${name}/scene.toml`]);
   const [, minutes, seconds] = out.trim().split("\n")[1].match(/^(\d+)m([\d.]+)s/);
-  const { bake } = JSON.parse(readFileSync(path.join(folder, "built.json"), "utf8"));
+  const { bake } = json("built.json");
   const bench = JSON.parse(palpate("bench", `${name}/scene.palp`, "--quiet", "--json", "--ticks", "10000"));
   const contents = JSON.parse(palpate("inspect", `${name}/scene.palp`, "--json"));
   const responses = contents.sections.find((section) => section.name === "RESPONSES");
@@ -65,6 +61,6 @@ test("each scene costs more than the leaner one before it", (t) => {
 
 test("build --report ends with the report", () => {
   const { report } = JSON.parse(palpate("build", "lean/scene.toml", "--report", "--json", "--quiet"));
-  assert.equal(JSON.parse(readFileSync(path.join(folder, report.numbers), "utf8")).held_out.figures, null);
-  assert.equal(statSync(path.join(folder, report.page)).size, report.page_bytes);
+  assert.equal(json(report.numbers).held_out.figures, null);
+  assert.equal(statSync(at(report.page)).size, report.page_bytes);
 });

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Bakes the block, verifies it, plays a motion and reports.
 import { rmSync, writeFileSync } from "node:fs";
-import { at, palpate, played, pressDragLift } from "./folder.mjs";
+import { at, palpate } from "./folder.mjs";
+import { motionText, pressDragLift } from "./motion.mjs";
 
 rmSync(at("scene.work"), { recursive: true, force: true });  // of an earlier program
 palpate("build", "scene.toml", "--quiet");
 palpate("verify", "scene.toml", "--count", "3", "--report", "verify.json", "--quiet");
-const { text } = played(pressDragLift(), "forces.csv");
-writeFileSync(at("motion.csv"), text);
+writeFileSync(at("motion.csv"), motionText(pressDragLift()));
 palpate("play", "scene.palp", "motion.csv", "--out", "forces.csv", "--quiet");
 // Cells of the stiff battery, as its report lists them.
 writeFileSync(at("battery.json"), JSON.stringify({ battery: "stiff", seed: 1, tolerance: 0.05, machine: "", all: {}, cells: [

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The page in headless Chromium with software rendering.
 import assert from "node:assert/strict";
-import { statSync } from "node:fs";
 import test, { after, before } from "node:test";
 import { drag, needChromium, openBrowser, openPage } from "./browser.mjs";
-import { at, json, played, pressDragLift } from "./folder.mjs";
+import { at, json, palpate } from "./folder.mjs";
+import { playedForces, pressDragLift } from "./motion.mjs";
+import { checkForces, checkHovering, checkNumbers, checkPlots, clientOf } from "./page_checks.mjs";
 
 needChromium();
 const report = json("scene.report.json");
@@ -15,31 +16,11 @@ before(async () => {
 });
 after(() => browser?.close());
 
-test("the page is at most 3 MB and holds the numbers of the JSON file", async () => {
-  assert.ok(statSync(at("scene.report.html")).size <= 3e6);
-  assert.deepEqual(await page.evaluate("palpateReport.numbers"), report);
-});
+test("the page is at most 3 MB and holds the numbers of the JSON file", () => checkNumbers(page, report, at("scene.report.html")));
 
 test("plots hold the data of the numbers", async () => {
-  // Each mark's place, mapped back through the plot's own scales.
-  const dots = await page.evaluate(() => Object.fromEntries([...document.querySelectorAll("[data-plot]")].map((plot) => {
-    const svg = plot.querySelector("svg[class^=plot]") ?? plot.querySelector("svg");
-    const scale = plot.querySelector(":scope > svg, :scope > figure")?.scale;
-    const circles = [...svg.querySelectorAll("g[aria-label=dot] > *")].map((mark) => {
-      if (mark.tagName === "circle") return [Number(mark.getAttribute("cx")), Number(mark.getAttribute("cy"))];
-      return mark.getAttribute("transform").match(/-?[\d.]+/g).map(Number);
-    });
-    const [x, y] = ["x", "y"].map((name) => scale(name));
-    return [plot.dataset.plot, circles.map(([cx, cy]) => [x.invert(cx), y.invert(cy)])];
-  })));
-  const holds = (plot, x, y) => dots[plot].some(([a, b]) => Math.abs(a / x - 1) < 0.02 && Math.abs(b / y - 1) < 0.02);
-  for (const file of report.error_time.files) {
-    for (const part of ["median", "p95", "worst"]) {
-      assert.ok(holds("error-tick_ns-files", file.tick_ns, 100 * file.error[part]), `${file.label} ${part}`);
-      assert.ok(holds("error-bytes_per_response-files", file.bytes_per_response, 100 * file.error[part]), `${file.label} ${part}`);
-    }
-  }
-  for (const law of report.error_time.laws) assert.ok(holds("error-force_ns-laws", law.force_ns, 100 * law.error.p95), law.model);
+  const names = await checkPlots(page, report);
+  for (const name of ["held-out", "error-tick_ns-files", "error-force_ns-laws"]) assert.ok(names.includes(name), name);
 });
 
 test("tables print the numbers and the commands that made them", async () => {
@@ -59,36 +40,17 @@ test("each cell of the battery is a square with its cause", async () => {
   assert.match(cells[3][1], /a gate/);
 });
 
-const client = (point) => page.evaluate((p) => palpateReport.view.project(p), point);
-
 test("hovering a site shows its solved and baked curves", async () => {
-  const pair = report.curves.pairs.find((p) => p.normal_m_N);
-  await page.evaluate(() => document.getElementById("canvas").scrollIntoView({ block: "center" }));
-  await page.mouse.move(...(await client(report.organ.sites.position_m[pair.site])));
-  await page.waitForFunction((site) => palpateReport.hovering.shown.site === site, {}, pair.site);
-  const shown = await page.evaluate(() => ({
-    solved: palpateReport.hovering.shown.solved, baked: palpateReport.hovering.shown.baked.length,
-    charts: document.querySelectorAll("#site-curves svg").length, text: document.getElementById("site-curves").innerText,
-  }));
-  assert.deepEqual(shown.solved, pair.normal_m_N.map(([depth, force]) => ({ depth: 1e3 * depth, force })));
-  assert.equal(shown.baked, 40);
-  assert.equal(shown.charts, 2);
-  assert.match(shown.text, new RegExp(`Site ${pair.site}:`));
+  const pair = await checkHovering(page, report);
+  assert.ok(pair.tangential.length > 0);
 });
 
 test("a scripted press, drag across the groove and lift has the native forces within 1e-6", async () => {
-  const rows = pressDragLift();
-  const native = played(rows, "forces.csv").read();
-  const ticks = await page.evaluate((r) => palpateReport.poke.script(0, r), rows);
-  const peak = Math.max(...native.map((row) => Math.hypot(...row.force)));
-  ticks.forEach((tick, k) => {
-    const off = Math.hypot(...tick.force.map((f, i) => f - native[k].force[i]));
-    assert.ok(off <= 1e-6 * Math.max(Math.hypot(...native[k].force), 1e-3 * peak), `row ${k}`);
-  });
+  await checkForces(page, pressDragLift(), playedForces("forces.csv"));
 });
 
 test("the mouse presses, drags, tilts and lifts; ticks run at 1 kHz", async (t) => {
-  const [x, y] = await client([0, 0, 0]);
+  const [x, y] = await clientOf(page, [0, 0, 0]);
   await page.mouse.move(x, y);
   await page.mouse.down();
   await page.waitForFunction(() => document.querySelector("#readout b")?.innerText.match(/[1-9]/), { timeout: 5000 });
@@ -117,23 +79,48 @@ test("a slider plays the run", async () => {
   report.run.position_m[k].forEach((p, i) => assert.ok(Math.abs(shown[i] - p) < 1e-6));
 });
 
-test("colours, dark mode and a narrow screen", async () => {
+test("colours, dark mode, print and a narrow screen", async () => {
   for (const field of await page.evaluate(() => [...document.getElementById("field").options].map((o) => o.value))) {
     await page.select("#field", field);
     assert.ok((await page.evaluate(() => document.getElementById("legend").innerText)).length > 3, field);
   }
   await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: "dark" }]);
   await page.waitForFunction(() => document.documentElement.dataset.theme === "dark", { timeout: 5000 });
+  const ink = () => page.evaluate(() => getComputedStyle(document.body).color);
+  const dark = await ink();
+  await page.emulateMediaType("print");
+  assert.notEqual(await ink(), dark, "a dark page is printed in light ink");
+  await page.emulateMediaType("screen");
   await page.setViewport({ width: 390, height: 800 });
   assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= 390, "the page scrolls sideways");
 });
 
 test("notices of all code in the page are in it", async () => {
   const notices = await page.evaluate(() => [...document.querySelectorAll("#licences details")].map((d) => [d.querySelector("summary").textContent, d.querySelector("pre").textContent]));
-  for (const name of ["palpate", "three ", "three-mesh-bvh", "@observablehq/plot", "wasi-libc", "libc++"]) {
+  const permission = /Permission is hereby granted|Permission to use, copy, modify/;
+  for (const [name, text] of [
+    ["palpate runtime", permission], ["palpate page", /GNU GENERAL PUBLIC LICENSE/], ["three ", permission], ["three-mesh-bvh", permission],
+    ["@observablehq/plot", permission], ["wasi-libc", /wasi-libc contributors/], ["libc++-", /LLVM Exceptions/], ["libclang-rt-", /LLVM Exceptions/],
+  ]) {
     const found = notices.find(([summary]) => summary.startsWith(name));
-    assert.ok(found && found[1].length > 400, name);
+    assert.match(found?.[1] ?? "", text, name);
   }
+});
+
+test("two organs are drawn side by side, with one scale", async () => {
+  palpate("report", "scene.toml", "--compare", "scene.palp", "--quick", "--contacts", "2", "--numbers", "two.json", "--page", "two.html", "--quiet");
+  await page.setViewport({ width: 1100, height: 800 });
+  await openPage(page, "file://" + at("two.html"));
+  await page.waitForFunction(() => palpateReport.views.length === 2 && palpateReport.views.every((view) => view.frames > 0));
+  const [tints, boxes, names] = await page.evaluate(() => [
+    palpateReport.views.map((view) => [...view.geometry.getAttribute("tint").array]),
+    ["canvas", "canvas-compared"].map((id) => document.getElementById(id).getBoundingClientRect().toJSON()),
+    document.getElementById("names").innerText,
+  ]);
+  assert.deepEqual(tints[1], tints[0]);  // the same file twice
+  assert.ok(new Set(tints[0]).size > 3);
+  assert.ok(boxes[0].right <= boxes[1].left && boxes[1].width > 200);
+  assert.match(names, /scene\.palp/);
 });
 
 test("no error and no request", () => {

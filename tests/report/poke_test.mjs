@@ -4,7 +4,8 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import path from "node:path";
 import test from "node:test";
-import { at, json, pageBuild, pageSource, played, pressDragLift } from "./folder.mjs";
+import { at, json, pageBuild, pageSource } from "./folder.mjs";
+import { playedForces, pressDragLift } from "./motion.mjs";
 
 const { fromPlanes, Palp, STATES } = await import(path.join(pageSource, "page/palp.js"));
 const wasm = readFileSync(path.join(pageBuild, "poke.wasm"));
@@ -15,7 +16,7 @@ test("the module imports nothing", () => assert.deepEqual(WebAssembly.Module.imp
 test("a press, a drag across a groove and a lift have the native forces within 1e-6", async () => {
   const palp = await Palp.open(wasm, file);
   const rows = pressDragLift();
-  const native = played(rows, "forces.csv").read();
+  const native = playedForces("forces.csv");
   assert.equal(native.length, rows.length);
   const peak = Math.max(...native.map((row) => Math.hypot(...row.force)));
   assert.ok(peak > 0.01);
