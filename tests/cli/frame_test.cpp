@@ -74,6 +74,9 @@ TEST_F(Frame, WrongUsageEndsWithOne) {
   expect_failure(run({"verify", "x.palp", "--loops", "--plot", "x.svg"}), 1, {"--plot", "--strokes"});
   expect_failure(run({"verify", "--together", "7"}), 1, {"--together"});
   expect_failure(run({"verify", "--slide", "--radii", "nan"}), 1, {"--radii", "got nan; allowed [0.1, 100]"});
+  for (const char* other : {"--models", "--solver", "--rows", "--open"}) {
+    expect_failure(run({"bench", "x.palp", other, "--plot", "x.svg"}), 1, {"--plot shows ticks", other});
+  }
   expect_failure(run({"bench", "x.palp", "--seconds", "nan"}), 1, {"--seconds", "got nan; allowed [0.001, 10]"});
 }
 

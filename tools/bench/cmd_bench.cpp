@@ -226,6 +226,9 @@ void run_rows(const BenchArguments& options, const Globals& globals) {
 }
 
 void run_bench(BenchArguments options, const Globals& globals) {
+  if (!options.plot.empty() && (options.solver || options.models || options.rows || options.open)) {
+    throw Error(ExitCode::usage, "--plot shows ticks; leave it out with --solver, --models, --rows and --open");
+  }
 #ifdef PALPATE_SOLVER_BENCH
   if (options.solver && options.models) throw Error(ExitCode::usage, "--solver and --models exclude each other");
   if (options.solver) return run_solver_bench({options.file, options.bench.contacts}, globals);
@@ -236,7 +239,6 @@ void run_bench(BenchArguments options, const Globals& globals) {
 #endif
   if (options.rows) return run_rows(options, globals);
   if (options.file.empty()) throw Error(ExitCode::usage, "bench needs a response file");
-  if (!options.plot.empty() && options.open) throw Error(ExitCode::usage, "--plot shows ticks; leave out --open");
   refuse_same({options.plot}, {options.file});
   if (options.open) return run_open(options, globals);
   run_ticks(std::move(options), globals);
