@@ -25,6 +25,7 @@ test("held-out errors are those of the solved and baked forces of verify", () =>
     }
   }
   const { error } = report.error_time.files[0];
+  assert.equal(report.held_out.command, "palpate verify scene.toml --count 3 --seed 1 --report verify.json");
   assert.equal(error.count, errors.length);
   near(error.median, quantile(errors, 0.5));
   near(error.p95, quantile(errors, 0.95));

@@ -5,7 +5,7 @@ import test, { after, before } from "node:test";
 import { drag, needChromium, openBrowser, openPage } from "./browser.mjs";
 import { at, json, palpate } from "./folder.mjs";
 import { playedForces, pressDragLift } from "./motion.mjs";
-import { checkForces, checkHovering, checkNumbers, checkPlots, clientOf } from "./page_checks.mjs";
+import { checkForces, checkHovering, checkNumbers, checkPlots, clientOf, showOrgan } from "./page_checks.mjs";
 
 needChromium();
 const report = json("scene.report.json");
@@ -105,6 +105,21 @@ test("notices of all code in the page are in it", async () => {
     const found = notices.find(([summary]) => summary.startsWith(name));
     assert.match(found?.[1] ?? "", text, name);
   }
+});
+
+test("a finger presses, drags and lifts", async () => {
+  await page.setViewport({ width: 390, height: 800, hasTouch: true, isMobile: true });
+  await openPage(page, "file://" + at("scene.report.html"));
+  await showOrgan(page);
+  const [x, y] = await clientOf(page, [0, 0, 0]);
+  await page.touchscreen.touchStart(x, y);
+  await page.waitForFunction(() => document.querySelector("#readout span")?.innerText === "stick");
+  const scrolled = await page.evaluate(() => scrollY);
+  for (let k = 1; k <= 20; k++) await page.touchscreen.touchMove(x + k, y);
+  await page.waitForFunction(() => document.querySelector("#readout span")?.innerText === "slide");
+  assert.equal(await page.evaluate(() => scrollY), scrolled, "the drag scrolls the page");
+  await page.touchscreen.touchEnd();
+  assert.equal(await page.evaluate(() => document.getElementById("readout").innerText), "");
 });
 
 test("two organs are drawn side by side, with one scale", async () => {

@@ -57,6 +57,16 @@ std::string command_line(const ReportInput& input) {
   return line;
 }
 
+/// The command line that makes the report of verify again, or would make one.
+std::string verify_line(const ReportInput& input, const Json& verified, std::size_t contacts) {
+  std::string line = "palpate verify " + input.scene;
+  if (!verified.is_null()) {
+    line += " --count " + std::to_string(contacts);
+    if (verified.contains("seed")) line += " --seed " + verified["seed"].dump();
+  }
+  return line + " --report " + (input.verify.empty() ? "verify.json" : input.verify);
+}
+
 }  // namespace
 
 Json make_report(const ReportInput& input, const pipeline::Pipeline& p, const cli::ResponseInput& response,
@@ -92,8 +102,7 @@ Json make_report(const ReportInput& input, const pipeline::Pipeline& p, const cl
   report["contents"] = cli::contents_of(view, base_name(file));
   report["contents"]["command"] = "palpate inspect " + file;
   report["curves"] = {{"command", "palpate build " + input.scene}, {"pairs", solved_curves(p, journal)}};
-  const std::string verify_command =
-      "palpate verify " + input.scene + " --report " + (input.verify.empty() ? "verify.json" : input.verify);
+  const std::string verify_command = verify_line(input, verified, held_out.size());
   report["held_out"] = {{"command", verify_command}, {"places", held_out_places(held_out)}};
   report["held_out"]["figures"] = verified;
 
