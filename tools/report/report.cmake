@@ -65,7 +65,7 @@ endif()
 file(GLOB page_sources CONFIGURE_DEPENDS ${page_source}/page/* ${page_source}/build.mjs)
 set(template ${page_source}/page_template.cpp)
 if(page_missing)
-  list(JOIN page_missing "; " page_missing)
+  list(JOIN page_missing ", " page_missing)  # a semicolon would split the definition below
   message(STATUS "palpate: report has no page: ${page_missing}")
   set_source_files_properties(${template} PROPERTIES COMPILE_DEFINITIONS "PALPATE_PAGE_MISSING=\"${page_missing}\"")
 else()
