@@ -241,6 +241,12 @@ const Keys<ResponseScene>& response_keys() {
                        "forces meet it; only its option --max-p95 makes it fail.")),
       affecting(
           Affects::file,
+          number("floor", &R::floor, {0, 1e6, false, "N"},
+                 "Absolute floor of the tolerance: the errors of smaller forces count as shares of this one, in "
+                 "automatic sampling and in palpate verify. It is the force that nobody feels, or that the device "
+                 "does not resolve. Forces under 2 % of their contact's peak count as that in any case.")),
+      affecting(
+          Affects::file,
           number("max_residual", &R::max_residual, {0.01, 1000, false, ""},
                  "Relative error of a solved force beyond which its pair's fit is refused: the response is filled "
                  "from neighbours.")),

@@ -155,10 +155,11 @@ private:
       if (!(field.known(t[0]) && field.known(t[1]) && field.known(t[2]))) continue;
       double peak = 0;
       for (const Sample& s : solved->samples) peak = std::max(peak, s.force.norm());
+      const double least = std::max(0.02 * peak, sampled_.scene.response.floor);
       for (const Sample& s : solved->samples) {
         Vector3d predicted = Vector3d::Zero();
         for (int c = 0; c < 3; ++c) predicted += h.weights[c] * field.force(t[c], s.deflection.z(), p.frame);
-        h.errors.push_back((predicted - s.force).norm() / std::max(s.force.norm(), 0.02 * peak));
+        h.errors.push_back((predicted - s.force).norm() / std::max(s.force.norm(), least));
       }
       hidden_.push_back(std::move(h));
     }
@@ -306,6 +307,7 @@ Plan first_round(const Sampled& sampled, const HapticMesh& mesh) {
                           .text(canonical_text(sampled.scene, CanonicalScope::solves))
                           .number(std::int64_t{kRoundsRevision})
                           .number(sampled.scene.response.tolerance)
+                          .number(sampled.scene.response.floor)
                           .number(std::int64_t{sampled.scene.sampling.most_sites})
                           .digest();
   std::set<std::uint32_t> pushed;

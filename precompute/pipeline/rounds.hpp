@@ -22,7 +22,7 @@ struct Sampled {
 };
 
 /// Part of a plan's identity: raise it whenever the same outcomes give another next round.
-inline constexpr int kRoundsRevision = 6;
+inline constexpr int kRoundsRevision = 7;
 
 /// Numbers of automatic sampling.
 struct RoundLimits {

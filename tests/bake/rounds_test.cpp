@@ -139,6 +139,15 @@ TEST_F(BallRounds, EveryRoleIsPlannedAndEarlierPairsKeepTheirNumbers) {
   EXPECT_GE(count[static_cast<std::size_t>(PairRole::hidden)], 40U);
 }
 
+TEST_F(BallRounds, ForcesBelowTheFloorAskForNoSites) {
+  scene_.response.tolerance = 0.02;
+  const Sites without = sampled();
+  scene_.response.floor = 2 * stiffness({0, kBall, 0}) * std::pow(scene_.sampling.depth, 1.5);  // twice the largest
+  const Sites with = sampled();
+  EXPECT_TRUE(with.estimate.met);
+  EXPECT_LT(with.mesh.points.size(), without.mesh.points.size());
+}
+
 TEST_F(BallRounds, RoundsAreTheSameEveryTime) {
   scene_.response.tolerance = 0.03;
   const Sites a = sampled(), b = sampled();

@@ -72,8 +72,9 @@ std::string line(const char* name, const ErrorStatistics& s) {
 }
 
 std::string table(const VerifyStatistics& s) {
-  return "error (forces, and torques of turns: % of the larger of the solved one and 2 % of its contact's peak; limit: "
-         "% of the solved one)\n"
+  return "error (forces, and torques of turns: % of the larger of the solved one and 2 % of its contact's peak, forces "
+         "at "
+         "least of response.floor; limit: % of the solved one)\n"
          "push        forces   median      p95    worst      <1%   <2%   <5%  <10%   worst at\n" +
          line("normal", s.normal) + line("tangential", s.tangential) + line("paths", s.paths) +
          line("grasped", s.grasped) + line("turned", s.turned) + line("limit", s.limit) + line("spins", s.spins);

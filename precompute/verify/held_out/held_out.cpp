@@ -264,6 +264,7 @@ void draw_spins(const runtime::View& view, const Scene& scene, const Body& body,
     const auto index = static_cast<std::size_t>(uniform(engine) * static_cast<double>(candidates.size()));
     const Candidate& pair = candidates[std::min(index, candidates.size() - 1)];
     HeldOut contact;
+    contact.floor = scene.response.floor;
     contact.at_pair = true;
     contact.tool = pair.tool;
     contact.spin = 2 * std::numbers::pi * uniform(engine);
@@ -295,6 +296,7 @@ HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const B
   const std::size_t most = 1000 + 100 * static_cast<std::size_t>(options.count);
   for (; set.contacts.size() < options.count && drawn < most; ++drawn) {
     HeldOut contact;
+    contact.floor = scene.response.floor;
     contact.tool = static_cast<std::uint32_t>(set.contacts.size() % tools.size());
     const Tool& tool = tools[contact.tool];
     const auto& t = surface.triangles[pick(areas, uniform(engine))];
@@ -381,7 +383,7 @@ void compare_with_file(const runtime::View& view, std::vector<HeldOut>& contacts
         f.turn->baked = to_eigen(held.torque);
         f.turn->error = (f.turn->baked - f.turn->solved).norm() / std::max(f.turn->solved.norm(), 0.02 * peak_torque);
       }
-      f.error = (f.baked - f.solved).norm() / std::max(f.solved.norm(), 0.02 * peak);
+      f.error = (f.baked - f.solved).norm() / std::max({f.solved.norm(), 0.02 * peak, contact.floor});
     }
     for (LimitPair& l : contact.limits) {
       l.baked = response.law().at(l.depth).friction_coefficient;

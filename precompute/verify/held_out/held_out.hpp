@@ -24,7 +24,7 @@ struct ForcePair {
   Eigen::Vector3d deflection{0, 0, 0};  ///< m, p - c
   Eigen::Vector3d solved{0, 0, 0};      ///< N on the tool
   Eigen::Vector3d baked{0, 0, 0};       ///< N
-  double error = 0.0;                   ///< |baked - solved| / max(|solved|, 2 % of the contact's peak force)
+  double error = 0.0;  ///< |baked - solved| / max(|solved|, 2 % of the contact's peak force, its floor)
   /// Kind path: of its first force the deflection (m) of the normal indentation that it left from; the tool goes
   /// straight from force to force.
   std::optional<Eigen::Vector3d> from;
@@ -59,6 +59,7 @@ struct HeldOut {
   double depth = 0.0;      ///< m, deepest push
   double thickness = 0.0;  ///< m, of the body below c
   double filled = 0.0;     ///< share of the blend that was filled from neighbours
+  double floor = 0.0;      ///< N, response.floor of the scene
   bool accepted = false;
   std::string cause;  ///< of a refused solve
   std::vector<ForcePair> forces;

@@ -55,6 +55,8 @@ HeldOut contact_from(const Json& j) {
   c.at_pair = j.value("at_pair", false);
   c.depth = j.at("depth_m").get<double>();
   c.thickness = j.value("thickness_m", 0.0);
+  c.floor = j.value("floor_N", 0.0);
+  if (!(c.floor >= 0)) throw std::runtime_error("floor_N is below 0");
   c.accepted = j.at("accepted").get<bool>();
   c.cause = j.value("cause", "");
   for (const Json& f : j.at("forces")) {
@@ -120,6 +122,7 @@ nlohmann::ordered_json to_json(const std::vector<HeldOut>& contacts) {
                    {"accepted", c.accepted},
                    {"cause", c.cause},
                    {"forces", forces}});
+    if (c.floor > 0) all.back()["floor_N"] = c.floor;
     if (c.orientation) {
       all.back()["spin_rad"] = c.spin;
       all.back()["tool_x"] = list(c.orientation->col(0));

@@ -83,6 +83,16 @@ TEST_F(HeldOutSolves, AToolThatMustKeepItsSpinIsPushedObliquely) {
   EXPECT_GE(oblique, 6u);
 }
 
+TEST_F(HeldOutSolves, ErrorsOfForcesBelowTheFloorAreSharesOfIt) {
+  scene_.response.floor = 1e3;  // N
+  const HeldOutSet set = solve(ToolScene::Shape::sphere, test::ResponseSampleOptions::Tools::sphere);
+  ASSERT_TRUE(set.contacts[0].accepted) << set.contacts[0].cause;
+  ASSERT_FALSE(set.contacts[0].forces.empty());
+  for (const ForcePair& f : set.contacts[0].forces) {
+    EXPECT_DOUBLE_EQ(f.error, (f.baked - f.solved).norm() / scene_.response.floor);
+  }
+}
+
 TEST_F(HeldOutSolves, AToolThatHoldsOnIsPulledAndTurnedToo) {
   grasp_depth_ = 0.001;
   grasp_turn_ = 0.2;
