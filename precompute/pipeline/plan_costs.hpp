@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Costs of a plan, from a timed pair of each role.
+// Costs of a plan, from timed pairs of each role.
 #pragma once
 
 #include <array>
@@ -23,8 +23,8 @@ struct PlanCosts {
   double file_bytes = 0.0;         ///< of the response file with the sites of this round
 };
 
-/// Solves the middle pair in full and the middle normal indentation of the plan (nothing is kept) and multiplies. Needs
-/// plan().
+/// Solves four pairs in full and four normal indentations, evenly spaced in the plan (nothing is kept), and multiplies.
+/// Needs plan().
 PlanCosts cost_plan(const Pipeline& pipeline);
 
 }  // namespace palpate::pipeline

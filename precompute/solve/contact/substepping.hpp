@@ -17,7 +17,8 @@ struct StepResult {
 };
 
 /// Calls step(to, part) for shares `to` of the move, up to 1; a step that fails is halved, down to an eighth of the
-/// move. If the smallest share fails too, the result has its cause, and the move ends at the last good step.
+/// move. If the smallest share fails too, or the contact peels, the result has its cause, and the move ends at the last
+/// good step.
 template <class Step>
 StepResult substep(Step&& step) {
   StepResult total;
@@ -34,7 +35,7 @@ StepResult substep(Step&& step) {
       continue;
     }
     part *= 0.5;
-    if (part < 1.0 / 8) return total;
+    if (s.peels || part < 1.0 / 8) return total;
   }
   total.converged = true;
   total.cause.clear();

@@ -30,9 +30,8 @@ struct Attempt {
   double lost = 0.0;             // see PairOptions
 };
 
-// `last`: no finer mesh is to come, and a tangential push keeps what it answered before it failed.
 Attempt attempt(const ContactCase& contact, const PairPath& path, const PairOptions& options, const TetMesh& mesh,
-                bool last, const SolveLimits& limits) {
+                const SolveLimits& limits) {
   const auto& [body, tool, vertex, frame] = contact;
   Attempt made;
   PairResult& result = made.result;
@@ -41,7 +40,7 @@ Attempt attempt(const ContactCase& contact, const PairPath& path, const PairOpti
     Push push(stress_free(body), mesh, *tool.shape, touching_pose(vertex, frame),
               {body.material.young, normal_penalty(options.method, options.penalty), options.tolerance, limits},
               options.materials);
-    PairRun run{contact, path, options, mesh, last, push, result};
+    PairRun run{contact, path, options, mesh, push, result};
     if (!push.held_anywhere()) {
       run.refuse("support: no node of the mesh is held");
     } else if (approach(run)) {
@@ -127,7 +126,7 @@ public:
       if (rough_) with.growth *= std::pow(scale, kGrowthPower);
       mesh = mesh_of(with, scale);
       if (mesh.usable) {
-        attempt(mesh.mesh, with, scale, scale == 0.6 || normal_.has_value());
+        attempt(mesh.mesh, with, scale);
       } else {
         failed("mesh: " + mesh.cause);
       }
@@ -140,7 +139,7 @@ public:
       PairOptions with = options_;
       with.method = rung.method;
       with.penalty *= rung.penalty;
-      attempt(mesh.mesh, with, 0.6, true);
+      attempt(mesh.mesh, with, 0.6);
       if (accepted_) return std::move(result_);
       add_cause(rung.name);
     }
@@ -172,8 +171,8 @@ private:
     result_.outcome.cause = cause;
   }
 
-  void attempt(const TetMesh& mesh, const PairOptions& with, double scale, bool last) {
-    Attempt made = palpate::attempt(contact_, path_, with, mesh, last, limits());
+  void attempt(const TetMesh& mesh, const PairOptions& with, double scale) {
+    Attempt made = palpate::attempt(contact_, path_, with, mesh, limits());
     result_ = std::move(made.result);
     accepted_ = result_.outcome.accepted;
     contact_failed_ = made.contact_failed;
@@ -209,7 +208,7 @@ private:
       options.watch = {};
       const VolumeMeshResult mesh = mesh_of(options, scale * other.scale);
       if (!mesh.usable) continue;
-      const Attempt made = palpate::attempt(contact_, compared_path(path_), options, mesh.mesh, true, limits());
+      const Attempt made = palpate::attempt(contact_, compared_path(path_), options, mesh.mesh, limits());
       if (add_mesh_errors(samples, made.result.outcome.accepted ? made.result.samples : made.normal, other.share)) {
         return true;
       }
@@ -284,7 +283,7 @@ private:
 
 PairResult solve_on_mesh(const ContactCase& contact, const PairPath& path, const PairOptions& options,
                          const TetMesh& mesh) {
-  return attempt(contact, path, options, mesh, true, {}).result;
+  return attempt(contact, path, options, mesh, {}).result;
 }
 
 PairResult solve_pair(const ContactCase& contact, const PairPath& path, const PairOptions& options,

@@ -32,7 +32,7 @@ bool PairRun::refuse(const std::string& cause) {
 }
 
 bool PairRun::stop_short(const std::string& cause, bool nothing_yet, bool peels) {
-  if (!peels && (nothing_yet || !last)) return refuse_contact(cause);
+  if (!peels && nothing_yet) return refuse_contact(cause);
   result.outcome.cause = "stopped short: " + cause;
   return true;
 }

@@ -42,8 +42,6 @@ struct PairRun : ContactCase {
   const PairPath& path;
   const PairOptions& options;
   const TetMesh& mesh;
-  bool last = false;  ///< an attempt before failed too, or no finer mesh is to come: a tangential push keeps what it
-                      ///< answered before it failed
   Push& push;
   PairResult& result;
   Eigen::Vector3d start{0, 0, 0};   ///< m, the tool's translation at first touch
@@ -55,8 +53,8 @@ struct PairRun : ContactCase {
   bool refuse(const std::string& cause);
   /// The same for what another contact method may mend.
   bool refuse_contact(const std::string& cause) { return contact_failed = true, refuse(cause); }
-  /// The end of a tangential push at less than its reach: accepted where the contact `peels` and in the pair's last
-  /// attempt, else as refuse().
+  /// The end of a tangential push at less than its reach. What it answered before is kept. With `nothing_yet` as
+  /// refuse_contact(), unless the contact `peels`, which no finer mesh mends.
   bool stop_short(const std::string& cause, bool nothing_yet, bool peels);
   [[nodiscard]] double radius(double depth) const { return contact_radius(vertex, depth); }  ///< m
   [[nodiscard]] double work_scale(double depth) const;                                       ///< J
