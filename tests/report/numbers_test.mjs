@@ -93,6 +93,22 @@ test("contacts and equilibria are those that build counts", () => {
   assert.equal(friction.solves, built.pairs_planned * 2 * 4 * 2);
 });
 
+test("each feature has its time, or says why there is none", () => {
+  const features = Object.fromEntries(report.left_out.features.map((f) => [f.name, f]));
+  for (const name of ["tangential_bias", "friction", "slip_softening", "search"]) {
+    const { tick_ns, slide_ns, cause } = features[name];
+    assert.ok(Number.isFinite(tick_ns) && Number.isFinite(slide_ns) && cause === undefined, name);
+  }
+  assert.ok(features.friction.tick_ns > 0 && features.friction.slide_ns > 0);
+  assert.ok(features.search.slide_ns < 0, "a search tree makes a slide slower");
+  for (const name of ["tool_patches", "bonded", "bonded_torque", "spin", "compliance"]) {
+    assert.match(features[name].cause, /palpate bench|no tick/, name);
+    assert.equal(features[name].tick_ns, undefined);
+  }
+  assert.equal(features.bonded.bytes, features.bonded.bytes_per_response * report.contents.responses);
+  for (const name of ["tool_patches", "spin", "compliance"]) assert.deepEqual([features[name].bytes, features[name].solves], [null, null]);
+});
+
 test("the run is that of play", () => {
   const forces = readFileSync(at("forces.csv"), "utf8").trim().split("\n").slice(1).map((line) => line.split(",").map(Number));
   assert.equal(report.run.rows, forces.length);
