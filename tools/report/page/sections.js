@@ -99,7 +99,7 @@ export function stability(numbers) {
   }
   const near = battery.cells.filter((cell) => cell.near);
   if (near.length) {
-    parts.push(make("details", {}, make("summary", {}, `${near.length} cells near this scene`), table(near, [
+    parts.push(make("details", {}, make("summary", {}, `${near.length} ${near.length === 1 ? "cell" : "cells"} near this scene`), table(near, [
       ["family", (c) => c.family], ["cell", (c) => c.cell], ["result", (c) => c.result], ["cause", (c) => c.cause], ["seconds", (c) => number(c.seconds), true],
     ])));
   }
