@@ -89,8 +89,12 @@ test("contacts and equilibria are those that build counts", () => {
   const all = depths.find((each) => each.length === 6);
   for (const each of depths) each.forEach((depth, k) => near(depth, all.at(k - each.length), 0.02));
   assert.equal(built.normal_solves, 6 * depths.length);
-  const friction = report.left_out.features.find((f) => f.name === "friction");
-  assert.equal(friction.solves, built.pairs_planned * 2 * 4 * 2);
+  const solves = Object.fromEntries(report.left_out.features.map((f) => [f.name, f.solves]));
+  assert.equal(solves.friction, built.pairs_planned * 2 * 4 * 2);
+  assert.equal(solves.slip_softening, built.pairs_planned * 2 * 3 * 3);
+  // Seven depths; from three of them, moves along the directions, or three turns both ways.
+  assert.equal(solves.bonded, built.pairs_planned * (7 + 3 * 4 * 2));
+  assert.equal(solves.bonded_torque, built.pairs_planned * 3 * 6);
 });
 
 test("each feature has its time, or says why there is none", () => {
