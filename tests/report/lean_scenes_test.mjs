@@ -61,6 +61,9 @@ test("each scene costs more than the leaner one before it", (t) => {
 
 test("build --report ends with the report", () => {
   const { report } = JSON.parse(palpate("build", "lean/scene.toml", "--report", "--json", "--quiet"));
-  assert.equal(json(report.numbers).held_out.figures, null);
+  const { held_out, left_out } = json(report.numbers);
+  assert.equal(held_out.figures, null);
+  const friction = left_out.features.find((f) => f.name === "friction");
+  assert.ok(!friction.present && friction.tick_ns > 0 && friction.slide_ns > 0, "friction would take no time");
   assert.equal(statSync(at(report.page)).size, report.page_bytes);
 });

@@ -89,8 +89,28 @@ test("contacts and equilibria are those that build counts", () => {
   const all = depths.find((each) => each.length === 6);
   for (const each of depths) each.forEach((depth, k) => near(depth, all.at(k - each.length), 0.02));
   assert.equal(built.normal_solves, 6 * depths.length);
-  const friction = report.left_out.features.find((f) => f.name === "friction");
-  assert.equal(friction.solves, built.pairs_planned * 2 * 4 * 2);
+  const solves = Object.fromEntries(report.left_out.features.map((f) => [f.name, f.solves]));
+  assert.equal(solves.friction, built.pairs_planned * 2 * 4 * 2);
+  assert.equal(solves.slip_softening, built.pairs_planned * 2 * 3 * 3);
+  // Seven depths; from three of them, moves along the directions, or three turns both ways.
+  assert.equal(solves.bonded, built.pairs_planned * (7 + 3 * 4 * 2));
+  assert.equal(solves.bonded_torque, built.pairs_planned * 3 * 6);
+});
+
+test("each feature has its time, or says why there is none", () => {
+  const features = Object.fromEntries(report.left_out.features.map((f) => [f.name, f]));
+  for (const name of ["tangential_bias", "friction", "slip_softening", "search"]) {
+    const { tick_ns, slide_ns, cause } = features[name];
+    assert.ok(Number.isFinite(tick_ns) && Number.isFinite(slide_ns) && cause === undefined, name);
+  }
+  assert.ok(features.friction.tick_ns > 0 && features.friction.slide_ns > 0);
+  assert.ok(features.search.slide_ns < 0, "a search tree makes a slide slower");
+  for (const name of ["tool_patches", "bonded", "bonded_torque", "spin", "compliance"]) {
+    assert.match(features[name].cause, /palpate bench|no tick/, name);
+    assert.equal(features[name].tick_ns, undefined);
+  }
+  assert.equal(features.bonded.bytes, features.bonded.bytes_per_response * report.contents.responses);
+  for (const name of ["tool_patches", "spin", "compliance"]) assert.deepEqual([features[name].bytes, features[name].solves], [null, null]);
 });
 
 test("the run is that of play", () => {

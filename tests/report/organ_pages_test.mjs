@@ -10,6 +10,7 @@ import { drag, needChromium, openBrowser, openPage } from "./browser.mjs";
 import { at, folder, json, pageBuild, pageSource, palpate } from "./folder.mjs";
 import { acrossGroove, motionText, playedForces } from "./motion.mjs";
 import { checkForces, checkHovering, checkNumbers, checkPlots, showOrgan } from "./page_checks.mjs";
+import { takePicture } from "./picture.mjs";
 
 needChromium();
 const { Palp } = await import(path.join(pageSource, "page/palp.js"));
@@ -52,8 +53,8 @@ async function pressAcrossGroove(t, page, name, site, report) {
   assert.ok(touching > 0.95, `the tool touches in ${touching} of the drag`);
 }
 
-/** Every check on the page of a scene: {frames} a second, and names of its {plots}. */
-async function checkPage(t, name) {
+/** Every check on the page of a scene: {frames} a second, and names of its {plots}. `picture`: PNG to write; empty: none. */
+async function checkPage(t, name, picture = "") {
   const report = json(`${name}.report.json`), file = at(`${name}.report.html`);
   const { browser, page, problems, requests } = await openBrowser();
   try {
@@ -64,6 +65,7 @@ async function checkPage(t, name) {
     await pressAcrossGroove(t, page, name, site, report);
     const { ticks, frames, resolution } = await poke(page);
     const triangles = await page.evaluate(() => palpateReport.view.geometry.index.count / 3);
+    if (picture) await takePicture(page, at(picture));
     const load = os.loadavg()[0].toFixed(1);
     t.diagnostic(`plots: ${plots.join(", ")}; curves of site ${site}`);
     t.diagnostic(`${report.organ.sites.position_m.length} sites, ${triangles} triangles drawn, ${megabytes.toFixed(2)} MB: ` +
@@ -82,7 +84,7 @@ test("the page of the demo: numbers, plots, curves, forces, and 30 frames a seco
   palpate("build", "demo/scene.toml", "--quiet");
   palpate("verify", "demo/scene.toml", "--count", "10", "--report", "demo/verify.json", "--quiet");
   palpate("report", "demo/scene.toml", "--verify", "demo/verify.json", "--run", "demo/motion.csv", "--quiet");
-  const { frames, plots } = await checkPage(t, "demo/scene");
+  const { frames, plots } = await checkPage(t, "demo/scene", "demo/report.png");
   for (const plot of ["held-out", "error-force_ns-laws", "error-tick_ns-files"]) assert.ok(plots.includes(plot), plot);
   assert.ok(frames >= 30, `${frames} frames a second`);
 });

@@ -23,6 +23,20 @@ test("plots hold the data of the numbers", async () => {
   for (const name of ["held-out", "error-tick_ns-files", "error-force_ns-laws"]) assert.ok(names.includes(name), name);
 });
 
+test("a label of a plot covers no dot and no other label", async () => {
+  const plots = await page.evaluate(() => [...document.querySelectorAll("[data-plot^=error-] > svg")].map((plot) => {
+    const boxes = (selector) => [...plot.querySelectorAll(selector)].map((e) => [e.textContent, e.getBoundingClientRect().toJSON()]);
+    return { labels: boxes("g[aria-label=text] text"), dots: boxes("g[aria-label=dot] > *") };
+  }));
+  const overlap = (a, b) => a.left < b.right && b.left < a.right && a.top + 2 < b.bottom && b.top + 2 < a.bottom;
+  for (const { labels, dots } of plots) {
+    assert.ok(labels.some(([text]) => ["quadratic", "this file"].includes(text)), "the chosen dot has no label");
+    labels.forEach(([text, box], k) => {
+      for (const [other, taken] of [...labels.slice(k + 1), ...dots]) assert.ok(!overlap(box, taken), `${text} covers ${other || "a dot"}`);
+    });
+  }
+});
+
 test("tables print the numbers and the commands that made them", async () => {
   const text = await page.evaluate(() => document.body.innerText);
   const own = report.error_time.files[0];
@@ -38,6 +52,7 @@ test("each cell of the battery is a square with its cause", async () => {
   const cells = await page.evaluate(() => [...document.querySelectorAll("#stability .cells i")].map((i) => [i.className, i.title]));
   assert.deepEqual(cells.map(([name]) => name), ["result-verified near", "result-wrong", "result-converged", "result-refused"]);
   assert.match(cells[3][1], /a gate/);
+  assert.equal(await page.evaluate(() => document.querySelector("#stability details summary").textContent), "1 cell near this scene");
 });
 
 test("hovering a site shows its solved and baked curves", async () => {

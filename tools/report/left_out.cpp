@@ -4,43 +4,18 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
+#include <optional>
 
 #include "formats/io/error.hpp"
-#include "precompute/fit/laws/grasp_fit.hpp"
 #include "precompute/verify/held_out/statistics.hpp"
 #include "tools/bench/tick_bench.hpp"
 #include "tools/cli/output.hpp"
+#include "tools/inspect/features.hpp"
 #include "tools/inspect/inspect.hpp"
 #include "tools/report/numbers.hpp"
 
 namespace palpate::report {
 namespace {
-
-/// Bytes of a response with and without a feature, from the layout. A file without it is compared with degrees that are
-/// usual for a coupled response.
-double feature_bytes(const layout::Meta& m, layout::Feature feature) {
-  constexpr std::uint32_t kUsualDegree = 3, kUsualBonded = fit::kGraspCoefs;
-  layout::Meta with = m, without = m;
-  if (feature == layout::feature_friction) {
-    if (!(m.tangential_scale > 0))
-      with.tangential_scale = 1, with.stiffness_degree = with.friction_degree = kUsualDegree;
-    without.tangential_scale = 0;
-  } else if (feature == layout::feature_tangential_bias) {
-    if (m.bias_degree == 0) with.bias_degree = kUsualDegree;
-    without.bias_degree = 0;
-  } else if (feature == layout::feature_slip_softening) {
-    with.softening_count = 1;
-    without.softening_count = 0;
-  } else if (feature == layout::feature_bonded) {
-    return layout::bonded_size(m.bonded_coefs > 0 ? m.bonded_coefs : kUsualBonded);
-  } else if (feature == layout::feature_bonded_torque) {
-    return layout::torque_size(m.bonded_coefs > 0 ? m.bonded_coefs : kUsualBonded);
-  } else {
-    return 0;  // a section of its own, not a part of a response
-  }
-  return double(layout::response_size(with)) - double(layout::response_size(without));
-}
 
 double section_bytes(const runtime::View& view, layout::Section id) {
   for (std::uint32_t k = 0; k < view.header().section_count; ++k) {
@@ -49,62 +24,63 @@ double section_bytes(const runtime::View& view, layout::Section id) {
   return 0;
 }
 
-/// Bytes of the whole file that the feature takes or would take.
-double file_bytes(const runtime::View& view, layout::Feature feature) {
+/// Bytes of the whole file that the feature takes or would take; null where another bake alone would have them.
+Json file_bytes(const runtime::View& view, layout::Feature feature) {
   const layout::Meta& m = *view.meta;
+  const auto used = [&](double bytes) { return view.has(feature) ? Json(bytes) : Json(); };
   switch (feature) {
     case layout::feature_tool_patches:
-      return section_bytes(view, layout::Section::tool_vertices) + section_bytes(view, layout::Section::tool_patches);
+      return used(section_bytes(view, layout::Section::tool_vertices) +
+                  section_bytes(view, layout::Section::tool_patches));
     case layout::feature_spin:
-      return section_bytes(view, layout::Section::spins);
+      return used(section_bytes(view, layout::Section::spins));
+    case layout::feature_compliance:
+      return used(section_bytes(view, layout::Section::compliance));
     case layout::feature_search: {
       const double there = section_bytes(view, layout::Section::search);
       // A binary tree whose leaves hold four triangles has half as many nodes as triangles.
       return there > 0 ? there : 0.5 * m.triangle_count * sizeof(layout::SearchNode);
     }
     default:
-      return feature_bytes(m, feature) * m.response_count;
+      return cli::feature_bytes(m, feature) * m.response_count;
   }
 }
 
-/// Equilibria that the feature takes or would take over all planned pairs.
-double feature_solves(const pipeline::Pipeline& p, layout::Feature feature) {
-  const SamplingScene& s = p.scene.sampling;
-  if (feature != layout::feature_friction) return 0;
-  return double(p.plan.pairs.size()) * s.tangential_depths * s.tangential_directions * s.tangential_points;
-}
-
-/// The press of a file fitted without the feature, in ns. Throws Error where there is no such fit.
-double tick_without(const CostInput& input, layout::Feature feature) {
-  pipeline::Pipeline p = input.pipeline;
-  FitSettings settings = pipeline::fit_settings(p);
+/// Why no two files show the time of the feature; null where two do.
+const char* untimed(layout::Feature feature) {
   switch (feature) {
-    case layout::feature_friction:
-      settings.friction = false;
-      break;
-    case layout::feature_tangential_bias:
-      settings.bias_threshold = std::numeric_limits<double>::max();
-      break;
-    case layout::feature_search:
-      p.scene.response.search = ResponseScene::Search::none;
-      break;
+    case layout::feature_tool_patches:
+      return "another tool has other responses: palpate bench times the file of its own bake";
+    case layout::feature_spin:
+      return "a spin has responses of its own: palpate bench times the file of another bake";
     case layout::feature_bonded:
-      settings.grasps.clear();
-      settings.turns.clear();
-      break;
     case layout::feature_bonded_torque:
-      settings.turns.clear();
-      break;
+      return "no tick of a contact evaluates it, only one of a bonded tool";
+    case layout::feature_compliance:
+      return "no tick of a single contact evaluates it: palpate bench times five contacts without (five) and with "
+             "(joint)";
     default:
-      throw Error(ExitCode::bad_input, "only another bake is without it");
+      return nullptr;
   }
-  const pipeline::FittedFile file = pipeline::fit_file(p, input.journal, settings);
-  const runtime::OpenResult opened = runtime::View::open(file.bytes.data(), file.bytes.size());
+}
+
+cli::TickBench timed(const ResponseFileContent& content, const CostInput& input) {
+  const std::vector<std::byte> bytes = encode(content);
+  const runtime::OpenResult opened = runtime::View::open(bytes.data(), bytes.size());
   if (!opened) throw Error(ExitCode::numerical, opened.error);
-  if ((opened.view.features & feature) != 0) throw Error(ExitCode::numerical, "the fit keeps it");
   cli::TickBenchOptions timing;
   timing.contacts = input.contacts;
-  return cli::bench_ticks(opened.view, timing).press.quantile(0.5);
+  return cli::bench_ticks(opened.view, timing);
+}
+
+/// {tick_ns, slide_ns}: two files of the same responses, one with the feature and one without, are timed.
+Json feature_times(const ResponseFileContent& content, layout::Feature feature, const CostInput& input) {
+  const ResponseFileContent with = cli::with_feature(content, feature);
+  const cli::TickBench longer = timed(with, input), shorter = timed(cli::without_feature(with, feature), input);
+  const auto difference = [](const cli::Times& a, const cli::Times& b) {
+    return rounded(a.quantile(0.5) - b.quantile(0.5));
+  };
+  return {{"tick_ns", difference(longer.press, shorter.press)}, {"slide_ns", difference(longer.slide, shorter.slide)}};
 }
 
 std::string sentence(const char* format, auto... values) {
@@ -115,24 +91,24 @@ std::string sentence(const char* format, auto... values) {
 
 }  // namespace
 
-Json left_out(const CostInput& input, double tick_ns, const cli::Globals& globals) {
+Json left_out(const CostInput& input, const ResponseFileContent& content, const cli::Globals& globals) {
   const runtime::View& view = input.response.view();
   Json features = Json::array();
   for (const cli::FeatureName& f : cli::feature_names()) {
-    const bool present = (view.features & f.bit) != 0;
     Json feature{{"name", f.name},
-                 {"present", present},
+                 {"present", view.has(f.bit)},
                  {"without", f.without},
-                 {"bytes_per_response", feature_bytes(*view.meta, f.bit)},
+                 {"bytes_per_response", cli::feature_bytes(*view.meta, f.bit)},
                  {"bytes", file_bytes(view, f.bit)},
-                 {"solves", feature_solves(input.pipeline, f.bit)}};
-    if (present && input.laws) {
-      try {
-        cli::note(globals, std::string("fitting without ") + f.name);
-        feature["tick_ns"] = rounded(tick_ns - tick_without(input, f.bit));
-      } catch (const Error& error) {
-        feature["cause"] = error.what();
-      }
+                 {"solves", nullptr}};
+    if (const std::optional<double> solves = cli::feature_solves(input.pipeline, f.bit)) feature["solves"] = *solves;
+    if (const char* const cause = untimed(f.bit); cause != nullptr) {
+      feature["cause"] = cause;
+    } else if (input.laws) {
+      cli::note(globals, std::string("timing the file with and without ") + f.name);
+      feature.update(feature_times(content, f.bit, input));
+    } else {
+      feature["cause"] = "--quick times no features";
     }
     features.push_back(feature);
   }

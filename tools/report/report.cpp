@@ -6,6 +6,7 @@
 
 #include "formats/io/error.hpp"
 #include "formats/io/file.hpp"
+#include "precompute/fit/assemble.hpp"
 #include "precompute/verify/held_out/recorded.hpp"
 #include "tools/cli/output.hpp"
 #include "tools/inspect/inspect.hpp"
@@ -121,8 +122,10 @@ Json make_report(const ReportInput& input, const pipeline::Pipeline& p, const cl
   stability["devices"] = device_stability(view);
   stability["devices_command"] = "palpate verify " + file + " --device NAME";
 
-  report["left_out"] = left_out(cost, report["error_time"]["files"][0]["tick_ns"].get<double>(), globals);
-  report["left_out"]["command"] = "palpate inspect " + file + "; palpate bench " + file;
+  const ResponseFileContent content =
+      assemble_response(p.scene, p.tools, pipeline::contact_surface(p), p.plan, p.manifest, fitted.fitted, p.sources);
+  report["left_out"] = left_out(cost, content, globals);
+  report["left_out"]["command"] = report["command"];
   report["hints"] = hints(cost, organ, report["error_time"]);
   if (!compared.is_null()) report["compared"] = compared;
   if (!run.is_null()) report["run"] = run;

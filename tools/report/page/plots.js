@@ -38,14 +38,40 @@ function ticks(values) {
   return list.filter((value) => value <= 10 ** high);
 }
 
-/** Rows whose labels do not cover another's, the chosen one first. */
-function labelled(rows, x, y) {
-  const kept = [];
-  for (const row of [...rows].sort((a, b) => b.chosen - a.chosen)) {
-    const near = (a, b, factor) => Math.abs(Math.log(a / b)) < Math.log(factor);
-    if (!kept.some((other) => near(row[x], other[x], 1.8) && near(y(row), y(other), 1.25))) kept.push(row);
+// Places of a label about its dot, the best first.
+const SIDES = [
+  { textAnchor: "start", dx: 1, dy: 0 }, { textAnchor: "end", dx: -1, dy: 0 }, { textAnchor: "middle", dx: 0, dy: -14 },
+  { textAnchor: "middle", dx: 0, dy: 14 }, { textAnchor: "start", dx: 1, dy: -11 }, { textAnchor: "start", dx: 1, dy: 11 },
+  { textAnchor: "end", dx: -1, dy: -11 }, { textAnchor: "end", dx: -1, dy: 11 },
+];
+const LABEL_SIZE = 10.5; // pixels
+
+/** Labels of rows, each at a side of its dot where it covers no dot, no other label and, if possible, no bar: [{row, side}].
+ *  A row without such a place has none; the chosen row is first. `bars`: a row's dots as [x, y, radius] (pixels), its
+ *  label's first. `frame`: bounds of the labels. */
+function labels(rows, bars, frame) {
+  const boxAt = ([x, y], w, h) => ({ left: x - w, right: x + w, top: y - h, bottom: y + h });
+  const dots = bars.flatMap((each) => each.map(([x, y, r]) => boxAt([x, y], r + 1, r + 1)));
+  const lines = bars.map((each) => {
+    const [[x]] = each, ys = each.map(([, y]) => y);
+    return { left: x - 1, right: x + 1, top: Math.min(...ys), bottom: Math.max(...ys) };
+  });
+  const inside = (box) => box.left >= frame.left && box.right <= frame.right && box.top >= 0 && box.bottom <= frame.bottom;
+  const free = (box, of) => of.every((o) => box.left >= o.right || o.left >= box.right || box.top >= o.bottom || o.top >= box.bottom);
+  const marks = [];
+  for (const k of [...rows.keys()].sort((a, b) => rows[b].chosen - rows[a].chosen)) {
+    const [x, y, r] = bars[k][0], half = 0.31 * LABEL_SIZE * rows[k].short.length;
+    const places = SIDES.map((side) => {
+      const dx = side.dx * (r + 4);
+      const box = boxAt([x + dx + { start: half, end: -half, middle: 0 }[side.textAnchor], y + side.dy], half, 0.6 * LABEL_SIZE);
+      return { row: rows[k], side: { ...side, dx }, box };
+    }).filter(({ box }) => inside(box) && free(box, dots));
+    const place = places.find(({ box }) => free(box, lines)) ?? places[0];
+    if (!place) continue;
+    dots.push(place.box);
+    marks.push(place);
   }
-  return kept;
+  return marks;
 }
 
 /** Error (median, 95th percentile and worst as one bar) of rows against one of their costs. */
@@ -54,22 +80,26 @@ function pareto(rows, { x, label, unit = "", noticeable, width = 380, format = n
   const value = (row, part) => Math.max(100 * row.error[part], 1e-2);
   const title = (row) =>
     `${row.label}\n${number(row[x])} ${unit}\nmedian ${percent(row.error.median)}\n95th percentile ${percent(row.error.p95)}\nworst ${percent(row.error.worst)}`;
-  return Plot.plot({
-    style, width, height: 290, marginLeft: 52, marginBottom: 42, marginRight: 24,
+  const height = 290, left = 52, below = 42, p95 = (row) => value(row, "p95");
+  const plot = (texts) => Plot.plot({
+    style, width, height, marginLeft: left, marginBottom: below, marginRight: 24,
     x: { type: "log", label: `${label} →`, labelAnchor: "right", nice: true, ticks: ticks(shown.map((r) => r[x])), tickFormat: (v) => format(v), grid: true, insetLeft: 14, insetRight: 34 },
     y: { type: "log", label: "↑ force error, %", nice: true, ticks: 5, tickFormat: (v) => number(v), grid: true },
     marks: [
       Plot.ruleY([100 * noticeable], { stroke: "currentColor", strokeDasharray: "2 3", strokeOpacity: 0.7 }),
-      Plot.text([[0, 0]], { frameAnchor: "right", y: () => 100 * noticeable, text: () => "a hand notices", dy: -7, fontSize: 10.5, fillOpacity: 0.75, fill: "currentColor" }),
       Plot.link(shown, { x1: x, x2: x, y1: (r) => value(r, "median"), y2: (r) => value(r, "worst"), stroke: (r) => KINDS[r.kind], strokeWidth: 1.2, strokeOpacity: 0.6 }),
       Plot.dot(shown, { x, y: (r) => value(r, "worst"), r: 2.5, symbol: "times", stroke: (r) => KINDS[r.kind], strokeWidth: 1.2 }),
       Plot.dot(shown, { x, y: (r) => value(r, "median"), r: 3, stroke: (r) => KINDS[r.kind], fill: "var(--paper)", strokeWidth: 1.5 }),
-      Plot.dot(shown.filter((r) => !r.chosen), { x, y: (r) => value(r, "p95"), r: 4.5, fill: (r) => KINDS[r.kind] }),
-      Plot.dot(shown.filter((r) => r.chosen), { x, y: (r) => value(r, "p95"), r: 7, fill: (r) => KINDS[r.kind], symbol: "star" }),
-      Plot.tip(shown, Plot.pointer({ x, y: (r) => value(r, "p95"), title, fill: "var(--sheet)" })),
-      Plot.text(labelled(shown, x, (r) => value(r, "p95")), { x, y: (r) => value(r, "p95"), text: "short", dx: 9, textAnchor: "start", fontSize: 10.5, fill: "currentColor" }),
+      Plot.dot(shown.filter((r) => !r.chosen), { x, y: p95, r: 4.5, fill: (r) => KINDS[r.kind] }),
+      Plot.dot(shown.filter((r) => r.chosen), { x, y: p95, r: 7, fill: (r) => KINDS[r.kind], symbol: "star" }),
+      Plot.tip(shown, Plot.pointer({ x, y: p95, title, fill: "var(--sheet)" })),
+      ...texts.map(({ row, side }) => Plot.text([row], { x, y: p95, text: "short", ...side, fontSize: LABEL_SIZE, fill: "currentColor" })),
     ],
   });
+  // Scales place the labels; they follow from a plot without any.
+  const bare = plot([]), [u, v] = ["x", "y"].map((name) => bare.scale(name));
+  const bars = shown.map((row) => [["p95", row.chosen ? 9.5 : 4.5], ["median", 3], ["worst", 2.5]].map(([part, r]) => [u.apply(row[x]), v.apply(value(row, part)), r]));
+  return plot(labels(shown, bars, { left, right: width, bottom: height - below }));
 }
 
 const LAW_NAMES = { "quadratic potential": "quadratic", "linear spring": "linear" };
@@ -95,7 +125,7 @@ export function errorTimePlots(errorTime) {
     if (rows.filter((r) => Number.isFinite(r[x]) && r.error?.count > 0).length < 1) return;
     plots.push(framed(title, text, pareto(rows, { x, label, unit, noticeable, format }), `error-${x}-${rows[0].kind === "law" ? "laws" : "files"}`));
   };
-  const bars = "Ring: median. Dot: 95th percentile. Cross: worst.";
+  const bars = "Ring: median. Dot: 95th percentile. Cross: worst. Dashed: what a hand just notices.";
   add(laws, "force_ns", "time of one force", "ns", "Response laws, by time", `Samples left out of each site's fit. ${bars} The runtime blends sites once a contact; the others are evaluated at three.`, time);
   add(laws, "bytes_per_response", "bytes of a response", "bytes", "Response laws, by memory", `The same errors. ★ is the law of the runtime.`);
   add(files, "tick_ns", "time of a tick", "ns", "Whole files, by time", `Held-out contacts between the sites. ${bars}`, time);

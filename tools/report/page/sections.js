@@ -99,7 +99,7 @@ export function stability(numbers) {
   }
   const near = battery.cells.filter((cell) => cell.near);
   if (near.length) {
-    parts.push(make("details", {}, make("summary", {}, `${near.length} cells near this scene`), table(near, [
+    parts.push(make("details", {}, make("summary", {}, `${near.length} ${near.length === 1 ? "cell" : "cells"} near this scene`), table(near, [
       ["family", (c) => c.family], ["cell", (c) => c.cell], ["result", (c) => c.result], ["cause", (c) => c.cause], ["seconds", (c) => number(c.seconds), true],
     ])));
   }
@@ -112,16 +112,18 @@ export function leftOut(numbers) {
   const columns = [
     ["feature", (f) => make("code", {}, f.name)],
     ["bytes a response", (f) => (f.bytes_per_response ? number(f.bytes_per_response) : "–"), true],
-    ["bytes of the file", (f) => joined(bytes(f.bytes)), true],
+    ["bytes of the file", (f) => (f.bytes === null ? "–" : joined(bytes(f.bytes))), true],
     ["equilibria", (f) => (f.solves ? number(f.solves, 5) : "–"), true],
+    ["ns of a press", (f) => (f.tick_ns === undefined ? "–" : number(f.tick_ns)), true],
+    ["ns of a slide", (f) => (f.slide_ns === undefined ? "–" : number(f.slide_ns)), true],
   ];
   const used = features.filter((f) => f.present), absent = features.filter((f) => !f.present);
+  const causes = (rows) => (rows.some((f) => f.cause) ? [["no time because", (f) => f.cause ?? ""]] : []);
   const parts = [];
   if (numbers.hints.length) parts.push(make("ul", { class: "hints" }, numbers.hints.map((hint) => make("li", {}, hint))));
-  parts.push(make("h3", {}, "Left out, with what it would take"), table(absent, [...columns, ["so", (f) => f.without]]));
-  parts.push(make("h3", {}, "Used, with what it takes"), table(used, [
-    ...columns, ["ns of a tick", (f) => (f.tick_ns === undefined ? "–" : number(f.tick_ns)), true], ["", (f) => f.cause ?? ""],
-  ]));
+  parts.push(make("p", { class: "lead" }, "Times are those of a file with the feature less those of the same responses without it: negative where the feature makes a tick faster. A few ns are the measurement's own noise."));
+  parts.push(make("h3", {}, "Left out, with what it would take"), table(absent, [...columns, ["so", (f) => f.without], ...causes(absent)]));
+  parts.push(make("h3", {}, "Used, with what it takes"), table(used, [...columns, ...causes(used)]));
   return parts;
 }
 
