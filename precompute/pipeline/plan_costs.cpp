@@ -7,13 +7,14 @@
 #include <vector>
 
 #include "palpate/format/response_layout.hpp"
+#include "precompute/bake/parallel.hpp"
 
 namespace palpate::pipeline {
 namespace {
 
 constexpr double kResponseBytes = 64;  // of 24 coefficients of 16 bits with their head
 constexpr double kProvenance = 4096;
-constexpr std::size_t kTimed = 4;  // pairs of a role: one in ten takes several times as long as the others
+constexpr std::size_t kTimed = 8;  // pairs of a role: one in ten takes several times as long as the others
 
 /// Processor time of this process and of the children that it waited for.
 double processor_seconds() {
@@ -51,7 +52,7 @@ double file_bytes(const Pipeline& p) {
 
 }  // namespace
 
-PlanCosts cost_plan(const Pipeline& p) {
+PlanCosts cost_plan(const Pipeline& p, unsigned threads) {
   JournalContent journal;
   if (std::filesystem::exists(p.paths.journal)) journal = read_journal(p.paths.journal, p.manifest);
   PlanCosts costs;
@@ -69,9 +70,9 @@ PlanCosts cost_plan(const Pipeline& p) {
     if (pairs[role].empty()) continue;
     const std::size_t timed = std::min(kTimed, pairs[role].size());
     const double before = processor_seconds();
-    for (std::size_t k = 0; k < timed; ++k) {
+    parallel_for(timed, threads, {}, [&](std::size_t k) {
       solver(p.plan.pairs[pairs[role][(2 * k + 1) * pairs[role].size() / (2 * timed)]], {});
-    }
+    });
     costs.roles[role].seconds = (processor_seconds() - before) / static_cast<double>(timed);
   }
   costs.roles[2].seconds = costs.roles[1].seconds;

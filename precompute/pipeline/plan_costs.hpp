@@ -23,8 +23,8 @@ struct PlanCosts {
   double file_bytes = 0.0;         ///< of the response file with the sites of this round
 };
 
-/// Solves four pairs in full and four normal indentations, evenly spaced in the plan (nothing is kept), and multiplies.
-/// Needs plan().
-PlanCosts cost_plan(const Pipeline& pipeline);
+/// Solves eight pairs in full and eight normal indentations, evenly spaced in the plan (nothing is kept), on as many
+/// `threads` as will bake, because threads that share a core are slower, and multiplies. Needs plan().
+PlanCosts cost_plan(const Pipeline& pipeline, unsigned threads);
 
 }  // namespace palpate::pipeline

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "precompute/verify/contact_checks.hpp"
 
-#include "precompute/verify/parallel.hpp"
+#include "precompute/bake/parallel.hpp"
 
 #include <algorithm>
 #include <chrono>

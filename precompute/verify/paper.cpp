@@ -2,8 +2,8 @@
 #include "precompute/verify/paper.hpp"
 
 #include "formats/io/error.hpp"
+#include "precompute/bake/parallel.hpp"
 #include "precompute/solve/pair/pair.hpp"
-#include "precompute/verify/parallel.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -38,8 +38,7 @@ std::string costs_text(const pipeline::PlanCosts& costs, const pipeline::Pipelin
                   cost.pairs, cost.open, cost.seconds);
     text += line;
   }
-  std::snprintf(line, sizeof line,
-                "%s: %s on %d threads, %.0f MB of memory and more for every further thread, file %.0f kB\n",
+  std::snprintf(line, sizeof line, "%s: %s on %d threads, %.0f MB of memory, file %.0f kB\n",
                 p.automatic ? "this round" : "bake", duration_text(costs.processor_seconds / threads).c_str(), threads,
                 1e-6 * costs.peak_bytes, 1e-3 * costs.file_bytes);
   text += line;
@@ -98,7 +97,7 @@ void run_plan(const PlanArguments& options, const Globals& globals) {
   const std::size_t filled = plan.pairs.size() - solved - external.measured - external.analytic;
 
   std::optional<pipeline::PlanCosts> costs;
-  if (!options.quick) costs = pipeline::cost_plan(p);
+  if (!options.quick) costs = pipeline::cost_plan(p, globals.threads);
   if (globals.json) {
     print_json({{"sites", plan.sites.size()},
                 {"pairs_planned", solved},

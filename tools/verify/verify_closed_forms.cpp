@@ -2,8 +2,8 @@
 #include "tools/verify/verify_closed_forms.hpp"
 
 #include "formats/io/error.hpp"
+#include "precompute/bake/parallel.hpp"
 #include "precompute/verify/closed_forms.hpp"
-#include "precompute/verify/parallel.hpp"
 #include "tools/cli/interrupt.hpp"
 #include "tools/cli/output.hpp"
 #include "tools/cli/verify_checks.hpp"

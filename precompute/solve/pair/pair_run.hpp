@@ -53,8 +53,8 @@ struct PairRun : ContactCase {
   bool refuse(const std::string& cause);
   /// The same for what another contact method may mend.
   bool refuse_contact(const std::string& cause) { return contact_failed = true, refuse(cause); }
-  /// The end of a tangential push at less than its reach. What it answered before is kept. With `nothing_yet` as
-  /// refuse_contact(), unless the contact `peels`, which no finer mesh mends.
+  /// The end of a tangential push at less than its reach; the samples before it are kept. A push with `nothing_yet` is
+  /// refused as by refuse_contact(), unless the contact `peels`, which no finer mesh mends.
   bool stop_short(const std::string& cause, bool nothing_yet, bool peels);
   [[nodiscard]] double radius(double depth) const { return contact_radius(vertex, depth); }  ///< m
   [[nodiscard]] double work_scale(double depth) const;                                       ///< J

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "precompute/verify/battery/battery.hpp"
 
+#include "precompute/bake/parallel.hpp"
 #include "precompute/common/random_subset.hpp"
 #include "precompute/solve/pair/sample_difference.hpp"
-#include "precompute/verify/parallel.hpp"
 
 #include <algorithm>
 #include <map>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "precompute/verify/battery/random_battery.hpp"
 
+#include "precompute/bake/parallel.hpp"
 #include "precompute/solve/pair/sample_difference.hpp"
-#include "precompute/verify/parallel.hpp"
 
 #include <algorithm>
 #include <cmath>

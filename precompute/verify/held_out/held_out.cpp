@@ -5,9 +5,9 @@
 #include "formats/io/error.hpp"
 #include "palpate/contact/bonded_contact.hpp"
 #include "palpate/response/interpolation.hpp"
+#include "precompute/bake/parallel.hpp"
 #include "precompute/solve/pair/pair.hpp"
 #include "precompute/solve/pair/solved_limit.hpp"
-#include "precompute/verify/parallel.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>

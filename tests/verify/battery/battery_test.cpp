@@ -3,10 +3,10 @@
 // All cells: palpate verify --battery stiff.
 #include "precompute/verify/battery/battery.hpp"
 
+#include "precompute/bake/parallel.hpp"
 #include "precompute/common/random_subset.hpp"
 #include "precompute/solve/pair/sample_difference.hpp"
 #include "precompute/verify/battery/stiff_cells.hpp"
-#include "precompute/verify/parallel.hpp"
 #include "precompute/verify/solver_bench.hpp"
 #include "tests/support/shapes.hpp"
 

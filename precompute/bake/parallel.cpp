@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "precompute/verify/parallel.hpp"
+#include "precompute/bake/parallel.hpp"
 
 #include <atomic>
 #include <exception>
