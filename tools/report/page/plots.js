@@ -44,7 +44,9 @@ const SIDES = [
   { textAnchor: "middle", dx: 0, dy: 14 }, { textAnchor: "start", dx: 1, dy: -11 }, { textAnchor: "start", dx: 1, dy: 11 },
   { textAnchor: "end", dx: -1, dy: -11 }, { textAnchor: "end", dx: -1, dy: 11 },
 ];
-const LABEL_SIZE = 10.5; // pixels
+const LABEL_SIZE = 10.5, LABEL_HALF = 0.75 * LABEL_SIZE; // pixels; ascent and descent are up to 1.4 of the size
+
+const STAR = 12; // pixels to the tips of the chosen dot, whose area is that of a disc of radius 7
 
 /** Labels of rows, each at a side of its dot where it covers no dot, no other label and, if possible, no bar: [{row, side}].
  *  A row without such a place has none; the chosen row is first. `bars`: a row's dots as [x, y, radius] (pixels), its
@@ -63,7 +65,7 @@ function labels(rows, bars, frame) {
     const [x, y, r] = bars[k][0], half = 0.31 * LABEL_SIZE * rows[k].short.length;
     const places = SIDES.map((side) => {
       const dx = side.dx * (r + 4);
-      const box = boxAt([x + dx + { start: half, end: -half, middle: 0 }[side.textAnchor], y + side.dy], half, 0.6 * LABEL_SIZE);
+      const box = boxAt([x + dx + { start: half, end: -half, middle: 0 }[side.textAnchor], y + side.dy], half, LABEL_HALF);
       return { row: rows[k], side: { ...side, dx }, box };
     }).filter(({ box }) => inside(box) && free(box, dots));
     const place = places.find(({ box }) => free(box, lines)) ?? places[0];
@@ -98,7 +100,7 @@ function pareto(rows, { x, label, unit = "", noticeable, width = 380, format = n
   });
   // Scales place the labels; they follow from a plot without any.
   const bare = plot([]), [u, v] = ["x", "y"].map((name) => bare.scale(name));
-  const bars = shown.map((row) => [["p95", row.chosen ? 9.5 : 4.5], ["median", 3], ["worst", 2.5]].map(([part, r]) => [u.apply(row[x]), v.apply(value(row, part)), r]));
+  const bars = shown.map((row) => [["p95", row.chosen ? STAR : 4.5], ["median", 3], ["worst", 2.5]].map(([part, r]) => [u.apply(row[x]), v.apply(value(row, part)), r]));
   return plot(labels(shown, bars, { left, right: width, bottom: height - below }));
 }
 
