@@ -144,6 +144,7 @@ void solve(const Scene& scene, const Body& body, const Tool& tool, HeldOut& cont
     path.side_paths.clear();
   }
   const PairResult result = solve_pair({body, tool, vertex, frame}, path, pair_options(scene));
+  contact.floor = scene.response.floor;
   contact.accepted = result.outcome.accepted;
   contact.cause = result.outcome.cause;
   if (!contact.accepted) return;
@@ -264,7 +265,6 @@ void draw_spins(const runtime::View& view, const Scene& scene, const Body& body,
     const auto index = static_cast<std::size_t>(uniform(engine) * static_cast<double>(candidates.size()));
     const Candidate& pair = candidates[std::min(index, candidates.size() - 1)];
     HeldOut contact;
-    contact.floor = scene.response.floor;
     contact.at_pair = true;
     contact.tool = pair.tool;
     contact.spin = 2 * std::numbers::pi * uniform(engine);
@@ -296,7 +296,6 @@ HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const B
   const std::size_t most = 1000 + 100 * static_cast<std::size_t>(options.count);
   for (; set.contacts.size() < options.count && drawn < most; ++drawn) {
     HeldOut contact;
-    contact.floor = scene.response.floor;
     contact.tool = static_cast<std::uint32_t>(set.contacts.size() % tools.size());
     const Tool& tool = tools[contact.tool];
     const auto& t = surface.triangles[pick(areas, uniform(engine))];
