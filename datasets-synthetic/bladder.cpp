@@ -18,8 +18,9 @@ constexpr double kWall = 0.004;                      // m
 }  // namespace
 
 Surface BladderShape::surface(double edge) const {
-  Surface both = ellipsoid({0, 0, 0}, scale_ * kOutside, edge, "bladder");
-  const Surface lumen = ellipsoid({0, 0, 0}, scale_ * (kOutside - Eigen::Vector3d::Constant(kWall)), edge, "lumen");
+  Surface both = geometry::ellipsoid({0, 0, 0}, scale_ * kOutside, edge, "bladder");
+  const Surface lumen =
+      geometry::ellipsoid({0, 0, 0}, scale_ * (kOutside - Eigen::Vector3d::Constant(kWall)), edge, "lumen");
   const auto first = static_cast<std::int32_t>(both.vertices.size());
   both.vertices.insert(both.vertices.end(), lumen.vertices.begin(), lumen.vertices.end());
   for (const auto& [a, b, c] : lumen.triangles) both.triangles.push_back({a + first, c + first, b + first});

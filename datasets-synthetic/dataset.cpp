@@ -60,8 +60,8 @@ MadeOrgan make_slab(const DatasetOptions& options) {
 MadeOrgan make_ball(const DatasetOptions& options) {
   const double radius = 0.04 * options.scale;
   MadeOrgan organ;
-  organ.surface =
-      ellipsoid({0, 0, 0}, Eigen::Vector3d::Constant(radius), options.edge.value_or(0.004 * options.scale), "ball");
+  organ.surface = geometry::ellipsoid({0, 0, 0}, Eigen::Vector3d::Constant(radius),
+                                      options.edge.value_or(0.004 * options.scale), "ball");
   organ.file = "ball.ply";
   organ.held = {below(-0.6 * radius)};
   organ.spacing = 0.015 * options.scale;
@@ -172,7 +172,7 @@ EllipsoidFacts place_inclusion(const MadeOrgan& organ, const View& view, const D
   const double gap = options.inclusion_gap.value_or(0.008 * options.scale);
   const Site above = site_at(view, organ.centre.x(), organ.centre.y());
   const Eigen::Vector3d centre = above.point - (gap + radius) * Eigen::Vector3d::UnitZ();
-  const Surface inclusion = ellipsoid(centre, Eigen::Vector3d::Constant(radius), radius / 4, "inclusion");
+  const Surface inclusion = geometry::ellipsoid(centre, Eigen::Vector3d::Constant(radius), radius / 4, "inclusion");
   double least = organ.depth_inside(centre);
   for (const Eigen::Vector3d& v : inclusion.vertices) least = std::min(least, organ.depth_inside(v));
   const double wanted = 0.1 * radius;
@@ -262,7 +262,7 @@ std::vector<std::filesystem::path> write_dataset(const DatasetOptions& options, 
       ball.tissue = "liver-tumour";
       facts.regions.push_back(ball);
     } else {
-      inclusion = ellipsoid(ball.centre, ball.radii, ball.radii.x() / 4, "inclusion");
+      inclusion = geometry::ellipsoid(ball.centre, ball.radii, ball.radii.x() / 4, "inclusion");
       facts.inclusion_file = "inclusion.ply";
     }
   }

@@ -17,7 +17,7 @@ const Eigen::Vector3d kPyramid(0.0045, 0.007, 0.008);  // m, semi-axes
 }  // namespace
 
 Surface KidneyShape::surface(double edge) const {
-  Surface s = ellipsoid({0, 0, 0}, scale_ * kSemiAxes, edge, "kidney");
+  Surface s = geometry::ellipsoid({0, 0, 0}, scale_ * kSemiAxes, edge, "kidney");
   for (Eigen::Vector3d& v : s.vertices) v.z() -= kBend / scale_ * v.x() * v.x();
   return s;
 }

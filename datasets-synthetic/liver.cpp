@@ -56,7 +56,7 @@ double area_of(const Surface& s) {
 }
 
 Surface triangulate(const LiverShape& shape, int frequency) {
-  Surface s = geodesic_sphere(frequency, "liver");
+  Surface s = geometry::geodesic_sphere(frequency, "liver");
   for (Eigen::Vector3d& v : s.vertices) v *= shape.radius(v);
   even_out(s, shape, 60);
   return s;
@@ -99,7 +99,7 @@ double LiverShape::radius(const Eigen::Vector3d& direction) const {
 
 Surface liver_surface(const LiverShape& shape, double edge) {
   // The area is known once it is triangulated: once coarsely for the count.
-  return triangulate(shape, geodesic_frequency(area_of(triangulate(shape, 10)), edge));
+  return triangulate(shape, geometry::geodesic_frequency(area_of(triangulate(shape, 10)), edge));
 }
 
 }  // namespace palpate::synth

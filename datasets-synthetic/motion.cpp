@@ -22,7 +22,7 @@ double smooth_step(double t) {
 
 /// Rotation that turns the tool's handle axis (+z) into `normal`.
 Eigen::Quaterniond orientation(const Eigen::Vector3d& normal) {
-  return rotation_between(Eigen::Vector3d::UnitZ(), normal).normalized();
+  return algebra::rotation_between(Eigen::Vector3d::UnitZ(), normal).normalized();
 }
 
 class Rows {

@@ -11,18 +11,18 @@ namespace palpate::synth {
 using std::numbers::pi;
 
 Surface box(const Eigen::Vector3d& size, double edge, const std::string& name) {
-  return box_solid({-size.x() / 2, -size.y() / 2, -size.z()}, {size.x() / 2, size.y() / 2, 0}, edge, name);
+  return geometry::box_solid({-size.x() / 2, -size.y() / 2, -size.z()}, {size.x() / 2, size.y() / 2, 0}, edge, name);
 }
 
 Surface sphere_tool(double radius) {
-  Surface s = geodesic_sphere(8, "sphere");
+  Surface s = geometry::geodesic_sphere(8, "sphere");
   for (Eigen::Vector3d& v : s.vertices) v *= radius;
   return s;
 }
 
 Surface capsule_tool(double radius, double length) {
   constexpr int segments = 32, cap_rings = 8;
-  std::vector<ProfilePoint> profile{{0, -radius}};
+  std::vector<geometry::ProfilePoint> profile{{0, -radius}};
   for (int i = 1; i <= cap_rings; ++i) {
     const double angle = pi / 2 * i / cap_rings;
     profile.push_back({radius * std::sin(angle), -radius * std::cos(angle)});
@@ -34,19 +34,19 @@ Surface capsule_tool(double radius, double length) {
     profile.push_back({radius * std::sin(angle), length + radius * std::cos(angle)});
   }
   profile.push_back({0, length + radius});
-  return revolved(profile, segments, "capsule");
+  return geometry::revolved(profile, segments, "capsule");
 }
 
 Surface stylus_tool(double tip_radius, double shaft_radius, double length) {
   constexpr int segments = 32, tip_rings = 8;
   // A cone of 20 degrees to the axis touches the tip sphere where the sphere's normal has that angle to the horizon.
   const double half_angle = pi / 9;
-  std::vector<ProfilePoint> profile{{0, -tip_radius}};
+  std::vector<geometry::ProfilePoint> profile{{0, -tip_radius}};
   for (int i = 1; i <= tip_rings; ++i) {
     const double angle = (pi / 2 - half_angle) * i / tip_rings;
     profile.push_back({tip_radius * std::sin(angle), -tip_radius * std::cos(angle)});
   }
-  const ProfilePoint joint = profile.back();
+  const geometry::ProfilePoint joint = profile.back();
   const double cone_height = (shaft_radius - joint.radius) / std::tan(half_angle);
   constexpr int cone_rings = 6;
   for (int i = 1; i <= cone_rings; ++i) {
@@ -60,7 +60,7 @@ Surface stylus_tool(double tip_radius, double shaft_radius, double length) {
   }
   profile.push_back({shaft_radius / 2, length});
   profile.push_back({0, length});
-  return revolved(profile, segments, "stylus");
+  return geometry::revolved(profile, segments, "stylus");
 }
 
 }  // namespace palpate::synth

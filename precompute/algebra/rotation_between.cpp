@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "precompute/algebra/rotation_between.hpp"
 
-namespace palpate {
+namespace palpate::algebra {
 
 Eigen::Quaterniond rotation_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   const Eigen::Vector3d a = from.normalized(), b = to.normalized();
@@ -14,4 +14,4 @@ Eigen::Quaterniond rotation_between(const Eigen::Vector3d& from, const Eigen::Ve
   return Eigen::Quaterniond(twice_squared, axis.x(), axis.y(), axis.z()).normalized();
 }
 
-}  // namespace palpate
+}  // namespace palpate::algebra

@@ -4,10 +4,10 @@
 
 #include <Eigen/Geometry>
 
-namespace palpate {
+namespace palpate::algebra {
 
 /// The smallest rotation that takes one direction to another, of any length but zero; for opposite ones a half turn
 /// about some axis.
 Eigen::Quaterniond rotation_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 
-}  // namespace palpate
+}  // namespace palpate::algebra

@@ -3,7 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 
-namespace palpate {
+namespace palpate::algebra {
 
 namespace {
 
@@ -30,4 +30,4 @@ template Spectrum<2> spectrum(const Eigen::Matrix2d&);
 template Spectrum<9> spectrum(const Eigen::Matrix<double, 9, 9>&);
 template Spectrum<Eigen::Dynamic> spectrum(const Eigen::MatrixXd&);
 
-}  // namespace palpate
+}  // namespace palpate::algebra

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-namespace palpate {
+namespace palpate::algebra {
 
 template <int N>
 struct Spectrum {
@@ -17,4 +17,4 @@ struct Spectrum {
 template <int N>
 Spectrum<N> spectrum(const Eigen::Matrix<double, N, N>& symmetric);
 
-}  // namespace palpate
+}  // namespace palpate::algebra

@@ -14,7 +14,7 @@
 
 #include "formats/io/error.hpp"
 
-namespace palpate {
+namespace palpate::bake {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -259,4 +259,4 @@ BakeReport bake_pairs(const std::vector<PairPlan>& pairs, const PairSolver& solv
   return Run(pairs, solve, journal, options).run();
 }
 
-}  // namespace palpate
+}  // namespace palpate::bake

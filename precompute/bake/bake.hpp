@@ -10,11 +10,11 @@
 #include "formats/journal/journal.hpp"
 #include "precompute/solve/pair/pair.hpp"
 
-namespace palpate {
+namespace palpate::bake {
 
 /// Solves one planned pair and hands every accepted sample to the sink; called from several threads. Must be
 /// deterministic: a pair that was cut short is solved again and compared with what the journal holds.
-using PairSolver = std::function<PairResult(const PairPlan&, const SampleSink&)>;
+using PairSolver = std::function<PairResult(const PairPlan&, const solve::SampleSink&)>;
 
 struct BakeProgress {
   std::size_t total = 0;     ///< pairs in the plan
@@ -61,4 +61,4 @@ BakeReport bake_pairs(const std::vector<PairPlan>& pairs, const PairSolver& solv
 /// "pair 17 (site 5, tool 0, vertex 2)".
 std::string describe(std::uint32_t pair, const PairPlan& plan);
 
-}  // namespace palpate
+}  // namespace palpate::bake

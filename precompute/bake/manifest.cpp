@@ -5,7 +5,7 @@
 #include "formats/io/error.hpp"
 #include "precompute/bake/plan.hpp"
 
-namespace palpate {
+namespace palpate::bake {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -140,4 +140,4 @@ Manifest parse_manifest(const std::string& text, const std::string& source) {
 
 Hash128 manifest_hash(const std::string& text) { return hash128(text); }
 
-}  // namespace palpate
+}  // namespace palpate::bake

@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-namespace palpate {
+namespace palpate::bake {
 
 bool parallel_for(std::size_t count, unsigned threads, const std::function<bool()>& stop,
                   const std::function<void(std::size_t)>& work) {
@@ -45,4 +45,4 @@ bool parallel_for(std::size_t count, unsigned threads, const std::function<bool(
   return !stopped;
 }
 
-}  // namespace palpate
+}  // namespace palpate::bake

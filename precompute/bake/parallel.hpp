@@ -5,11 +5,11 @@
 #include <cstddef>
 #include <functional>
 
-namespace palpate {
+namespace palpate::bake {
 
 /// Calls work(k) for every k below `count`, on `threads` threads with this one among them, until `stop` (may be empty;
 /// polled between pieces) says so: then false. An exception ends every thread after the piece it is in and is rethrown.
 bool parallel_for(std::size_t count, unsigned threads, const std::function<bool()>& stop,
                   const std::function<void(std::size_t)>& work);
 
-}  // namespace palpate
+}  // namespace palpate::bake

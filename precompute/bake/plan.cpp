@@ -14,7 +14,7 @@
 #include "precompute/solve/pair/pair.hpp"
 #include "precompute/tool/tool.hpp"
 
-namespace palpate {
+namespace palpate::bake {
 namespace {
 
 using Eigen::Vector3d;
@@ -30,7 +30,7 @@ void add(Hasher& hasher, const Surface& surface) {
   for (const std::string& name : surface.part_names) hasher.text(name);
 }
 
-void add(Hasher& hasher, const std::shared_ptr<const CurveQuery>& fibres) {
+void add(Hasher& hasher, const std::shared_ptr<const geometry::CurveQuery>& fibres) {
   if (!fibres) return;
   hasher.number(static_cast<std::int64_t>(fibres->curves().points.size()));
   for (const Vector3d& p : fibres->curves().points) add(hasher, p);
@@ -53,9 +53,9 @@ Hash128 hash_body(const Body& body) {
   return hasher.digest();
 }
 
-Hash128 hash_tool(const Tool& tool) {
+Hash128 hash_tool(const tool::Tool& tool) {
   Hasher hasher;
-  for (const ToolVertex& v : tool.vertices) {
+  for (const tool::ToolVertex& v : tool.vertices) {
     hasher.text(v.name).number(v.curvature_radius).number(v.flat_radius).number(v.meridian);
     add(hasher, v.point);
     add(hasher, v.normal);
@@ -69,7 +69,7 @@ Hash128 hash_tool(const Tool& tool) {
   return hasher.digest();
 }
 
-Hash128 hash_mesh(const HapticMesh& mesh) {
+Hash128 hash_mesh(const sites::HapticMesh& mesh) {
   Hasher hasher;
   for (std::size_t k = 0; k < mesh.points.size(); ++k) {
     add(hasher, mesh.points[k]);
@@ -81,7 +81,7 @@ Hash128 hash_mesh(const HapticMesh& mesh) {
   return hasher.digest();
 }
 
-std::vector<PlanSite> make_sites(const HapticMesh& mesh) {
+std::vector<PlanSite> make_sites(const sites::HapticMesh& mesh) {
   std::vector<PlanSite> sites(mesh.points.size());
   for (std::size_t k = 0; k < sites.size(); ++k) {
     ContactFrame& frame = sites[k].frame;
@@ -103,14 +103,15 @@ std::vector<PlanSite> make_sites(const HapticMesh& mesh) {
 
 }  // namespace
 
-void add_sites(Plan& plan, const Body& body, const HapticMesh& mesh, const std::vector<Tool>& tools, PairRole role) {
+void add_sites(Plan& plan, const Body& body, const sites::HapticMesh& mesh, const std::vector<tool::Tool>& tools,
+               PairRole role) {
   const std::size_t known = plan.sites.size();
   plan.sites = make_sites(mesh);
   for (auto site = static_cast<std::uint32_t>(known); site < plan.sites.size(); ++site) {
     const PlanSite& at = plan.sites[site];
     for (std::uint32_t tool = 0; tool < tools.size(); ++tool) {
       for (std::uint32_t vertex = 0; vertex < tools[tool].vertices.size(); ++vertex) {
-        const ToolVertex& touching = tools[tool].vertices[vertex];
+        const tool::ToolVertex& touching = tools[tool].vertices[vertex];
         const bool support = at.held || reaches_support({body, tools[tool], touching, at.frame}, at.depth);
         const bool unreachable = !support && at.selected && !can_touch_first({body, tools[tool], touching, at.frame});
         if (support || unreachable || !at.selected) {
@@ -126,7 +127,7 @@ void add_sites(Plan& plan, const Body& body, const HapticMesh& mesh, const std::
   }
   double area = 0, on_support = 0, in_folds = 0;
   std::size_t vertices = 0;
-  for (const Tool& tool : tools) vertices += tool.vertices.size();
+  for (const tool::Tool& tool : tools) vertices += tool.vertices.size();
   for (const PlanSite& site : plan.sites) area += static_cast<double>(vertices) * site.area;
   for (const SkippedPair& pair : plan.skipped) {
     if (pair.reason == SkipReason::support) on_support += plan.sites[pair.site].area;
@@ -136,14 +137,14 @@ void add_sites(Plan& plan, const Body& body, const HapticMesh& mesh, const std::
   plan.unreachable_share = area > 0 ? in_folds / area : 0.0;
 }
 
-Plan make_plan(const Scene& scene, const Body& body, const HapticMesh& mesh, const std::vector<Tool>& tools,
-               PairRole role) {
+Plan make_plan(const Scene& scene, const Body& body, const sites::HapticMesh& mesh,
+               const std::vector<tool::Tool>& tools, PairRole role) {
   Plan plan;
-  plan.inputs.solver = kSolverRevision;
+  plan.inputs.solver = solve::kSolverRevision;
   plan.inputs.scene = hash128(canonical_text(scene, CanonicalScope::solves));
   plan.inputs.body = hash_body(body);
   plan.inputs.haptic_mesh = hash_mesh(mesh);
-  for (const Tool& tool : tools) plan.inputs.tools.push_back(hash_tool(tool));
+  for (const tool::Tool& tool : tools) plan.inputs.tools.push_back(hash_tool(tool));
 
   add_sites(plan, body, mesh, tools, role);
   for (std::uint32_t tool = 0; tool < tools.size(); ++tool) {
@@ -161,4 +162,4 @@ Plan make_plan(const Scene& scene, const Body& body, const HapticMesh& mesh, con
   return plan;
 }
 
-}  // namespace palpate
+}  // namespace palpate::bake

@@ -10,11 +10,19 @@
 #include "formats/journal/samples.hpp"
 
 namespace palpate {
-
 struct Body;
-struct HapticMesh;
 struct Scene;
+}  // namespace palpate
+
+namespace palpate::sites {
+struct HapticMesh;
+}  // namespace palpate::sites
+
+namespace palpate::tool {
 struct Tool;
+}  // namespace palpate::tool
+
+namespace palpate::bake {
 
 /// A vertex of the haptic mesh as the plan sees it.
 struct PlanSite {
@@ -58,11 +66,12 @@ struct Plan {
 };
 
 /// Appends the pairs of the mesh's sites that the plan does not have yet, in one role, and what of them is skipped.
-void add_sites(Plan& plan, const Body& body, const HapticMesh& mesh, const std::vector<Tool>& tools, PairRole role);
+void add_sites(Plan& plan, const Body& body, const sites::HapticMesh& mesh, const std::vector<tool::Tool>& tools,
+               PairRole role);
 
 /// Plans every pair of the scene in one role. Throws Error(bad_input) when nothing is left to touch.
-Plan make_plan(const Scene& scene, const Body& body, const HapticMesh& mesh, const std::vector<Tool>& tools,
-               PairRole role = PairRole::full);
+Plan make_plan(const Scene& scene, const Body& body, const sites::HapticMesh& mesh,
+               const std::vector<tool::Tool>& tools, PairRole role = PairRole::full);
 
 /// The part of a plan that the manifest stores.
 struct Manifest {
@@ -80,4 +89,4 @@ Manifest parse_manifest(const std::string& text, const std::string& source);
 /// Identity of a manifest, stored in journals.
 Hash128 manifest_hash(const std::string& text);
 
-}  // namespace palpate
+}  // namespace palpate::bake

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace palpate {
+namespace palpate::bake {
 
 std::string duration_text(double seconds) {
   const auto s = static_cast<long>(std::ceil(seconds));
@@ -49,4 +49,4 @@ void ProgressPrinter::finish() {
   if (terminal_ && width_ > 0) std::fputc('\n', stream_);
 }
 
-}  // namespace palpate
+}  // namespace palpate::bake

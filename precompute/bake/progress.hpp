@@ -7,7 +7,7 @@
 
 #include "precompute/bake/bake.hpp"
 
-namespace palpate {
+namespace palpate::bake {
 
 /// "bake 120/600 pairs (20.0 %), 1 refused, 4100 pairs/h, 7 min 1 s left".
 std::string progress_text(const BakeProgress& progress);
@@ -31,4 +31,4 @@ private:
   std::size_t width_ = 0;
 };
 
-}  // namespace palpate
+}  // namespace palpate::bake

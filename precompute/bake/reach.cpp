@@ -7,15 +7,15 @@
 #include <numbers>
 #include <vector>
 
-namespace palpate {
+namespace palpate::bake {
 
 using Eigen::Vector3d;
 
 namespace {
 
 // Points of the surface (tool frame) that the tool could meet while it is lifted by up to `lift` along `out`.
-std::vector<Vector3d> swept_surface(const ContactCase& contact, const Eigen::Isometry3d& to_tool, const Vector3d& out,
-                                    double lift) {
+std::vector<Vector3d> swept_surface(const solve::ContactCase& contact, const Eigen::Isometry3d& to_tool,
+                                    const Vector3d& out, double lift) {
   Eigen::AlignedBox3d box = contact.tool.shape->bounds();
   const Eigen::AlignedBox3d lifted(box.min() + lift * out, box.max() + lift * out);
   box.extend(lifted);
@@ -40,7 +40,7 @@ std::vector<Vector3d> swept_surface(const ContactCase& contact, const Eigen::Iso
   return points;
 }
 
-double overlap(const ToolShape& shape, const std::vector<Vector3d>& points, const Vector3d& shift) {
+double overlap(const tool::ToolShape& shape, const std::vector<Vector3d>& points, const Vector3d& shift) {
   double deepest = 0.0;
   for (const Vector3d& at : points) deepest = std::max(deepest, -shape.distance(at - shift).value);
   return deepest;
@@ -62,10 +62,10 @@ bool footprint_held(const Body& body, const ContactFrame& frame, double radius) 
 }
 
 // The undeformed held surface under the deepest tool; a sliver of overlap is below what the contact gates see.
-bool sinks_into_held(const ContactCase& contact, double depth) {
-  Eigen::Isometry3d pose = touching_pose(contact.vertex, contact.frame);
+bool sinks_into_held(const solve::ContactCase& contact, double depth) {
+  Eigen::Isometry3d pose = tool::touching_pose(contact.vertex, contact.frame);
   pose.translation() -= depth * contact.frame.n;
-  const double sliver = 0.02 * contact_radius(contact.vertex, depth);
+  const double sliver = 0.02 * tool::contact_radius(contact.vertex, depth);
   const std::vector<Vector3d> points = swept_surface(contact, pose.inverse(), Vector3d::UnitZ(), 0.0);
   // The distance to a mesh costs far more than the look at a support, and few points are held.
   return std::any_of(points.begin(), points.end(), [&](const Vector3d& at) {
@@ -75,14 +75,14 @@ bool sinks_into_held(const ContactCase& contact, double depth) {
 
 }  // namespace
 
-bool reaches_support(const ContactCase& contact, double depth) {
-  return footprint_held(contact.body, contact.frame, contact_radius(contact.vertex, depth)) ||
+bool reaches_support(const solve::ContactCase& contact, double depth) {
+  return footprint_held(contact.body, contact.frame, tool::contact_radius(contact.vertex, depth)) ||
          sinks_into_held(contact, depth);
 }
 
-TouchReach touch_reach(const ContactCase& contact) {
+TouchReach touch_reach(const solve::ContactCase& contact) {
   const auto& [body, tool, vertex, frame] = contact;
-  const Eigen::Isometry3d to_tool = touching_pose(vertex, frame).inverse();
+  const Eigen::Isometry3d to_tool = tool::touching_pose(vertex, frame).inverse();
   const Vector3d out = to_tool.linear() * frame.n;
   const double limit = 2 * vertex.curvature_radius, resolution = 1e-3 * vertex.curvature_radius;
   const std::vector<Vector3d> points = swept_surface(contact, to_tool, out, limit);
@@ -96,9 +96,9 @@ TouchReach touch_reach(const ContactCase& contact) {
   return reach;
 }
 
-bool can_touch_first(const ContactCase& contact) {
+bool can_touch_first(const solve::ContactCase& contact) {
   const TouchReach reach = touch_reach(contact);
   return !reach.blocked && reach.overlap <= 0.2 * contact.vertex.curvature_radius;
 }
 
-}  // namespace palpate
+}  // namespace palpate::bake

@@ -6,11 +6,11 @@
 #include "precompute/solve/pair/contact_case.hpp"
 #include "precompute/tool/tool.hpp"
 
-namespace palpate {
+namespace palpate::bake {
 
 /// True when the contact at `depth` (m) round its first touch reaches a held part of the surface, or any other
 /// part of the tool there would sink into one: no pair is planned, since the tool would press on what cannot move.
-bool reaches_support(const ContactCase& contact, double depth);
+bool reaches_support(const solve::ContactCase& contact, double depth);
 
 /// How a tool that comes along -frame.n gets to the pose in which its vertex touches frame.origin, on the undeformed
 /// body.
@@ -20,10 +20,10 @@ struct TouchReach {
   bool blocked = false;  ///< it overlaps the body even when lifted by its diameter: a wall is in the way
 };
 
-TouchReach touch_reach(const ContactCase& contact);
+TouchReach touch_reach(const solve::ContactCase& contact);
 
 /// True when the tool can touch frame.origin first: its way is free, and it overlaps the body's surface there by at
 /// most a fifth of its radius (bumps and averaged normals), else it meets the walls of a fold before.
-bool can_touch_first(const ContactCase& contact);
+bool can_touch_first(const solve::ContactCase& contact);
 
-}  // namespace palpate
+}  // namespace palpate::bake

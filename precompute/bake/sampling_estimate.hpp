@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 
-namespace palpate {
+namespace palpate::bake {
 
 struct SamplingEstimate {
   int rounds = 0;          ///< that were solved
@@ -16,4 +16,4 @@ struct SamplingEstimate {
   bool met = false;                   ///< p95 is within the aim of the rounds
 };
 
-}  // namespace palpate
+}  // namespace palpate::bake

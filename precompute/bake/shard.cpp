@@ -8,7 +8,7 @@
 
 #include "formats/io/error.hpp"
 
-namespace palpate {
+namespace palpate::bake {
 
 Shard parse_shard(const std::string& text) {
   Shard shard;
@@ -49,7 +49,7 @@ PairSolver recorded_solver(const std::vector<PairPlan>& pairs, const JournalCont
   for (const auto& [pair, recorded] : content.pairs) {
     if (pair < pairs.size()) by_name.emplace(name(pairs[pair]), &recorded);
   }
-  return [by_name, name](const PairPlan& plan, const SampleSink& sink) {
+  return [by_name, name](const PairPlan& plan, const solve::SampleSink& sink) {
     const JournalPair& recorded = *by_name.at(name(plan));
     PairResult result{*recorded.outcome, recorded.samples, recorded.check};
     for (const Sample& sample : result.samples) sink(sample);
@@ -57,4 +57,4 @@ PairSolver recorded_solver(const std::vector<PairPlan>& pairs, const JournalCont
   };
 }
 
-}  // namespace palpate
+}  // namespace palpate::bake

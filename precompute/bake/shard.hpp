@@ -9,7 +9,7 @@
 #include "formats/journal/journal.hpp"
 #include "precompute/bake/bake.hpp"
 
-namespace palpate {
+namespace palpate::bake {
 
 /// Part `index` of `count` of a bake: every count-th pair of the plan, from pair index - 1.
 struct Shard {
@@ -35,4 +35,4 @@ JournalContent read_shards(const std::filesystem::path& folder, const Hash128& m
 /// The pair has to be finished in `content`, which must outlive the solver. `pairs` are those of the plan.
 PairSolver recorded_solver(const std::vector<PairPlan>& pairs, const JournalContent& content);
 
-}  // namespace palpate
+}  // namespace palpate::bake

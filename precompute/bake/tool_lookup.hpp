@@ -9,10 +9,11 @@
 #include "formats/io/error.hpp"
 #include "precompute/tool/tool.hpp"
 
-namespace palpate {
+namespace palpate::bake {
 
 /// The index of a scene's tool. Throws Error(bad_input) "where: ..." where there is none of that name.
-inline std::uint32_t find_tool(const std::vector<Tool>& tools, const std::string& name, const std::string& where) {
+inline std::uint32_t find_tool(const std::vector<tool::Tool>& tools, const std::string& name,
+                               const std::string& where) {
   std::string all;
   for (std::uint32_t k = 0; k < tools.size(); ++k) {
     if (tools[k].name == name) return k;
@@ -22,10 +23,10 @@ inline std::uint32_t find_tool(const std::vector<Tool>& tools, const std::string
 }
 
 /// Throws Error(bad_input) "where: ..." for a tool that holds on.
-inline void refuse_grasps(const Tool& tool, const std::string& where) {
+inline void refuse_grasps(const tool::Tool& tool, const std::string& where) {
   if (!(tool.scene.grasp_depth > 0)) return;
   throw Error(ExitCode::bad_input,
               where + ": the tool '" + tool.name + "' holds on (grasp_depth): how it is pulled has to be solved");
 }
 
-}  // namespace palpate
+}  // namespace palpate::bake

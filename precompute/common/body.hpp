@@ -29,10 +29,11 @@ struct SurfaceReport {
 /// One inclusion: a closed surface strictly inside the body.
 struct Inclusion {
   std::string name;
-  std::shared_ptr<const SurfaceQuery> query;
+  std::shared_ptr<const geometry::SurfaceQuery> query;
   Surface base;  ///< coarse remeshed copy that the volume meshes start from
   MaterialScene material;
-  std::shared_ptr<const CurveQuery> fibres;  ///< that the material's fibres run along; null: none, or one direction
+  /// The curves that the material's fibres run along; null: none, or one direction.
+  std::shared_ptr<const geometry::CurveQuery> fibres;
   SurfaceReport report;
 };
 
@@ -50,15 +51,17 @@ struct MaterialPoint {
 
 /// Immutable after preparation; shared by all threads.
 struct Body {
-  std::shared_ptr<const SurfaceQuery> query;  ///< the clean surface (query->surface()), parts kept per triangle
-  Surface base;                               ///< coarse remeshed copy, edge about base_size
-  double base_size = 0.0;                     ///< m
+  /// The clean surface (query->surface()), parts kept per triangle.
+  std::shared_ptr<const geometry::SurfaceQuery> query;
+  Surface base;            ///< coarse remeshed copy, edge about base_size
+  double base_size = 0.0;  ///< m
   MaterialScene material;
-  std::shared_ptr<const CurveQuery> fibres;             ///< as of an inclusion, in the stress-free body
+  std::shared_ptr<const geometry::CurveQuery> fibres;   ///< as of an inclusion, in the stress-free body
   double capsule_thickness = 0.0, capsule_young = 0.0;  ///< m, Pa; of a thin sheet on the outside, 0: none
   std::vector<Inclusion> inclusions;
   std::vector<SupportScene> supports;
-  std::vector<std::shared_ptr<const SurfaceQuery>> support_surfaces;  ///< per support; null unless kind is distance
+  /// Per support; null unless kind is distance.
+  std::vector<std::shared_ptr<const geometry::SurfaceQuery>> support_surfaces;
   std::vector<char> cavity;  ///< per triangle of the clean surface: on a wall that faces inward; empty: none is
   SupportRim support_rim;
   SurfaceReport report;

@@ -13,7 +13,7 @@
 #include <set>
 #include <string>
 
-namespace palpate {
+namespace palpate::compliance {
 namespace {
 
 using Eigen::Index;
@@ -264,4 +264,4 @@ BakedCompliance bake_compliance(const Body& body, const ComplianceSites& sites, 
   return baked;
 }
 
-}  // namespace palpate
+}  // namespace palpate::compliance

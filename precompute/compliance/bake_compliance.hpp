@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace palpate {
+namespace palpate::compliance {
 
 /// The sites of a bake. Arrays have one entry a site.
 struct ComplianceSites {
@@ -24,7 +24,7 @@ struct ComplianceOptions {
   double contact_radius = 0.0;  ///< m, > 0: of the smallest tool at half of its depth
   double tolerance = 0.03;      ///< (0, 1): see ComplianceScene
   int modes = 0;                ///< [0, 128], a multiple of 8; 0: chosen by the tolerance
-  PairOptions solver;
+  solve::PairOptions solver;
 
   /// Throws Error(usage) that names an option, its value and its range.
   void validate() const;
@@ -40,4 +40,4 @@ struct BakedCompliance {
 /// material. Deterministic. Throws as LinearBody does, Error(bad_input) where no site can be touched.
 BakedCompliance bake_compliance(const Body& body, const ComplianceSites& sites, const ComplianceOptions& options);
 
-}  // namespace palpate
+}  // namespace palpate::compliance

@@ -14,7 +14,7 @@
 #include <limits>
 #include <string>
 
-namespace palpate {
+namespace palpate::compliance {
 namespace {
 
 using Eigen::MatrixXd;
@@ -29,13 +29,14 @@ constexpr int kCells = 4;                  // parts of a face's side: 16 points 
 
 [[noreturn]] void fail(const std::string& what) { throw Error(ExitCode::numerical, "compliance: " + what); }
 
-TetMesh mesh_of(const Body& body, const std::vector<Vector3d>& sites, double edge, const LinearBodyOptions& options) {
-  const SizeField size = [&](const Vector3d& p) {
+mesh::TetMesh mesh_of(const Body& body, const std::vector<Vector3d>& sites, double edge,
+                      const LinearBodyOptions& options) {
+  const mesh::SizeField size = [&](const Vector3d& p) {
     double nearest = std::numeric_limits<double>::infinity();
     for (const Vector3d& site : sites) nearest = std::min(nearest, (site - p).squaredNorm());
     return edge + kEdgeGrowth * std::max(0.0, std::sqrt(nearest) - kSiteReach * edge);
   };
-  VolumeMeshResult made = mesh_volume(body, size, {}, options.solver.mesh);
+  mesh::VolumeMeshResult made = mesh::mesh_volume(body, size, {}, options.solver.mesh);
   if (!made.usable) fail("the body could not be meshed: " + made.cause);
   return std::move(made.mesh);
 }
@@ -43,19 +44,19 @@ TetMesh mesh_of(const Body& body, const std::vector<Vector3d>& sites, double edg
 }  // namespace
 
 struct LinearBody::Impl {
-  BlockMatrix hessian;
-  std::unique_ptr<Factor> factor;
+  fem::BlockMatrix hessian;
+  std::unique_ptr<fem::Factor> factor;
   Sparse loads;  // free degrees of freedom x 3 sites: P
   double radius = 0;
   std::size_t nodes = 0;
 
-  Impl(const TetMesh& mesh, const std::vector<char>& fixed) : hessian(mesh, fixed), nodes(mesh.nodes.size()) {}
+  Impl(const mesh::TetMesh& mesh, const std::vector<char>& fixed) : hessian(mesh, fixed), nodes(mesh.nodes.size()) {}
 
-  void spread(const TetMesh& mesh, const VectorXd& x, const std::vector<char>& fixed,
+  void spread(const mesh::TetMesh& mesh, const VectorXd& x, const std::vector<char>& fixed,
               const std::vector<LoadSite>& sites);
 };
 
-void LinearBody::Impl::spread(const TetMesh& mesh, const VectorXd& x, const std::vector<char>& fixed,
+void LinearBody::Impl::spread(const mesh::TetMesh& mesh, const VectorXd& x, const std::vector<char>& fixed,
                               const std::vector<LoadSite>& sites) {
   std::vector<int> row(mesh.nodes.size(), -1);
   int count = 0;
@@ -86,7 +87,7 @@ void LinearBody::Impl::spread(const TetMesh& mesh, const VectorXd& x, const std:
           // The middles of the small triangles that a face is cut into.
           const double up = j % 2 == 0 ? 1.0 / 3 : 2.0 / 3;
           const double a = (i + up) / kCells, b = (j / 2 + up) / kCells;
-          const auto shape = face_values(a, b);
+          const auto shape = fem::face_values(a, b);
           Vector3d at = Vector3d::Zero();
           for (int n = 0; n < 6; ++n) at += shape[n] * x.segment<3>(3 * mesh.faces[f][n]);
           const double share = (at - sites[s].point).squaredNorm() / (radius * radius);
@@ -111,22 +112,23 @@ void LinearBody::Impl::spread(const TetMesh& mesh, const VectorXd& x, const std:
 
 LinearBody::LinearBody(const Body& body, const std::vector<LoadSite>& sites, const LinearBodyOptions& options) {
   const Body& start = body.stress_free ? *body.stress_free : body;
-  const double edge = std::min(options.edge, longest_edge(start, options.solver));
+  const double edge = std::min(options.edge, solve::longest_edge(start, options.solver));
   std::vector<Vector3d> unloaded;
   for (const LoadSite& site : sites) unloaded.push_back(body.material_point(site.point).point);
-  const TetMesh mesh = mesh_of(start, unloaded, edge, options);
-  BodyEnergy energy(start, mesh, options.solver.materials);
+  const mesh::TetMesh mesh = mesh_of(start, unloaded, edge, options);
+  solve::BodyEnergy energy(start, mesh, options.solver.materials);
   if (!energy.held_anywhere()) fail("no node of the mesh is held");
   VectorXd x = energy.rest();
   if (body.prestress.any()) {
-    Minimiser minimiser(mesh, energy.fixed());
-    const Settled settled = settle(energy, minimiser, x, kEnergyTolerance * start.material.young * std::pow(edge, 3));
+    fem::Minimiser minimiser(mesh, energy.fixed());
+    const solve::Settled settled =
+        solve::settle(energy, minimiser, x, kEnergyTolerance * start.material.young * std::pow(edge, 3));
     if (!settled.reached) fail(settled.cause);
   }
   impl_ = std::make_unique<Impl>(mesh, energy.fixed());
-  energy.hessian(x, HessianKind::exact, impl_->hessian);
+  energy.hessian(x, fem::HessianKind::exact, impl_->hessian);
   const Sparse& matrix = impl_->hessian.matrix();
-  impl_->factor = std::make_unique<Factor>(matrix);
+  impl_->factor = std::make_unique<fem::Factor>(matrix);
   impl_->radius = std::max(options.contact_radius, kLoadEdges * edge);
   impl_->spread(mesh, x, energy.fixed(), sites);
   if (!impl_->factor->factorise_double(matrix)) {
@@ -148,4 +150,4 @@ MatrixXd LinearBody::columns(const std::vector<std::size_t>& sites) const {
 double LinearBody::load_radius() const { return impl_->radius; }
 std::size_t LinearBody::nodes() const { return impl_->nodes; }
 
-}  // namespace palpate
+}  // namespace palpate::compliance

@@ -10,7 +10,7 @@
 #include <memory>
 #include <vector>
 
-namespace palpate {
+namespace palpate::compliance {
 
 /// A place of the surface that forces act on, in the state from which contact starts.
 struct LoadSite {
@@ -21,7 +21,7 @@ struct LoadSite {
 struct LinearBodyOptions {
   double edge = 0.0;            ///< m, > 0: of the elements at the surface
   double contact_radius = 0.0;  ///< m, > 0: of the loads; at least kLoadEdges edges are taken
-  PairOptions solver;           ///< mesh options and materials
+  solve::PairOptions solver;    ///< mesh options and materials
 };
 
 /// The second derivative of the body's energy at the equilibrium under its prestress, and its factor. Loads and
@@ -48,4 +48,4 @@ private:
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace palpate
+}  // namespace palpate::compliance

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace palpate {
+namespace palpate::compliance {
 
 /// Error of the compliance between sites at one number of modes.
 struct ComplianceError {
@@ -24,4 +24,4 @@ struct ComplianceReport {
   std::vector<ComplianceError> errors;  ///< on the columns left out, from 0 modes to 128
 };
 
-}  // namespace palpate
+}  // namespace palpate::compliance

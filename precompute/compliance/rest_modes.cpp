@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace palpate {
+namespace palpate::compliance {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -44,4 +44,4 @@ SignedModes rest_modes(const MatrixXd& values, const std::vector<Index>& known, 
   return modes;
 }
 
-}  // namespace palpate
+}  // namespace palpate::compliance

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace palpate {
+namespace palpate::compliance {
 
 /// R = vectors * diag(signs) * vectors^T; positive signs first.
 struct SignedModes {
@@ -21,4 +21,4 @@ struct SignedModes {
 /// `count`: at most a column's number of values and the number of columns.
 SignedModes rest_modes(const Eigen::MatrixXd& values, const std::vector<Eigen::Index>& known, Eigen::Index count);
 
-}  // namespace palpate
+}  // namespace palpate::compliance

@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace palpate {
+namespace palpate::fem {
 namespace {
 
 using Eigen::Matrix3d;
@@ -44,7 +44,7 @@ Matrix3d contracted(const Tangent& t, const Eigen::RowVector3d& left, const Eige
 constexpr double kSpanning = 2.0;
 
 // Unit, of the outer faces at every corner; none inside.
-std::vector<std::vector<Vector3d>> outer_normals(const TetMesh& mesh) {
+std::vector<std::vector<Vector3d>> outer_normals(const mesh::TetMesh& mesh) {
   std::vector<std::vector<Vector3d>> normals(mesh.nodes.size());
   for (const auto& f : mesh.faces) {
     const Vector3d &a = mesh.nodes[f[0]], &b = mesh.nodes[f[1]], &c = mesh.nodes[f[2]];
@@ -71,7 +71,8 @@ double spans(const std::vector<std::vector<Vector3d>>& normals, const std::array
 
 }  // namespace
 
-ElasticEnergy::ElasticEnergy(const TetMesh& mesh, std::vector<Material> materials) : materials_(std::move(materials)) {
+ElasticEnergy::ElasticEnergy(const mesh::TetMesh& mesh, std::vector<Material> materials)
+    : materials_(std::move(materials)) {
   elements_.reserve(mesh.tets.size());
   const std::vector<std::vector<Vector3d>> normals = outer_normals(mesh);
   std::vector<double> shear;  // Pa
@@ -212,4 +213,4 @@ void ElasticEnergy::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& ma
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -11,7 +11,7 @@
 #include <array>
 #include <vector>
 
-namespace palpate {
+namespace palpate::fem {
 
 /// Which second derivative: exact, or without the indefinite geometric part of the volume term and with the positive
 /// part of the laws' tangents (then it is positive definite whatever the state).
@@ -21,7 +21,7 @@ class ElasticEnergy {
 public:
   /// `materials[region]`. The mesh's nodes are the stress-free state. Elements that reach from one side of a thin body
   /// to the other have twice the shear modulus on top of their material's `local`, at most its bulk modulus.
-  ElasticEnergy(const TetMesh& mesh, std::vector<Material> materials);
+  ElasticEnergy(const mesh::TetMesh& mesh, std::vector<Material> materials);
   ElasticEnergy(const ElasticEnergy&) = delete;
   ElasticEnergy& operator=(const ElasticEnergy&) = delete;
 
@@ -55,4 +55,4 @@ private:
   double rounding_ = 0.0;              // J
 };
 
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -10,7 +10,7 @@
 #include <limits>
 #include <utility>
 
-namespace palpate {
+namespace palpate::fem {
 namespace {
 
 using Eigen::Matrix3d;
@@ -266,4 +266,4 @@ double batch_min_jacobian(const std::vector<ElementBatch>& batches, const Vector
   return smallest;
 }
 
-}  // namespace palpate
+}  // namespace palpate::fem

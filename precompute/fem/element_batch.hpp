@@ -8,7 +8,7 @@
 #include <array>
 #include <vector>
 
-namespace palpate {
+namespace palpate::fem {
 
 /// Degree 2 of integration: exact for mu/2 (F:F - 3).
 inline constexpr int kElementPoints = 4;
@@ -38,4 +38,4 @@ double batch_gradient(const std::vector<ElementBatch>& batches, const Eigen::Vec
 /// Smallest det F at the quadrature points.
 double batch_min_jacobian(const std::vector<ElementBatch>& batches, const Eigen::VectorXd& x);
 
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 
-namespace palpate {
+namespace palpate::fem {
 
 inline std::array<double, 6> face_values(double a, double b) {
   const double c = 1 - a - b;
@@ -20,4 +20,4 @@ inline Eigen::Matrix<double, 6, 2> face_gradients(double a, double b) {
   return d;
 }
 
-}  // namespace palpate
+}  // namespace palpate::fem

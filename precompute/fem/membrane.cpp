@@ -11,7 +11,7 @@
 #include <limits>
 #include <set>
 
-namespace palpate {
+namespace palpate::fem {
 namespace {
 
 using Eigen::Matrix2d;
@@ -43,7 +43,7 @@ struct Strain {
 };
 
 Matrix2d positive_part(const Matrix2d& m) {
-  const auto eigen = spectrum(m);
+  const auto eigen = algebra::spectrum(m);
   return eigen.vectors * eigen.values.cwiseMax(0).asDiagonal() * eigen.vectors.transpose();
 }
 
@@ -56,7 +56,8 @@ Eigen::Matrix<double, 3, 6> gather(const Face& face, const VectorXd& x) {
 
 }  // namespace
 
-MembraneEnergy::MembraneEnergy(const TetMesh& mesh, const std::vector<char>& fixed, const MembraneOptions& options) {
+MembraneEnergy::MembraneEnergy(const mesh::TetMesh& mesh, const std::vector<char>& fixed,
+                               const MembraneOptions& options) {
   if (!(options.thickness > 0)) return;
   std::set<std::array<std::int32_t, 6>> hollow;
   for (const MeshFaces& wall : cavity_walls(mesh)) hollow.insert(wall.begin(), wall.end());
@@ -128,4 +129,4 @@ void MembraneEnergy::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& m
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -7,7 +7,7 @@
 #include <array>
 #include <vector>
 
-namespace palpate {
+namespace palpate::fem {
 
 struct MembraneOptions {
   double thickness = 0.0;  ///< m, unstrained; 0: no membrane
@@ -19,7 +19,7 @@ struct MembraneOptions {
 class MembraneEnergy {
 public:
   /// On the outside of the mesh: walls of cavities have none, nor have faces whose six nodes are all `fixed`.
-  MembraneEnergy(const TetMesh& mesh, const std::vector<char>& fixed, const MembraneOptions& options);
+  MembraneEnergy(const mesh::TetMesh& mesh, const std::vector<char>& fixed, const MembraneOptions& options);
 
   /// Energy (J) at node positions x (3 N, m); infinite where a face has no area left.
   [[nodiscard]] double value(const Eigen::VectorXd& x) const;
@@ -39,4 +39,4 @@ private:
   std::vector<Face> faces_;
 };
 
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <deque>
 
-namespace palpate {
+namespace palpate::fem {
 namespace {
 
 using Eigen::VectorXd;
@@ -20,7 +20,7 @@ struct Correction {
 }  // namespace
 
 struct Minimiser::Impl {
-  Impl(const TetMesh& mesh, const std::vector<char>& fixed, const SolveLimits& allowed)
+  Impl(const mesh::TetMesh& mesh, const std::vector<char>& fixed, const SolveLimits& allowed)
       : matrix(mesh, fixed), factor(matrix.matrix(), allowed.factor_bytes), limits(allowed) {
     for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
       if (!fixed[n]) free.push_back(static_cast<std::int32_t>(n));
@@ -58,7 +58,7 @@ struct Minimiser::Impl {
   std::deque<Correction> memory;
 };
 
-Minimiser::Minimiser(const TetMesh& mesh, const std::vector<char>& fixed, const SolveLimits& limits)
+Minimiser::Minimiser(const mesh::TetMesh& mesh, const std::vector<char>& fixed, const SolveLimits& limits)
     : impl_(std::make_unique<Impl>(mesh, fixed, limits)) {}
 Minimiser::~Minimiser() = default;
 
@@ -173,4 +173,4 @@ MinimiserResult Minimiser::minimise(const EnergyProblem& problem, VectorXd& x, c
   return result;
 }
 
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -11,7 +11,7 @@
 #include <memory>
 #include <string>
 
-namespace palpate {
+namespace palpate::fem {
 
 /// An energy of all node positions (3 N, m).
 class EnergyProblem {
@@ -51,7 +51,7 @@ struct MinimiserResult {
 class Minimiser {
 public:
   /// Throws Error(numerical) where a factor of the mesh's stiffness is beyond `limits`.
-  Minimiser(const TetMesh& mesh, const std::vector<char>& fixed, const SolveLimits& limits = {});
+  Minimiser(const mesh::TetMesh& mesh, const std::vector<char>& fixed, const SolveLimits& limits = {});
   ~Minimiser();
   Minimiser(const Minimiser&) = delete;
   Minimiser& operator=(const Minimiser&) = delete;
@@ -66,4 +66,4 @@ private:
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace palpate
+}  // namespace palpate::fem

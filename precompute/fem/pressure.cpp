@@ -9,7 +9,7 @@
 #include <map>
 #include <numeric>
 
-namespace palpate {
+namespace palpate::fem {
 namespace {
 
 using Eigen::Matrix3d;
@@ -73,7 +73,7 @@ Matrix3d cross_matrix(const Vector3d& v) {
   return m;
 }
 
-VectorXd positions(const TetMesh& mesh) {
+VectorXd positions(const mesh::TetMesh& mesh) {
   VectorXd x(3 * static_cast<Eigen::Index>(mesh.nodes.size()));
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n) x.segment<3>(3 * static_cast<Eigen::Index>(n)) = mesh.nodes[n];
   return x;
@@ -81,7 +81,7 @@ VectorXd positions(const TetMesh& mesh) {
 
 }  // namespace
 
-std::vector<MeshFaces> cavity_walls(const TetMesh& mesh) {
+std::vector<MeshFaces> cavity_walls(const mesh::TetMesh& mesh) {
   // Faces that share a node belong together; a set of nodes is known by its smallest.
   std::vector<std::int32_t> root(mesh.nodes.size());
   std::iota(root.begin(), root.end(), 0);
@@ -110,7 +110,7 @@ std::vector<MeshFaces> cavity_walls(const TetMesh& mesh) {
   return walls;
 }
 
-PressureEnergy::PressureEnergy(const TetMesh& mesh, MeshFaces walls, double pressure)
+PressureEnergy::PressureEnergy(const mesh::TetMesh& mesh, MeshFaces walls, double pressure)
     : walls_(std::move(walls)), pressure_(pressure) {
   if (empty()) return;
   centre_ = mesh.nodes[walls_[0][0]];
@@ -164,4 +164,4 @@ void PressureEnergy::hessian(const VectorXd& x, HessianKind kind, double factor,
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::fem

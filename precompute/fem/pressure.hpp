@@ -7,19 +7,19 @@
 #include <array>
 #include <vector>
 
-namespace palpate {
+namespace palpate::fem {
 
 /// Six nodes a face, counter-clockwise seen from outside of the body.
 using MeshFaces = std::vector<std::array<std::int32_t, 6>>;
 
 /// The closed parts of the mesh's boundary that enclose a void (their volume is negative), one entry a cavity, in the
 /// order of their first faces.
-std::vector<MeshFaces> cavity_walls(const TetMesh& mesh);
+std::vector<MeshFaces> cavity_walls(const mesh::TetMesh& mesh);
 
 class PressureEnergy {
 public:
   /// `walls`: faces of `mesh` that together are closed and face into what they enclose.
-  PressureEnergy(const TetMesh& mesh, MeshFaces walls, double pressure);
+  PressureEnergy(const mesh::TetMesh& mesh, MeshFaces walls, double pressure);
 
   [[nodiscard]] bool empty() const { return walls_.empty(); }
   /// Enclosed volume (m^3) at node positions x (3 N, m): exact for the quadratic faces.
@@ -39,4 +39,4 @@ private:
   Eigen::Vector3d centre_{0, 0, 0};  // volumes are measured from here: any point will do, one near loses least
 };
 
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -4,12 +4,12 @@
 
 #include <Eigen/Geometry>
 
-namespace palpate {
+namespace palpate::fem {
 
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-WeightEnergy::WeightEnergy(const TetMesh& mesh, const Vector3d& force_density) {
+WeightEnergy::WeightEnergy(const mesh::TetMesh& mesh, const Vector3d& force_density) {
   if (force_density.isZero(0)) return;
   const auto size = 3 * static_cast<Eigen::Index>(mesh.nodes.size());
   force_ = VectorXd::Zero(size);
@@ -31,4 +31,4 @@ double WeightEnergy::gradient(const VectorXd& x, double factor, VectorXd& gradie
   return value(x);
 }
 
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -6,12 +6,12 @@
 
 #include <Eigen/Core>
 
-namespace palpate {
+namespace palpate::fem {
 
 class WeightEnergy {
 public:
   /// `force_density` (N/m^3): density of the stress-free state times gravity; zero: no weight.
-  WeightEnergy(const TetMesh& mesh, const Eigen::Vector3d& force_density);
+  WeightEnergy(const mesh::TetMesh& mesh, const Eigen::Vector3d& force_density);
 
   [[nodiscard]] bool empty() const { return force_.size() == 0; }
   /// Energy (J) at node positions x (3 N, m) over that of the mesh as it was made.
@@ -23,4 +23,4 @@ private:
   Eigen::VectorXd force_, rest_;  // N, m
 };
 
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -9,21 +9,21 @@
 #include "precompute/fit/laws/grasp_fit.hpp"
 #include "precompute/tool/tool.hpp"
 
-namespace palpate {
+namespace palpate::fit {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-ResponseTool response_tool(const Tool& tool) {
+ResponseTool response_tool(const tool::Tool& tool) {
   ResponseTool result;
   result.name = tool.name;
   result.kind = static_cast<layout::ToolKind>(tool.kind);
   result.radius = tool.scene.radius;
   const bool capsule = tool.scene.shape == ToolScene::Shape::capsule;
-  const bool faceted = tool.scene.shape == ToolScene::Shape::punch || tool.kind == ToolKind::mesh;
+  const bool faceted = tool.scene.shape == ToolScene::Shape::punch || tool.kind == tool::ToolKind::mesh;
   if (!faceted) result.probe_radius = tool.scene.radius;
-  if (capsule && tool.kind == ToolKind::profile) result.axis_length = tool.scene.length;
-  for (const ToolVertex& v : tool.vertices) {
+  if (capsule && tool.kind == tool::ToolKind::profile) result.axis_length = tool.scene.length;
+  for (const tool::ToolVertex& v : tool.vertices) {
     result.vertices.push_back({v.name, to_triple(v.point), to_triple(v.normal), to_triple(v.tangent), v.meridian,
                                static_cast<std::uint32_t>(v.spins)});
   }
@@ -34,13 +34,14 @@ ResponseTool response_tool(const Tool& tool) {
   return result;
 }
 
-void add_body(ResponseFileContent& content, const ContactSurface& contact, const Plan& plan) {
+void add_body(ResponseFileContent& content, const mesh::ContactSurface& contact, const bake::Plan& plan) {
   // A site counts as held when no tool vertex may touch it for a support.
   std::vector<std::size_t> planned(plan.sites.size(), 0), at_support(plan.sites.size(), 0);
   for (const PairPlan& pair : plan.pairs) planned[pair.site] += pair.role == PairRole::hidden ? 0 : 1;
-  for (const SkippedPair& pair : plan.skipped) at_support[pair.site] += pair.reason == SkipReason::support ? 1 : 0;
+  for (const bake::SkippedPair& pair : plan.skipped)
+    at_support[pair.site] += pair.reason == bake::SkipReason::support ? 1 : 0;
   for (std::size_t k = 0; k < plan.sites.size(); ++k) {
-    const PlanSite& site = plan.sites[k];
+    const bake::PlanSite& site = plan.sites[k];
     ResponseSite out;
     out.position = to_triple(site.frame.origin);
     out.normal = to_triple(site.frame.n);
@@ -57,7 +58,7 @@ void add_body(ResponseFileContent& content, const ContactSurface& contact, const
   for (const auto& t : contact.patches) content.patches.push_back(corners(t));
   content.subdivision = static_cast<std::uint32_t>(contact.weight_steps);
   for (const auto& p : contact.points) content.surface_vertices.push_back(to_triple(p));
-  for (const ContactTriangle& t : contact.triangles) {
+  for (const mesh::ContactTriangle& t : contact.triangles) {
     content.surface_triangles.push_back({corners(t.vertices), static_cast<std::uint32_t>(t.patch), t.grid});
   }
 }
@@ -68,7 +69,7 @@ Json figures(const ErrorFigures& f) {
 }
 
 /// Adds the sources of responses of a scene in which not everything is solved.
-void add_sources(Json& json, const Plan& plan, const FitReport& report, const PairSources& sources) {
+void add_sources(Json& json, const bake::Plan& plan, const FitReport& report, const PairSources& sources) {
   if (sources.external.empty()) return;
   Json& to = json["sources"];
   to["scene"] = to_hex(sources.text);
@@ -91,8 +92,8 @@ void add_sources(Json& json, const Plan& plan, const FitReport& report, const Pa
   }
 }
 
-std::string provenance(const Scene& scene, const Plan& plan, const Hash128& manifest, const FittedResponses& fitted,
-                       const PairSources& sources) {
+std::string provenance(const Scene& scene, const bake::Plan& plan, const Hash128& manifest,
+                       const FittedResponses& fitted, const PairSources& sources) {
   const FitReport& report = fitted.report;
   Json json;
   json["scene"] = scene.name;
@@ -153,12 +154,12 @@ std::string provenance(const Scene& scene, const Plan& plan, const Hash128& mani
   if (report.friction) json["fit"]["paths"] = figures(report.paths);
   if (report.left_out.samples > 0) json["fit"]["carried_tangential"] = figures(report.left_out);
   if (report.sampling) {
-    const SamplingEstimate& s = *report.sampling;
+    const bake::SamplingEstimate& s = *report.sampling;
     json["sampling"]["hidden"] = {{"rounds", s.rounds}, {"places", s.places}, {"median", s.median},
                                   {"p95", s.p95},       {"worst", s.worst},   {"worst_at", to_triple(s.worst_at)}};
     json["sampling"]["expected_p95"] = expected_p95(report);
   }
-  const fit::HeldOutFigures& held = report.held_out;
+  const HeldOutFigures& held = report.held_out;
   json["fit"]["held_out"] = {
       {"samples", held.samples}, {"median", held.median}, {"p95", held.p95}, {"worst", held.worst}};
   const response::Degrees& d = fitted.scales.degrees;
@@ -170,8 +171,9 @@ std::string provenance(const Scene& scene, const Plan& plan, const Hash128& mani
 
 }  // namespace
 
-ResponseFileContent assemble_response(const Scene& scene, const std::vector<Tool>& tools, const ContactSurface& contact,
-                                      const Plan& plan, const Hash128& manifest, const FittedResponses& fitted,
+ResponseFileContent assemble_response(const Scene& scene, const std::vector<tool::Tool>& tools,
+                                      const mesh::ContactSurface& contact, const bake::Plan& plan,
+                                      const Hash128& manifest, const FittedResponses& fitted,
                                       const PairSources& sources) {
   ResponseFileContent content;
   content.depth_scale = fitted.scales.depth;
@@ -179,10 +181,10 @@ ResponseFileContent assemble_response(const Scene& scene, const std::vector<Tool
   content.degrees = fitted.scales.degrees;
   content.coef_bits = static_cast<std::uint32_t>(fitted.scales.bits);
   content.slip_softening = !fitted.report.softenings.empty();
-  content.bonded_coefs = fitted.report.grasp ? fit::kGraspCoefs : 0;
+  content.bonded_coefs = fitted.report.grasp ? kGraspCoefs : 0;
   content.has_bonded_torque = fitted.report.turn;
   add_body(content, contact, plan);
-  for (const Tool& tool : tools) content.tools.push_back(response_tool(tool));
+  for (const tool::Tool& tool : tools) content.tools.push_back(response_tool(tool));
   content.responses = fitted.responses;
   content.provenance = provenance(scene, plan, manifest, fitted, sources);
   const bool search = scene.response.search == ResponseScene::Search::bvh ||
@@ -192,4 +194,4 @@ ResponseFileContent assemble_response(const Scene& scene, const std::vector<Tool
   return content;
 }
 
-}  // namespace palpate
+}  // namespace palpate::fit

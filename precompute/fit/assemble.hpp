@@ -9,12 +9,13 @@
 #include "precompute/fit/fit.hpp"
 #include "precompute/mesh/surface/contact_surface.hpp"
 
-namespace palpate {
+namespace palpate::fit {
 
 /// `manifest`: the hash that the journal carries, recorded in the provenance. The same inputs give the same content:
 /// it holds no time and no path.
-ResponseFileContent assemble_response(const Scene& scene, const std::vector<Tool>& tools, const ContactSurface& contact,
-                                      const Plan& plan, const Hash128& manifest, const FittedResponses& fitted,
+ResponseFileContent assemble_response(const Scene& scene, const std::vector<tool::Tool>& tools,
+                                      const mesh::ContactSurface& contact, const bake::Plan& plan,
+                                      const Hash128& manifest, const FittedResponses& fitted,
                                       const PairSources& sources = {});
 
-}  // namespace palpate
+}  // namespace palpate::fit

@@ -66,7 +66,7 @@ Eigen::Vector3d NormalCurve::force(double depth) const {
 }
 
 std::vector<Sample> carried_samples(const ContactFrame& frame, double depth, const NormalCurve& own,
-                                    const PairPath& path, const std::vector<CarrySource>& sources,
+                                    const solve::PairPath& path, const std::vector<CarrySource>& sources,
                                     const ResponseScales& scales) {
   double total = 0;
   std::vector<std::pair<double, CarriedLaw>> laws;

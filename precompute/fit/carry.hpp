@@ -42,7 +42,7 @@ struct CarrySource {
 ///
 /// The similarity is exact for a power law of the depth. `depth`: m, of the site.
 std::vector<Sample> carried_samples(const ContactFrame& frame, double depth, const NormalCurve& own,
-                                    const PairPath& path, const std::vector<CarrySource>& sources,
+                                    const solve::PairPath& path, const std::vector<CarrySource>& sources,
                                     const ResponseScales& scales);
 
 /// The nearest sources by position among those whose normal is within 78 degrees of the site's, at most six, weighted

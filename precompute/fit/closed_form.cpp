@@ -52,7 +52,7 @@ double ClosedForm::tangential_stiffness(double d) const {
   return 0.0;
 }
 
-std::vector<Sample> sample_along(const PairPath& path,
+std::vector<Sample> sample_along(const solve::PairPath& path,
                                  const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& force) {
   std::vector<Sample> samples;
   const auto add = [&](SampleKind kind, double x, double y, double depth) {
@@ -77,7 +77,7 @@ std::vector<Sample> sample_along(const PairPath& path,
   return samples;
 }
 
-std::vector<Sample> sample_law(const ClosedForm& law, const PairPath& path) {
+std::vector<Sample> sample_law(const ClosedForm& law, const solve::PairPath& path) {
   return sample_along(path, [&](const Eigen::Vector3d& d) -> Eigen::Vector3d {
     const double stiffness = law.tangential_stiffness(d.z());
     return {-stiffness * d.x(), -stiffness * d.y(), law.push(d.z())};

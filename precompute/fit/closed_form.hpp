@@ -35,10 +35,10 @@ struct ClosedForm {
 
 /// The samples that a bake along `path` would have of a contact with this force (N) at a deflection (m): normal
 /// indentations and, with friction, tangential ones.
-std::vector<Sample> sample_along(const PairPath& path,
+std::vector<Sample> sample_along(const solve::PairPath& path,
                                  const std::function<Eigen::Vector3d(const Eigen::Vector3d& deflection)>& force);
 
 /// The same of a law.
-std::vector<Sample> sample_law(const ClosedForm& law, const PairPath& path);
+std::vector<Sample> sample_law(const ClosedForm& law, const solve::PairPath& path);
 
 }  // namespace palpate::fit

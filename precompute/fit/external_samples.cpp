@@ -12,18 +12,16 @@
 #include "precompute/fit/fit.hpp"
 #include "precompute/fit/laws/recorded_fit.hpp"
 
-namespace palpate {
+namespace palpate::fit {
 namespace {
 
-using fit::ResponseScales;
-using fit::SiteResponse;
 using SampleList = std::vector<Sample>;
 
 constexpr std::size_t kDrawn = 12;  // by which degrees are chosen: recorded pairs, and others beside them
 
-std::string name_of(const Plan& plan, std::uint32_t pair, const ExternalSamples& external) {
+std::string name_of(const bake::Plan& plan, std::uint32_t pair, const ExternalSamples& external) {
   const std::string where = external.rows.empty() ? "" : external.rows.front() + ": ";  // the first of the contact
-  return where + (external.measured ? "recorded " : "closed form, ") + describe(pair, plan.pairs[pair]);
+  return where + (external.measured ? "recorded " : "closed form, ") + bake::describe(pair, plan.pairs[pair]);
 }
 
 /// Runs `action`. If it refuses a recording, the ignored rows are added to the message: they may be the cause.
@@ -37,27 +35,27 @@ auto telling_passed(const ExternalSamples& external, const Action& action) {
   }
 }
 
-fit::RecordedFit fit_rows(const Plan& plan, std::uint32_t pair, const ExternalSamples& external,
-                          const ResponseScales& scales) {
+RecordedFit fit_rows(const bake::Plan& plan, std::uint32_t pair, const ExternalSamples& external,
+                     const ResponseScales& scales) {
   return telling_passed(external, [&] {
-    return fit::fit_recorded(external.samples, plan.pairs[pair].depth, scales, name_of(plan, pair, external));
+    return fit_recorded(external.samples, plan.pairs[pair].depth, scales, name_of(plan, pair, external));
   });
 }
 
 /// Samples of a bake's path from a fit of many coefficients, as deep and as far aside as the recording went.
-SampleList smoothed(const Plan& plan, std::uint32_t pair, const ExternalSamples& external, ResponseScales scales,
+SampleList smoothed(const bake::Plan& plan, std::uint32_t pair, const ExternalSamples& external, ResponseScales scales,
                     bool bias, const FitSettings& settings) {
   scales.degrees = {5, bias ? 4 : 0, 3, 3, true};
   if (!scales.friction()) scales.degrees = {response::kMaxDegree, bias ? 4 : 0, 0, 0, false};
-  const fit::RecordedFit fitted = fit_rows(plan, pair, external, scales);
+  const RecordedFit fitted = fit_rows(plan, pair, external, scales);
   double aside = 0;
   for (const Sample& s : external.samples) {
     if (s.kind == SampleKind::tangential) aside = std::max(aside, s.deflection.head<2>().norm());
   }
-  PairPath path = settings.path(fitted.depth);
+  solve::PairPath path = settings.path(fitted.depth);
   path.tangential_reach = std::min(path.tangential_reach, aside / fitted.depth);
-  const fit::Potential potential(fitted.response.coefs, scales);
-  return fit::sample_along(path, [&](const Eigen::Vector3d& deflection) { return potential.force(deflection); });
+  const Potential potential(fitted.response.coefs, scales);
+  return sample_along(path, [&](const Eigen::Vector3d& deflection) { return potential.force(deflection); });
 }
 
 /// At most kDrawn of a list, evenly.
@@ -113,51 +111,51 @@ bool has_steady_bias(const std::vector<Sample>& samples, double threshold) {
   return std::max(std::abs(median(force[0])), std::abs(median(force[1]))) >= threshold * std::abs(median(force[2]));
 }
 
-void check_external(const Plan& plan, const PairSources& sources, bool friction) {
+void check_external(const bake::Plan& plan, const PairSources& sources, bool friction) {
   for (const auto& [pair, external] : sources.external) {
     if (!external.measured) continue;
     const std::string what = name_of(plan, pair, external);
     telling_passed(external, [&, pair = pair, &external = external] {
-      fit::check_recorded(external.samples, plan.pairs[pair].depth, friction, what);
+      check_recorded(external.samples, plan.pairs[pair].depth, friction, what);
     });
   }
 }
 
-fit::DegreeChoice choose_degrees(const Plan& plan, const PairSources& sources,
-                                 const std::vector<const SampleList*>& exact, const ResponseScales& scales, bool bias,
-                                 const FitSettings& settings) {
+DegreeChoice choose_degrees(const bake::Plan& plan, const PairSources& sources,
+                            const std::vector<const SampleList*>& exact, const ResponseScales& scales, bool bias,
+                            const FitSettings& settings) {
   std::vector<std::uint32_t> recorded;
   for (const auto& [pair, external] : sources.external) {
     if (external.measured) recorded.push_back(pair);
   }
-  if (recorded.empty()) return fit::choose_degrees(exact, scales, bias, settings.tolerance);
+  if (recorded.empty()) return choose_degrees(exact, scales, bias, settings.tolerance);
   std::vector<SampleList> smooth;
   for (const std::uint32_t pair : drawn(recorded)) {
     smooth.push_back(smoothed(plan, pair, sources.external.at(pair), scales, bias, settings));
   }
   std::vector<const SampleList*> pairs = drawn(exact);
   for (const SampleList& samples : smooth) pairs.push_back(&samples);
-  return fit::choose_degrees(pairs, scales, bias, settings.tolerance);
+  return choose_degrees(pairs, scales, bias, settings.tolerance);
 }
 
-SiteResponse fit_external(const Plan& plan, std::uint32_t pair, const ExternalSamples& external,
+SiteResponse fit_external(const bake::Plan& plan, std::uint32_t pair, const ExternalSamples& external,
                           const ResponseScales& scales, FitReport& report,
                           std::vector<std::pair<double, std::uint32_t>>& laws) {
   const PairPlan& planned = plan.pairs[pair];
   if (!external.measured) {
-    SiteResponse site{fit::fit_pair(external.samples, scales, name_of(plan, pair, external)), planned.depth, {}, {}};
-    const fit::FitErrors errors = fit::fit_errors(site.response, scales, external.samples);
+    SiteResponse site{fit_pair(external.samples, scales, name_of(plan, pair, external)), planned.depth, {}, {}};
+    const FitErrors errors = fit_errors(site.response, scales, external.samples);
     for (const auto* list : {&errors.normal, &errors.tangential}) {
       for (const double e : *list) laws.emplace_back(e, pair);
     }
     ++report.analytic;
     return site;
   }
-  fit::RecordedFit fitted = fit_rows(plan, pair, external, scales);
+  RecordedFit fitted = fit_rows(plan, pair, external, scales);
   RecordedFigures& figures = report.recorded.emplace_back();
   figures = {pair, external.rows.size(), {}, fitted.rms, fitted.worst, fitted.depth, external.passed};
   for (const std::size_t k : fitted.outliers) figures.outliers.push_back(external.rows[k]);
   return {std::move(fitted.response), fitted.depth, {}, {}};
 }
 
-}  // namespace palpate
+}  // namespace palpate::fit

@@ -14,11 +14,17 @@
 #include "precompute/fit/laws/potential_degrees.hpp"
 
 namespace palpate {
+struct JournalContent;
+}  // namespace palpate
+
+namespace palpate::bake {
+struct Plan;
+}  // namespace palpate::bake
+
+namespace palpate::fit {
 
 struct FitReport;
 struct FitSettings;
-struct JournalContent;
-struct Plan;
 
 /// Recorded rows that no response is made of.
 struct Passed {
@@ -66,19 +72,19 @@ const std::vector<Sample>* samples_of(std::uint32_t pair, const JournalContent& 
 bool has_steady_bias(const std::vector<Sample>& samples, double threshold);
 
 /// Throws as fit::check_recorded for the first recorded pair that is not enough for a response.
-void check_external(const Plan& plan, const PairSources& sources, bool friction);
+void check_external(const bake::Plan& plan, const PairSources& sources, bool friction);
 
 /// fit::choose_degrees over pairs without noise (`exact`: solved, by closed forms) and over recorded ones. The latter
 /// are fitted with many coefficients and sampled from that fit, because rows left out would measure their noise. At
 /// most a dozen of each are used, so that many solved pairs do not outvote few recordings. Throws as fit_external.
-fit::DegreeChoice choose_degrees(const Plan& plan, const PairSources& sources,
-                                 const std::vector<const std::vector<Sample>*>& exact,
-                                 const fit::ResponseScales& scales, bool bias, const FitSettings& settings);
+DegreeChoice choose_degrees(const bake::Plan& plan, const PairSources& sources,
+                            const std::vector<const std::vector<Sample>*>& exact, const ResponseScales& scales,
+                            bool bias, const FitSettings& settings);
 
 /// Fits a pair of them and adds its figures to `report`, the errors of a closed form to `laws`. Throws as
 /// fit::fit_recorded, with the rows that were passed over, and as fit::fit_pair.
-fit::SiteResponse fit_external(const Plan& plan, std::uint32_t pair, const ExternalSamples& external,
-                               const fit::ResponseScales& scales, FitReport& report,
-                               std::vector<std::pair<double, std::uint32_t>>& laws);
+SiteResponse fit_external(const bake::Plan& plan, std::uint32_t pair, const ExternalSamples& external,
+                          const ResponseScales& scales, FitReport& report,
+                          std::vector<std::pair<double, std::uint32_t>>& laws);
 
-}  // namespace palpate
+}  // namespace palpate::fit

@@ -15,7 +15,7 @@ namespace {
 
 /// Cosine and sine of the source's x axis in `frame`.
 Eigen::Vector2d rotated_axis(const ContactFrame& frame, const FillSource& source) {
-  const Eigen::Vector3d x = rotation_between(source.frame->n, frame.n) * source.frame->x;
+  const Eigen::Vector3d x = algebra::rotation_between(source.frame->n, frame.n) * source.frame->x;
   return frame.to_local(x).head<2>().normalized();
 }
 

@@ -18,12 +18,9 @@
 #include "precompute/fit/laws/potential_degrees.hpp"
 #include "precompute/fit/push_field.hpp"
 
-namespace palpate {
+namespace palpate::fit {
 namespace {
 
-using fit::PairResponse;
-using fit::ResponseScales;
-using fit::SiteResponse;
 using SiteRow = std::vector<std::optional<SiteResponse>>;  // per site, of one tool vertex
 
 const JournalPair* solved_pair(const JournalContent& journal, std::uint32_t pair) {
@@ -32,7 +29,7 @@ const JournalPair* solved_pair(const JournalContent& journal, std::uint32_t pair
 }
 
 /// Number of the pairs to be solved. Throws where one has not been.
-std::size_t check_finished(const Plan& plan, const JournalContent& journal, const PairSources& sources) {
+std::size_t check_finished(const bake::Plan& plan, const JournalContent& journal, const PairSources& sources) {
   std::size_t open = 0, all = 0;
   for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
     if (!sources.solved(pair) || plan.pairs[pair].role == PairRole::hidden) continue;
@@ -72,7 +69,7 @@ Response to_response(const SiteResponse& site, std::uint32_t flags, const FitRep
   r.depth_limit = site.depth;
   r.flags = flags;
   r.softening = static_cast<float>(site.response.softening);
-  fit::Quantised quantised = fit::quantise(site.response.coefs, scales.degrees, scales.bits, "response");
+  Quantised quantised = quantise(site.response.coefs, scales.degrees, scales.bits, "response");
   r.unit = quantised.unit;
   r.coefficients = std::move(quantised.coefs);
   if (site.grasp) {
@@ -80,13 +77,13 @@ Response to_response(const SiteResponse& site, std::uint32_t flags, const FitRep
     r.bonded_pulled = site.grasp->pulled;
     r.bonded = to_floats(site.grasp->curves);
   } else if (report.grasp) {  // another tool of the scene bonds
-    r.bonded.assign(layout::kBondedCurves * fit::kGraspCoefs, 0.0F);
+    r.bonded.assign(layout::kBondedCurves * kGraspCoefs, 0.0F);
   }
   if (site.turn) {
     r.rotated = site.turn->turned;
     r.bonded_torque = to_floats(site.turn->curves);
   } else if (report.turn) {
-    r.bonded_torque.assign(layout::kTorqueCurves * fit::kGraspCoefs, 0.0F);
+    r.bonded_torque.assign(layout::kTorqueCurves * kGraspCoefs, 0.0F);
   }
   return r;
 }
@@ -101,7 +98,7 @@ bool has_bias(const std::vector<Sample>& samples, double threshold) {
   return bias >= threshold * peak;
 }
 
-PairFigures pair_figures(std::uint32_t pair, const fit::FitErrors& errors) {
+PairFigures pair_figures(std::uint32_t pair, const FitErrors& errors) {
   std::vector<std::pair<double, std::uint32_t>> all;
   for (const double e : errors.normal) all.emplace_back(e, pair);
   for (const double e : errors.tangential) all.emplace_back(e, pair);
@@ -121,7 +118,7 @@ using RowErrors = std::vector<std::pair<double, std::uint32_t>>;  // relative er
 /// One fit of a plan: responses by tool vertex (row) and site.
 class PlanFit {
 public:
-  PlanFit(const Plan& plan, const std::vector<std::array<std::int32_t, 3>>& triangles,
+  PlanFit(const bake::Plan& plan, const std::vector<std::array<std::int32_t, 3>>& triangles,
           const std::vector<std::uint32_t>& tool_vertices, const JournalContent& journal, const FitSettings& settings,
           const PairSources& sources)
       : plan_(plan), triangles_(triangles), journal_(journal), settings_(settings), sources_(sources) {
@@ -166,7 +163,7 @@ private:
     if (all.empty()) refuse_all();
     result_.scales = make_scales(all, settings_);
     if (result_.scales.friction() != settings_.friction) refuse_all();
-    const fit::DegreeChoice choice = choose_degrees(plan_, sources_, exact, result_.scales, report_.bias, settings_);
+    const DegreeChoice choice = choose_degrees(plan_, sources_, exact, result_.scales, report_.bias, settings_);
     result_.scales.degrees = choice.degrees;
     result_.scales.bits = choice.bits;
     report_.bias = choice.degrees.bias > 0;
@@ -180,7 +177,7 @@ private:
   }
 
   [[noreturn]] void refuse_all() const {
-    std::vector<RefusedPair> refused;
+    std::vector<bake::RefusedPair> refused;
     for (const auto& [pair, solved] : journal_.pairs) {
       if (solved.outcome && !solved.outcome->cause.empty()) refused.push_back({pair, solved.outcome->cause});
     }
@@ -219,21 +216,21 @@ private:
     const PairPlan& planned = plan_.pairs[pair];
     const std::uint32_t row = row_of(planned);
     PairResponse response;
-    std::optional<fit::GraspCurves> grasp;
-    std::optional<fit::TurnCurves> turn;
+    std::optional<GraspCurves> grasp;
+    std::optional<TurnCurves> turn;
     try {
-      response = fit::fit_pair(solved.samples, result_.scales, "fit");
+      response = fit_pair(solved.samples, result_.scales, "fit");
       if (planned.tool < settings_.grasps.size() && settings_.grasps[planned.tool]) {
-        grasp = fit::fit_grasp(solved.samples, result_.scales.depth, "fit");
+        grasp = fit_grasp(solved.samples, result_.scales.depth, "fit");
         if (planned.tool < settings_.turns.size() && settings_.turns[planned.tool]) {
-          turn = fit::fit_turns(solved.samples, *grasp, result_.scales.depth, "fit");
+          turn = fit_turns(solved.samples, *grasp, result_.scales.depth, "fit");
         }
       }
     } catch (const Error& error) {  // filled from neighbours like a refused pair
       refused_.push_back({pair, error.what()});
       return;
     }
-    const fit::FitErrors errors = fit::fit_errors(response, result_.scales, solved.samples);
+    const FitErrors errors = fit_errors(response, result_.scales, solved.samples);
     const PairFigures figures = pair_figures(pair, errors);
     if (!(figures.worst <= settings_.max_residual)) {
       refused_.push_back({pair, residual_cause(figures.worst, settings_.max_residual)});
@@ -246,12 +243,12 @@ private:
     for (const double e : errors.tangential) tangential_.emplace_back(e, pair);
     for (const double e : errors.paths) paths_.emplace_back(e, pair);
     if (grasp) {
-      const std::vector<double> own = fit::grasp_errors(*grasp, result_.scales.depth, solved.samples);
+      const std::vector<double> own = grasp_errors(*grasp, result_.scales.depth, solved.samples);
       for (const double e : own) grasped_.emplace_back(e, pair);
       report_.grasp = true;
     }
     if (turn) {
-      for (const double e : fit::turn_errors(*grasp, *turn, result_.scales.depth, solved.samples)) {
+      for (const double e : turn_errors(*grasp, *turn, result_.scales.depth, solved.samples)) {
         turned_.emplace_back(e, pair);
       }
       report_.turn = true;
@@ -283,15 +280,15 @@ private:
     const std::map<std::uint32_t, std::uint32_t> pairs = normal_pairs(row);
     const auto wants = [&](const auto& at) { return alone_.count(at.second) > 0 && !rows_[row][at.first]; };
     if (std::none_of(pairs.begin(), pairs.end(), wants)) return;
-    std::map<std::uint32_t, fit::NormalCurve> curves;
+    std::map<std::uint32_t, NormalCurve> curves;
     for (const auto& [site, pair] : pairs) {
       try {
-        curves.emplace(site, fit::NormalCurve(journal_.pairs.at(pair).samples));
+        curves.emplace(site, NormalCurve(journal_.pairs.at(pair).samples));
       } catch (const Error& error) {
         if (wants(std::pair{site, pair})) refused_.push_back({pair, error.what()});
       }
     }
-    std::vector<fit::CarrySource> sources;
+    std::vector<CarrySource> sources;
     std::vector<std::uint32_t> sites;  // of the sources
     for (const auto& [site, curve] : curves) {
       if (!rows_[row][site]) continue;
@@ -301,7 +298,7 @@ private:
     if (sources.empty()) return;
     for (std::size_t k = 0; k < sources.size() && sources.size() > 1; ++k) {
       test_carried(pairs.at(sites[k]), curves.at(sites[k]), *rows_[row][sites[k]],
-                   fit::near_sources(*sources[k].frame, sources, &sources[k]));
+                   near_sources(*sources[k].frame, sources, &sources[k]));
     }
     SiteRow carried(plan_.sites.size());
     for (const auto& [site, curve] : curves) {
@@ -322,10 +319,10 @@ private:
   }
 
   /// Fills sites beside those with a normal indentation.
-  void extrapolate(const std::map<std::uint32_t, fit::NormalCurve>& curves,
-                   const std::vector<fit::CarrySource>& sources, SiteRow& carried) const {
-    const fit::SiteGraph graph = fit::site_graph(plan_.sites.size(), triangles_);
-    const fit::PushField field(plan_.sites, graph, curves);
+  void extrapolate(const std::map<std::uint32_t, NormalCurve>& curves, const std::vector<CarrySource>& sources,
+                   SiteRow& carried) const {
+    const SiteGraph graph = site_graph(plan_.sites.size(), triangles_);
+    const PushField field(plan_.sites, graph, curves);
     for (const auto& [site, curve] : field.extrapolated()) {
       try {
         carried[site] = carried_to(site, curve, sources);
@@ -335,15 +332,15 @@ private:
   }
 
   /// Depth (m) to which a response holds: the site's, less where its normal indentation stopped short of it.
-  [[nodiscard]] double depth_of(std::uint32_t site, const fit::NormalCurve& own) const {
+  [[nodiscard]] double depth_of(std::uint32_t site, const NormalCurve& own) const {
     constexpr double kWhole = 0.9;  // of the depth; the give of the penalty is taken off what the tool moved
     return own.deepest() >= kWhole * plan_.sites[site].depth ? plan_.sites[site].depth : own.deepest();
   }
 
-  [[nodiscard]] std::vector<Sample> samples_carried(std::uint32_t site, const fit::NormalCurve& own,
-                                                    const std::vector<fit::CarrySource>& sources) const {
+  [[nodiscard]] std::vector<Sample> samples_carried(std::uint32_t site, const NormalCurve& own,
+                                                    const std::vector<CarrySource>& sources) const {
     const double depth = depth_of(site, own);
-    return fit::carried_samples(plan_.sites[site].frame, depth, own, settings_.path(depth), sources, result_.scales);
+    return carried_samples(plan_.sites[site].frame, depth, own, settings_.path(depth), sources, result_.scales);
   }
 
   /// Errors of a carried response at the normal indentation of its site.
@@ -352,29 +349,29 @@ private:
     for (const Sample& s : journal_.pairs.at(pair).samples) {
       if (s.kind == SampleKind::normal) push.push_back(s);
     }
-    for (const double e : fit::fit_errors(site.response, result_.scales, push).normal) normal_.emplace_back(e, pair);
+    for (const double e : fit_errors(site.response, result_.scales, push).normal) normal_.emplace_back(e, pair);
   }
 
   /// Throws Error(numerical) where the carried samples cannot be fitted.
-  [[nodiscard]] SiteResponse carried_to(std::uint32_t site, const fit::NormalCurve& own,
-                                        const std::vector<fit::CarrySource>& all) const {
-    const PlanSite& at = plan_.sites[site];
+  [[nodiscard]] SiteResponse carried_to(std::uint32_t site, const NormalCurve& own,
+                                        const std::vector<CarrySource>& all) const {
+    const bake::PlanSite& at = plan_.sites[site];
     const double depth = depth_of(site, own);
-    const std::vector<fit::CarrySource> sources = fit::near_sources(at.frame, all);
-    std::vector<fit::FillSource> blended;
-    for (const fit::CarrySource& source : sources) blended.push_back({source.frame, source.full, source.weight});
-    SiteResponse carried = fit::blend_sites(at.frame, depth, blended, result_.scales);
+    const std::vector<CarrySource> sources = near_sources(at.frame, all);
+    std::vector<FillSource> blended;
+    for (const CarrySource& source : sources) blended.push_back({source.frame, source.full, source.weight});
+    SiteResponse carried = blend_sites(at.frame, depth, blended, result_.scales);
     const double softening = carried.response.softening;
-    carried.response = fit::fit_pair(samples_carried(site, own, sources), result_.scales, "carried");
+    carried.response = fit_pair(samples_carried(site, own, sources), result_.scales, "carried");
     carried.response.softening = softening;
     carried.depth = depth;
     return carried;
   }
 
   /// Errors of tangential pushes that would have been carried to a site that was solved in full.
-  void test_carried(std::uint32_t pair, const fit::NormalCurve& own, const SiteResponse& full,
-                    const std::vector<fit::CarrySource>& sources) {
-    const fit::Potential law(full.response.coefs, result_.scales);
+  void test_carried(std::uint32_t pair, const NormalCurve& own, const SiteResponse& full,
+                    const std::vector<CarrySource>& sources) {
+    const Potential law(full.response.coefs, result_.scales);
     const std::vector<Sample> carried = samples_carried(plan_.pairs[pair].site, own, sources);
     double peak = 0;
     for (const Sample& s : carried) peak = std::max(peak, law.force(s.deflection).norm());
@@ -389,10 +386,10 @@ private:
   void report_refusals() {
     report_.refused = refused_.size();
     report_.refusals = group_refusals(plan_, refused_);
-    for (const SkippedPair& pair : plan_.skipped) {
-      ++(pair.reason == SkipReason::support       ? report_.support
-         : pair.reason == SkipReason::unreachable ? report_.unreachable
-                                                  : report_.outside);
+    for (const bake::SkippedPair& pair : plan_.skipped) {
+      ++(pair.reason == bake::SkipReason::support       ? report_.support
+         : pair.reason == bake::SkipReason::unreachable ? report_.unreachable
+                                                        : report_.outside);
     }
   }
 
@@ -423,15 +420,15 @@ private:
   void fill() {
     std::vector<ContactFrame> frames;
     std::vector<double> depths;
-    for (const PlanSite& site : plan_.sites) {
+    for (const bake::PlanSite& site : plan_.sites) {
       frames.push_back(site.frame);
       depths.push_back(site.depth);
     }
-    const fit::SiteGraph graph = fit::site_graph(plan_.sites.size(), triangles_);
+    const SiteGraph graph = site_graph(plan_.sites.size(), triangles_);
     result_.responses.resize(plan_.sites.size() * rows_.size());
     for (std::size_t vertex = 0; vertex < rows_.size(); ++vertex) {
       SiteRow row = row_to_fill(vertex);
-      fit::fill_from_neighbours(graph, frames, depths, result_.scales, row, "tool vertex " + std::to_string(vertex));
+      fill_from_neighbours(graph, frames, depths, result_.scales, row, "tool vertex " + std::to_string(vertex));
       for (std::size_t site = 0; site < row.size(); ++site) {
         result_.responses[site * rows_.size() + vertex] =
             to_response(*row[site], flags_[vertex][site], report_, result_.scales);
@@ -440,7 +437,7 @@ private:
     }
   }
 
-  const Plan& plan_;
+  const bake::Plan& plan_;
   const std::vector<std::array<std::int32_t, 3>>& triangles_;
   const JournalContent& journal_;
   const FitSettings& settings_;
@@ -449,7 +446,7 @@ private:
   std::vector<SiteRow> rows_;
   std::vector<std::vector<std::uint32_t>> flags_;  // layout::ResponseFlag, by row and site
   std::set<std::uint32_t> alone_;                  // accepted pairs with a normal indentation and nothing else
-  std::vector<RefusedPair> refused_;
+  std::vector<bake::RefusedPair> refused_;
   RowErrors normal_, tangential_, paths_, grasped_, turned_, laws_, left_out_;
   FittedResponses result_;
   FitReport& report_ = result_.report;
@@ -476,10 +473,10 @@ double expected_p95(const FitReport& report) {
   return std::hypot(report.sampling->p95, report.normal.p95);
 }
 
-FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std::int32_t, 3>>& triangles,
+FittedResponses fit_responses(const bake::Plan& plan, const std::vector<std::array<std::int32_t, 3>>& triangles,
                               const std::vector<std::uint32_t>& tool_vertices, const JournalContent& journal,
                               const FitSettings& settings, const PairSources& sources) {
   return PlanFit(plan, triangles, tool_vertices, journal, settings, sources).run();
 }
 
-}  // namespace palpate
+}  // namespace palpate::fit

@@ -20,7 +20,7 @@
 #include "precompute/fit/refusals.hpp"
 #include "precompute/solve/pair/pair.hpp"
 
-namespace palpate {
+namespace palpate::fit {
 
 struct FitSettings {
   double depth_scale = 0.0;      ///< m, Z: the scene's depth
@@ -31,7 +31,7 @@ struct FitSettings {
   std::vector<bool> grasps;      ///< per tool, whether it bonds; empty: none does
   std::vector<bool> turns;       ///< per tool that bonds, whether it is rotated; empty: none is
   /// The path of a bake to a depth (m); required for recordings and normal indentations.
-  std::function<PairPath(double depth)> path;
+  std::function<solve::PairPath(double depth)> path;
 };
 
 /// Median, 95th percentile and worst of relative errors (share of max(|force|, 2 % of the pair's peak)).
@@ -80,12 +80,12 @@ struct FitReport {
   ErrorFigures laws;                           ///< of the fits to closed forms
   ErrorFigures left_out;                       ///< of tangential pushes carried to sites that were solved in full
   std::vector<RecordedFigures> recorded;       ///< by pair
-  std::optional<SamplingEstimate> sampling;    ///< of automatic sampling; filled by pipeline::fit_file
-  fit::HeldOutFigures held_out;                ///< of samples left out, by which the degrees were chosen
+  std::optional<bake::SamplingEstimate> sampling;  ///< of automatic sampling; filled by pipeline::fit_file
+  HeldOutFigures held_out;                         ///< of samples left out, by which the degrees were chosen
   std::vector<double> softenings;              ///< of accepted pairs (slip_softening), ascending; empty where all are 0
   std::vector<PairFigures> pairs;              ///< by pair
   SurfaceFigures surface;                      ///< set with the file
-  std::optional<ComplianceReport> compliance;  ///< set with the file, where the scene has [compliance]
+  std::optional<compliance::ComplianceReport> compliance;  ///< set with the file, where the scene has [compliance]
 };
 
 /// The 95th percentile that normal forces at other contacts are expected to have: those of interpolation, of carrying
@@ -93,7 +93,7 @@ struct FitReport {
 double expected_p95(const FitReport& report);
 
 struct FittedResponses {
-  fit::ResponseScales scales;
+  ResponseScales scales;
   std::vector<Response> responses;  ///< site * tool vertices + tool vertex over all tools
   FitReport report;
 };
@@ -106,8 +106,8 @@ ErrorFigures error_figures(const std::vector<std::pair<double, std::uint32_t>>& 
 /// tool; `sources`: recordings and closed forms in place of the journal. Throws Error(bad_input) when a pair to be
 /// solved has no outcome (the bake is not finished) and as fit_recorded, Error(numerical) with the causes when no
 /// pair at all was solved in full.
-FittedResponses fit_responses(const Plan& plan, const std::vector<std::array<std::int32_t, 3>>& triangles,
+FittedResponses fit_responses(const bake::Plan& plan, const std::vector<std::array<std::int32_t, 3>>& triangles,
                               const std::vector<std::uint32_t>& tool_vertices, const JournalContent& journal,
                               const FitSettings& settings, const PairSources& sources = {});
 
-}  // namespace palpate
+}  // namespace palpate::fit

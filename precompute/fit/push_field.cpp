@@ -14,7 +14,7 @@ constexpr double kMostGrowth = 0.4;  // of the logarithm of a force from a solve
 
 constexpr int kPoints = 12;  // of an extrapolated push
 
-double inverse_distance(const PlanSite& a, const PlanSite& b) {
+double inverse_distance(const bake::PlanSite& a, const bake::PlanSite& b) {
   return 1.0 / std::max((a.frame.origin - b.frame.origin).norm(), 1e-9);
 }
 
@@ -27,7 +27,7 @@ Eigen::Vector3d turned(const Eigen::Vector3d& force, const ContactFrame& from, c
 
 }  // namespace
 
-PushField::PushField(const std::vector<PlanSite>& sites, const SiteGraph& graph,
+PushField::PushField(const std::vector<bake::PlanSite>& sites, const SiteGraph& graph,
                      const std::map<std::uint32_t, NormalCurve>& curves)
     : sites_(sites), graph_(graph), curves_(sites.size()), solved_(sites.size(), 0), blends_(sites.size()) {
   for (const auto& [site, curve] : curves) {
@@ -73,7 +73,7 @@ Eigen::Vector3d PushField::slope(std::uint32_t site, double depth) const {
 }
 
 NormalCurve PushField::extrapolate(std::uint32_t site) const {
-  const PlanSite& here = sites_[site];
+  const bake::PlanSite& here = sites_[site];
   std::vector<Sample> samples;
   for (int k = 1; k <= kPoints; ++k) {
     const double depth = here.depth * k * k / (static_cast<double>(kPoints) * kPoints);
@@ -81,7 +81,7 @@ NormalCurve PushField::extrapolate(std::uint32_t site) const {
     Eigen::Vector3d force = Eigen::Vector3d::Zero();
     for (const std::uint32_t near : graph_[site]) {
       if (!solved(near)) continue;
-      const PlanSite& there = sites_[near];
+      const bake::PlanSite& there = sites_[near];
       const double weight = inverse_distance(here, there);
       const double growth = slope(near, depth).dot(here.frame.origin - there.frame.origin);
       Eigen::Vector3d at = turned(curves_[near]->force(depth), there.frame, here.frame);

@@ -18,7 +18,7 @@ namespace palpate::fit {
 class PushField {
 public:
   /// `curves` by site. `sites` and `graph` must outlive the field.
-  PushField(const std::vector<PlanSite>& sites, const SiteGraph& graph,
+  PushField(const std::vector<bake::PlanSite>& sites, const SiteGraph& graph,
             const std::map<std::uint32_t, NormalCurve>& curves);
 
   [[nodiscard]] bool solved(std::uint32_t site) const { return solved_[site]; }
@@ -36,7 +36,7 @@ private:
   [[nodiscard]] NormalCurve extrapolate(std::uint32_t site) const;
   void blend_others();
 
-  const std::vector<PlanSite>& sites_;
+  const std::vector<bake::PlanSite>& sites_;
   const SiteGraph& graph_;
   std::vector<std::optional<NormalCurve>> curves_;
   std::vector<char> solved_;

@@ -6,15 +6,15 @@
 #include <map>
 #include <set>
 
-namespace palpate {
+namespace palpate::fit {
 namespace {
 
 constexpr std::size_t kShown = 8;
 
 /// Body area times tool vertices (m^2).
-double touched_area(const Plan& plan) {
+double touched_area(const bake::Plan& plan) {
   double body = 0;
-  for (const PlanSite& site : plan.sites) body += site.area;
+  for (const bake::PlanSite& site : plan.sites) body += site.area;
   std::set<std::pair<std::uint32_t, std::uint32_t>> vertices;
   for (const PairPlan& pair : plan.pairs) vertices.emplace(pair.tool, pair.tool_vertex);
   return body * static_cast<double>(vertices.size());
@@ -22,12 +22,12 @@ double touched_area(const Plan& plan) {
 
 }  // namespace
 
-std::vector<Refusals> group_refusals(const Plan& plan, const std::vector<RefusedPair>& refused) {
+std::vector<Refusals> group_refusals(const bake::Plan& plan, const std::vector<bake::RefusedPair>& refused) {
   const double area = touched_area(plan);
   std::map<std::string, Refusals> kinds;  // by the cause's text before its first figure
-  for (const RefusedPair& pair : refused) {
+  for (const bake::RefusedPair& pair : refused) {
     Refusals& kind = kinds[pair.cause.substr(0, pair.cause.find_first_of("0123456789"))];
-    if (++kind.pairs == 1) kind.example = describe(pair.pair, plan.pairs[pair.pair]) + ": " + pair.cause;
+    if (++kind.pairs == 1) kind.example = bake::describe(pair.pair, plan.pairs[pair.pair]) + ": " + pair.cause;
     if (area > 0) kind.area_share += plan.sites[plan.pairs[pair.pair].site].area / area;
   }
   std::vector<Refusals> sorted;
@@ -48,4 +48,4 @@ std::string to_text(const std::vector<Refusals>& refusals) {
   return text;
 }
 
-}  // namespace palpate
+}  // namespace palpate::fit

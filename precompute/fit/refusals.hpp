@@ -9,7 +9,7 @@
 #include "precompute/bake/bake.hpp"
 #include "precompute/bake/plan.hpp"
 
-namespace palpate {
+namespace palpate::fit {
 
 /// Refused pairs whose causes differ in their figures alone.
 struct Refusals {
@@ -19,9 +19,9 @@ struct Refusals {
 };
 
 /// Groups by cause, the most frequent first.
-std::vector<Refusals> group_refusals(const Plan& plan, const std::vector<RefusedPair>& refused);
+std::vector<Refusals> group_refusals(const bake::Plan& plan, const std::vector<bake::RefusedPair>& refused);
 
 /// A line a group: "  3 (1.2 % of the area) like pair 17 (...): CAUSE", at most eight.
 std::string to_text(const std::vector<Refusals>& refusals);
 
-}  // namespace palpate
+}  // namespace palpate::fit

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::geometry {
 
 using CgalKernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using CgalMesh = CGAL::Surface_mesh<CgalKernel::Point_3>;
@@ -75,4 +75,4 @@ inline Surface from_cgal_mesh(const CgalMesh& mesh, FirstCorner first = FirstCor
   return surface;
 }
 
-}  // namespace palpate
+}  // namespace palpate::geometry

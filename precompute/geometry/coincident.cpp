@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace palpate {
+namespace palpate::geometry {
 
 double sweep_place(const Eigen::Vector3d& point) { return point.dot(Eigen::Vector3d(0.5196, 0.6081, 0.6003)); }
 
@@ -27,4 +27,4 @@ std::vector<std::int32_t> coincident(const std::vector<Eigen::Vector3d>& points,
   return first;
 }
 
-}  // namespace palpate
+}  // namespace palpate::geometry

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace palpate {
+namespace palpate::geometry {
 
 /// Place (m) along a line that no flat face of a real surface is square to: near points have near places on it.
 double sweep_place(const Eigen::Vector3d& point);
@@ -15,4 +15,4 @@ double sweep_place(const Eigen::Vector3d& point);
 /// (m, >= 0). No hashing: equal input gives equal numbers.
 std::vector<std::int32_t> coincident(const std::vector<Eigen::Vector3d>& points, double tolerance);
 
-}  // namespace palpate
+}  // namespace palpate::geometry

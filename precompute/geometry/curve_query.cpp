@@ -13,7 +13,7 @@
 #include <iterator>
 #include <utility>
 
-namespace palpate {
+namespace palpate::geometry {
 namespace {
 
 using Eigen::Vector3d;
@@ -98,4 +98,4 @@ Vector3d CurveQuery::tangent(const Vector3d& point) const {
   return turned.norm() > 1e-6 ? turned.normalized() : along.normalized();
 }
 
-}  // namespace palpate
+}  // namespace palpate::geometry

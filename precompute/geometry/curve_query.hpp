@@ -6,7 +6,7 @@
 
 #include <memory>
 
-namespace palpate {
+namespace palpate::geometry {
 
 class CurveQuery {
 public:
@@ -26,4 +26,4 @@ private:
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace palpate
+}  // namespace palpate::geometry

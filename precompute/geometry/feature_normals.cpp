@@ -14,7 +14,7 @@
 #include <string>
 #include <utility>
 
-namespace palpate {
+namespace palpate::geometry {
 namespace {
 
 using Eigen::Vector3d;
@@ -137,4 +137,4 @@ const Vector3d& FeatureNormals::at(std::int32_t triangle, const Vector3d& weight
   return face_[triangle];
 }
 
-}  // namespace palpate
+}  // namespace palpate::geometry

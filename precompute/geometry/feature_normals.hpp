@@ -7,7 +7,7 @@
 #include <array>
 #include <vector>
 
-namespace palpate {
+namespace palpate::geometry {
 
 /// Closest point of one triangle, with its barycentric weights; a weight is exactly 0 off its corner.
 struct TrianglePoint {
@@ -42,4 +42,4 @@ private:
   std::vector<std::array<std::int32_t, 3>> corners_;  // per triangle, welded
 };
 
-}  // namespace palpate
+}  // namespace palpate::geometry

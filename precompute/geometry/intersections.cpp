@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace palpate {
+namespace palpate::geometry {
 namespace {
 
 using Triangle = CgalKernel::Triangle_3;
@@ -132,4 +132,4 @@ bool surfaces_intersect(const Surface& first, const Surface& second) {
   return found;
 }
 
-}  // namespace palpate
+}  // namespace palpate::geometry

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace palpate {
+namespace palpate::geometry {
 
 /// Pairs of triangles that meet anywhere but in the corners or the edge they share by index, (lower, higher),
 /// sorted. Triangles without area take no part. Any soup will do.
@@ -28,4 +28,4 @@ bool self_intersects(const Surface& surface);
 /// True when a triangle of one meets a triangle of the other. One surface inside the other does not count.
 bool surfaces_intersect(const Surface& first, const Surface& second);
 
-}  // namespace palpate
+}  // namespace palpate::geometry

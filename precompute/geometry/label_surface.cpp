@@ -14,7 +14,7 @@
 #include <map>
 #include <utility>
 
-namespace palpate {
+namespace palpate::geometry {
 namespace {
 
 using Eigen::Vector3d;
@@ -429,4 +429,4 @@ Surface label_surface(const LabelMask& mask, const std::string& name) {
   return surface;
 }
 
-}  // namespace palpate
+}  // namespace palpate::geometry

@@ -7,7 +7,7 @@
 
 #include <string>
 
-namespace palpate {
+namespace palpate::geometry {
 
 /// Closed, manifold, outward surface with the voxels' own volume; one part called "label".
 ///
@@ -18,4 +18,4 @@ namespace palpate {
 /// Throws Error(bad_input) naming `name` where the label is too thin: parts of less than about two voxels.
 Surface label_surface(const LabelMask& mask, const std::string& name);
 
-}  // namespace palpate
+}  // namespace palpate::geometry

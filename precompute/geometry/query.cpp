@@ -18,7 +18,7 @@
 #include <limits>
 #include <numbers>
 
-namespace palpate {
+namespace palpate::geometry {
 namespace {
 
 using Eigen::Vector3d;
@@ -199,4 +199,4 @@ std::optional<Vector3d> SurfaceQuery::closest_on_feature(const Vector3d& point) 
   return best;
 }
 
-}  // namespace palpate
+}  // namespace palpate::geometry

@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-namespace palpate {
+namespace palpate::geometry {
 
 struct ClosestPoint {
   Eigen::Vector3d point{0, 0, 0};  ///< m, on the surface
@@ -52,4 +52,4 @@ private:
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace palpate
+}  // namespace palpate::geometry

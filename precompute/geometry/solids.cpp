@@ -8,7 +8,7 @@
 #include <map>
 #include <numbers>
 
-namespace palpate {
+namespace palpate::geometry {
 
 namespace {
 
@@ -187,4 +187,4 @@ Surface revolved(const std::vector<ProfilePoint>& profile, int segments, const s
   return s;
 }
 
-}  // namespace palpate
+}  // namespace palpate::geometry

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::geometry {
 
 /// Unit sphere: each edge of an icosahedron cut into `frequency` (>= 1) parts; 20 frequency^2 triangles.
 Surface geodesic_sphere(int frequency, const std::string& name);
@@ -31,4 +31,4 @@ struct ProfilePoint {
 /// Surface of revolution. The profile runs from the pole below to the pole above, counter-clockwise about the solid.
 Surface revolved(const std::vector<ProfilePoint>& profile, int segments, const std::string& name);
 
-}  // namespace palpate
+}  // namespace palpate::geometry

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <tuple>
 
-namespace palpate {
+namespace palpate::geometry {
 namespace {
 
 const Eigen::Vector3d& corner(const Surface& surface, std::size_t triangle, std::size_t k) {
@@ -167,4 +167,4 @@ double diagonal(const Surface& surface) {
   return box.isEmpty() ? 0.0 : box.diagonal().norm();
 }
 
-}  // namespace palpate
+}  // namespace palpate::geometry

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-namespace palpate {
+namespace palpate::geometry {
 
 /// One side of a triangle. Lists of these are sorted, so that the sides on one edge are neighbours.
 struct TriangleSide {
@@ -77,4 +77,4 @@ double signed_volume(const Surface& surface);                                   
 double area(const Surface& surface);                                            ///< m^2
 double diagonal(const Surface& surface);  ///< m, of the bounding box of the vertices in use
 
-}  // namespace palpate
+}  // namespace palpate::geometry

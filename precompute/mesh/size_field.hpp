@@ -5,9 +5,9 @@
 #include <Eigen/Core>
 #include <functional>
 
-namespace palpate {
+namespace palpate::mesh {
 
 /// Target edge length (m, > 0) at a point. Must be safe to call from several threads.
 using SizeField = std::function<double(const Eigen::Vector3d&)>;
 
-}  // namespace palpate
+}  // namespace palpate::mesh

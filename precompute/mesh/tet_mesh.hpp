@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace palpate {
+namespace palpate::mesh {
 
 /// Straight-sided ten-node tetrahedra. Node order: corners 0-3 (positive volume), then the middles of
 /// edges 01, 12, 20, 03, 13, 23. Faces: corners 0-2 (counter-clockwise from outside), middles 01, 12, 20.
@@ -19,4 +19,4 @@ struct TetMesh {
   std::int32_t corner_count = 0;                   ///< nodes [0, corner_count) are corners
 };
 
-}  // namespace palpate
+}  // namespace palpate::mesh

@@ -56,9 +56,9 @@ bool has_samples(const Paths& paths) {
 }
 
 /// The manifest that the work folder holds. A damaged one is no other plan.
-Manifest kept_manifest(const std::string& text, const std::filesystem::path& file) {
+bake::Manifest kept_manifest(const std::string& text, const std::filesystem::path& file) {
   try {
-    return parse_manifest(text, file.string());
+    return bake::parse_manifest(text, file.string());
   } catch (const Error& error) {
     throw Error(ExitCode::bad_input, std::string(error.what()) +
                                          "; removing this file loses nothing: the same command "
@@ -138,27 +138,28 @@ Pipeline prepare(const std::filesystem::path& scene_file, const Options& options
   p.paths.bake = p.shard ? p.paths.shards / (p.shard->name() + ".json") : p.paths.work / "bake.json";
   for (const std::filesystem::path& file : options.measured) p.scene_sources.measured.push_back({file, {}, 0.0});
   check_outputs(p, scene_file);
-  for (const ToolScene& tool : p.scene.tools) p.tools.push_back(make_tool(tool));
+  for (const ToolScene& tool : p.scene.tools) p.tools.push_back(tool::make_tool(tool));
   p.automatic = !(p.scene.sampling.spacing > 0);
   p.body = prepare_body(p.scene);
   if (p.automatic) smooth_facets(p.scene, p.body);
-  p.body = apply_prestress(std::move(p.body));
+  p.body = solve::apply_prestress(std::move(p.body));
   if (p.automatic) p.scene.sampling.spacing = first_spacing(p.scene, p.body);
-  p.mesh = make_haptic_mesh(p.scene, p.body);
+  p.mesh = sites::make_haptic_mesh(p.scene, p.body);
   // Recordings and laws stand at sites that are known before.
   p.automatic = p.automatic && p.scene_sources.measured.empty() && p.scene_sources.analytic.empty();
   return p;
 }
 
 void find_pairs(Pipeline& p) {
-  p.plan = p.automatic ? first_round({p.scene, p.body, p.tools}, p.mesh) : make_plan(p.scene, p.body, p.mesh, p.tools);
+  p.plan =
+      p.automatic ? first_round({p.scene, p.body, p.tools}, p.mesh) : bake::make_plan(p.scene, p.body, p.mesh, p.tools);
   p.first_pairs = p.plan.pairs.size();
   p.sources = find_sources(p.scene, p.scene_sources, p.body, p.tools, p.mesh, p.plan);
 }
 
 void write_manifest(Pipeline& p) {
-  const std::string text = manifest_text(p.plan);
-  p.manifest = manifest_hash(text);
+  const std::string text = bake::manifest_text(p.plan);
+  p.manifest = bake::manifest_hash(text);
   make_folder(p.paths.work);
   if (std::filesystem::exists(p.paths.manifest)) {
     const std::string old = read_file(p.paths.manifest, "manifest", kLargestManifest);
@@ -169,12 +170,12 @@ void write_manifest(Pipeline& p) {
     std::vector<std::string> scenes = earlier_canonical_texts(p.scene);
     scenes.insert(scenes.begin(), canonical_text(p.scene, CanonicalScope::solves));
     for (const std::string& scene : scenes) {
-      Plan earlier = p.plan;
+      bake::Plan earlier = p.plan;
       earlier.inputs.haptic_mesh = mesh;
       earlier.inputs.scene = hash128(scene);
-      if (manifest_text(earlier) != old) continue;
+      if (bake::manifest_text(earlier) != old) continue;
       p.plan = std::move(earlier);
-      p.manifest = manifest_hash(old);
+      p.manifest = bake::manifest_hash(old);
       return;
     }
     if (has_samples(p.paths)) {
@@ -212,9 +213,9 @@ void plan(Pipeline& p) {
   resume(p);
 }
 
-PairSolver contact_solver(const Pipeline& p) {
+bake::PairSolver contact_solver(const Pipeline& p) {
   // An estimate from two meshes takes a pair in full two to three times as long: checked pairs have it.
-  PairOptions scene_options = pair_options(p.scene);
+  solve::PairOptions scene_options = solve::pair_options(p.scene);
   scene_options.mesh_errors = false;
   const auto name = [](const PairPlan& pair) { return std::array{pair.site, pair.tool, pair.tool_vertex}; };
   std::set<std::array<std::uint32_t, 3>> checked;
@@ -227,27 +228,28 @@ PairSolver contact_solver(const Pipeline& p) {
        random_subset(full.size(), solver.check_share, static_cast<std::uint64_t>(solver.check_seed))) {
     checked.insert(name(p.plan.pairs[full[k]]));
   }
-  return [&p, scene_options, name, checked](const PairPlan& pair, const SampleSink& sink) {
-    const Tool& tool = p.tools[pair.tool];
-    const ContactCase contact{p.body, tool, tool.vertices[pair.tool_vertex], pair.frame};
-    if (pair.role != PairRole::full) return solve_pair(contact, normal_path(p.scene, pair.depth), scene_options, sink);
-    PairOptions options = scene_options;
+  return [&p, scene_options, name, checked](const PairPlan& pair, const solve::SampleSink& sink) {
+    const tool::Tool& tool = p.tools[pair.tool];
+    const solve::ContactCase contact{p.body, tool, tool.vertices[pair.tool_vertex], pair.frame};
+    if (pair.role != PairRole::full)
+      return solve::solve_pair(contact, solve::normal_path(p.scene, pair.depth), scene_options, sink);
+    solve::PairOptions options = scene_options;
     options.check = options.mesh_errors = checked.count(name(pair)) != 0;
-    PairPath path = bake_path(p.scene, pair.depth);
-    add_grasp(path, p.scene, tool.scene, pair.depth);
+    solve::PairPath path = solve::bake_path(p.scene, pair.depth);
+    solve::add_grasp(path, p.scene, tool.scene, pair.depth);
     if (const double draw = path_draw(pair); draw < path_share(p.scene)) {
-      path.side_paths = test_paths(path, 2 * std::numbers::pi * draw / path_share(p.scene));
+      path.side_paths = solve::test_paths(path, 2 * std::numbers::pi * draw / path_share(p.scene));
     }
-    return solve_pair(contact, path, options, sink);
+    return solve::solve_pair(contact, path, options, sink);
   };
 }
 
-BakeReport bake(const Pipeline& p, const BakeOptions& options, const PairSolver& solver) {
+bake::BakeReport bake(const Pipeline& p, const bake::BakeOptions& options, const bake::PairSolver& solver) {
   make_folder(p.paths.journal.parent_path());
   Journal journal(p.paths.journal, p.manifest);
   const double before = seconds_in(p.paths.bake, p.manifest);
   double saved = 0;
-  BakeOptions saving = options;
+  bake::BakeOptions saving = options;
   // Pairs that are merged already; the samples of a whole bake are its own journal.
   const JournalContent merged = p.shard && std::filesystem::exists(p.paths.samples)
                                     ? read_journal(p.paths.samples, p.manifest)
@@ -256,7 +258,7 @@ BakeReport bake(const Pipeline& p, const BakeOptions& options, const PairSolver&
     if (!p.sources.solved(pair) || (options.wanted && !options.wanted(pair))) return false;
     return !p.shard || (p.shard->holds(pair) && !merged.finished(pair));
   };
-  saving.progress = [&](const BakeProgress& progress) {
+  saving.progress = [&](const bake::BakeProgress& progress) {
     // A kill then loses at most the last seconds of the account, and no sample.
     if (progress.seconds - saved >= kSaveInterval) {
       saved = progress.seconds;
@@ -264,14 +266,14 @@ BakeReport bake(const Pipeline& p, const BakeOptions& options, const PairSolver&
     }
     if (options.progress) options.progress(progress);
   };
-  const BakeReport report = bake_pairs(p.plan.pairs, solver ? solver : contact_solver(p), journal, saving);
+  const bake::BakeReport report = bake::bake_pairs(p.plan.pairs, solver ? solver : contact_solver(p), journal, saving);
   if (report.resumed < report.total) save_seconds(p, before + report.seconds);
   return report;
 }
 
 MergeReport merge(const Pipeline& p) {
   MergeReport report;
-  const JournalContent shards = read_shards(p.paths.shards, p.manifest);
+  const JournalContent shards = bake::read_shards(p.paths.shards, p.manifest);
   std::set<std::uint32_t> there;
   for (const auto& [pair, content] : shards.pairs) there.insert(pair);
   // An empty journal would tie the work folder to this plan.
@@ -280,10 +282,10 @@ MergeReport merge(const Pipeline& p) {
     for (const auto& [pair, content] : journal.content().pairs) {
       if (content.outcome) there.insert(pair);
     }
-    BakeOptions options;
+    bake::BakeOptions options;
     options.threads = 1;
     options.wanted = [&](std::uint32_t pair) { return p.sources.solved(pair) && there.count(pair) != 0; };
-    report.bake = bake_pairs(p.plan.pairs, recorded_solver(p.plan.pairs, shards), journal, options);
+    report.bake = bake::bake_pairs(p.plan.pairs, bake::recorded_solver(p.plan.pairs, shards), journal, options);
   }
   for (std::uint32_t pair = 0; pair < p.plan.pairs.size(); ++pair) {
     if (p.sources.solved(pair) && there.count(pair) == 0) report.missing.push_back(pair);
@@ -300,14 +302,14 @@ double bake_seconds(const Pipeline& p) {
   return seconds;
 }
 
-FitSettings fit_settings(const Pipeline& p) {
+fit::FitSettings fit_settings(const Pipeline& p) {
   const Scene& scene = p.scene;
-  FitSettings settings;
+  fit::FitSettings settings;
   settings.depth_scale = scene.sampling.depth;
   settings.friction = scene.friction > 0;
   settings.max_residual = scene.response.max_residual;
   settings.tolerance = (p.automatic ? RoundLimits{}.law : 1.0) * scene.response.tolerance;
-  settings.path = [scene](double depth) { return bake_path(scene, depth); };
+  settings.path = [scene](double depth) { return solve::bake_path(scene, depth); };
   for (const ToolScene& tool : scene.tools) {
     settings.grasps.push_back(tool.grasp_depth > 0);
     settings.turns.push_back(tool.grasp_turn > 0);
@@ -326,25 +328,26 @@ JournalContent samples(const Pipeline& p) {
   return read_journal(p.paths.samples, p.manifest);
 }
 
-ContactSurface contact_surface(const Pipeline& p) {
-  return make_contact_surface(p.body.query->surface(), p.mesh.points, p.mesh.triangles, surface_tolerance(p.scene));
+mesh::ContactSurface contact_surface(const Pipeline& p) {
+  return mesh::make_contact_surface(p.body.query->surface(), p.mesh.points, p.mesh.triangles,
+                                    surface_tolerance(p.scene));
 }
 
-FittedFile fit_file(const Pipeline& p, const JournalContent& journal, const FitSettings& settings,
+FittedFile fit_file(const Pipeline& p, const JournalContent& journal, const fit::FitSettings& settings,
                     const ResponseCompliance* shared) {
   std::vector<std::uint32_t> tool_vertices;
-  for (const Tool& tool : p.tools) tool_vertices.push_back(static_cast<std::uint32_t>(tool.vertices.size()));
+  for (const tool::Tool& tool : p.tools) tool_vertices.push_back(static_cast<std::uint32_t>(tool.vertices.size()));
   FittedFile file;
-  file.fitted = fit_responses(p.plan, p.mesh.triangles, tool_vertices, journal, settings, p.sources);
+  file.fitted = fit::fit_responses(p.plan, p.mesh.triangles, tool_vertices, journal, settings, p.sources);
   file.fitted.report.sampling = p.sampling;
-  const ContactSurface contact = contact_surface(p);
+  const mesh::ContactSurface contact = contact_surface(p);
   file.fitted.report.surface = {contact.triangles.size(), surface_tolerance(p.scene), contact.distance, contact.fault};
   ResponseFileContent content =
-      assemble_response(p.scene, p.tools, contact, p.plan, p.manifest, file.fitted, p.sources);
+      fit::assemble_response(p.scene, p.tools, contact, p.plan, p.manifest, file.fitted, p.sources);
   if (shared != nullptr) {
     content.compliance = *shared;
   } else if (p.scene.compliance.between == ComplianceScene::Between::contacts) {
-    BakedCompliance baked = compliance(p);
+    compliance::BakedCompliance baked = compliance(p);
     content.compliance = std::move(baked.file);
     file.fitted.report.compliance = std::move(baked.report);
   }
@@ -352,27 +355,28 @@ FittedFile fit_file(const Pipeline& p, const JournalContent& journal, const FitS
   return file;
 }
 
-BakedCompliance compliance(const Pipeline& p) {
-  ComplianceSites sites;
+compliance::BakedCompliance compliance(const Pipeline& p) {
+  compliance::ComplianceSites sites;
   sites.triangles = p.mesh.triangles;
-  for (const PlanSite& site : p.plan.sites) {
+  for (const bake::PlanSite& site : p.plan.sites) {
     sites.places.push_back({site.frame.origin, site.frame.n});
     sites.touchable.push_back(!site.held && site.selected);
   }
-  ComplianceOptions options;
+  compliance::ComplianceOptions options;
   options.tolerance = p.scene.compliance.tolerance;
   options.modes = p.scene.compliance.modes;
-  options.solver = pair_options(p.scene);
+  options.solver = solve::pair_options(p.scene);
   options.contact_radius = std::numeric_limits<double>::infinity();
-  for (const Tool& tool : p.tools) {
-    for (const ToolVertex& vertex : tool.vertices) {
-      options.contact_radius = std::min(options.contact_radius, contact_radius(vertex, 0.5 * p.scene.sampling.depth));
+  for (const tool::Tool& tool : p.tools) {
+    for (const tool::ToolVertex& vertex : tool.vertices) {
+      options.contact_radius =
+          std::min(options.contact_radius, tool::contact_radius(vertex, 0.5 * p.scene.sampling.depth));
     }
   }
-  return bake_compliance(p.body, sites, options);
+  return compliance::bake_compliance(p.body, sites, options);
 }
 
-FitReport fit(const Pipeline& p) {
+fit::FitReport fit(const Pipeline& p) {
   FittedFile file = fit_file(p, samples(p), fit_settings(p));
   write_response_file(p.paths.response, file.bytes);
   return file.fitted.report;

@@ -36,24 +36,24 @@ struct Options {
   std::filesystem::path work;                     ///< empty: NAME.work beside the scene
   std::filesystem::path response;                 ///< empty: NAME.palp beside the scene
   std::vector<std::filesystem::path> measured{};  ///< recordings beside those of the scene
-  std::optional<Shard> shard{};                   ///< bake() solves this part of the pairs; empty: all
+  std::optional<bake::Shard> shard{};             ///< bake() solves this part of the pairs; empty: all
 };
 
 /// A scene and everything that follows from it before the first solve; immutable afterwards.
 struct Pipeline {
   Paths paths;
-  std::optional<Shard> shard;
+  std::optional<bake::Shard> shard;
   Scene scene;
   SceneSources scene_sources;
   Body body;  ///< as its prestress leaves it
-  std::vector<Tool> tools;
-  HapticMesh mesh;
-  Plan plan;                                 ///< filled by find_pairs()
-  PairSources sources;                       ///< filled by find_pairs(): the pairs that are not solved
+  std::vector<tool::Tool> tools;
+  sites::HapticMesh mesh;
+  bake::Plan plan;                           ///< filled by find_pairs()
+  fit::PairSources sources;                  ///< filled by find_pairs(): the pairs that are not solved
   Hash128 manifest;                          ///< filled by write_manifest(); of the first round
   std::size_t first_pairs = 0;               ///< of the first round, filled by find_pairs()
   bool automatic = false;                    ///< the scene gives no spacing: rounds add sites until its tolerance holds
-  std::optional<SamplingEstimate> sampling;  ///< of the last round that was solved; filled by resume()
+  std::optional<bake::SamplingEstimate> sampling;  ///< of the last round that was solved; filled by resume()
   bool ended = false;                        ///< no round follows; filled by resume()
 };
 
@@ -76,15 +76,15 @@ bool resume(Pipeline& pipeline);
 void plan(Pipeline& pipeline);
 
 /// The solver the bake uses: bake_path, add_grasp, pair_options, solve_pair. `pipeline` must outlive it.
-PairSolver contact_solver(const Pipeline& pipeline);
+bake::PairSolver contact_solver(const Pipeline& pipeline);
 
 /// Solves what is open in the plan, with `solver` or the contact solver. Needs plan(). A shard leaves out what the
 /// merged samples hold. The time spent is added to paths.bake. With automatic sampling resume() then gives the next
 /// round.
-BakeReport bake(const Pipeline& pipeline, const BakeOptions& options, const PairSolver& solver = {});
+bake::BakeReport bake(const Pipeline& pipeline, const bake::BakeOptions& options, const bake::PairSolver& solver = {});
 
 struct MergeReport {
-  BakeReport bake;                     ///< of all pairs; `resumed`: those that were merged before
+  bake::BakeReport bake;               ///< of all pairs; `resumed`: those that were merged before
   std::vector<std::uint32_t> missing;  ///< pairs to be solved that no journal holds, ascending
 };
 
@@ -97,27 +97,27 @@ MergeReport merge(const Pipeline& pipeline);
 double bake_seconds(const Pipeline& pipeline);
 
 /// The settings of the scene's fit.
-FitSettings fit_settings(const Pipeline& p);
+fit::FitSettings fit_settings(const Pipeline& p);
 
 /// The journal. Needs plan(). Throws Error(io) when there is none and a pair has to be solved.
 JournalContent samples(const Pipeline& pipeline);
 
 /// The surface that the response file holds, within the scene's tolerance.
-ContactSurface contact_surface(const Pipeline& pipeline);
+mesh::ContactSurface contact_surface(const Pipeline& pipeline);
 
 /// The responses of a journal by some settings, and the bytes of their file; nothing is written. Needs plan().
 /// `shared`: a compliance that was baked before; null: where the scene has [compliance] it is baked here.
 struct FittedFile {
-  FittedResponses fitted;
+  fit::FittedResponses fitted;
   std::vector<std::byte> bytes;
 };
-FittedFile fit_file(const Pipeline& pipeline, const JournalContent& journal, const FitSettings& settings,
+FittedFile fit_file(const Pipeline& pipeline, const JournalContent& journal, const fit::FitSettings& settings,
                     const ResponseCompliance* shared = nullptr);
 
 /// The compliance between the sites of the plan, by the settings of the scene's [compliance]. Needs find_pairs().
-BakedCompliance compliance(const Pipeline& pipeline);
+compliance::BakedCompliance compliance(const Pipeline& pipeline);
 
 /// Fits the journal and writes the response file. Needs plan().
-FitReport fit(const Pipeline& pipeline);
+fit::FitReport fit(const Pipeline& pipeline);
 
 }  // namespace palpate::pipeline

@@ -40,9 +40,9 @@ double peak_bytes() {
 }
 
 double file_bytes(const Pipeline& p) {
-  const ContactSurface contact = contact_surface(p);
+  const mesh::ContactSurface contact = contact_surface(p);
   std::size_t vertices = 0;
-  for (const Tool& tool : p.tools) vertices += tool.vertices.size();
+  for (const tool::Tool& tool : p.tools) vertices += tool.vertices.size();
   return kProvenance +
          static_cast<double>(p.mesh.points.size()) *
              (sizeof(layout::Site) + kResponseBytes * static_cast<double>(vertices)) +
@@ -65,12 +65,12 @@ PlanCosts cost_plan(const Pipeline& p, unsigned threads) {
     const auto at = journal.pairs.find(pair);
     if (at == journal.pairs.end() || !at->second.outcome) ++costs.roles[role].open;
   }
-  const PairSolver solver = contact_solver(p);
+  const bake::PairSolver solver = contact_solver(p);
   for (std::size_t role = 0; role < 2; ++role) {
     if (pairs[role].empty()) continue;
     const std::size_t timed = std::min(kTimed, pairs[role].size());
     const double before = processor_seconds();
-    parallel_for(timed, threads, {}, [&](std::size_t k) {
+    bake::parallel_for(timed, threads, {}, [&](std::size_t k) {
       solver(p.plan.pairs[pairs[role][(2 * k + 1) * pairs[role].size() / (2 * timed)]], {});
     });
     costs.roles[role].seconds = (processor_seconds() - before) / static_cast<double>(timed);

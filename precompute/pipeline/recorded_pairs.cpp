@@ -16,7 +16,7 @@
 #include "precompute/sites/haptic_mesh.hpp"
 #include "precompute/solve/pair/pair.hpp"
 
-namespace palpate {
+namespace palpate::pipeline {
 namespace {
 
 using Eigen::Vector3d;
@@ -27,7 +27,7 @@ constexpr double kShallow = 0.1;    // of the sampled depth: the same of what is
 constexpr double kFacing = 0.5;     // least cosine between the normals of a contact and of its site
 constexpr double kReach = 0.25;     // of sampling.spacing
 
-std::map<PairName, std::uint32_t> pairs_by_name(const Plan& plan) {
+std::map<PairName, std::uint32_t> pairs_by_name(const bake::Plan& plan) {
   std::map<PairName, std::uint32_t> result;
   for (std::uint32_t k = 0; k < plan.pairs.size(); ++k) {
     result[{plan.pairs[k].site, plan.pairs[k].tool, plan.pairs[k].tool_vertex}] = k;
@@ -35,12 +35,12 @@ std::map<PairName, std::uint32_t> pairs_by_name(const Plan& plan) {
   return result;
 }
 
-const char* reason_text(const Plan& plan, const PairName& name) {
-  for (const SkippedPair& pair : plan.skipped) {
+const char* reason_text(const bake::Plan& plan, const PairName& name) {
+  for (const bake::SkippedPair& pair : plan.skipped) {
     if (PairName{pair.site, pair.tool, pair.tool_vertex} != name) continue;
-    return pair.reason == SkipReason::support       ? "is on or beside a support"
-           : pair.reason == SkipReason::unreachable ? "lies in a fold narrower than the tool"
-                                                    : "is outside the region that is sampled";
+    return pair.reason == bake::SkipReason::support       ? "is on or beside a support"
+           : pair.reason == bake::SkipReason::unreachable ? "lies in a fold narrower than the tool"
+                                                          : "is outside the region that is sampled";
   }
   return "is not planned";
 }
@@ -48,15 +48,15 @@ const char* reason_text(const Plan& plan, const PairName& name) {
 /// Rows of one recording, made samples of the pairs that they belong to.
 class Recorder {
 public:
-  Recorder(const Scene& scene, const Body& body, const std::vector<Tool>& tools, const Plan& plan)
+  Recorder(const Scene& scene, const Body& body, const std::vector<tool::Tool>& tools, const bake::Plan& plan)
       : scene_(scene),
         body_(body),
         tools_(tools),
         plan_(plan),
         pairs_(pairs_by_name(plan)),
-        aside_(bake_path(scene, scene.sampling.depth).tangential_reach) {}
+        aside_(solve::bake_path(scene, scene.sampling.depth).tangential_reach) {}
 
-  void read(const MeasuredScene& measured, PairSources& to) const {
+  void read(const MeasuredScene& measured, fit::PairSources& to) const {
     const Recording recording = read_recording(measured.file);
     to.recordings.push_back(hash_file(measured.file));
     std::optional<Contact> contact;  // of the row before: most rows begin where that one did
@@ -94,8 +94,8 @@ private:
       throw Error(ExitCode::bad_input, where + ": names no tool, and the scene has " + std::to_string(tools_.size()) +
                                            ": a column 'tool', or the key 'tool' of [[measured]], says which");
     }
-    const std::uint32_t tool = name.empty() ? 0 : find_tool(tools_, name, where);
-    refuse_grasps(tools_[tool], where);
+    const std::uint32_t tool = name.empty() ? 0 : bake::find_tool(tools_, name, where);
+    bake::refuse_grasps(tools_[tool], where);
     return tool;
   }
 
@@ -110,14 +110,14 @@ private:
       return contact;
     }
     const double reach = measured.reach > 0 ? measured.reach : kReach * scene_.sampling.spacing;
-    const ClosestPoint closest = body_.query->closest(row.point);
+    const geometry::ClosestPoint closest = body_.query->closest(row.point);
     if (closest.distance > reach) {
       char text[160];
       std::snprintf(text, sizeof text, ": the contact lies %.3g mm off the body's surface, allowed %.3g mm",
                     1e3 * closest.distance, 1e3 * reach);
       throw Error(ExitCode::bad_input, where + text);
     }
-    const Vector3d normal = body_.query->normal(closest.point, normal_radius(scene_));
+    const Vector3d normal = body_.query->normal(closest.point, sites::normal_radius(scene_));
     double nearest = std::numeric_limits<double>::infinity();
     for (std::uint32_t k = 0; k < plan_.sites.size(); ++k) {
       const ContactFrame& frame = plan_.sites[k].frame;
@@ -136,7 +136,7 @@ private:
   }
 
   void add(const RecordedRow& row, const Contact& contact, const PairPlan& pair, const std::string& where,
-           ExternalSamples& to) const {
+           fit::ExternalSamples& to) const {
     const Vector3d deflection = pair.frame.to_local(contact.turn * row.deflection);
     Sample sample;
     sample.deflection = {deflection.x(), deflection.y(), -deflection.z()};
@@ -165,8 +165,8 @@ private:
 
   const Scene& scene_;
   const Body& body_;
-  const std::vector<Tool>& tools_;
-  const Plan& plan_;
+  const std::vector<tool::Tool>& tools_;
+  const bake::Plan& plan_;
   std::map<PairName, std::uint32_t> pairs_;
   double aside_;  // over the depth, as far as a bake pushes
 };
@@ -174,9 +174,9 @@ private:
 }  // namespace
 
 void read_recordings(const Scene& scene, const std::vector<MeasuredScene>& measured, const Body& body,
-                     const std::vector<Tool>& tools, const Plan& plan, PairSources& sources) {
+                     const std::vector<tool::Tool>& tools, const bake::Plan& plan, fit::PairSources& sources) {
   const Recorder recorder(scene, body, tools, plan);
   for (const MeasuredScene& one : measured) recorder.read(one, sources);
 }
 
-}  // namespace palpate
+}  // namespace palpate::pipeline

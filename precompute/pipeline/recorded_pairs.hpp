@@ -11,11 +11,11 @@
 #include "precompute/fit/external_samples.hpp"
 #include "precompute/tool/tool.hpp"
 
-namespace palpate {
+namespace palpate::pipeline {
 
 /// Reads the recordings and adds their rows, by pair, and the hashes of their files to `sources`. A contact belongs to
 /// the nearest site whose surface faces as its own does. Throws as find_sources.
 void read_recordings(const Scene& scene, const std::vector<MeasuredScene>& measured, const Body& body,
-                     const std::vector<Tool>& tools, const Plan& plan, PairSources& sources);
+                     const std::vector<tool::Tool>& tools, const bake::Plan& plan, fit::PairSources& sources);
 
-}  // namespace palpate
+}  // namespace palpate::pipeline

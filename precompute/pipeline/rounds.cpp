@@ -14,7 +14,7 @@
 #include "precompute/geometry/feature_normals.hpp"
 #include "precompute/solve/pair/pair.hpp"
 
-namespace palpate {
+namespace palpate::pipeline {
 namespace {
 
 using Eigen::Vector3d;
@@ -35,7 +35,8 @@ const JournalPair* accepted(const JournalContent& journal, std::uint32_t pair) {
   return &at->second;
 }
 
-std::map<std::uint32_t, fit::NormalCurve> curves_of(const Plan& plan, const JournalContent& journal, const Row& row) {
+std::map<std::uint32_t, fit::NormalCurve> curves_of(const bake::Plan& plan, const JournalContent& journal,
+                                                    const Row& row) {
   std::map<std::uint32_t, fit::NormalCurve> curves;
   for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
     const PairPlan& p = plan.pairs[pair];
@@ -66,7 +67,8 @@ struct HiddenError {
 /// A plan with its outcomes, as the next round is made from it.
 class SolvedRound {
 public:
-  SolvedRound(const Sampled& sampled, const HapticMesh& mesh, const Plan& plan, const JournalContent& journal)
+  SolvedRound(const Sampled& sampled, const sites::HapticMesh& mesh, const bake::Plan& plan,
+              const JournalContent& journal)
       : sampled_(sampled), mesh_(mesh), plan_(plan), graph_(fit::site_graph(plan.sites.size(), mesh.triangles)) {
     for (std::uint32_t tool = 0; tool < sampled.tools.size(); ++tool) {
       for (std::uint32_t vertex = 0; vertex < sampled.tools[tool].vertices.size(); ++vertex) {
@@ -77,8 +79,8 @@ public:
     compare(journal);
   }
 
-  [[nodiscard]] SamplingEstimate estimate() const {
-    SamplingEstimate result;
+  [[nodiscard]] bake::SamplingEstimate estimate() const {
+    bake::SamplingEstimate result;
     std::vector<double> errors;
     for (const HiddenError& h : hidden_) {
       errors.insert(errors.end(), h.errors.begin(), h.errors.end());
@@ -96,8 +98,8 @@ public:
   }
 
   /// Relative errors in the middle of edges predicted by their sites, and of patches that missed a hidden push.
-  [[nodiscard]] std::map<SiteEdge, double> edge_errors() const {
-    std::map<SiteEdge, double> errors;
+  [[nodiscard]] std::map<sites::SiteEdge, double> edge_errors() const {
+    std::map<sites::SiteEdge, double> errors;
     for (const auto& [row, field] : fields_) add_edges(field, errors);
     // The predicted ones are differences of differences: hidden pushes say how large they are. Medians are not moved by
     // a fold, which is wrong by far more in a few patches alone.
@@ -120,13 +122,13 @@ public:
   }
 
 private:
-  [[nodiscard]] SiteEdge edge(std::int32_t patch, int k) const {
+  [[nodiscard]] sites::SiteEdge edge(std::int32_t patch, int k) const {
     const auto& t = mesh_.triangles[patch];
     return {std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])};
   }
 
   /// Error of linear interpolation in a patch, from those in the middle of its edges: sum of 4 w_a w_b e_ab.
-  [[nodiscard]] double in_patch(const std::map<SiteEdge, double>& errors, const HiddenError& h) const {
+  [[nodiscard]] double in_patch(const std::map<sites::SiteEdge, double>& errors, const HiddenError& h) const {
     double sum = 0;
     for (int k = 0; k < 3; ++k) {
       const auto at = errors.find(edge(h.patch, k));
@@ -141,7 +143,7 @@ private:
     coarse.triangles = mesh_.triangles;
     coarse.parts.assign(coarse.triangles.size(), 0);
     coarse.part_names = {"patches"};
-    const SurfaceQuery query(coarse);
+    const geometry::SurfaceQuery query(coarse);
     for (std::uint32_t pair = 0; pair < plan_.pairs.size(); ++pair) {
       const PairPlan& p = plan_.pairs[pair];
       const JournalPair* solved = p.role == PairRole::hidden ? accepted(journal, pair) : nullptr;
@@ -150,7 +152,8 @@ private:
       h.at = p.frame.origin;
       h.patch = query.closest(h.at).triangle;
       const auto& t = mesh_.triangles[h.patch];
-      h.weights = closest_on_triangle(h.at, mesh_.points[t[0]], mesh_.points[t[1]], mesh_.points[t[2]]).weights;
+      h.weights =
+          geometry::closest_on_triangle(h.at, mesh_.points[t[0]], mesh_.points[t[1]], mesh_.points[t[2]]).weights;
       const fit::PushField& field = fields_.at({p.tool, p.tool_vertex});
       if (!(field.known(t[0]) && field.known(t[1]) && field.known(t[2]))) continue;
       double peak = 0;
@@ -172,7 +175,7 @@ private:
     return field.slope(site, depth);
   }
 
-  void add_edges(const fit::PushField& field, std::map<SiteEdge, double>& errors) const {
+  void add_edges(const fit::PushField& field, std::map<sites::SiteEdge, double>& errors) const {
     std::vector<Vector3d> slopes(plan_.sites.size(), Vector3d::Zero());
     for (std::uint32_t site = 0; site < slopes.size(); ++site) {
       if (field.solved(site)) slopes[site] = slope(field, site);
@@ -194,8 +197,8 @@ private:
   }
 
   const Sampled& sampled_;
-  const HapticMesh& mesh_;
-  const Plan& plan_;
+  const sites::HapticMesh& mesh_;
+  const bake::Plan& plan_;
   fit::SiteGraph graph_;
   std::map<Row, fit::PushField> fields_;
   std::vector<HiddenError> hidden_;
@@ -203,13 +206,13 @@ private:
 
 /// Edges to split at most, over the number of sites. The error of linear interpolation goes as one over that number, and
 /// twice the missing sites are added, because not every one falls where it is needed.
-double growth(const SamplingEstimate& estimate, double aim) {
+double growth(const bake::SamplingEstimate& estimate, double aim) {
   if (estimate.places == 0) return kLimits.growth;
   return std::clamp(2 * (estimate.p95 / aim - 1), kLimits.least_growth, kLimits.growth);
 }
 
 /// Pairs in full at sites as far from one another as can be, until their share is reached. `pushed` sites may be taken.
-void add_full(const Sampled& sampled, const std::set<std::uint32_t>& pushed, Plan& plan) {
+void add_full(const Sampled& sampled, const std::set<std::uint32_t>& pushed, bake::Plan& plan) {
   std::set<std::uint32_t> full;
   for (const PairPlan& p : plan.pairs) {
     if (p.role == PairRole::full) full.insert(p.site);
@@ -244,7 +247,7 @@ void add_full(const Sampled& sampled, const std::set<std::uint32_t>& pushed, Pla
 }
 
 /// Places drawn evenly over the body's surface, where a tool vertex (each in turn) can touch.
-void add_hidden(const Sampled& sampled, std::size_t count, Plan& plan) {
+void add_hidden(const Sampled& sampled, std::size_t count, bake::Plan& plan) {
   std::vector<Row> rows;
   for (std::uint32_t tool = 0; tool < sampled.tools.size(); ++tool) {
     for (std::uint32_t v = 0; v < sampled.tools[tool].vertices.size(); ++v) rows.emplace_back(tool, v);
@@ -279,14 +282,14 @@ void add_hidden(const Sampled& sampled, std::size_t count, Plan& plan) {
                                   (o.array() <= sampling.within_box->second.array()).all()))) {
       continue;
     }
-    pair.frame.n = sampled.body.query->normal(o, normal_radius(sampled.scene));
+    pair.frame.n = sampled.body.query->normal(o, sites::normal_radius(sampled.scene));
     pair.frame.x = pair.frame.n.unitOrthogonal();
     pair.frame.y = pair.frame.n.cross(pair.frame.x);
     pair.depth = std::min(sampling.depth, sampling.depth_fraction * sampled.body.query->thickness(o, pair.frame.n));
-    const Tool& tool = sampled.tools[pair.tool];
-    const ToolVertex& vertex = tool.vertices[pair.tool_vertex];
-    if (reaches_support({sampled.body, tool, vertex, pair.frame}, pair.depth) ||
-        !can_touch_first({sampled.body, tool, vertex, pair.frame})) {
+    const tool::Tool& tool = sampled.tools[pair.tool];
+    const tool::ToolVertex& vertex = tool.vertices[pair.tool_vertex];
+    if (bake::reaches_support({sampled.body, tool, vertex, pair.frame}, pair.depth) ||
+        !bake::can_touch_first({sampled.body, tool, vertex, pair.frame})) {
       continue;
     }
     plan.pairs.push_back(pair);
@@ -301,8 +304,8 @@ double first_spacing(const Scene& scene, const Body& body) {
   return std::max(std::sqrt(2 / std::sqrt(3.0) * body.report.area / kLimits.first_sites), smallest_radius(scene) / 2);
 }
 
-Plan first_round(const Sampled& sampled, const HapticMesh& mesh) {
-  Plan plan = make_plan(sampled.scene, sampled.body, mesh, sampled.tools, PairRole::normal);
+bake::Plan first_round(const Sampled& sampled, const sites::HapticMesh& mesh) {
+  bake::Plan plan = bake::make_plan(sampled.scene, sampled.body, mesh, sampled.tools, PairRole::normal);
   plan.inputs.scene = Hasher()
                           .text(canonical_text(sampled.scene, CanonicalScope::solves))
                           .number(std::int64_t{kRoundsRevision})
@@ -317,17 +320,17 @@ Plan first_round(const Sampled& sampled, const HapticMesh& mesh) {
   return plan;
 }
 
-SamplingEstimate judge(const Sampled& sampled, const HapticMesh& mesh, const Plan& plan,
-                       const JournalContent& journal) {
+bake::SamplingEstimate judge(const Sampled& sampled, const sites::HapticMesh& mesh, const bake::Plan& plan,
+                             const JournalContent& journal) {
   return SolvedRound(sampled, mesh, plan, journal).estimate();
 }
 
-bool add_round(const Sampled& sampled, const JournalContent& journal, HapticMesh& mesh, Plan& plan) {
+bool add_round(const Sampled& sampled, const JournalContent& journal, sites::HapticMesh& mesh, bake::Plan& plan) {
   const auto most = static_cast<std::size_t>(sampled.scene.sampling.most_sites);
   if (mesh.points.size() >= most) return false;
   const double least = kLimits.least_edge * smallest_radius(sampled.scene);
   const SolvedRound round(sampled, mesh, plan, journal);
-  std::vector<std::pair<double, SiteEdge>> worst;
+  std::vector<std::pair<double, sites::SiteEdge>> worst;
   for (const auto& [edge, error] : round.edge_errors()) {
     if ((mesh.points[edge[0]] - mesh.points[edge[1]]).norm() > 2 * least) worst.emplace_back(error, edge);
   }
@@ -341,17 +344,17 @@ bool add_round(const Sampled& sampled, const JournalContent& journal, HapticMesh
   count = std::min({count, static_cast<std::size_t>(share * static_cast<double>(mesh.points.size())),
                     most - mesh.points.size(), worst.size()});
   if (count == 0) return false;
-  std::vector<SiteEdge> edges;
+  std::vector<sites::SiteEdge> edges;
   for (std::size_t k = 0; k < count; ++k) edges.push_back(worst[k].second);
-  split_edges(sampled.scene, sampled.body, edges, mesh);
+  sites::split_edges(sampled.scene, sampled.body, edges, mesh);
   std::set<std::uint32_t> pushed;
   for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
     if (plan.pairs[pair].role == PairRole::normal && accepted(journal, pair)) pushed.insert(plan.pairs[pair].site);
   }
-  add_sites(plan, sampled.body, mesh, sampled.tools, PairRole::normal);
+  bake::add_sites(plan, sampled.body, mesh, sampled.tools, PairRole::normal);
   add_full(sampled, pushed, plan);
   add_hidden(sampled, kLimits.more, plan);
   return true;
 }
 
-}  // namespace palpate
+}  // namespace palpate::pipeline

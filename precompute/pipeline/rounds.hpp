@@ -12,13 +12,13 @@
 #include "precompute/sites/haptic_mesh.hpp"
 #include "precompute/tool/tool.hpp"
 
-namespace palpate {
+namespace palpate::pipeline {
 
 /// A scene and the bodies made from it.
 struct Sampled {
   const Scene& scene;
   const Body& body;
-  const std::vector<Tool>& tools;
+  const std::vector<tool::Tool>& tools;
 };
 
 /// Part of a plan's identity: raise it whenever the same outcomes give another next round.
@@ -47,14 +47,15 @@ double first_spacing(const Scene& scene, const Body& body);
 /// The first round: a normal indentation at every site, all paths of the scene at sites spread evenly, hidden pushes
 /// at places drawn evenly over the area that the tools can touch. Its inputs include what later rounds depend on.
 /// Throws as make_plan.
-Plan first_round(const Sampled& sampled, const HapticMesh& mesh);
+bake::Plan first_round(const Sampled& sampled, const sites::HapticMesh& mesh);
 
 /// Compares the hidden pushes of a plan whose pairs all have an outcome with what the sites predict.
-SamplingEstimate judge(const Sampled& sampled, const HapticMesh& mesh, const Plan& plan, const JournalContent& journal);
+bake::SamplingEstimate judge(const Sampled& sampled, const sites::HapticMesh& mesh, const bake::Plan& plan,
+                             const JournalContent& journal);
 
 /// Adds the next round: splits edges over which the second difference of the force is largest, and those of patches in
 /// which a hidden push was missed. False, with nothing changed, where sampling.most_sites are reached or every such
 /// edge is as short as edges become.
-bool add_round(const Sampled& sampled, const JournalContent& journal, HapticMesh& mesh, Plan& plan);
+bool add_round(const Sampled& sampled, const JournalContent& journal, sites::HapticMesh& mesh, bake::Plan& plan);
 
-}  // namespace palpate
+}  // namespace palpate::pipeline

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace palpate {
+namespace palpate::pipeline {
 namespace {
 
 constexpr double kSlender = 2.5;  // farthest point over the width of what is held
@@ -55,4 +55,4 @@ std::vector<std::string> scene_warnings(const Scene& scene, const Body& body) {
   return warnings;
 }
 
-}  // namespace palpate
+}  // namespace palpate::pipeline

@@ -8,10 +8,10 @@
 #include "formats/scene/scene.hpp"
 #include "precompute/common/body.hpp"
 
-namespace palpate {
+namespace palpate::pipeline {
 
 /// One line each, with the figures and the key that changes it: a push deeper than the walls allow, supports that
 /// leave a long body standing on a small foot.
 std::vector<std::string> scene_warnings(const Scene& scene, const Body& body);
 
-}  // namespace palpate
+}  // namespace palpate::pipeline

@@ -13,7 +13,7 @@
 #include "precompute/fit/closed_form.hpp"
 #include "precompute/pipeline/recorded_pairs.hpp"
 
-namespace palpate {
+namespace palpate::pipeline {
 namespace {
 
 using Eigen::Vector3d;
@@ -23,9 +23,9 @@ constexpr double kLayerDepth = 0.5;  // of the layer's thickness
 /// One law of the scene at the pairs that it holds for.
 class AppliedLaw {
 public:
-  AppliedLaw(const Scene& scene, const AnalyticScene& law, std::size_t number, const std::vector<Tool>& tools)
+  AppliedLaw(const Scene& scene, const AnalyticScene& law, std::size_t number, const std::vector<tool::Tool>& tools)
       : scene_(scene), law_(law), where_(scene.file.string() + ": analytic " + std::to_string(number + 1)) {
-    if (!law.tool.empty()) only_ = find_tool(tools, law.tool, where_);
+    if (!law.tool.empty()) only_ = bake::find_tool(tools, law.tool, where_);
     if (law.law == AnalyticScene::Law::layer && scene.friction > 0) {
       throw Error(ExitCode::bad_input,
                   where_ + ": a layer's tangential response has no closed form: no friction with it");
@@ -46,10 +46,10 @@ public:
     return surface.part_names[static_cast<std::size_t>(part)] == law_.mesh;
   }
 
-  [[nodiscard]] ExternalSamples samples(const PairPlan& pair, const Tool& tool, double wall) const {
-    refuse_grasps(tool, where_);
-    ExternalSamples external;
-    external.samples = fit::sample_law(form(pair, tool, wall), bake_path(scene_, pair.depth));
+  [[nodiscard]] fit::ExternalSamples samples(const PairPlan& pair, const tool::Tool& tool, double wall) const {
+    bake::refuse_grasps(tool, where_);
+    fit::ExternalSamples external;
+    external.samples = fit::sample_law(form(pair, tool, wall), solve::bake_path(scene_, pair.depth));
     return external;
   }
 
@@ -61,8 +61,8 @@ public:
 private:
   using Form = AnalyticScene::Law;
 
-  [[nodiscard]] fit::ClosedForm form(const PairPlan& pair, const Tool& tool, double wall) const {
-    const ToolVertex& vertex = tool.vertices[pair.tool_vertex];
+  [[nodiscard]] fit::ClosedForm form(const PairPlan& pair, const tool::Tool& tool, double wall) const {
+    const tool::ToolVertex& vertex = tool.vertices[pair.tool_vertex];
     const ToolScene::Shape shape = tool.scene.shape;
     const bool taper = shape == ToolScene::Shape::cone || shape == ToolScene::Shape::needle;
     const bool ball = shape == ToolScene::Shape::sphere || (shape == ToolScene::Shape::capsule && !tool.scene.whole);
@@ -86,7 +86,7 @@ private:
   }
 
   /// Throws where the law does not hold as deep as is sampled.
-  void check_depth(double depth, const fit::ClosedForm& form, bool ball, const Tool& tool) const {
+  void check_depth(double depth, const fit::ClosedForm& form, bool ball, const tool::Tool& tool) const {
     const auto refuse = [&](const char* range, double limit) {
       char text[160];
       std::snprintf(text, sizeof text, ": is for depths %s of %.3g mm, not %.3g mm", range, 1e3 * limit, 1e3 * depth);
@@ -99,7 +99,7 @@ private:
     }
   }
 
-  void require(const Tool& tool, bool fits) const {
+  void require(const tool::Tool& tool, bool fits) const {
     if (fits) return;
     throw Error(ExitCode::bad_input, where_ + ": the law is not for the shape of the tool '" + tool.name +
                                          "' (hertz, layer: sphere, tip of a capsule; punch: punch; cone: cone, "
@@ -113,7 +113,8 @@ private:
 };
 
 /// Throws unless every tool vertex has a pair that its other sites can be filled from.
-void check_fillable(const Scene& scene, const std::vector<Tool>& tools, const Plan& plan, const PairSources& sources) {
+void check_fillable(const Scene& scene, const std::vector<tool::Tool>& tools, const bake::Plan& plan,
+                    const fit::PairSources& sources) {
   const std::string where = scene.file.string() + ": sources.rest = \"filled\"";
   if (sources.external.empty()) {
     throw Error(ExitCode::bad_input, where +
@@ -135,9 +136,10 @@ void check_fillable(const Scene& scene, const std::vector<Tool>& tools, const Pl
 
 }  // namespace
 
-PairSources find_sources(const Scene& scene, const SceneSources& wanted, const Body& body,
-                         const std::vector<Tool>& tools, const HapticMesh& mesh, const Plan& plan) {
-  PairSources sources;
+fit::PairSources find_sources(const Scene& scene, const SceneSources& wanted, const Body& body,
+                              const std::vector<tool::Tool>& tools, const sites::HapticMesh& mesh,
+                              const bake::Plan& plan) {
+  fit::PairSources sources;
   sources.solve_others = wanted.rest == SceneSources::Rest::solved;
   sources.text = hash128(canonical_text(wanted));
   read_recordings(scene, wanted.measured, body, tools, plan, sources);
@@ -156,4 +158,4 @@ PairSources find_sources(const Scene& scene, const SceneSources& wanted, const B
   return sources;
 }
 
-}  // namespace palpate
+}  // namespace palpate::pipeline

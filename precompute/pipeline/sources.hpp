@@ -12,11 +12,12 @@
 #include "precompute/sites/haptic_mesh.hpp"
 #include "precompute/tool/tool.hpp"
 
-namespace palpate {
+namespace palpate::pipeline {
 
 /// Reads the scene's recordings and applies its laws. Throws Error(bad_input) that names the recording's line, or the
 /// scene and the law, and what is wrong; Error(io) where a recording cannot be read.
-PairSources find_sources(const Scene& scene, const SceneSources& wanted, const Body& body,
-                         const std::vector<Tool>& tools, const HapticMesh& mesh, const Plan& plan);
+fit::PairSources find_sources(const Scene& scene, const SceneSources& wanted, const Body& body,
+                              const std::vector<tool::Tool>& tools, const sites::HapticMesh& mesh,
+                              const bake::Plan& plan);
 
-}  // namespace palpate
+}  // namespace palpate::pipeline

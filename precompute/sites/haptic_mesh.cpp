@@ -13,7 +13,7 @@
 #include <map>
 #include <string>
 
-namespace palpate {
+namespace palpate::sites {
 namespace {
 
 using Eigen::Vector3d;
@@ -62,7 +62,7 @@ std::string size_of(const Body& body) {
 std::vector<Vector3d> given_sites(const SamplingScene& sampling, const Body& body) {
   std::vector<Vector3d> on_surface;
   for (const Vector3d& site : sampling.sites) {
-    const ClosestPoint on = body.query->closest(site);
+    const geometry::ClosestPoint on = body.query->closest(site);
     if (on.distance > sampling.depth) {
       char text[160];
       std::snprintf(
@@ -77,12 +77,12 @@ std::vector<Vector3d> given_sites(const SamplingScene& sampling, const Body& bod
 }
 
 // Patches too wide for a body's folds may cross: then they are made smaller all over.
-AdaptedSurface adapt_to_sites(const SamplingScene& sampling, const Body& body, AdaptOptions options) {
+mesh::AdaptedSurface adapt_to_sites(const SamplingScene& sampling, const Body& body, mesh::AdaptOptions options) {
   const std::vector<Vector3d> given = given_sites(sampling, body);
   for (int halvings = 0;; ++halvings) {
     try {
-      return adapt_surface(body.base, *body.query, site_spacing(sampling, body), given, options);
-    } catch (const TooFine& error) {
+      return mesh::adapt_surface(body.base, *body.query, site_spacing(sampling, body), given, options);
+    } catch (const mesh::TooFine& error) {
       throw Error(ExitCode::bad_input, "sampling.spacing " +
                                            std::to_string(options.largest > 0 ? options.largest : sampling.spacing) +
                                            " m: " + error.what() + "; try a larger one" + size_of(body));
@@ -151,7 +151,7 @@ int longest_edge(const HapticMesh& mesh, const std::array<std::int32_t, 3>& patc
 
 // The point of the body nearest to `flat` (m) on its own side of the body; `flat` itself where none is within `reach`.
 Vector3d place(const Body& body, const Vector3d& flat, const Vector3d& normal, double reach) {
-  const ClosestPoint on = body.query->closest(flat);
+  const geometry::ClosestPoint on = body.query->closest(flat);
   if (on.distance <= reach && body.query->normal(on.point, 0.0).dot(normal) > 0) return on.point;
   // In a thin part the other wall may be nearer: look along the normal, out and in.
   const std::optional<double> out = body.query->ray(flat, normal, 0.0), in = body.query->ray(flat, -normal, 0.0);
@@ -199,10 +199,10 @@ double normal_radius(const Scene& scene) {
 HapticMesh make_haptic_mesh(const Scene& scene, const Body& body) {
   check_place(body);
   const SamplingScene& sampling = scene.sampling;
-  AdaptOptions options;
+  mesh::AdaptOptions options;
   options.rounds = 8;
   options.chord = 0.35;  // the spacing rules; the contact surface follows the shape
-  const AdaptedSurface adapted = adapt_to_sites(sampling, body, options);
+  const mesh::AdaptedSurface adapted = adapt_to_sites(sampling, body, options);
   HapticMesh mesh;
   mesh.triangles = adapted.surface.triangles;
   if (mesh.triangles.size() < 4) {
@@ -244,4 +244,4 @@ void split_edges(const Scene& scene, const Body& body, const std::vector<SiteEdg
   mesh.edges = edge_lengths(mesh);
 }
 
-}  // namespace palpate
+}  // namespace palpate::sites

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace palpate {
+namespace palpate::sites {
 
 struct EdgeLengths {
   double shortest = 0.0, median = 0.0, mean = 0.0, longest = 0.0;  ///< m
@@ -50,4 +50,4 @@ using SiteEdge = std::array<std::int32_t, 2>;
 /// keep their numbers.
 void split_edges(const Scene& scene, const Body& body, const std::vector<SiteEdge>& edges, HapticMesh& mesh);
 
-}  // namespace palpate
+}  // namespace palpate::sites

@@ -10,7 +10,7 @@
 #include <memory>
 #include <vector>
 
-namespace palpate {
+namespace palpate::sites {
 namespace {
 
 using Eigen::Vector3d;
@@ -58,7 +58,7 @@ void limit_growth(const Surface& base, std::vector<double>& spacing) {
 
 }  // namespace
 
-SizeField site_spacing(const SamplingScene& sampling, const Body& body) {
+mesh::SizeField site_spacing(const SamplingScene& sampling, const Body& body) {
   const double widest = sampling.spacing;
   const double narrowest = sampling.margin_spacing > 0 ? sampling.margin_spacing : widest / 2;
   if (narrowest >= widest) return [widest](const Vector3d&) { return widest; };
@@ -74,15 +74,16 @@ SizeField site_spacing(const SamplingScene& sampling, const Body& body) {
     spacing->push_back(std::clamp(std::min(by_thickness, kTurn * radii[v]), narrowest, widest));
   }
   limit_growth(base, *spacing);
-  const auto query = std::make_shared<const SurfaceQuery>(base);
+  const auto query = std::make_shared<const geometry::SurfaceQuery>(base);
   return [spacing, query](const Vector3d& p) {
     const Surface& s = query->surface();
     const auto& t = s.triangles[query->closest(p).triangle];
-    const TrianglePoint on = closest_on_triangle(p, s.vertices[t[0]], s.vertices[t[1]], s.vertices[t[2]]);
+    const geometry::TrianglePoint on =
+        geometry::closest_on_triangle(p, s.vertices[t[0]], s.vertices[t[1]], s.vertices[t[2]]);
     double h = 0;
     for (int k = 0; k < 3; ++k) h += on.weights[k] * (*spacing)[t[k]];
     return h;
   };
 }
 
-}  // namespace palpate
+}  // namespace palpate::sites

@@ -6,10 +6,10 @@
 #include "precompute/common/body.hpp"
 #include "precompute/mesh/size_field.hpp"
 
-namespace palpate {
+namespace palpate::sites {
 
 /// The field between margin_spacing and spacing; it changes by at most half the distance moved. Constant where
 /// margin_spacing = spacing.
-SizeField site_spacing(const SamplingScene& sampling, const Body& body);
+mesh::SizeField site_spacing(const SamplingScene& sampling, const Body& body);
 
-}  // namespace palpate
+}  // namespace palpate::sites

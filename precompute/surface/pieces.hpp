@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-namespace palpate {
+namespace palpate::surface {
 
 /// Calls use(a, b, c) for pieces of a triangle (m) that fill it, with edges of at most `longest` (m, > 0): the longest
 /// edge is halved until it is short enough. The pieces keep the triangle's orientation.
@@ -23,4 +23,4 @@ void for_each_piece(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Ei
   for_each_piece(middle, to, across, longest, use);
 }
 
-}  // namespace palpate
+}  // namespace palpate::surface

@@ -22,7 +22,7 @@
 #include <cmath>
 #include <set>
 
-namespace palpate {
+namespace palpate::surface {
 namespace {
 
 constexpr double base_triangles = 4000.0;  // of the body's coarse copy; inclusions get a quarter
@@ -43,11 +43,11 @@ double edge_for(double area, double count) { return std::sqrt(area / count * 4.0
 // Coarse copy that has kept its shape: a thin margin that was folded is tried again with shorter edges. That it
 // does not cross itself is what remesh_uniform sees to.
 Surface coarse_copy(const Surface& surface, double& edge, const std::string& name) {
-  const double volume = signed_volume(surface);
+  const double volume = geometry::signed_volume(surface);
   std::string cause;
   for (int attempt = 0; attempt < 4; ++attempt, edge *= 0.7) {
-    auto base = remesh_uniform(surface, edge);
-    const SurfaceFaults faults{topology(base), 0, signed_volume(base)};
+    auto base = mesh::remesh_uniform(surface, edge);
+    const SurfaceFaults faults{geometry::topology(base), 0, geometry::signed_volume(base)};
     const double error = std::abs(faults.volume - volume) / volume;
     if (faults.clean() && error < 0.05) return base;
     cause = faults.clean() ? fmt::format("volume off by {:.1f} %", error * 100) : joined(faults.lines());
@@ -56,7 +56,7 @@ Surface coarse_copy(const Surface& surface, double& edge, const std::string& nam
 }
 
 // Null where the fibres have one direction, or there are none.
-std::shared_ptr<const CurveQuery> fibres_of(const MaterialScene& material, const Surface& around) {
+std::shared_ptr<const geometry::CurveQuery> fibres_of(const MaterialScene& material, const Surface& around) {
   if (material.centreline.file.empty()) return nullptr;
   const Curves curves = read_curves(material.centreline);
   Eigen::AlignedBox3d box, lines;
@@ -67,7 +67,7 @@ std::shared_ptr<const CurveQuery> fibres_of(const MaterialScene& material, const
     fail(fmt::format("{}: its curves, {:.3g} m in all, do not fit what they run in, {:.3g} m; is 'units' right?",
                      material.centreline.file.string(), length, size));
   }
-  return std::make_shared<const CurveQuery>(curves);
+  return std::make_shared<const geometry::CurveQuery>(curves);
 }
 
 Inclusion make_inclusion(const RegionScene& region, const Body& body, SceneSurfaces& files, double& edge) {
@@ -76,7 +76,7 @@ Inclusion make_inclusion(const RegionScene& region, const Body& body, SceneSurfa
   const Surface given = files.region(region);
   const auto cleaned = clean_surface(given, {}, label);
   // A wrap of a shell that is open goes round it inside, too: a hollow region where a solid one is meant.
-  if (cleaned.report.action == "wrapped" && topology(given).boundary_edges > 0) {
+  if (cleaned.report.action == "wrapped" && geometry::topology(given).boundary_edges > 0) {
     fail(
         fmt::format("{}: its surface is open, and no repair closes it ({}); close its holes in the file, or give the "
                     "region by its measures",
@@ -90,7 +90,7 @@ Inclusion make_inclusion(const RegionScene& region, const Body& body, SceneSurfa
   inclusion.material = region.material;
   inclusion.fibres = fibres_of(region.material, inclusion.query->surface());
   const auto& surface = inclusion.query->surface();
-  const auto count = crossings(surface, body.query->surface());
+  const auto count = geometry::crossings(surface, body.query->surface());
   if (count > 0) fail(fmt::format("{}: it intersects the body's surface ({} pairs of triangles)", label, count));
   for (std::size_t v = 0; v < surface.vertices.size(); ++v) {
     const double distance = body.query->signed_distance(surface.vertices[v]);
@@ -100,14 +100,14 @@ Inclusion make_inclusion(const RegionScene& region, const Body& body, SceneSurfa
     }
   }
   for (const auto& other : body.inclusions) {
-    if (surfaces_intersect(surface, other.query->surface()))
+    if (geometry::surfaces_intersect(surface, other.query->surface()))
       fail(label + ": it intersects region '" + other.name + "'");
     if (other.query->signed_distance(surface.vertices.front()) < 0.0 ||
         inclusion.query->signed_distance(other.query->surface().vertices.front()) < 0.0) {
       fail(label + ": it lies inside region '" + other.name + "' or around it; regions must be side by side");
     }
   }
-  edge = std::min(edge_for(cleaned.report.area, base_triangles / 4), diagonal(surface) / 8.0);
+  edge = std::min(edge_for(cleaned.report.area, base_triangles / 4), geometry::diagonal(surface) / 8.0);
   inclusion.base = coarse_copy(surface, edge, label);
   return inclusion;
 }
@@ -119,7 +119,7 @@ void separate_bases(Body& body, const std::vector<double>& edges, const std::str
     for (const auto& inclusion : body.inclusions) all.push_back(&inclusion.base);
     bool apart = true;
     for (std::size_t a = 0; apart && a < all.size(); ++a) {
-      for (std::size_t b = a + 1; apart && b < all.size(); ++b) apart = !surfaces_intersect(*all[a], *all[b]);
+      for (std::size_t b = a + 1; apart && b < all.size(); ++b) apart = !geometry::surfaces_intersect(*all[a], *all[b]);
     }
     if (apart) return;
     const double shorter = std::pow(0.7, attempt + 1);
@@ -177,8 +177,8 @@ namespace {
 // The walls of the scene's cavities, inward, as parts of the body's surface.
 Surface with_cavities(const Scene& scene, const Surface& solid, SceneSurfaces& files, const std::string& name) {
   if (scene.cavities.empty()) return solid;
-  const SurfaceQuery query(solid);
-  const double margin = 1e-6 * diagonal(solid);
+  const geometry::SurfaceQuery query(solid);
+  const double margin = 1e-6 * geometry::diagonal(solid);
   std::vector<Surface> all{solid};
   for (const CavityScene& cavity : scene.cavities) {
     const auto label = "cavity '" + cavity.name + "' of " + name;
@@ -190,7 +190,7 @@ Surface with_cavities(const Scene& scene, const Surface& solid, SceneSurfaces& f
                        v.y(), v.z(), std::abs(distance) * 1e3, distance > 0 ? "outside" : "from its surface"));
     }
     for (std::size_t k = 1; k < all.size(); ++k) {
-      if (surfaces_intersect(wall, all[k])) fail(label + ": it intersects another cavity");
+      if (geometry::surfaces_intersect(wall, all[k])) fail(label + ": it intersects another cavity");
     }
     for (auto& t : wall.triangles) std::swap(t[1], t[2]);
     all.push_back(std::move(wall));
@@ -200,10 +200,12 @@ Surface with_cavities(const Scene& scene, const Surface& solid, SceneSurfaces& f
 
 Body prepare(const Scene& scene, const Surface& surface, SceneSurfaces& files) {
   const auto name = file_names(scene.body);
-  const double alpha = scene.body.wrap_alpha > 0 ? scene.body.wrap_alpha : wrap_alpha(scene, diagonal(surface));
+  const double alpha =
+      scene.body.wrap_alpha > 0 ? scene.body.wrap_alpha : wrap_alpha(scene, geometry::diagonal(surface));
   auto cleaned = clean_surface(surface, {scene.body.repair, alpha, scene.body.wrap_offset, scene.body.smooth}, name);
   if (!scene.cavities.empty()) {
-    cleaned.query = std::make_shared<const SurfaceQuery>(with_cavities(scene, cleaned.query->surface(), files, name));
+    cleaned.query =
+        std::make_shared<const geometry::SurfaceQuery>(with_cavities(scene, cleaned.query->surface(), files, name));
     measure(*cleaned.query, cleaned.report);
   }
   cleaned.report.findings.insert(cleaned.report.findings.begin(), surface.notes.begin(), surface.notes.end());
@@ -216,7 +218,7 @@ Body prepare(const Scene& scene, const Surface& surface, SceneSurfaces& files) {
   body.fibres = fibres_of(scene.material, body.query->surface());
   body.capsule_thickness = scene.body.capsule_thickness;
   body.capsule_young = scene.body.capsule_young;
-  body.diagonal = diagonal(body.query->surface());
+  body.diagonal = geometry::diagonal(body.query->surface());
   warn_of_size(body.diagonal, body.report);
   body.prestress = scene.prestress;
   body.cavity = cavity_triangles(body.query->surface());
@@ -235,8 +237,8 @@ Body prepare(const Scene& scene, const Surface& surface, SceneSurfaces& files) {
   if (body.supports.empty()) body.supports.push_back(default_support(body.query->surface()));
   for (const auto& support : body.supports) {
     const bool distance = support.kind == SupportScene::Kind::distance;
-    body.support_surfaces.push_back(distance ? std::make_shared<const SurfaceQuery>(files.other(support.other))
-                                             : nullptr);
+    body.support_surfaces.push_back(
+        distance ? std::make_shared<const geometry::SurfaceQuery>(files.other(support.other)) : nullptr);
   }
   check_supports(body, scene);
   body.support_rim = support_rim(body);
@@ -244,16 +246,19 @@ Body prepare(const Scene& scene, const Surface& surface, SceneSurfaces& files) {
 }
 
 }  // namespace
+}  // namespace palpate::surface
+
+namespace palpate {
 
 Body prepare_body(const Scene& scene) {
-  SceneSurfaces files(scene);
+  surface::SceneSurfaces files(scene);
   const Surface surface = files.body();
-  return prepare(scene, surface, files);
+  return surface::prepare(scene, surface, files);
 }
 
 Body prepare_body(const Scene& scene, const Surface& surface) {
-  SceneSurfaces files(scene);
-  return prepare(scene, surface, files);
+  surface::SceneSurfaces files(scene);
+  return surface::prepare(scene, surface, files);
 }
 
 }  // namespace palpate

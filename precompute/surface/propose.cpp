@@ -22,7 +22,7 @@
 #include <memory>
 #include <optional>
 
-namespace palpate {
+namespace palpate::surface {
 namespace {
 
 using Eigen::AlignedBox3d;
@@ -240,7 +240,7 @@ private:
     source.file = file;
     const Surface all = read_surface(source);
     if (all.frame != Frame::unstated) frame_ = all.frame;
-    const Unit unit = guessed_unit(diagonal(all));
+    const Unit unit = guessed_unit(geometry::diagonal(all));
     const bool named = all.part_names.size() > 1;
     for (std::size_t part = 0; part < all.part_names.size(); ++part) {
       std::vector<bool> keep(all.triangles.size());
@@ -248,16 +248,16 @@ private:
       Thing thing;
       thing.file = file;
       thing.name = named ? all.part_names[part] : stem(file);
-      thing.surface = weld(keep_triangles(all, keep), 1e-6 * diagonal(all));
+      thing.surface = weld(keep_triangles(all, keep), 1e-6 * geometry::diagonal(all));
       if (thing.surface.empty()) continue;
       for (auto& v : thing.surface.vertices) v *= unit.length;
-      thing.closed = topology(thing.surface).boundary_edges == 0;
-      thing.volume = thing.closed ? std::abs(signed_volume(thing.surface)) : 0;
+      thing.closed = geometry::topology(thing.surface).boundary_edges == 0;
+      thing.volume = thing.closed ? std::abs(geometry::signed_volume(thing.surface)) : 0;
       thing.box = box_of(thing.surface);
       thing.source = "surface = " + path_text(file) + "\n";
       if (named) thing.source += "meshes = [" + toml_text(thing.name) + "]\n";
-      thing.source +=
-          fmt::format("units = \"{}\"  # guessed: the file measures {:.4g} across\n", unit.name, diagonal(all));
+      thing.source += fmt::format("units = \"{}\"  # guessed: the file measures {:.4g} across\n", unit.name,
+                                  geometry::diagonal(all));
       things_.push_back(std::move(thing));
     }
   }
@@ -288,26 +288,26 @@ private:
         }
       }
     }
-    thing.surface = label_surface(label_mask(*image, labels, use, also), thing.name);
+    thing.surface = geometry::label_surface(label_mask(*image, labels, use, also), thing.name);
     return thing.surface;
   }
 
   // Why a thing cannot be a part inside the body; empty: it can.
-  std::string unfit(Thing& thing, const SurfaceQuery& body) {
+  std::string unfit(Thing& thing, const geometry::SurfaceQuery& body) {
     if (!thing.closed) return "an open surface";
     if (!things_.front().box.contains(thing.box)) return "not inside the body";
     if (thing.volume < kSmallestShare * things_.front().volume) return "less than 0.01 % of the body";
     try {
       const Surface& surface = surface_of(thing, MaskUse::region);
-      const double margin = 2e-3 * diagonal(body.surface());
+      const double margin = 2e-3 * geometry::diagonal(body.surface());
       for (const Vector3d& v : surface.vertices) {
         if (!(body.signed_distance(v) < -margin)) return "reaches the body's surface, or outside";
       }
       for (const std::size_t k : inside_) {
         const Surface& other = things_[k].surface;
-        const SurfaceQuery query(other);
-        if (surfaces_intersect(surface, other) || query.signed_distance(surface.vertices.front()) < 0 ||
-            SurfaceQuery(surface).signed_distance(other.vertices.front()) < 0) {
+        const geometry::SurfaceQuery query(other);
+        if (geometry::surfaces_intersect(surface, other) || query.signed_distance(surface.vertices.front()) < 0 ||
+            geometry::SurfaceQuery(surface).signed_distance(other.vertices.front()) < 0) {
           return "overlaps '" + things_[k].name + "'";
         }
       }
@@ -337,13 +337,13 @@ private:
         return false;
       }
     };
-    const auto rim_of = [](const Surface& s) { return topology(s).boundary_edges; };
+    const auto rim_of = [](const Surface& s) { return geometry::topology(s).boundary_edges; };
     const std::size_t rim = rim_of(body.surface);
     for (std::size_t k = 1; k < things_.size(); ++k) {
       const Thing& other = things_[k];
       if (other.closed || other.file != body.file || !body.box.intersects(other.box)) continue;
       const Surface both = join({body.surface, other.surface});
-      const double size = diagonal(both);
+      const double size = geometry::diagonal(both);
       if (rim_of(join_borders(weld(both, 1e-6 * size), 2e-3 * size)) > rim / 4) continue;
       if (!take({body.surface, other.surface}, RepairMode::repair)) continue;
       const auto meshes = body.source.find("]");
@@ -368,8 +368,8 @@ private:
     reasons_.assign(things_.size(), "");
     roles_[0] = "body";
     const bool closed = things_.front().closed;
-    std::unique_ptr<const SurfaceQuery> body;
-    if (closed) body = std::make_unique<const SurfaceQuery>(surface_of(things_.front(), MaskUse::body));
+    std::unique_ptr<const geometry::SurfaceQuery> body;
+    if (closed) body = std::make_unique<const geometry::SurfaceQuery>(surface_of(things_.front(), MaskUse::body));
     for (std::size_t k = 1; k < things_.size(); ++k) {
       if (k == closing_) {
         roles_[k] = "body";
@@ -463,4 +463,4 @@ Proposal propose_scene(const std::filesystem::path& from, const std::filesystem:
   return Proposer(from, folder).run();
 }
 
-}  // namespace palpate
+}  // namespace palpate::surface

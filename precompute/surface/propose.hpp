@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::surface {
 
 /// A mesh, a label or a file, and what the proposal makes of it.
 struct Found {
@@ -29,4 +29,4 @@ struct Proposal {
 /// Throws Error as the readers do, and Error(bad_input) where nothing is there that could be a body.
 Proposal propose_scene(const std::filesystem::path& from, const std::filesystem::path& folder);
 
-}  // namespace palpate
+}  // namespace palpate::surface

@@ -12,7 +12,7 @@
 
 #include <algorithm>
 
-namespace palpate {
+namespace palpate::surface {
 namespace {
 
 constexpr double region_edges = 12.0;  // of a region given by its measures, along its smallest extent
@@ -44,7 +44,7 @@ const LabelImage& SceneSurfaces::image(const LabelSource& labels) {
 Surface SceneSurfaces::labelled(const LabelSource& labels, MaskUse use, const std::vector<LabelMask>& also) {
   const LabelImage& from = image(labels);
   const LabelMask mask = label_mask(from, labels, use, also);
-  Surface surface = label_surface(mask, described(labels));
+  Surface surface = geometry::label_surface(mask, described(labels));
   surface.frame = from.frame;
   surface.notes = mask.notes;
   return surface;
@@ -106,10 +106,10 @@ Surface SceneSurfaces::region(const RegionScene& region) {
     case RegionScene::Shape::surface:
       break;
     case RegionScene::Shape::ellipsoid:
-      return ellipsoid(region.centre, region.radii, 2 * region.radii.minCoeff() / region_edges, region.name);
+      return geometry::ellipsoid(region.centre, region.radii, 2 * region.radii.minCoeff() / region_edges, region.name);
     case RegionScene::Shape::box:
-      return box_solid(region.box_min, region.box_max, (region.box_max - region.box_min).minCoeff() / region_edges,
-                       region.name);
+      return geometry::box_solid(region.box_min, region.box_max,
+                                 (region.box_max - region.box_min).minCoeff() / region_edges, region.name);
     case RegionScene::Shape::labels: {
       Surface surface = labelled(region.labels, MaskUse::region);
       turn(surface, region.labels.file.string());
@@ -137,4 +137,4 @@ Surface SceneSurfaces::other(const SurfaceSource& source) {
   return surface;
 }
 
-}  // namespace palpate
+}  // namespace palpate::surface

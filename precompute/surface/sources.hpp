@@ -9,7 +9,7 @@
 #include <memory>
 #include <string>
 
-namespace palpate {
+namespace palpate::surface {
 
 /// Reads the surfaces and labels of one scene. An image that several of them name is read once. Coordinates that a file
 /// states in LPS or RAS are turned into the scene's frame: the one that `scene.frame` says, else the one that the
@@ -37,4 +37,4 @@ private:
   std::string unstated_;  ///< the body's file that states no frame
 };
 
-}  // namespace palpate
+}  // namespace palpate::surface

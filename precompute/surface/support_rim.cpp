@@ -10,7 +10,7 @@
 #include <cmath>
 #include <set>
 
-namespace palpate {
+namespace palpate::surface {
 namespace {
 
 using Eigen::Vector3d;
@@ -79,4 +79,4 @@ SupportRim support_rim(const Body& body) {
   return rim.result();
 }
 
-}  // namespace palpate
+}  // namespace palpate::surface

@@ -4,11 +4,11 @@
 
 #include "precompute/common/body.hpp"
 
-namespace palpate {
+namespace palpate::surface {
 
 /// Points along the rim of the held surface of `body` (its query and supports set), at most one per cell of `size`,
 /// and the edge length that resolves it: half of held area over rim length (an eighth of a disc's diameter), between
 /// 1/64 and 1/8 of the body's diagonal. Empty where nothing, or everything, is held.
 SupportRim support_rim(const Body& body);
 
-}  // namespace palpate
+}  // namespace palpate::surface

@@ -16,7 +16,7 @@
 #include <cstdint>
 #include <set>
 
-namespace palpate {
+namespace palpate::surface {
 namespace {
 
 [[noreturn]] void refuse_support(const std::string& message) { throw Error(ExitCode::bad_input, message); }
@@ -33,7 +33,7 @@ constexpr double kPieces = 64;
 // Calls use(a, b, c) for pieces of a triangle of the body's surface.
 template <class Use>
 void for_each_piece(const Body& body, const Surface& surface, const std::array<std::int32_t, 3>& t, const Use& use) {
-  palpate::for_each_piece(surface.vertices[std::size_t(t[0])], surface.vertices[std::size_t(t[1])],
+  surface::for_each_piece(surface.vertices[std::size_t(t[0])], surface.vertices[std::size_t(t[1])],
                           surface.vertices[std::size_t(t[2])], body.diagonal / kPieces, use);
 }
 
@@ -102,7 +102,7 @@ Eigen::Matrix<double, 6, 6> resistance(const Body& body, const Surface& surface,
 std::string free_motion(const Body& body, const Surface& surface) {
   const auto box = bounds(surface);
   const auto sum = resistance(body, surface, box.center(), box.diagonal().norm());
-  const auto eigen = spectrum<Eigen::Dynamic>(sum);
+  const auto eigen = algebra::spectrum<Eigen::Dynamic>(sum);
   if (eigen.values[0] > 1e-9 * eigen.values[5] && eigen.values[0] > 0) return {};
   const Eigen::Matrix<double, 6, 1> motion = eigen.vectors.col(0);
   const bool slides = motion.head<3>().norm() > motion.tail<3>().norm();
@@ -114,7 +114,7 @@ std::string free_motion(const Body& body, const Surface& surface) {
 void check_components(const Body& body, const std::vector<bool>& held, const Scene& scene) {
   const std::string file = scene.file.string();
   const auto& surface = body.query->surface();
-  const auto labels = triangle_components(surface, true);
+  const auto labels = geometry::triangle_components(surface, true);
   const auto count = *std::max_element(labels.begin(), labels.end()) + 1;
   for (std::int32_t k = 0; k < count; ++k) {
     std::vector<bool> in(labels.size());
@@ -124,7 +124,7 @@ void check_components(const Body& body, const std::vector<bool>& held, const Sce
       any = any || (in[t] && held[t]);
     }
     const Surface component = keep_triangles(surface, in);
-    const double volume = signed_volume(component);
+    const double volume = geometry::signed_volume(component);
     // The wall of a cavity faces inward and belongs to the solid round it.
     if (volume < 0.0) continue;
     if (any) {
@@ -190,10 +190,14 @@ void check_supports(const Body& body, const Scene& scene) {
   check_components(body, held, scene);
 }
 
+}  // namespace palpate::surface
+
+namespace palpate {
+
 const SupportScene* Body::support_at(const Eigen::Vector3d& surface_point) const {
   if (stress_free) return stress_free->support_at(material_point(surface_point).point);
   for (std::size_t k = 0; k < supports.size(); ++k) {
-    if (holds(*this, k, surface_point)) return &supports[k];
+    if (surface::holds(*this, k, surface_point)) return &supports[k];
   }
   return nullptr;
 }

@@ -4,7 +4,7 @@
 
 #include "precompute/common/body.hpp"
 
-namespace palpate {
+namespace palpate::surface {
 
 /// The lowest tenth of the surface along z.
 SupportScene default_support(const Surface& surface);
@@ -13,4 +13,4 @@ SupportScene default_support(const Surface& surface);
 /// leave nothing free, or a component of the body is held by none of the scene's: it would float away.
 void check_supports(const Body& body, const Scene& scene);
 
-}  // namespace palpate
+}  // namespace palpate::surface

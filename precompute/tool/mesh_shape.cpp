@@ -8,7 +8,7 @@
 #include <cmath>
 #include <string>
 
-namespace palpate {
+namespace palpate::tool {
 namespace {
 
 using Eigen::Vector3d;
@@ -91,7 +91,7 @@ double MeshShape::lower_bound(const Vector3d& p) const {
 
 // Exact distance of a point at least the lattice's spacing from the surface; the lattice gives its side.
 DistanceSample MeshShape::exact(const Vector3d& p, bool inside) const {
-  const ClosestPoint nearest = query_.closest(p);
+  const geometry::ClosestPoint nearest = query_.closest(p);
   const double sign = inside ? -1.0 : 1.0;
   DistanceSample s;
   s.value = sign * nearest.distance;
@@ -139,4 +139,4 @@ DistanceSample MeshShape::distance(const Vector3d& p) const {
   return s;
 }
 
-}  // namespace palpate
+}  // namespace palpate::tool

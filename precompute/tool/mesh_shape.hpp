@@ -7,7 +7,7 @@
 
 #include <vector>
 
-namespace palpate {
+namespace palpate::tool {
 
 /// Exact distance (bounding-volume tree) away from the surface, with a zero Hessian. Within `rounding` of it at least,
 /// and beyond twice of it no more, the exact distances on a lattice of half that spacing, weighted by uniform cubic
@@ -25,13 +25,13 @@ public:
     return lower_bound(point) > gap;
   }
   [[nodiscard]] Eigen::AlignedBox3d bounds() const override { return bounds_; }
-  [[nodiscard]] const SurfaceQuery& query() const { return query_; }
+  [[nodiscard]] const geometry::SurfaceQuery& query() const { return query_; }
 
 private:
   void fill();
   [[nodiscard]] DistanceSample exact(const Eigen::Vector3d& point, bool inside) const;
 
-  SurfaceQuery query_;
+  geometry::SurfaceQuery query_;
   Eigen::AlignedBox3d bounds_;
   double spacing_;                        // m, of the lattice
   Eigen::Vector3d origin_{0, 0, 0};       // of the lattice
@@ -39,4 +39,4 @@ private:
   std::vector<double> values_;            // exact distances; far from the surface lower bounds of them
 };
 
-}  // namespace palpate
+}  // namespace palpate::tool

@@ -15,7 +15,7 @@
 #include <optional>
 #include <utility>
 
-namespace palpate {
+namespace palpate::tool {
 namespace {
 
 using Eigen::Vector3d;
@@ -23,12 +23,12 @@ constexpr double kPi = std::numbers::pi;
 
 constexpr double kRounding = 1.0 / 20;  // of the smallest extent: a tenth of a ball's radius, as of a punch's
 constexpr double kEdgeSize = 0.8;       // elements at an edge over its radius: those of a punch's rim
-constexpr double kSharp = kFeatureAngle * kPi / 180;  // rad: edges beyond have no radius but the rounding's
+constexpr double kSharp = geometry::kFeatureAngle * kPi / 180;  // rad: edges beyond have no radius but the rounding's
 constexpr double kSmooth = 0.15;                      // rad: edges below are facets of something round
 constexpr double kSmallRadius = 0.25;  // of the smallest extent: rounder places need no elements of their own
 
 void check_closed(const Surface& surface, const Tool& tool) {
-  const Topology found = topology(surface);
+  const geometry::Topology found = geometry::topology(surface);
   const auto fail = [&](const std::string& what) {
     throw Error(ExitCode::bad_input, tool.scene.surface.file.string() + ": tool '" + tool.name + "': " + what);
   };
@@ -38,7 +38,7 @@ void check_closed(const Surface& surface, const Tool& tool) {
          std::to_string(found.flipped_edges) + " between triangles that face opposite ways, " +
          std::to_string(found.degenerate + found.duplicates) + " triangles without area or doubled)");
   }
-  if (!(signed_volume(surface) > 0)) fail("its triangles face inward");
+  if (!(geometry::signed_volume(surface) > 0)) fail("its triangles face inward");
 }
 
 // Onto the smoothed surface, along its gradient.
@@ -102,10 +102,10 @@ void add_edges(Tool& tool, const Surface& surface, double rounding, double exten
     for (const auto c : surface.triangles[t]) m += surface.vertices[std::size_t(c)] / 3;
     return m;
   };
-  for_each_edge(sorted_sides(surface), [&](auto edge) {
+  geometry::for_each_edge(geometry::sorted_sides(surface), [&](auto edge) {
     const Vector3d &a = surface.vertices[std::size_t(edge[0].low)], &b = surface.vertices[std::size_t(edge[0].high)];
-    const Vector3d n = triangle_normal(surface, std::size_t(edge[0].triangle)),
-                   m = triangle_normal(surface, std::size_t(edge[1].triangle));
+    const Vector3d n = geometry::triangle_normal(surface, std::size_t(edge[0].triangle)),
+                   m = geometry::triangle_normal(surface, std::size_t(edge[1].triangle));
     const double turn = std::atan2(n.cross(m).norm(), n.dot(m)), length = (b - a).norm();
     if (turn < kSmooth || n.dot(middle(std::size_t(edge[1].triangle)) - a) > 0) return;  // smooth, or hollow
     const double radius = turn > kSharp ? rounding : std::max(rounding, std::min(n.norm(), m.norm()) / length / turn);
@@ -133,7 +133,7 @@ void add_mesh(Tool& tool) {
   const auto shape = std::make_shared<const MeshShape>(surface, rounding);
   tool.shape = shape;
   const double spacing = tool.scene.spacing > 0 ? tool.scene.spacing : box.sizes().maxCoeff() / 3;
-  const Surface coarse = remesh_uniform(surface, spacing);
+  const Surface coarse = mesh::remesh_uniform(surface, spacing);
   for (const Vector3d& point : coarse.vertices) {
     ToolVertex& v = tool.vertices.emplace_back(mesh_vertex(tool, point));
     v.name = std::string("v").append(std::to_string(tool.vertices.size() - 1));
@@ -154,4 +154,4 @@ ToolVertex mesh_vertex(const Tool& tool, const Vector3d& near) {
   return v;
 }
 
-}  // namespace palpate
+}  // namespace palpate::tool

@@ -4,7 +4,7 @@
 
 #include "precompute/tool/tool.hpp"
 
-namespace palpate {
+namespace palpate::tool {
 
 /// Sets shape, vertices, patches and edges of a tool whose scene is set. Throws Error as make_tool.
 void add_mesh(Tool& tool);
@@ -13,4 +13,4 @@ void add_mesh(Tool& tool);
 /// tool has there. Its tangent leans towards the handle; it has no name.
 ToolVertex mesh_vertex(const Tool& tool, const Eigen::Vector3d& near);
 
-}  // namespace palpate
+}  // namespace palpate::tool

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace palpate {
+namespace palpate::tool {
 namespace {
 
 using Eigen::AlignedBox3d;
@@ -111,4 +111,4 @@ std::shared_ptr<const ToolShape> make_punch(double radius, double edge_radius, d
   return std::make_shared<Punch>(radius, edge_radius, height);
 }
 
-}  // namespace palpate
+}  // namespace palpate::tool

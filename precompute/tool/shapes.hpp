@@ -4,7 +4,7 @@
 
 #include "precompute/tool/tool.hpp"
 
-namespace palpate {
+namespace palpate::tool {
 
 /// Ball of radius `radius` round the origin.
 std::shared_ptr<const ToolShape> make_sphere(double radius);
@@ -15,4 +15,4 @@ std::shared_ptr<const ToolShape> make_capsule(double radius, double length);
 /// Upright cylinder with its lower face in the plane z = 0 and both rims rounded by `edge_radius`.
 std::shared_ptr<const ToolShape> make_punch(double radius, double edge_radius, double height);
 
-}  // namespace palpate
+}  // namespace palpate::tool

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-namespace palpate {
+namespace palpate::tool {
 namespace {
 
 using Eigen::Matrix3d;
@@ -87,4 +87,4 @@ std::shared_ptr<const ToolShape> make_taper(double tip, double half_angle, doubl
   return std::make_shared<Taper>(tip, half_angle, shaft, length);
 }
 
-}  // namespace palpate
+}  // namespace palpate::tool

@@ -12,7 +12,7 @@
 #include <numbers>
 #include <utility>
 
-namespace palpate {
+namespace palpate::tool {
 namespace {
 
 using Eigen::Vector3d;
@@ -198,4 +198,4 @@ Eigen::Isometry3d touching_pose(const ToolVertex& vertex, const ContactFrame& fr
   return pose;
 }
 
-}  // namespace palpate
+}  // namespace palpate::tool

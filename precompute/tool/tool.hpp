@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::tool {
 
 struct DistanceSample {
   double value = 0.0;                                 ///< m, negative inside the tool
@@ -98,4 +98,4 @@ ToolVertex interpolate(const Tool& tool, std::int32_t patch, const Eigen::Vector
 /// tangent along frame.x.
 Eigen::Isometry3d touching_pose(const ToolVertex& vertex, const ContactFrame& frame);
 
-}  // namespace palpate
+}  // namespace palpate::tool

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 using Eigen::MatrixXd;
@@ -65,4 +65,4 @@ double bonded_layer_exact(double x) {
   return exact_contact((low + high) / 2).over_hertz;
 }
 
-}  // namespace palpate
+}  // namespace palpate::verify

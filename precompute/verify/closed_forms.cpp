@@ -11,7 +11,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace palpate {
+namespace palpate::verify {
 // A namespace of its own: the numbers of its bodies have names that other checks use as well.
 namespace laws {
 namespace {
@@ -29,8 +29,8 @@ ToolScene sphere(double radius = kRadius) {
   return tool;
 }
 
-PairPath pushes(double depth, std::vector<double> shares) {
-  PairPath path;
+solve::PairPath pushes(double depth, std::vector<double> shares) {
+  solve::PairPath path;
   path.normal_depths = std::move(shares);
   for (double& share : path.normal_depths) share *= depth;
   return path;
@@ -42,8 +42,8 @@ struct Elements {
 };
 
 // At the middle of the top of a box, held at its bottom.
-PairResult press(double half_width, double height, double poisson, const ToolScene& tool_scene, const PairPath& path,
-                 const Elements& elements) {
+PairResult press(double half_width, double height, double poisson, const ToolScene& tool_scene,
+                 const solve::PairPath& path, const Elements& elements) {
   Scene scene;
   scene.material.young = kYoung;
   scene.material.poisson = poisson;
@@ -53,13 +53,13 @@ PairResult press(double half_width, double height, double poisson, const ToolSce
   scene.solver.mesh_size = elements.contact;
   scene.solver.rim_size = elements.rim;
   scene.solver.max_size = std::min(height, half_width / 6);  // what is usual for organs would add a per cent
-  const Body body =
-      prepare_body(scene, box_solid({-half_width, -half_width, -height}, {half_width, half_width, 0}, height, "box"));
-  const Tool tool = make_tool(tool_scene);
-  return solve_pair({body, tool, tool.vertices[0], ContactFrame{}}, path, pair_options(scene));
+  const Body body = prepare_body(
+      scene, geometry::box_solid({-half_width, -half_width, -height}, {half_width, half_width, 0}, height, "box"));
+  const tool::Tool tool = tool::make_tool(tool_scene);
+  return solve::solve_pair({body, tool, tool.vertices[0], ContactFrame{}}, path, solve::pair_options(scene));
 }
 
-PairResult press_block(double half, const ToolScene& tool, const PairPath& path, const Elements& elements) {
+PairResult press_block(double half, const ToolScene& tool, const solve::PairPath& path, const Elements& elements) {
   return press(half, half, kPoisson, tool, path, elements);
 }
 
@@ -138,7 +138,7 @@ LawValues layer(double size, double coarser) {
 LawValues mindlin(double size, double coarser) {
   constexpr int kDirections = 4;
   const double depth = 0.001 * kRadius, a = std::sqrt(kRadius * depth);
-  PairPath path = pushes(depth, {0.25, 0.5, 0.75, 1});
+  solve::PairPath path = pushes(depth, {0.25, 0.5, 0.75, 1});
   path.tangential_depths = {depth};
   path.tangential_directions = kDirections;
   path.tangential_points = 1;
@@ -160,14 +160,14 @@ LawValues mindlin(double size, double coarser) {
 // traction at the rim, so no ring of fine elements is needed.
 LawValues partial_slip(double size, double coarser) {
   const double depth = 0.001 * kRadius, a = std::sqrt(kRadius * depth), mu = 0.3;
-  PairPath path = pushes(depth, {0.25, 0.5, 0.75, 1});
+  solve::PairPath path = pushes(depth, {0.25, 0.5, 0.75, 1});
   path.tangential_depths = {depth};
   path.tangential_directions = 2;
   path.tangential_points = 0;
   path.friction = mu;
   path.form_frictionless = true;
   path.slip_points = 4;
-  path.slip_reach = 1.2 * gross_slip_reach(mu, kPoisson);
+  path.slip_reach = 1.2 * solve::gross_slip_reach(mu, kPoisson);
   double load = 0;
   return over(press_block(size * a, sphere(), path, {0.12 * coarser}), [&](const Sample& s, LawValues& v) {
     if (s.kind == SampleKind::normal) load = s.force.z();
@@ -239,4 +239,4 @@ LawCheck check(const ClosedForm& form) {
   return result;
 }
 
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::verify {
 
 /// One figure over the law's.
 struct LawValue {
@@ -45,4 +45,4 @@ struct LawCheck {
 /// Solves the law on both sizes.
 LawCheck check(const ClosedForm& form);
 
-}  // namespace palpate
+}  // namespace palpate::verify

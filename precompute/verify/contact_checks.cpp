@@ -8,7 +8,7 @@
 #include <mutex>
 #include <numbers>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 constexpr int kDirections = 4;
@@ -18,7 +18,7 @@ template <class Work>
 void each(std::size_t count, const ContactCheckOptions& options, Work&& work) {
   std::size_t done = 0;
   std::mutex guard;
-  parallel_for(count, options.threads, options.stop, [&](std::size_t k) {
+  bake::parallel_for(count, options.threads, options.stop, [&](std::size_t k) {
     const auto start = std::chrono::steady_clock::now();
     auto& result = work(k);
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -52,27 +52,28 @@ double least_distance(const std::vector<ContactFrame>& places) {
 
 }  // namespace
 
-std::vector<CheckedSlide> check_slides(const Scene& scene, const Body& body, const Tool& tool,
+std::vector<CheckedSlide> check_slides(const Scene& scene, const Body& body, const tool::Tool& tool,
                                        const std::vector<BenchContact>& contacts, const ContactCheckOptions& options) {
   std::vector<CheckedSlide> all(contacts.size());
   each(all.size(), options, [&](std::size_t k) -> CheckedSlide& {
-    SlidePath path;
+    solve::SlidePath path;
     path.depth = contacts[k].depth;
     path.friction = scene.friction;
     path.radii = options.radii;
     all[k].result = first_free(all[k].angle, "path:", [&](double angle) {
       path.angle = angle;
-      return solve_slide({body, tool, tool.vertices.at(0), contacts[k].frame}, path, pair_options(scene), options.stop);
+      return solve::solve_slide({body, tool, tool.vertices.at(0), contacts[k].frame}, path, solve::pair_options(scene),
+                                options.stop);
     });
     return all[k];
   });
   return all;
 }
 
-std::vector<CheckedStroke> check_strokes(const Scene& scene, const Body& body, const Tool& tool,
+std::vector<CheckedStroke> check_strokes(const Scene& scene, const Body& body, const tool::Tool& tool,
                                          const std::vector<BenchContact>& contacts,
                                          const ContactCheckOptions& options) {
-  PairOptions solver = pair_options(scene);
+  solve::PairOptions solver = solve::pair_options(scene);
   solver.refine *= options.stroke_refine;
   const std::size_t kinds = standard_strokes({1.0, 1.0, scene.friction}).size();
   std::vector<CheckedStroke> all(contacts.size() * kinds);
@@ -81,19 +82,19 @@ std::vector<CheckedStroke> check_strokes(const Scene& scene, const Body& body, c
     stroke.contact = k / kinds;
     const BenchContact& contact = contacts[stroke.contact];
     StrokeScale scale{options.stroke_depth * contact.depth, 0.0, scene.friction, body.material.poisson, 0.0};
-    scale.contact_radius = contact_radius(tool.vertices.at(0), scale.depth);
+    scale.contact_radius = tool::contact_radius(tool.vertices.at(0), scale.depth);
     stroke.result = first_free(stroke.angle, "path:", [&](double angle) {
       scale.angle = angle;
       NamedStroke named = standard_strokes(scale).at(k % kinds);
       stroke.name = named.name;
-      return solve_stroke({body, tool, tool.vertices.at(0), contact.frame}, named.path, solver, options.stop);
+      return solve::solve_stroke({body, tool, tool.vertices.at(0), contact.frame}, named.path, solver, options.stop);
     });
     return stroke;
   });
   return all;
 }
 
-std::vector<CheckedTogether> check_together(const Scene& scene, const Body& body, const Tool& tool,
+std::vector<CheckedTogether> check_together(const Scene& scene, const Body& body, const tool::Tool& tool,
                                             const std::vector<BenchContact>& contacts,
                                             const ContactCheckOptions& options) {
   const bool random = options.layout == Layout::random;
@@ -103,7 +104,7 @@ std::vector<CheckedTogether> check_together(const Scene& scene, const Body& body
     CheckedTogether& checked = all[k];
     checked.contact = k / layouts;
     const BenchContact& contact = contacts[checked.contact];
-    const double radius = contact_radius(tool.vertices.at(0), contact.depth);
+    const double radius = tool::contact_radius(tool.vertices.at(0), contact.depth);
     LayoutOptions layout;
     layout.layout = options.layout;
     layout.count = options.count;
@@ -125,15 +126,15 @@ std::vector<CheckedTogether> check_together(const Scene& scene, const Body& body
     checked.spacing = least_distance(places.frames) / radius;
     checked.result.cause = places.cause;
     if (!places.cause.empty()) return checked;
-    TogetherPath path;
+    solve::TogetherPath path;
     path.places = places.frames;
     path.depth = contact.depth;
     path.sticking = options.sticking || options.aside > 0;
     path.aside = options.aside * contact.depth;
-    checked.result = solve_together(body, tool, tool.vertices.at(0), path, pair_options(scene));
+    checked.result = solve::solve_together(body, tool, tool.vertices.at(0), path, solve::pair_options(scene));
     return checked;
   });
   return all;
 }
 
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -11,7 +11,7 @@
 #include <functional>
 #include <vector>
 
-namespace palpate {
+namespace palpate::verify {
 
 struct ContactCheckOptions {
   double radii = 3.5;                        ///< length of a slide in contact radii
@@ -32,7 +32,7 @@ struct ContactCheckOptions {
 struct CheckedSlide {
   double angle = 0.0;    ///< rad, in the contact's frame
   double seconds = 0.0;  ///< meshing included, on one thread
-  SlideResult result;
+  solve::SlideResult result;
 };
 
 /// One stroke, its main way in the first of four directions in which all of it stays on free surface.
@@ -41,7 +41,7 @@ struct CheckedStroke {
   std::string name;
   double angle = 0.0;    ///< rad, in the contact's frame
   double seconds = 0.0;  ///< meshing included, on one thread
-  StrokeResult result;
+  solve::StrokeResult result;
 };
 
 struct CheckedTogether {
@@ -49,23 +49,23 @@ struct CheckedTogether {
   double spacing = 0.0;     ///< contact radii, the least between two tools; 0 for one tool
   double seconds = 0.0;
   std::vector<ContactFrame> places;
-  TogetherResult result;
+  solve::TogetherResult result;
 };
 
 /// A slide of the tool's first vertex at every contact and its depth, with the scene's friction (> 0).
-std::vector<CheckedSlide> check_slides(const Scene& scene, const Body& body, const Tool& tool,
+std::vector<CheckedSlide> check_slides(const Scene& scene, const Body& body, const tool::Tool& tool,
                                        const std::vector<BenchContact>& contacts, const ContactCheckOptions& options);
 
 /// The standard strokes of the tool's first vertex at every contact, with the scene's friction (> 0): by contact, then
 /// by stroke.
-std::vector<CheckedStroke> check_strokes(const Scene& scene, const Body& body, const Tool& tool,
+std::vector<CheckedStroke> check_strokes(const Scene& scene, const Body& body, const tool::Tool& tool,
                                          const std::vector<BenchContact>& contacts, const ContactCheckOptions& options);
 
 /// Tools of the first vertex at every contact and its depth, at every spacing: by contact, then by spacing. A line or
 /// ring takes the first of four directions that has surface for it; random places differ from spacing to spacing, and a
 /// pinch has only the first.
-std::vector<CheckedTogether> check_together(const Scene& scene, const Body& body, const Tool& tool,
+std::vector<CheckedTogether> check_together(const Scene& scene, const Body& body, const tool::Tool& tool,
                                             const std::vector<BenchContact>& contacts,
                                             const ContactCheckOptions& options);
 
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 double distance(const std::vector<double>& a, const std::vector<double>& b) {
@@ -69,4 +69,4 @@ std::vector<TimeRatio> time_ratios(const ErrorTime& ours, const ErrorTime& other
   return ratios;
 }
 
-}  // namespace palpate
+}  // namespace palpate::verify

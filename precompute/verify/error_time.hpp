@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace palpate {
+namespace palpate::verify {
 
 /// Solves of one problem at mesh sizes that fall by one factor.
 struct SizeStudy {
@@ -34,4 +34,4 @@ struct TimeRatio {
 /// (geometrically). Empty where their errors have no part in common.
 std::vector<TimeRatio> time_ratios(const ErrorTime& ours, const ErrorTime& other);
 
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 using Eigen::Vector2d;
@@ -77,4 +77,4 @@ Places lay_out(const Body& body, const ContactFrame& frame, const LayoutOptions&
   return places;
 }
 
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::verify {
 
 enum class Layout {
   line,    ///< along one direction, `spacing` apart
@@ -41,4 +41,4 @@ struct Places {
 /// is held.
 Places lay_out(const Body& body, const ContactFrame& frame, const LayoutOptions& options);
 
-}  // namespace palpate
+}  // namespace palpate::verify

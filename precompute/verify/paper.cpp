@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 using Eigen::Vector3d;
@@ -25,16 +25,17 @@ struct PaperPush {
 
 std::vector<std::vector<Sample>> solve(const std::vector<PaperPush>& pushes, unsigned threads) {
   std::vector<std::vector<Sample>> all(pushes.size());
-  parallel_for(pushes.size(), threads, {}, [&](std::size_t k) {
+  bake::parallel_for(pushes.size(), threads, {}, [&](std::size_t k) {
     const PaperPush& push = pushes[k];
     const Scene& scene = *push.scene;
-    const Tool tool = make_tool(scene.tools.at(push.tool));
+    const tool::Tool tool = tool::make_tool(scene.tools.at(push.tool));
     ContactFrame frame;
     frame.origin = push.site;
-    PairPath path = bake_path(scene, scene.sampling.depth);
+    solve::PairPath path = solve::bake_path(scene, scene.sampling.depth);
     path.tangential_directions = push.directions;
     path.tangential_depths = {path.normal_depths.back()};
-    const PairResult r = solve_pair({*push.body, tool, tool.vertices.at(0), frame}, path, pair_options(scene));
+    const PairResult r =
+        solve::solve_pair({*push.body, tool, tool.vertices.at(0), frame}, path, solve::pair_options(scene));
     if (!r.outcome.accepted || !r.outcome.cause.empty()) {
       throw Error(ExitCode::numerical, scene.name + ", " + tool.name + ": " + r.outcome.cause);
     }
@@ -196,4 +197,4 @@ PaperFigure solve_figure_4(const Scene& homogeneous, const Scene& inclusion, uns
   return figure;
 }
 
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::verify {
 
 /// Force (N) at places (m, ascending from 0) of one push.
 struct PaperCurve {
@@ -53,4 +53,4 @@ std::vector<PaperStatement> figure_4_statements(const std::vector<PaperPanel>& p
 /// Force at a place, linear between points; not a number beyond them.
 double force_at(const PaperCurve& curve, double at);
 
-}  // namespace palpate
+}  // namespace palpate::verify

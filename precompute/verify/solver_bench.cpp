@@ -6,17 +6,18 @@
 #include <algorithm>
 #include <chrono>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
-PairResult solve(const Scene& scene, const Body& body, const Tool& tool, const BenchContact& contact,
+PairResult solve(const Scene& scene, const Body& body, const tool::Tool& tool, const BenchContact& contact,
                  const MeshSetting& setting) {
-  PairOptions options = pair_options(scene);
-  without_limits(options);  // a row has the cost of its own mesh alone, and its error against the reference
+  solve::PairOptions options = solve::pair_options(scene);
+  solve::without_limits(options);  // a row has the cost of its own mesh alone, and its error against the reference
   options.mesh_size = setting.mesh_size;
   options.growth = setting.growth;
   if (setting.max_size > 0) options.max_size = setting.max_size * body.diagonal;
-  return solve_pair({body, tool, tool.vertices.at(0), contact.frame}, bake_path(scene, contact.depth), options);
+  return solve::solve_pair({body, tool, tool.vertices.at(0), contact.frame}, solve::bake_path(scene, contact.depth),
+                           options);
 }
 
 double median(std::vector<double> values) {
@@ -42,7 +43,7 @@ void compare(const std::vector<PairResult>& solved, const std::vector<PairResult
       continue;
     }
     ++row.solved;
-    const SampleDifference d = sample_difference(solved[k].samples, references[k].samples);
+    const solve::SampleDifference d = solve::sample_difference(solved[k].samples, references[k].samples);
     normal.push_back(d.normal);
     tangential.push_back(d.tangential);
     stiffness.push_back(d.stiffness);
@@ -54,7 +55,7 @@ void compare(const std::vector<PairResult>& solved, const std::vector<PairResult
 
 }  // namespace
 
-std::vector<SolverBenchRow> bench_solver(const Scene& scene, const Body& body, const Tool& tool,
+std::vector<SolverBenchRow> bench_solver(const Scene& scene, const Body& body, const tool::Tool& tool,
                                          const std::vector<BenchContact>& contacts, const SolverBenchOptions& options) {
   const auto stopped = [&] { return options.stop && options.stop(); };
   std::vector<SolverBenchRow> rows;
@@ -96,4 +97,4 @@ std::vector<SolverBenchRow> bench_solver(const Scene& scene, const Body& body, c
   return rows;
 }
 
-}  // namespace palpate
+}  // namespace palpate::verify

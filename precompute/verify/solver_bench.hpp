@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::verify {
 
 /// One contact to be solved at every mesh size.
 struct BenchContact {
@@ -28,7 +28,7 @@ struct SolverBenchRow {
   double nodes = 0.0;                   ///< mean
   double seconds = 0.0;                 ///< mean of a solved contact, meshing included, on the calling thread
   double megabytes = 0.0;               ///< peak of the whole process up to here, program and libraries included
-  SampleDifference difference;          ///< to the reference: median over the contacts, member by member
+  solve::SampleDifference difference;   ///< to the reference: median over the contacts, member by member
 };
 
 struct SolverBenchOptions {
@@ -41,7 +41,7 @@ struct SolverBenchOptions {
 
 /// Solves every contact by the bake's own entry point and path, on one thread; the reference last, so that the peaks of
 /// memory before it are those of the settings, which ascend.
-std::vector<SolverBenchRow> bench_solver(const Scene& scene, const Body& body, const Tool& tool,
+std::vector<SolverBenchRow> bench_solver(const Scene& scene, const Body& body, const tool::Tool& tool,
                                          const std::vector<BenchContact>& contacts, const SolverBenchOptions& options);
 
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 using Eigen::Vector3d;
@@ -47,7 +47,7 @@ public:
   }
 
   // Out, straight along the normal.
-  StrokePath lift() {
+  solve::StrokePath lift() {
     press(at_.x(), at_.y(), -kFree * scale_.depth);
     return stroke_;
   }
@@ -61,14 +61,14 @@ private:
 
   const StrokeScale& scale_;
   Vector3d at_{0, 0, 0};
-  StrokePath stroke_;
+  solve::StrokePath stroke_;
 };
 
 }  // namespace
 
 std::vector<NamedStroke> standard_strokes(const StrokeScale& scale) {
   const double d = scale.depth, a = scale.contact_radius;
-  const double reach = gross_slip_reach(scale.friction, scale.poisson) * d;  // along a half-space
+  const double reach = solve::gross_slip_reach(scale.friction, scale.poisson) * d;  // along a half-space
   const double shear = kShear * reach, slide = kSlide * a;
   std::vector<NamedStroke> all;
   all.push_back({"press", Pen(scale)
@@ -101,4 +101,4 @@ std::vector<NamedStroke> standard_strokes(const StrokeScale& scale) {
   return all;
 }
 
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::verify {
 
 struct NamedStroke {
   std::string name;
-  StrokePath path;
+  solve::StrokePath path;
 };
 
 struct StrokeScale {
@@ -28,4 +28,4 @@ struct StrokeScale {
 /// begins and ends free and stays within 3 contact radii of where it began.
 std::vector<NamedStroke> standard_strokes(const StrokeScale& scale);
 
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -26,9 +26,9 @@ protected:
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  BakeReport bake(const PairSolver& solver, const BakeOptions& options = {}) {
+  bake::BakeReport bake(const bake::PairSolver& solver, const bake::BakeOptions& options = {}) {
     Journal journal(folder_ / "samples.journal", manifest_);
-    return bake_pairs(pairs_, solver, journal, options);
+    return bake::bake_pairs(pairs_, solver, journal, options);
   }
   [[nodiscard]] JournalContent content() const { return read_journal(folder_ / "samples.journal", manifest_); }
 
@@ -53,9 +53,9 @@ protected:
 TEST_F(BakeLoop, SolvesEveryPairOnce) {
   FakeSolver solver;
   solver.refused_sites = {7, 31};
-  BakeOptions options;
+  bake::BakeOptions options;
   options.threads = 4;
-  const BakeReport report = bake(std::cref(solver), options);
+  const bake::BakeReport report = bake(std::cref(solver), options);
   EXPECT_EQ(solver.calls, 40);
   EXPECT_EQ(report.total, 40U);
   EXPECT_EQ(report.accepted, 38U);
@@ -74,7 +74,7 @@ TEST_F(BakeLoop, AFinishedBakeSolvesNothing) {
   FakeSolver solver;
   bake(std::cref(solver));
   const std::string before = digest();
-  const BakeReport again = bake(std::cref(solver));
+  const bake::BakeReport again = bake(std::cref(solver));
   EXPECT_EQ(solver.calls, 40);
   EXPECT_EQ(again.resumed, 40U);
   EXPECT_EQ(again.accepted, 40U);
@@ -90,7 +90,7 @@ TEST_F(BakeLoop, FrictionlessPairsRunNoTangentialSolve) {
 TEST_F(BakeLoop, ThreadsGiveTheSameContent) {
   FakeSolver solver;
   solver.per_sample = std::chrono::microseconds(20);
-  BakeOptions options;
+  bake::BakeOptions options;
   options.threads = 1;
   bake(std::cref(solver), options);
   const std::string one = digest();
@@ -103,11 +103,11 @@ TEST_F(BakeLoop, ThreadsGiveTheSameContent) {
 TEST_F(BakeLoop, StopLosesNothingAndGoesOn) {
   FakeSolver solver;
   solver.per_sample = std::chrono::microseconds(200);
-  BakeOptions options;
+  bake::BakeOptions options;
   options.threads = 2;
   std::atomic<int> polls{0};
   options.stop = [&polls] { return ++polls > 2; };
-  const BakeReport stopped = bake(std::cref(solver), options);
+  const bake::BakeReport stopped = bake(std::cref(solver), options);
   EXPECT_TRUE(stopped.stopped);
   EXPECT_LT(stopped.accepted, 40U);
   const JournalContent half = content();
@@ -118,7 +118,7 @@ TEST_F(BakeLoop, StopLosesNothingAndGoesOn) {
   EXPECT_EQ(finished, static_cast<std::size_t>(solver.calls));
   EXPECT_GT(finished, 0U);
 
-  const BakeReport rest = bake(std::cref(solver));
+  const bake::BakeReport rest = bake(std::cref(solver));
   EXPECT_EQ(rest.resumed, stopped.accepted);
   EXPECT_EQ(rest.accepted, 40U);
   const JournalContent whole = content();
@@ -171,7 +171,7 @@ TEST_F(BakeLoop, AReSolvedPairThatLosesASampleIsAnError) {
 TEST_F(BakeLoop, ChecksAreKeptAndMustComeAgain) {
   const FakeSolver solver;
   double difference = 0.02;
-  const PairSolver checked = [&](const PairPlan& plan, const SampleSink& sink) {
+  const bake::PairSolver checked = [&](const PairPlan& plan, const solve::SampleSink& sink) {
     PairResult result = solver(plan, sink);
     if (plan.site % 4 == 0) result.check = PairCheck{5000, 12, 12, difference, {}};
     return result;
@@ -194,11 +194,11 @@ TEST_F(BakeLoop, ChecksAreKeptAndMustComeAgain) {
 
 TEST_F(BakeLoop, AWorkersErrorEndsTheBakeAndKeepsTheRest) {
   FakeSolver solver;
-  const PairSolver broken = [&](const PairPlan& plan, const SampleSink& sink) {
+  const bake::PairSolver broken = [&](const PairPlan& plan, const solve::SampleSink& sink) {
     if (plan.site == 20) throw Error(ExitCode::io, "no more memory for pair 20");
     return solver(plan, sink);
   };
-  BakeOptions options;
+  bake::BakeOptions options;
   options.threads = 2;
   const auto [code, text] = error_of([&] { bake(broken, options); });
   EXPECT_EQ(code, ExitCode::io);
@@ -217,7 +217,7 @@ TEST_F(BakeLoop, AJournalOfAShorterPlanIsRefused) {
 TEST_F(BakeLoop, NothingToDoIsDone) {
   pairs_.clear();
   FakeSolver solver;
-  const BakeReport report = bake(std::cref(solver));
+  const bake::BakeReport report = bake(std::cref(solver));
   EXPECT_EQ(solver.calls, 0);
   EXPECT_EQ(report.total, 0U);
   EXPECT_FALSE(report.stopped);
@@ -227,11 +227,11 @@ TEST_F(BakeLoop, ProgressTellsRateAndTimeLeft) {
   FakeSolver solver;
   solver.per_sample = std::chrono::microseconds(100);
   solver.refused_sites = {0};
-  BakeOptions options;
+  bake::BakeOptions options;
   options.threads = 2;
   options.interval = 0.0;
-  std::vector<BakeProgress> seen;
-  options.progress = [&seen](const BakeProgress& p) { seen.push_back(p); };
+  std::vector<bake::BakeProgress> seen;
+  options.progress = [&seen](const bake::BakeProgress& p) { seen.push_back(p); };
   bake(std::cref(solver), options);
   ASSERT_FALSE(seen.empty());
   EXPECT_EQ(seen.back().done, 40U);
@@ -241,13 +241,13 @@ TEST_F(BakeLoop, ProgressTellsRateAndTimeLeft) {
 }
 
 TEST(Progress, TextAndPlainLines) {
-  const BakeProgress half{200, 50, 3, 100.0, 1800.0, 300.0};
-  EXPECT_EQ(progress_text(half), "bake 50/200 pairs (25.0 %), 3 refused, 1800 pairs/h, 5 min 0 s left");
-  EXPECT_EQ(duration_text(59.2), "1 min 0 s");
-  EXPECT_EQ(duration_text(7500), "2 h 5 min");
+  const bake::BakeProgress half{200, 50, 3, 100.0, 1800.0, 300.0};
+  EXPECT_EQ(bake::progress_text(half), "bake 50/200 pairs (25.0 %), 3 refused, 1800 pairs/h, 5 min 0 s left");
+  EXPECT_EQ(bake::duration_text(59.2), "1 min 0 s");
+  EXPECT_EQ(bake::duration_text(7500), "2 h 5 min");
   std::FILE* stream = std::tmpfile();
   ASSERT_NE(stream, nullptr);
-  ProgressPrinter printer(stream, 10.0);
+  bake::ProgressPrinter printer(stream, 10.0);
   for (std::size_t second = 1; second <= 25; ++second)
     printer({25, second, 0, double(second), 3600.0, 25.0 - double(second)});
   std::rewind(stream);

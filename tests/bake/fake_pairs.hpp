@@ -29,7 +29,7 @@ struct FakeSolver {
   std::vector<std::uint32_t> refused_sites;
   mutable std::atomic<int> calls{0};
 
-  PairResult operator()(const PairPlan& plan, const SampleSink& sink) const {
+  PairResult operator()(const PairPlan& plan, const solve::SampleSink& sink) const {
     ++calls;
     AnalyticPair pair = power_law(400.0 + 3.0 * plan.site, 1.5);
     pair.friction = friction;

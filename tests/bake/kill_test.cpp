@@ -35,27 +35,27 @@ protected:
   void bake(const std::string& name, unsigned threads, microseconds per_sample) {
     solver_.per_sample = per_sample;
     Journal journal(folder_ / name, manifest_);
-    BakeOptions options;
+    bake::BakeOptions options;
     options.threads = threads;
-    bake_pairs(plan_.pairs, std::cref(solver_), journal, options);
+    bake::bake_pairs(plan_.pairs, std::cref(solver_), journal, options);
   }
   [[nodiscard]] JournalContent content(const std::string& name) const {
     return read_journal(folder_ / name, manifest_);
   }
   [[nodiscard]] std::vector<std::byte> response_bytes(const std::string& name) const {
-    FitSettings settings;
+    fit::FitSettings settings;
     settings.depth_scale = scene_.sampling.depth;
     settings.friction = true;
-    const FittedResponses fitted = fit_responses(plan_, mesh_.triangles, {1}, content(name), settings);
-    return encode(assemble_response(scene_, {tool_}, ball_surface(mesh_), plan_, manifest_, fitted));
+    const fit::FittedResponses fitted = fit::fit_responses(plan_, mesh_.triangles, {1}, content(name), settings);
+    return encode(fit::assemble_response(scene_, {tool_}, ball_surface(mesh_), plan_, manifest_, fitted));
   }
 
   std::filesystem::path folder_;
   Hash128 manifest_ = hash128("kill");
   Scene scene_;
-  Tool tool_;
-  HapticMesh mesh_ = ball_mesh(2, 0.05, 0.005);
-  Plan plan_ = ball_plan(mesh_);
+  tool::Tool tool_;
+  sites::HapticMesh mesh_ = ball_mesh(2, 0.05, 0.005);
+  bake::Plan plan_ = ball_plan(mesh_);
   FakeSolver solver_;
 };
 

@@ -11,12 +11,12 @@
 namespace palpate::test {
 namespace {
 
-Plan awkward_plan() {
+bake::Plan awkward_plan() {
   std::mt19937_64 random(3);
   const auto number = [&random] {
     return std::ldexp(static_cast<double>(random()), -64 - static_cast<int>(random() % 40));
   };
-  Plan plan;
+  bake::Plan plan;
   plan.inputs.scene = hash128("scene");
   plan.inputs.body = hash128("body");
   plan.inputs.haptic_mesh = hash128("mesh");
@@ -32,15 +32,15 @@ Plan awkward_plan() {
     pair.depth = number();
     plan.pairs.push_back(pair);
   }
-  plan.skipped = {{3, 0, 1, SkipReason::support}, {9, 1, 0, SkipReason::outside}};
+  plan.skipped = {{3, 0, 1, bake::SkipReason::support}, {9, 1, 0, bake::SkipReason::outside}};
   return plan;
 }
 
 TEST(Manifest, ReadsBackToTheBit) {
-  const Plan plan = awkward_plan();
-  const std::string text = manifest_text(plan);
-  EXPECT_EQ(manifest_text(plan), text);
-  const Manifest back = parse_manifest(text, "manifest.json");
+  const bake::Plan plan = awkward_plan();
+  const std::string text = bake::manifest_text(plan);
+  EXPECT_EQ(bake::manifest_text(plan), text);
+  const bake::Manifest back = bake::parse_manifest(text, "manifest.json");
   EXPECT_EQ(back.inputs, plan.inputs);
   EXPECT_EQ(back.skipped, plan.skipped);
   ASSERT_EQ(back.pairs.size(), plan.pairs.size());
@@ -58,29 +58,29 @@ TEST(Manifest, ReadsBackToTheBit) {
 
 // Journals are bound to the hash of the text.
 TEST(Manifest, RolesKeepTheNamesOfVersionOne) {
-  Plan plan = awkward_plan();
+  bake::Plan plan = awkward_plan();
   plan.pairs[1].role = PairRole::normal;
   plan.pairs[2].role = PairRole::hidden;
-  const std::string text = manifest_text(plan);
+  const std::string text = bake::manifest_text(plan);
   EXPECT_NE(text.find("\"role\": \"straight\""), std::string::npos) << text.substr(0, 2000);
-  const Manifest back = parse_manifest(text, "manifest.json");
+  const bake::Manifest back = bake::parse_manifest(text, "manifest.json");
   EXPECT_EQ(back.pairs[0].role, PairRole::full);
   EXPECT_EQ(back.pairs[1].role, PairRole::normal);
   EXPECT_EQ(back.pairs[2].role, PairRole::hidden);
 }
 
 TEST(Manifest, AnyChangeChangesItsHash) {
-  Plan plan = awkward_plan();
-  const Hash128 hash = manifest_hash(manifest_text(plan));
+  bake::Plan plan = awkward_plan();
+  const Hash128 hash = bake::manifest_hash(bake::manifest_text(plan));
   plan.pairs[150].depth = std::nextafter(plan.pairs[150].depth, 1.0);
-  EXPECT_FALSE(manifest_hash(manifest_text(plan)) == hash);
+  EXPECT_FALSE(bake::manifest_hash(bake::manifest_text(plan)) == hash);
   plan = awkward_plan();
   plan.inputs.scene = hash128("another");
-  EXPECT_FALSE(manifest_hash(manifest_text(plan)) == hash);
+  EXPECT_FALSE(bake::manifest_hash(bake::manifest_text(plan)) == hash);
 }
 
 TEST(Manifest, OtherFilesAreRefused) {
-  const std::string good = manifest_text(awkward_plan());
+  const std::string good = bake::manifest_text(awkward_plan());
   const auto replaced = [&good](const std::string& from, const std::string& to) {
     std::string text = good;
     return text.replace(text.find(from), from.size(), to);
@@ -90,7 +90,7 @@ TEST(Manifest, OtherFilesAreRefused) {
         replaced("palpate manifest", "something else"), replaced("\"version\": 1", "\"version\": 2"),
         replaced("\"site\": 0", "\"site\": \"zero\""), replaced("\"depth\"", "\"deep\"")}) {
     try {
-      parse_manifest(text, "manifest.json");
+      bake::parse_manifest(text, "manifest.json");
       ADD_FAILURE() << "accepted: " << text.substr(0, 60);
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ExitCode::bad_input);

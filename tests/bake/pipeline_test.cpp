@@ -61,7 +61,7 @@ mesh_size = )" << mesh_size << "\n" << more;
     return p;
   }
   void bake(const std::string& work, unsigned threads) const {
-    BakeOptions options;
+    bake::BakeOptions options;
     options.threads = threads;
     const Pipeline p = open(work);
     pipeline::bake(p, options);
@@ -69,9 +69,9 @@ mesh_size = )" << mesh_size << "\n" << more;
   /// The pipeline of the scene as written, every pair accepted.
   [[nodiscard]] Pipeline baked() const {
     Pipeline p = open("work");
-    BakeOptions options;
+    bake::BakeOptions options;
     options.threads = 1;
-    const BakeReport report = pipeline::bake(p, options);
+    const bake::BakeReport report = pipeline::bake(p, options);
     EXPECT_EQ(report.refused.size(), 0U) << (report.refused.empty() ? "" : report.refused[0].cause);
     return p;
   }
@@ -87,9 +87,9 @@ mesh_size = )" << mesh_size << "\n" << more;
 TEST_F(SlabPipeline, FrictionlessSlabLeavesOutWhatItDoesNotNeed) {
   const Pipeline p = open("work");
   EXPECT_GE(p.plan.pairs.size(), 3U);
-  BakeOptions options;
+  bake::BakeOptions options;
   options.threads = 1;
-  const BakeReport bake = pipeline::bake(p, options);
+  const bake::BakeReport bake = pipeline::bake(p, options);
   EXPECT_EQ(bake.refused.size(), 0U) << (bake.refused.empty() ? "" : bake.refused[0].cause);
   EXPECT_GE(bake.normal_solves, 4 * p.plan.pairs.size());
   EXPECT_EQ(bake.tangential_solves, 0U);
@@ -98,7 +98,7 @@ TEST_F(SlabPipeline, FrictionlessSlabLeavesOutWhatItDoesNotNeed) {
     EXPECT_EQ(data.outcome->tangential_solves, 0U);
     for (const Sample& s : data.samples) EXPECT_EQ(s.kind, SampleKind::normal);
   }
-  const FitReport fit = pipeline::fit(p);
+  const fit::FitReport fit = pipeline::fit(p);
   EXPECT_LT(fit.normal.p95, 0.02);
   const std::vector<std::byte> bytes = read_bytes(p.paths.response);
   ASSERT_GE(bytes.size(), sizeof(layout::FileHeader));
@@ -111,7 +111,7 @@ TEST_F(SlabPipeline, FrictionlessSlabLeavesOutWhatItDoesNotNeed) {
 TEST_F(SlabPipeline, AToolThatHoldsOnHasItsPullsAndTurnsInTheFile) {
   write_scene(5000, "[[tool]]\nname = \"forceps\"\nradius = 0.004\ngrasp_depth = 0.001\ngrasp_turn = 0.2\n");
   const Pipeline p = baked();
-  const FitReport fit = pipeline::fit(p);
+  const fit::FitReport fit = pipeline::fit(p);
   EXPECT_TRUE(fit.grasp);
   EXPECT_GT(fit.grasped.samples, 10 * p.plan.pairs.size() / 2);
   EXPECT_LT(fit.grasped.median, 0.03);
@@ -190,8 +190,8 @@ TEST_F(SlabPipeline, ASolvedPlanIsNotOverwritten) {
   {
     const Pipeline p = open("work");
     EXPECT_TRUE(std::filesystem::exists(p.paths.manifest));
-    const std::string text = manifest_text(p.plan);
-    EXPECT_EQ(parse_manifest(text, "manifest").pairs.size(), p.plan.pairs.size());
+    const std::string text = bake::manifest_text(p.plan);
+    EXPECT_EQ(bake::parse_manifest(text, "manifest").pairs.size(), p.plan.pairs.size());
   }
   write_scene(6000);
   EXPECT_NO_THROW(open("work")) << "nothing was solved for the old plan yet";
@@ -268,7 +268,7 @@ TEST_F(SlabPipeline, ASceneWithFrictionIsBakedAndFitted) {
   write_scene(5000, "[contact]\nfriction = 0.3\n[response]\npath_share = 1\ntolerance = 0.015\n",
               0.6, 0.009);
   const Pipeline p = baked();
-  const FitReport fit = pipeline::fit(p);
+  const fit::FitReport fit = pipeline::fit(p);
   EXPECT_LT(fit.normal.p95, 0.025);
   EXPECT_LT(fit.tangential.p95, 0.025);  // so coarse elements scatter by as much
   EXPECT_LT(fit.held_out.p95, 0.025);

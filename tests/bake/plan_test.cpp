@@ -41,7 +41,7 @@ protected:
     support.box_max = {0.02, 1, 1};
     body_.supports = {support};
     body_.support_surfaces.resize(1);
-    body_.query = std::make_shared<SurfaceQuery>(slab());
+    body_.query = std::make_shared<geometry::SurfaceQuery>(slab());
     for (const double x : {0.010, 0.022, 0.024, 0.0251, 0.030, 0.050}) {
       mesh_.points.emplace_back(x, 0.05, 0.02);
       mesh_.normals.emplace_back(0, 0, 1);
@@ -54,31 +54,31 @@ protected:
     mesh_.triangles = {{0, 1, 2}, {3, 4, 5}};
     ToolScene sphere;
     sphere.radius = 0.005;
-    tools_ = {make_tool(sphere)};
+    tools_ = {tool::make_tool(sphere)};
   }
 
   Scene scene_;
   Body body_;
-  HapticMesh mesh_;
-  std::vector<Tool> tools_;
+  sites::HapticMesh mesh_;
+  std::vector<tool::Tool> tools_;
 };
 
 TEST_F(SlabPlan, FootprintsThatReachASupportAreSkipped) {
-  const Plan plan = make_plan(scene_, body_, mesh_, tools_);
+  const bake::Plan plan = bake::make_plan(scene_, body_, mesh_, tools_);
   // Contact radius at full depth: 5 mm. Sites 0 (held), 1 and 2 (2 and 4 mm away) are untouchable.
   ASSERT_EQ(plan.pairs.size(), 3U);
   EXPECT_EQ(plan.pairs[0].site, 3U);
   EXPECT_EQ(plan.pairs[2].site, 5U);
   ASSERT_EQ(plan.skipped.size(), 3U);
-  for (const SkippedPair& pair : plan.skipped) EXPECT_EQ(pair.reason, SkipReason::support);
+  for (const bake::SkippedPair& pair : plan.skipped) EXPECT_EQ(pair.reason, bake::SkipReason::support);
   // A shallower push has a smaller footprint: sqrt(5 mm x 0.5 mm) = 1.6 mm.
   for (double& depth : mesh_.depth) depth = 0.0005;
-  EXPECT_EQ(make_plan(scene_, body_, mesh_, tools_).pairs.size(), 5U);
+  EXPECT_EQ(bake::make_plan(scene_, body_, mesh_, tools_).pairs.size(), 5U);
 }
 
 TEST_F(SlabPlan, FramesAndDepthsAreTheMeshs) {
   mesh_.depth[4] = 0.003;
-  const Plan plan = make_plan(scene_, body_, mesh_, tools_);
+  const bake::Plan plan = bake::make_plan(scene_, body_, mesh_, tools_);
   const PairPlan& pair = plan.pairs[1];
   EXPECT_EQ(pair.site, 4U);
   EXPECT_EQ(pair.depth, 0.003);
@@ -92,8 +92,8 @@ TEST_F(SlabPlan, SiteMajorOverToolsAndVertices) {
   capsule.shape = ToolScene::Shape::capsule;
   capsule.radius = 0.003;
   capsule.length = 0.006;  // laid down it ends before the held part
-  tools_.push_back(make_tool(capsule));
-  const Plan plan = make_plan(scene_, body_, mesh_, tools_);
+  tools_.push_back(tool::make_tool(capsule));
+  const bake::Plan plan = bake::make_plan(scene_, body_, mesh_, tools_);
   const std::size_t vertices = tools_[1].vertices.size();
   EXPECT_EQ(plan.pairs.size() + plan.skipped.size(), 6 * (1 + vertices));
   for (std::size_t k = 1; k < plan.pairs.size(); ++k) {
@@ -109,15 +109,15 @@ TEST_F(SlabPlan, SiteMajorOverToolsAndVertices) {
 
 TEST_F(SlabPlan, SitesOutsideTheRegionAreSkipped) {
   mesh_.selected[5] = 0;
-  const Plan plan = make_plan(scene_, body_, mesh_, tools_);
+  const bake::Plan plan = bake::make_plan(scene_, body_, mesh_, tools_);
   EXPECT_EQ(plan.pairs.size(), 2U);
-  EXPECT_EQ(plan.skipped.back(), (SkippedPair{5, 0, 0, SkipReason::outside}));
+  EXPECT_EQ(plan.skipped.back(), (bake::SkippedPair{5, 0, 0, bake::SkipReason::outside}));
 }
 
 TEST_F(SlabPlan, NothingToTouchIsAnError) {
   body_.supports[0].box_max = {1, 1, 1};
   try {
-    make_plan(scene_, body_, mesh_, tools_);
+    bake::make_plan(scene_, body_, mesh_, tools_);
     FAIL() << "every site is held";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::bad_input);
@@ -126,18 +126,18 @@ TEST_F(SlabPlan, NothingToTouchIsAnError) {
 }
 
 TEST_F(SlabPlan, InputsAreHashed) {
-  const PlanInputs before = make_plan(scene_, body_, mesh_, tools_).inputs;
-  EXPECT_EQ(make_plan(scene_, body_, mesh_, tools_).inputs, before);
+  const bake::PlanInputs before = bake::make_plan(scene_, body_, mesh_, tools_).inputs;
+  EXPECT_EQ(bake::make_plan(scene_, body_, mesh_, tools_).inputs, before);
   scene_.material.young *= 2;
-  EXPECT_FALSE(make_plan(scene_, body_, mesh_, tools_).inputs.scene == before.scene);
+  EXPECT_FALSE(bake::make_plan(scene_, body_, mesh_, tools_).inputs.scene == before.scene);
   mesh_.points[5].x() += 1e-12;
-  EXPECT_FALSE(make_plan(scene_, body_, mesh_, tools_).inputs.haptic_mesh == before.haptic_mesh);
+  EXPECT_FALSE(bake::make_plan(scene_, body_, mesh_, tools_).inputs.haptic_mesh == before.haptic_mesh);
   Surface moved = slab();
   moved.vertices[7].x() += 1e-9;
-  body_.query = std::make_shared<SurfaceQuery>(moved);
-  EXPECT_FALSE(make_plan(scene_, body_, mesh_, tools_).inputs.body == before.body);
+  body_.query = std::make_shared<geometry::SurfaceQuery>(moved);
+  EXPECT_FALSE(bake::make_plan(scene_, body_, mesh_, tools_).inputs.body == before.body);
   tools_[0].vertices[0].curvature_radius *= 1.5;
-  EXPECT_FALSE(make_plan(scene_, body_, mesh_, tools_).inputs.tools == before.tools);
+  EXPECT_FALSE(bake::make_plan(scene_, body_, mesh_, tools_).inputs.tools == before.tools);
 }
 
 }  // namespace

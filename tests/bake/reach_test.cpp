@@ -6,7 +6,7 @@
 
 #include <memory>
 
-namespace palpate {
+namespace palpate::bake {
 namespace {
 
 // Strip in y with the profile of a flat top and a V-shaped groove at x = 0, `half_width` wide to either side.
@@ -24,14 +24,14 @@ Body grooved(double half_width) {
   }
   s.parts.assign(s.triangles.size(), 0);
   Body body;
-  body.query = std::make_shared<const SurfaceQuery>(s);
+  body.query = std::make_shared<const geometry::SurfaceQuery>(s);
   return body;
 }
 
 TEST(Reach, AToolMeetsTheWallsOfANarrowFoldFirst) {
   ToolScene scene;
   scene.radius = 0.005;
-  const Tool tool = make_tool(scene);
+  const tool::Tool tool = tool::make_tool(scene);
   ContactFrame bottom, top;
   bottom.origin = {0, 0, -0.01};
   top.origin = {0.02, 0, 0};
@@ -51,7 +51,7 @@ TEST(Reach, AToolMeetsTheWallsOfANarrowFoldFirst) {
 TEST(Reach, AWallInTheWayBlocksTheTool) {
   ToolScene scene;
   scene.radius = 0.005;
-  const Tool tool = make_tool(scene);
+  const tool::Tool tool = tool::make_tool(scene);
   ContactFrame top;
   top.origin = {0.02, 0, 0};
   Surface s = grooved(0.003).query->surface();
@@ -64,7 +64,7 @@ TEST(Reach, AWallInTheWayBlocksTheTool) {
     s.triangles.push_back({n, n + 1, n + 2});
     s.triangles.push_back({n + 1, n + 3, n + 2});
     s.parts.assign(s.triangles.size(), 0);
-    body.query = std::make_shared<const SurfaceQuery>(s);
+    body.query = std::make_shared<const geometry::SurfaceQuery>(s);
     const TouchReach reach = touch_reach({body, tool, tool.vertices[0], top});
     EXPECT_NEAR(reach.overlap, 0.0005, 1e-5) << height;
     EXPECT_EQ(reach.blocked, height > 0.01) << height;
@@ -82,7 +82,7 @@ TEST(Reach, SupportsUnderTheFootprintCount) {
   body.support_surfaces.emplace_back();
   ToolScene scene;
   scene.radius = 0.005;
-  const Tool tool = make_tool(scene);
+  const tool::Tool tool = tool::make_tool(scene);
   ContactFrame near_support, clear;
   near_support.origin = {-0.017, 0, 0};
   clear.origin = {-0.012, 0, 0};
@@ -95,11 +95,11 @@ TEST(Reach, SupportsUnderTheFootprintCount) {
   scene.radius = 0.004;
   scene.length = 0.012;
   scene.whole = true;
-  const Tool stem = make_tool(scene);
+  const tool::Tool stem = tool::make_tool(scene);
   EXPECT_FALSE(reaches_support({body, stem, stem.vertices.front(), clear}, 0.002)) << "the tip";
   EXPECT_TRUE(reaches_support({body, stem, stem.vertices[stem.vertices.size() - 2], clear}, 0.002))
       << "the stem's middle";
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::bake

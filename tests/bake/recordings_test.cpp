@@ -13,7 +13,7 @@ protected:
   std::string refused(Pipeline& p, const std::string& recording) const {
     p.scene_sources.measured = {{folder_.write("bad.csv", recording), {}, 0.0}};
     return message_of([&] {
-      p.sources = find_sources(p.scene, p.scene_sources, p.body, p.tools, p.mesh, p.plan);
+      p.sources = pipeline::find_sources(p.scene, p.scene_sources, p.body, p.tools, p.mesh, p.plan);
       pipeline::fit(p);
     });
   }
@@ -104,16 +104,18 @@ TEST_F(Recordings, TheOtherFaceOfAThinWallIsNotMeant) {
   const Eigen::Vector3d touched(0.001, 0.002, 0.02);
   const std::uint32_t expected = nearest_pair(p, touched);
   p.scene_sources.measured = {{folder_.write("wall.csv", csv(touched, pushes(1))), {}, 0.0}};
-  const auto sources = [&] { return find_sources(p.scene, p.scene_sources, p.body, p.tools, p.mesh, p.plan); };
+  const auto sources = [&] {
+    return pipeline::find_sources(p.scene, p.scene_sources, p.body, p.tools, p.mesh, p.plan);
+  };
   // As if the slab were a sheet: a site of its lower face right below.
-  PlanSite below = p.plan.sites[p.plan.pairs[expected].site];
+  bake::PlanSite below = p.plan.sites[p.plan.pairs[expected].site];
   below.frame.origin = touched - Eigen::Vector3d(0, 0, 1e-4);
   below.frame.n = -below.frame.n;
   p.plan.sites.push_back(below);
-  const PairSources found = sources();
+  const fit::PairSources found = sources();
   ASSERT_EQ(found.external.size(), 1U);
   EXPECT_EQ(found.external.begin()->first, expected);
-  for (PlanSite& site : p.plan.sites) site.frame.n = {0, 0, -1};
+  for (bake::PlanSite& site : p.plan.sites) site.frame.n = {0, 0, -1};
   EXPECT_NE(message_of(sources).find("csv:3: no site of the body faces as"), std::string::npos);
 }
 
@@ -123,10 +125,10 @@ TEST_F(Recordings, WhatIsPassedOverIsCounted) {
   rows.push_back({{0, 0, 0}, {0, 0, 0}});
   rows.push_back({{0, 0, -1.1 * kDepth}, {0, 0, 1}});
   rows.push_back({{0.001, 0, -0.001}, {0, 0, 1}});
-  const FitReport report = pipeline::fit(open("[sources]\nrest = \"filled\"\n", csv({0, 0, 0.02}, rows)));
+  const fit::FitReport report = pipeline::fit(open("[sources]\nrest = \"filled\"\n", csv({0, 0, 0.02}, rows)));
   ASSERT_EQ(report.recorded.size(), 1U);
   EXPECT_EQ(report.recorded[0].rows, 60U);
-  EXPECT_EQ(to_text(report.recorded[0].passed),
+  EXPECT_EQ(fit::to_text(report.recorded[0].passed),
             "4 rows passed over: 2 not in contact, 1 deeper than sampling.depth, 1 too far aside");
 }
 

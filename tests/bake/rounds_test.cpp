@@ -33,35 +33,35 @@ protected:
     sphere.radius = 0.005;
     scene_.tools = {sphere};
     scene_.sampling.depth = 0.003;
-    scene_.sampling.spacing = first_spacing(scene_, body_);
-    tools_ = {make_tool(sphere)};
+    scene_.sampling.spacing = pipeline::first_spacing(scene_, body_);
+    tools_ = {tool::make_tool(sphere)};
   }
 
   /// Rounds until there are no more.
   struct Sites {
-    HapticMesh mesh;
-    Plan plan;
+    sites::HapticMesh mesh;
+    bake::Plan plan;
     JournalContent journal;
-    SamplingEstimate estimate;
+    bake::SamplingEstimate estimate;
     int rounds = 0;
   };
   [[nodiscard]] Sites sampled() const {
-    const Sampled sampled{scene_, body_, tools_};
+    const pipeline::Sampled sampled{scene_, body_, tools_};
     Sites s;
-    s.mesh = make_haptic_mesh(scene_, body_);
-    s.plan = first_round(sampled, s.mesh);
+    s.mesh = sites::make_haptic_mesh(scene_, body_);
+    s.plan = pipeline::first_round(sampled, s.mesh);
     do {
       solve(s);
-      s.estimate = judge(sampled, s.mesh, s.plan, s.journal);
+      s.estimate = pipeline::judge(sampled, s.mesh, s.plan, s.journal);
       ++s.rounds;
-    } while (!s.estimate.met && s.rounds < 20 && add_round(sampled, s.journal, s.mesh, s.plan));
+    } while (!s.estimate.met && s.rounds < 20 && pipeline::add_round(sampled, s.journal, s.mesh, s.plan));
     return s;
   }
 
   void solve(Sites& s) const {
     for (auto k = static_cast<std::uint32_t>(s.journal.pairs.size()); k < s.plan.pairs.size(); ++k) {
       JournalPair& pair = s.journal.pairs[k];
-      for (const double z : normal_path(scene_, s.plan.pairs[k].depth).normal_depths) {
+      for (const double z : solve::normal_path(scene_, s.plan.pairs[k].depth).normal_depths) {
         Sample sample;
         sample.index = static_cast<std::uint16_t>(pair.samples.size());
         sample.deflection = {0, 0, z};
@@ -79,14 +79,15 @@ protected:
     coarse.vertices = s.mesh.points;
     coarse.triangles = s.mesh.triangles;
     set_one_part(coarse, "patches");
-    const SurfaceQuery query(coarse);
+    const geometry::SurfaceQuery query(coarse);
     std::mt19937_64 engine(7);
     std::normal_distribution<double> normal;
     std::vector<double> errors;
     for (int k = 0; k < 4000; ++k) {
       const Vector3d at = kBall * Vector3d(normal(engine), normal(engine), normal(engine)).normalized();
       const auto& t = s.mesh.triangles[query.closest(at).triangle];
-      const auto w = closest_on_triangle(at, s.mesh.points[t[0]], s.mesh.points[t[1]], s.mesh.points[t[2]]).weights;
+      const auto w =
+          geometry::closest_on_triangle(at, s.mesh.points[t[0]], s.mesh.points[t[1]], s.mesh.points[t[2]]).weights;
       double predicted = 0;
       for (int c = 0; c < 3; ++c) predicted += w[c] * stiffness(s.mesh.points[t[c]]);
       errors.push_back(std::abs(predicted / stiffness(at) - 1));
@@ -97,7 +98,7 @@ protected:
 
   Scene scene_;
   Body body_;
-  std::vector<Tool> tools_;
+  std::vector<tool::Tool> tools_;
 };
 
 TEST_F(BallRounds, SitesGatherWhereTheForceCurvesUntilTheToleranceHolds) {
@@ -123,8 +124,8 @@ TEST_F(BallRounds, SitesGatherWhereTheForceCurvesUntilTheToleranceHolds) {
 TEST_F(BallRounds, EveryRoleIsPlannedAndEarlierPairsKeepTheirNumbers) {
   scene_.response.tolerance = 0.02;
   const Sites s = sampled();
-  const HapticMesh first_mesh = make_haptic_mesh(scene_, body_);
-  const Plan first = first_round({scene_, body_, tools_}, first_mesh);
+  const sites::HapticMesh first_mesh = sites::make_haptic_mesh(scene_, body_);
+  const bake::Plan first = pipeline::first_round({scene_, body_, tools_}, first_mesh);
   ASSERT_LT(first.pairs.size(), s.plan.pairs.size());
   for (std::size_t k = 0; k < first.pairs.size(); ++k) {
     EXPECT_EQ(first.pairs[k].frame.origin, s.plan.pairs[k].frame.origin);

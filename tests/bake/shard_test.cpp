@@ -17,21 +17,21 @@ constexpr std::uint32_t kPairs = 40;
 
 class Shards : public testing::Test {
 protected:
-  void bake(const Shard& shard, const FakeSolver& solver) const {
+  void bake(const bake::Shard& shard, const FakeSolver& solver) const {
     std::filesystem::create_directories(folder_.path() / "shards");
     Journal journal(folder_.path() / "shards" / (shard.name() + ".journal"), manifest_);
-    BakeOptions options;
+    bake::BakeOptions options;
     options.threads = 2;
     options.wanted = [&](std::uint32_t pair) { return shard.holds(pair); };
-    bake_pairs(pairs_, std::cref(solver), journal, options);
+    bake::bake_pairs(pairs_, std::cref(solver), journal, options);
   }
-  BakeReport merge(const JournalContent& shards) const {
+  bake::BakeReport merge(const JournalContent& shards) const {
     Journal journal(folder_.path() / "samples.journal", manifest_);
-    BakeOptions options;
+    bake::BakeOptions options;
     options.wanted = [&](std::uint32_t pair) { return journal.content().finished(pair) || shards.finished(pair); };
-    return bake_pairs(pairs_, recorded_solver(pairs_, shards), journal, options);
+    return bake::bake_pairs(pairs_, bake::recorded_solver(pairs_, shards), journal, options);
   }
-  [[nodiscard]] JournalContent shards() const { return read_shards(folder_.path() / "shards", manifest_); }
+  [[nodiscard]] JournalContent shards() const { return bake::read_shards(folder_.path() / "shards", manifest_); }
   [[nodiscard]] JournalContent content(const char* name) const {
     return read_journal(folder_.path() / name, manifest_);
   }
@@ -57,20 +57,20 @@ TEST_F(Shards, TogetherHoldEveryPairOnce) {
   for (const std::uint32_t count : {1U, 3U, 8U, 40U, 41U}) {
     for (std::uint32_t pair = 0; pair < kPairs; ++pair) {
       int holders = 0;
-      for (std::uint32_t index = 1; index <= count; ++index) holders += Shard{index, count}.holds(pair) ? 1 : 0;
+      for (std::uint32_t index = 1; index <= count; ++index) holders += bake::Shard{index, count}.holds(pair) ? 1 : 0;
       EXPECT_EQ(holders, 1) << pair << " of " << count;
     }
   }
 }
 
 TEST_F(Shards, ANameIsReadOrRefusedWithWhatIsAllowed) {
-  const Shard shard = parse_shard("3/8");
+  const bake::Shard shard = bake::parse_shard("3/8");
   EXPECT_EQ(shard.index, 3U);
   EXPECT_EQ(shard.count, 8U);
   for (const char* text : {"", "3", "/", "3/", "/8", "0/8", "9/8", "-1/8", "3/8/1", " 3/8", "3/8 ", "3.0/8", "1/100001",
                            "1/99999999999"}) {
     try {
-      static_cast<void>(parse_shard(text));
+      static_cast<void>(bake::parse_shard(text));
       ADD_FAILURE() << text;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ExitCode::usage);
@@ -84,14 +84,14 @@ TEST_F(Shards, MergedHoldWhatOneBakeHolds) {
   solver.refused_sites = {7, 31};
   {
     Journal journal(folder_.path() / "whole", manifest_);
-    bake_pairs(pairs_, std::cref(solver), journal);
+    bake::bake_pairs(pairs_, std::cref(solver), journal);
   }
   for (const std::uint32_t index : {1U, 3U}) bake({index, 3}, solver);
-  const BakeReport first = merge(shards());
+  const bake::BakeReport first = merge(shards());
   EXPECT_EQ(first.total, 27U);
   // The rest in other parts, which hold some pairs a second time.
   for (const std::uint32_t index : {1U, 2U}) bake({index, 2}, solver);
-  const BakeReport second = merge(shards());
+  const bake::BakeReport second = merge(shards());
   EXPECT_EQ(second.total, kPairs);
   EXPECT_EQ(second.resumed, 27U);
   EXPECT_EQ(second.refused.size(), 2U);
@@ -133,8 +133,8 @@ TEST_F(Shards, AnUnfinishedPairOfTheSamplesThatDiffersIsRefused) {
 
 TEST_F(Shards, AnotherManifestIsRefused) {
   bake({1, 2}, FakeSolver{});
-  EXPECT_THROW(read_shards(folder_.path() / "shards", hash128("another")), Error);
-  EXPECT_TRUE(read_shards(folder_.path() / "none", manifest_).pairs.empty());
+  EXPECT_THROW(bake::read_shards(folder_.path() / "shards", hash128("another")), Error);
+  EXPECT_TRUE(bake::read_shards(folder_.path() / "none", manifest_).pairs.empty());
 }
 
 }  // namespace

@@ -44,10 +44,10 @@ struct Opened {
     return n;
   }
   /// Force (body frame) of the first tool at a site.
-  [[nodiscard]] Vec3 force(const PlanSite& site, const Vec3& deflection) const {
+  [[nodiscard]] Vec3 force(const bake::PlanSite& site, const Vec3& deflection) const {
     return force(site, 0, deflection);
   }
-  [[nodiscard]] Vec3 force(const PlanSite& site, std::uint32_t tool, const Vec3& deflection) const {
+  [[nodiscard]] Vec3 force(const bake::PlanSite& site, std::uint32_t tool, const Vec3& deflection) const {
     runtime::BlendedResponse<> response;
     response.blend(view, tool, closest_point(view, vec(site.frame.origin)).at, {}, {1, 0, 0}, nullptr);
     return response.force(deflection);
@@ -111,7 +111,7 @@ mesh_size = 0.7
 };
 
 /// Must never be called.
-inline PairResult no_solver(const PairPlan& /*pair*/, const SampleSink& /*sink*/) {
+inline PairResult no_solver(const PairPlan& /*pair*/, const solve::SampleSink& /*sink*/) {
   ADD_FAILURE() << "nothing has to be solved";
   return {};
 }

@@ -9,7 +9,7 @@ namespace {
 
 TEST_F(Sources, AnAnalyticSceneSolvesNothing) {
   const Pipeline p = open("[[analytic]]\nlaw = \"hertz\"\n");
-  const BakeReport bake = pipeline::bake(p, {}, no_solver);
+  const bake::BakeReport bake = pipeline::bake(p, {}, no_solver);
   EXPECT_EQ(bake.total + bake.normal_solves + bake.tangential_solves + bake.factorisations, 0U);
   EXPECT_TRUE(read_journal(p.paths.journal, p.manifest).pairs.empty());
   const Opened file = fitted(p);
@@ -17,7 +17,7 @@ TEST_F(Sources, AnAnalyticSceneSolvesNothing) {
   EXPECT_EQ(file.count(layout::response_solved) + file.count(layout::response_measured), 0U);
   EXPECT_EQ(file.provenance()["sources"]["analytic"], p.plan.pairs.size());
   EXPECT_LT(file.provenance()["sources"]["analytic_fit"]["worst"].get<double>(), 1e-3);
-  const PlanSite& site = p.plan.sites[p.plan.pairs[nearest_pair(p, {0, 0, 0.02})].site];
+  const bake::PlanSite& site = p.plan.sites[p.plan.pairs[nearest_pair(p, {0, 0, 0.02})].site];
   for (const double share : {0.1, 0.5, 1.0}) {
     const double d = share * kDepth;
     const Eigen::Vector3d down = -d * site.frame.n;
@@ -27,7 +27,7 @@ TEST_F(Sources, AnAnalyticSceneSolvesNothing) {
 
 TEST_F(Sources, AMeasuredSceneNeedsNoJournal) {
   const Pipeline p = open("[sources]\nrest = \"filled\"\n", csv({0.001, 0.002, 0.02}, pushes(1.5)));
-  const FitReport report = pipeline::fit(p);
+  const fit::FitReport report = pipeline::fit(p);
   ASSERT_EQ(report.recorded.size(), 1U);
   EXPECT_TRUE(report.recorded[0].outliers.empty());
   EXPECT_LT(report.recorded[0].rms, 1e-3 * hertz(kDepth));
@@ -36,7 +36,7 @@ TEST_F(Sources, AMeasuredSceneNeedsNoJournal) {
   EXPECT_EQ(file.count(layout::response_measured), 1U);
   EXPECT_EQ(file.count(layout::response_filled), file.view.meta->response_count - 1U);
   for (const PairPlan& pair : p.plan.pairs) {
-    const PlanSite& site = p.plan.sites[pair.site];
+    const bake::PlanSite& site = p.plan.sites[pair.site];
     EXPECT_NEAR(length(file.force(site, vec(-0.001 * site.frame.n))) / (1.5 * hertz(0.001)), 1, 0.01);
   }
 }
@@ -44,12 +44,12 @@ TEST_F(Sources, AMeasuredSceneNeedsNoJournal) {
 // Real solves; then one response is recorded, with noise and gross errors, and put in place of the solved one.
 TEST_F(Sources, ARecordingOfASolvedResponseGivesItBack) {
   const Pipeline solved = open("");
-  BakeOptions options;
+  bake::BakeOptions options;
   options.threads = 1;
   ASSERT_EQ(pipeline::bake(solved, options).refused.size(), 0U);
   const Opened before = fitted(solved);
   const std::uint32_t pair = nearest_pair(solved, {0.002, 0, 0.02});
-  const PlanSite& site = solved.plan.sites[solved.plan.pairs[pair].site];
+  const bake::PlanSite& site = solved.plan.sites[solved.plan.pairs[pair].site];
   const auto size = std::filesystem::file_size(solved.paths.journal);
 
   const double peak = length(before.force(site, vec(-kDepth * site.frame.n))), noise = 0.01 * peak;
@@ -70,7 +70,7 @@ TEST_F(Sources, ARecordingOfASolvedResponseGivesItBack) {
   const Pipeline mixed = open("", csv(site.frame.origin, rows));
   EXPECT_EQ(pipeline::bake(mixed, {}, no_solver).resumed, mixed.plan.pairs.size() - 1);
   EXPECT_EQ(std::filesystem::file_size(mixed.paths.journal), size);
-  const FitReport report = pipeline::fit(mixed);
+  const fit::FitReport report = pipeline::fit(mixed);
   ASSERT_EQ(report.recorded.size(), 1U);
   EXPECT_EQ(report.recorded[0].pair, pair);
   EXPECT_EQ(report.recorded[0].outliers, wrong);
@@ -89,7 +89,7 @@ TEST_F(Sources, ARecordingOfASolvedResponseGivesItBack) {
   }
   for (const PairPlan& other : mixed.plan.pairs) {
     if (other.site == mixed.plan.pairs[pair].site) continue;
-    const PlanSite& there = mixed.plan.sites[other.site];
+    const bake::PlanSite& there = mixed.plan.sites[other.site];
     const Vec3 down = vec(-0.0015 * there.frame.n);
     EXPECT_LT(length(after.force(there, down) - before.force(there, down)), 1e-4 * peak) << "solved sites stay";
   }
@@ -100,13 +100,13 @@ TEST_F(Sources, ARecordingOfASolvedResponseGivesItBack) {
 }
 
 TEST_F(Sources, AllThreeOverOneBody) {
-  const Plan plan = open("").plan;
+  const bake::Plan plan = open("").plan;
   const PairPlan &law = plan.pairs.front(), &recorded = plan.pairs.back();
   const Pipeline p =
       open("[[analytic]]\nlaw = \"spring\"\nstiffness = 100\nsites = [" + std::to_string(law.site) + "]\n",
            csv(recorded.frame.origin, pushes(2.0)));
   std::size_t solves = 0;
-  const auto solver = [&](const PairPlan& pair, const SampleSink& sink) {
+  const auto solver = [&](const PairPlan& pair, const solve::SampleSink& sink) {
     ++solves;
     PairResult result;
     for (int k = 1; k <= 8; ++k) {
@@ -119,7 +119,7 @@ TEST_F(Sources, AllThreeOverOneBody) {
     result.outcome.accepted = true;
     return result;
   };
-  BakeOptions one;
+  bake::BakeOptions one;
   one.threads = 1;
   pipeline::bake(p, one, solver);
   EXPECT_EQ(solves, p.plan.pairs.size() - 2);
@@ -158,10 +158,10 @@ TEST_F(Sources, BadLawsSaySo) {
                          "nothing to fill from for contact vertex 0 of the tool 'b'"}}) {
     const std::filesystem::path file = write_scene(c.scene, c.tool);
     const Scene scene = read_scene(file);
-    std::vector<Tool> tools;
-    for (const ToolScene& tool : scene.tools) tools.push_back(make_tool(tool));
+    std::vector<tool::Tool> tools;
+    for (const ToolScene& tool : scene.tools) tools.push_back(tool::make_tool(tool));
     const std::string text =
-        message_of([&] { find_sources(scene, read_sources(file), p.body, tools, p.mesh, p.plan); });
+        message_of([&] { pipeline::find_sources(scene, read_sources(file), p.body, tools, p.mesh, p.plan); });
     EXPECT_NE(text.find(c.expected), std::string::npos) << text;
   }
 }
@@ -174,7 +174,7 @@ TEST_F(Sources, LawsFollowPlaceAndTool) {
            {}, "name = \"a\"\nradius = 0.005\n[[tool]]\nname = \"b\"\nradius = 0.004\n");
   const Opened file = fitted(p);
   EXPECT_EQ(file.count(layout::response_analytic), p.plan.pairs.size());
-  const PlanSite& site = p.plan.sites[p.plan.pairs[0].site];
+  const bake::PlanSite& site = p.plan.sites[p.plan.pairs[0].site];
   const Eigen::Vector3d down = -0.001 * site.frame.n, aside = down + 0.0002 * site.frame.x;
   const auto force = [&](std::uint32_t tool, const Eigen::Vector3d& d) {
     const Vec3 f = file.force(site, tool, vec(d));

@@ -12,7 +12,7 @@
 #include <Eigen/SVD>
 #include <cmath>
 
-namespace palpate {
+namespace palpate::compliance {
 namespace {
 
 using Eigen::Matrix3d;
@@ -134,4 +134,4 @@ TEST(RestModes, RecoverAMatrixOfLowRankWithBothSigns) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::compliance

@@ -12,7 +12,7 @@
 #include <cmath>
 #include <random>
 
-namespace palpate {
+namespace palpate::fem {
 namespace {
 
 using Eigen::Vector3d;
@@ -21,7 +21,7 @@ using Eigen::VectorXd;
 // Moduli and loads of one size, so that none hides behind another.
 Body loaded_body() {
   Body body;
-  body.query = std::make_shared<const SurfaceQuery>(test::box_surface({0, 0, 0}, {3, 3, 3}));
+  body.query = std::make_shared<const geometry::SurfaceQuery>(test::box_surface({0, 0, 0}, {3, 3, 3}));
   body.material.poisson = 0.4;
   body.diagonal = 1e4;  // makes the slider as soft as the rest
   body.capsule_thickness = 0.05;
@@ -40,9 +40,9 @@ Body loaded_body() {
 class EveryLoad : public ::testing::Test {
 protected:
   static constexpr double kShare = 0.4;
-  TetMesh mesh = test::hollow_block();
+  mesh::TetMesh mesh = test::hollow_block();
   Body body = loaded_body();
-  BodyEnergy energy{body, mesh};
+  solve::BodyEnergy energy{body, mesh};
   VectorXd x;
 
   EveryLoad() {
@@ -63,7 +63,7 @@ TEST_F(EveryLoad, DerivativesMatchDifferences) {
 
 // No node is held: what the energy grows by at a fixed x is the slope that load steps are judged by.
 TEST_F(EveryLoad, SlopeIsTheDerivativeByTheShare) {
-  const BodyEnergy::Slope slope = energy.slope(x);
+  const solve::BodyEnergy::Slope slope = energy.slope(x);
   EXPECT_GT(std::abs(slope.forces), 1.0);
   EXPECT_GT(std::abs(slope.supports), 1.0);
   energy.set_share(kShare + 1e-3);
@@ -74,4 +74,4 @@ TEST_F(EveryLoad, SlopeIsTheDerivativeByTheShare) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace palpate {
+namespace palpate::fem {
 namespace {
 
 using Eigen::Vector3d;
@@ -26,7 +26,7 @@ double lateral_stretch(const Material& m, double a) {
 }
 
 // Force of the body on the nodes of a plane (N), summed.
-Vector3d face_force(const TetMesh& mesh, const VectorXd& g, int axis, double at) {
+Vector3d face_force(const mesh::TetMesh& mesh, const VectorXd& g, int axis, double at) {
   Vector3d sum = Vector3d::Zero();
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
     if (std::abs(mesh.nodes[n][axis] - at) < 1e-9) sum += g.segment<3>(3 * static_cast<Eigen::Index>(n));
@@ -36,7 +36,7 @@ Vector3d face_force(const TetMesh& mesh, const VectorXd& g, int axis, double at)
 
 class Stretch : public ::testing::TestWithParam<double> {
 protected:
-  TetMesh mesh = test::block_mesh({0, 0.3, 1}, {0, 0.6, 1}, {0, 0.5, 1});
+  mesh::TetMesh mesh = test::block_mesh({0, 0.3, 1}, {0, 0.6, 1}, {0, 0.5, 1});
 
   VectorXd forces(const Material& material, const Eigen::Matrix3d& f) const {
     VectorXd x = test::stacked(mesh), g = VectorXd::Zero(x.size());
@@ -70,4 +70,4 @@ TEST_P(Stretch, SimpleShearStressIsMuTimesShear) {
 INSTANTIATE_TEST_SUITE_P(Poisson, Stretch, ::testing::Values(0.0, 0.3, 0.49, 0.4999));
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace palpate {
+namespace palpate::fem {
 namespace {
 
 using Eigen::Vector3d;
@@ -16,7 +16,7 @@ using Eigen::VectorXd;
 
 struct Case {
   const char* name;
-  std::shared_ptr<const ToolShape> shape;
+  std::shared_ptr<const tool::ToolShape> shape;
   Vector3d at;
 };
 
@@ -25,24 +25,24 @@ protected:
   static Case make(int k) {
     switch (k) {
       case 0:
-        return {"sphere", make_sphere(0.5), {0.31, 0.42, 1.37}};
+        return {"sphere", tool::make_sphere(0.5), {0.31, 0.42, 1.37}};
       case 1:
-        return {"capsule tip", make_capsule(0.4, 1.0), {0.33, 0.41, 1.29}};
+        return {"capsule tip", tool::make_capsule(0.4, 1.0), {0.33, 0.41, 1.29}};
       case 2:
-        return {"punch", make_punch(0.45, 0.1, 1.0), {0.33, 0.41, 0.93}};
+        return {"punch", tool::make_punch(0.45, 0.1, 1.0), {0.33, 0.41, 0.93}};
       default:
-        return {"capsule stem", make_capsule(0.3, 2.0), {0.31, 0.42, 0.2}};
+        return {"capsule stem", tool::make_capsule(0.3, 2.0), {0.31, 0.42, 0.2}};
     }
   }
 };
 
 TEST_P(ContactOfTool, DerivativesMatchDifferences) {
   const Case c = make(GetParam());
-  const TetMesh mesh = test::block_mesh({0, 0.5, 1}, {0, 0.5, 1}, {0, 1});
+  const mesh::TetMesh mesh = test::block_mesh({0, 0.5, 1}, {0, 0.5, 1}, {0, 1});
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = Eigen::AngleAxisd(0.3, Vector3d(1, 2, 0.5).normalized()).toRotationMatrix();
   pose.translation() = c.at;
-  ContactEnergy contact(mesh, std::vector<char>(mesh.nodes.size(), 0), *c.shape, pose);
+  solve::ContactEnergy contact(mesh, std::vector<char>(mesh.nodes.size(), 0), *c.shape, pose);
   contact.set_penalty(1e4);
   contact.set_anchor_stiffness(5e3);
   VectorXd x = test::stacked(mesh);
@@ -91,7 +91,7 @@ TEST_P(ContactOfTool, DerivativesMatchDifferences) {
 // one.
 TEST_P(ContactOfTool, MovedAsARigidBodyWithTheBodyItGivesNoNewForce) {
   const Case c = make(GetParam());
-  const TetMesh mesh = test::block_mesh({0, 0.5, 1}, {0, 0.5, 1}, {0, 1});
+  const mesh::TetMesh mesh = test::block_mesh({0, 0.5, 1}, {0, 0.5, 1}, {0, 1});
   const std::vector<char> fixed(mesh.nodes.size(), 0);
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity(), motion = pose;
   motion.linear() = Eigen::AngleAxisd(1.3, Vector3d(-1, 0.4, 2).normalized()).toRotationMatrix();
@@ -102,21 +102,21 @@ TEST_P(ContactOfTool, MovedAsARigidBodyWithTheBodyItGivesNoNewForce) {
     return y;
   };
   const auto contact_at = [&](const Eigen::Isometry3d& at) {
-    ContactEnergy contact(mesh, fixed, *c.shape, at);
+    solve::ContactEnergy contact(mesh, fixed, *c.shape, at);
     contact.set_penalty(1e4);
     contact.set_anchor_stiffness(5e3);
     return contact;
   };
   VectorXd x = test::stacked(mesh);
   pose.translation() = c.at;
-  ContactEnergy here = contact_at(pose);
+  solve::ContactEnergy here = contact_at(pose);
   // Lifted until it touches and no more, a nanometre off.
   for (int k = 0; k < 100 && here.gap(x) < 1e-9; ++k) {
     pose.translation().z() += 1e-9 - here.gap(x);
     here.set_translation(pose.translation());
   }
   ASSERT_NEAR(here.gap(x), 1e-9, 1e-10);
-  const ContactReport apart = contact_at(motion * pose).report(carried(x));
+  const solve::ContactReport apart = contact_at(motion * pose).report(carried(x));
   EXPECT_EQ(apart.force.norm(), 0.0);
   EXPECT_EQ(apart.points, 0U);
 
@@ -124,9 +124,9 @@ TEST_P(ContactOfTool, MovedAsARigidBodyWithTheBodyItGivesNoNewForce) {
   here.set_translation(c.at);
   here.stick(x);
   for (Eigen::Index k = 0; k < x.size(); ++k) x[k] += 0.01 * std::sin(3.0 * static_cast<double>(k));
-  ContactEnergy there = contact_at(motion * pose);
+  solve::ContactEnergy there = contact_at(motion * pose);
   there.set_anchors(here.anchors());
-  const ContactReport before = here.report(x), after = there.report(carried(x));
+  const solve::ContactReport before = here.report(x), after = there.report(carried(x));
   ASSERT_GT(before.force.norm(), 1.0);
   EXPECT_GT(before.tangential_energy, 0.0);
   EXPECT_LT((after.force - motion.linear() * before.force).norm(), 1e-11 * before.force.norm());
@@ -136,13 +136,13 @@ TEST_P(ContactOfTool, MovedAsARigidBodyWithTheBodyItGivesNoNewForce) {
 INSTANTIATE_TEST_SUITE_P(Tools, ContactOfTool, ::testing::Range(0, 4));
 
 TEST(Contact, UniformOverlapOfAFlatPunchIsPressureTimesArea) {
-  const TetMesh mesh = test::block_mesh({0, 0.5, 1}, {0, 0.5, 1}, {0, 1});
+  const mesh::TetMesh mesh = test::block_mesh({0, 0.5, 1}, {0, 0.5, 1}, {0, 1});
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.translation() = Vector3d(0.5, 0.5, 1 - 0.01);
-  const auto punch = make_punch(3.0, 0.3, 4.0);  // covers the whole face
-  ContactEnergy contact(mesh, std::vector<char>(mesh.nodes.size(), 0), *punch, pose);
+  const auto punch = tool::make_punch(3.0, 0.3, 4.0);  // covers the whole face
+  solve::ContactEnergy contact(mesh, std::vector<char>(mesh.nodes.size(), 0), *punch, pose);
   contact.set_penalty(1e4);
-  const ContactReport r = contact.report(test::stacked(mesh));
+  const solve::ContactReport r = contact.report(test::stacked(mesh));
   EXPECT_NEAR(r.force.z(), 1e4 * 0.01, 1e-9);
   EXPECT_NEAR(r.area, 1.0, 1e-12);
   EXPECT_NEAR(r.penetration, 0.01, 1e-12);
@@ -150,4 +150,4 @@ TEST(Contact, UniformOverlapOfAFlatPunchIsPressureTimesArea) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -13,7 +13,7 @@
 #include <cmath>
 #include <vector>
 
-namespace palpate {
+namespace palpate::fem {
 namespace {
 
 using Eigen::Matrix3d;
@@ -162,7 +162,7 @@ private:
     }
   }
 
-  TetMesh mesh_;
+  mesh::TetMesh mesh_;
 };
 
 struct Order {
@@ -200,4 +200,4 @@ INSTANTIATE_TEST_SUITE_P(Elements, ObservedOrder,
                          [](const auto& order) { return std::string(order.param.element); });
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::fem

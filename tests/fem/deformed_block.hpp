@@ -18,7 +18,7 @@ inline const std::array<Eigen::Vector3d, 8> kDegenerate{
     Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(1, 0.01, 0.01), Eigen::Vector3d(0.01, 3, 1), Eigen::Vector3d(0, 0, 0)};
 
 /// Node positions (3 N, m) under x -> f x.
-inline Eigen::VectorXd mapped(const TetMesh& mesh, const Eigen::Matrix3d& f) {
+inline Eigen::VectorXd mapped(const mesh::TetMesh& mesh, const Eigen::Matrix3d& f) {
   Eigen::VectorXd x = stacked(mesh);
   for (Eigen::Index k = 0; k < x.size(); k += 3) x.segment<3>(k) = (f * x.segment<3>(k)).eval();
   return x;
@@ -32,9 +32,9 @@ inline Eigen::VectorXd shaken(Eigen::VectorXd x, double by, std::mt19937& engine
 }
 
 /// Corners moved at random by up to `by` (m), those on faces of the block within them; middles on the straight edges.
-inline TetMesh distorted_block(const std::vector<double>& xs, const std::vector<double>& ys,
-                               const std::vector<double>& zs, double by) {
-  TetMesh mesh = block_mesh(xs, ys, zs);
+inline mesh::TetMesh distorted_block(const std::vector<double>& xs, const std::vector<double>& ys,
+                                     const std::vector<double>& zs, double by) {
+  mesh::TetMesh mesh = block_mesh(xs, ys, zs);
   std::mt19937 engine(3);
   std::uniform_real_distribution<double> noise(-by, by);
   const Eigen::Vector3d low(xs.front(), ys.front(), zs.front()), high(xs.back(), ys.back(), zs.back());
@@ -46,7 +46,7 @@ inline TetMesh distorted_block(const std::vector<double>& xs, const std::vector<
   }
   for (const auto& t : mesh.tets) {
     for (int k = 0; k < 6; ++k) {
-      const auto [i, j] = kElementEdges[k];
+      const auto [i, j] = fem::kElementEdges[k];
       mesh.nodes[t[4 + k]] = (mesh.nodes[t[i]] + mesh.nodes[t[j]]) / 2;
     }
   }

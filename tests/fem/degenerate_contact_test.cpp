@@ -11,7 +11,7 @@
 #include <memory>
 #include <random>
 
-namespace palpate {
+namespace palpate::fem {
 namespace {
 
 using Eigen::Vector3d;
@@ -20,9 +20,9 @@ using Eigen::VectorXd;
 class DegenerateContact : public ::testing::TestWithParam<Vector3d> {
 protected:
   static constexpr double kPenalty = 1e4;
-  TetMesh mesh = test::block_mesh({0, 0.5, 1}, {0, 0.5, 1}, {0, 1});
-  std::shared_ptr<const ToolShape> sphere = make_sphere(0.5);
-  ContactEnergy contact{mesh, std::vector<char>(mesh.nodes.size(), 0), *sphere, Eigen::Isometry3d::Identity()};
+  mesh::TetMesh mesh = test::block_mesh({0, 0.5, 1}, {0, 0.5, 1}, {0, 1});
+  std::shared_ptr<const tool::ToolShape> sphere = tool::make_sphere(0.5);
+  solve::ContactEnergy contact{mesh, std::vector<char>(mesh.nodes.size(), 0), *sphere, Eigen::Isometry3d::Identity()};
   std::mt19937 engine{7};
   VectorXd x = test::shaken(test::mapped(mesh, GetParam().asDiagonal()), 0.03, engine);
 
@@ -85,12 +85,12 @@ TEST_P(DegenerateContact, DerivativesOfABarrierMatchDifferences) {
 
 TEST_P(DegenerateContact, DerivativesOfFrictionMatchDifferences) {
   lower_to(-0.1);
-  FrictionEnergy friction(contact, 0.4, 2 * kPenalty);
+  solve::FrictionEnergy friction(contact, 0.4, 2 * kPenalty);
   friction.begin(x);
   contact.set_translation(contact.translation() + Vector3d(0.01, 0.003, -0.001));
   friction.hold(x);
   x = test::shaken(x, 0.01, engine);
-  const FrictionReport r = friction.report(x);
+  const solve::FrictionReport r = friction.report(x);
   EXPECT_GT(r.slipping, 0.02);
   EXPECT_LT(r.slipping, 0.98);
   expect_derivatives(test::Alone(friction), "friction");
@@ -99,4 +99,4 @@ TEST_P(DegenerateContact, DerivativesOfFrictionMatchDifferences) {
 INSTANTIATE_TEST_SUITE_P(States, DegenerateContact, ::testing::ValuesIn(test::kDegenerate));
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -8,7 +8,7 @@
 
 #include <random>
 
-namespace palpate {
+namespace palpate::fem {
 namespace {
 
 using Eigen::Matrix3d;
@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 
 class Elastic : public ::testing::Test {
 protected:
-  TetMesh mesh = test::block_mesh({0, 0.5, 1.1}, {0, 0.9}, {0, 1.0});
+  mesh::TetMesh mesh = test::block_mesh({0, 0.5, 1.1}, {0, 0.9}, {0, 1.0});
   VectorXd rest = test::stacked(mesh);
 };
 
@@ -56,4 +56,4 @@ TEST_F(Elastic, SmallStrainIsHookesLaw) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::fem

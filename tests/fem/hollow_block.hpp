@@ -12,9 +12,9 @@ namespace palpate::test {
 inline const std::vector<double> kHollowLines{0, 0.9, 2, 3};
 
 /// A block of 3 x 3 x 3 cells without the one in the middle.
-inline TetMesh hollow_block() {
-  const TetMesh block = block_mesh(kHollowLines, kHollowLines, kHollowLines);
-  LinearTets tets;
+inline mesh::TetMesh hollow_block() {
+  const mesh::TetMesh block = block_mesh(kHollowLines, kHollowLines, kHollowLines);
+  mesh::LinearTets tets;
   tets.points.assign(block.nodes.begin(), block.nodes.begin() + block.corner_count);
   for (const auto& t : block.tets) {
     const Eigen::Vector3d middle = (block.nodes[t[0]] + block.nodes[t[1]] + block.nodes[t[2]] + block.nodes[t[3]]) / 4;
@@ -22,7 +22,7 @@ inline TetMesh hollow_block() {
     tets.tets.push_back({t[0], t[1], t[2], t[3]});
     tets.regions.push_back(0);
   }
-  return make_quadratic(tets);
+  return mesh::make_quadratic(tets);
 }
 
 }  // namespace palpate::test

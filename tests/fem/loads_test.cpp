@@ -9,7 +9,7 @@
 
 #include <random>
 
-namespace palpate {
+namespace palpate::fem {
 namespace {
 
 using Eigen::Vector3d;
@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 
 class Pressure final : public EnergyProblem {
 public:
-  explicit Pressure(const TetMesh& mesh, double factor)
+  explicit Pressure(const mesh::TetMesh& mesh, double factor)
       : energy_(mesh, cavity_walls(mesh).at(0), 700), factor_(factor) {}
   double value(const VectorXd& x) const override { return factor_ * energy_.value(x); }
   double gradient(const VectorXd& x, VectorXd& g) const override {
@@ -36,7 +36,7 @@ private:
 };
 
 template <class Map>
-VectorXd mapped(const TetMesh& mesh, Map map) {
+VectorXd mapped(const mesh::TetMesh& mesh, Map map) {
   VectorXd x = test::stacked(mesh);
   for (Eigen::Index k = 0; k < x.size(); k += 3) x.segment<3>(k) = Vector3d(map(Vector3d(x.segment<3>(k))));
   return x;
@@ -50,7 +50,7 @@ TEST(CavityWalls, AreTheClosedPartsRoundAVoid) {
 }
 
 TEST(CavityPressure, VolumeIsExactForQuadraticFaces) {
-  const TetMesh mesh = test::hollow_block();
+  const mesh::TetMesh mesh = test::hollow_block();
   const Pressure pressure(mesh, 1);
   const double side = 1.1;
   EXPECT_NEAR(pressure.volume(test::stacked(mesh)), side * side * side, 1e-13);
@@ -66,7 +66,7 @@ TEST(CavityPressure, VolumeIsExactForQuadraticFaces) {
 }
 
 TEST(CavityPressure, DerivativesMatchDifferencesAlsoWhereTheVoidDegenerates) {
-  const TetMesh mesh = test::hollow_block();
+  const mesh::TetMesh mesh = test::hollow_block();
   const Pressure pressure(mesh, 0.6);
   std::mt19937 engine(3);
   for (const Vector3d& stretch : test::kDegenerate) {
@@ -78,7 +78,7 @@ TEST(CavityPressure, DerivativesMatchDifferencesAlsoWhereTheVoidDegenerates) {
 
 // A closed surface under pressure is pushed nowhere and turned nowhere, however it is deformed.
 TEST(CavityPressure, IsInBalanceWithItself) {
-  const TetMesh mesh = test::hollow_block();
+  const mesh::TetMesh mesh = test::hollow_block();
   const Pressure pressure(mesh, 1);
   std::mt19937 engine(4);
   std::uniform_real_distribution<double> noise(-0.2, 0.2);
@@ -96,7 +96,7 @@ TEST(CavityPressure, IsInBalanceWithItself) {
 }
 
 TEST(Weight, IsDensityTimesVolumeAndActsAtTheCentre) {
-  const TetMesh mesh = test::block_mesh(test::kHollowLines, {0, 1, 2}, {0, 0.4, 1});
+  const mesh::TetMesh mesh = test::block_mesh(test::kHollowLines, {0, 1, 2}, {0, 0.4, 1});
   const Vector3d density(10, -20, 30);
   const WeightEnergy weight(mesh, density);
   const VectorXd x = mapped(mesh, [](const Vector3d& p) { return Vector3d(1.3 * p + Vector3d(0.1, 0.2, p.x())); });
@@ -112,4 +112,4 @@ TEST(Weight, IsDensityTimesVolumeAndActsAtTheCentre) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::fem

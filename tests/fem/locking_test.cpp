@@ -13,7 +13,7 @@
 #include <functional>
 #include <numbers>
 
-namespace palpate::locking_test {
+namespace palpate::fem::locking_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -28,7 +28,7 @@ std::vector<double> lines(double length, int cells) {
 }
 
 struct Problem {
-  TetMesh mesh;
+  mesh::TetMesh mesh;
   std::function<bool(const Vector3d&)> fixed;
   std::function<Vector3d(const Vector3d&)> traction;  // Pa, dead, on the outer faces
   Body walls;                                         // its supports
@@ -41,7 +41,7 @@ double compliance(const Problem& p, const Material& material) {
   const VectorXd force =
       test::face_loads(p.mesh, [&](const Vector3d&, const Vector3d& at, const Vector3d&) { return p.traction(at); });
   const ElasticEnergy energy(p.mesh, {material});
-  const BedEnergy bed(p.walls, p.mesh);
+  const solve::BedEnergy bed(p.walls, p.mesh);
   VectorXd x = test::stacked(p.mesh);
   const VectorXd rest = x;
   Minimiser minimiser(p.mesh, fixed);
@@ -125,7 +125,7 @@ TEST_P(Locking, ConfinedCompressionClosesOnThatOfMixedElements) {
 
 // Pressed evenly in a box that it slides in: one stretch, in closed form.
 TEST_P(Locking, OedometricStressIsTheClosedForm) {
-  const TetMesh mesh = test::block_mesh({0, 0.3, 1}, {0, 0.6, 1}, {0, 0.5, 1});
+  const mesh::TetMesh mesh = test::block_mesh({0, 0.3, 1}, {0, 0.6, 1}, {0, 0.5, 1});
   const ElasticEnergy energy(mesh, {soft});
   for (const double a : {0.98, 0.9}) {
     VectorXd x = test::stacked(mesh), g = VectorXd::Zero(x.size());
@@ -162,4 +162,4 @@ TEST(PlainElement, ClosesOnTheSameValueAndLocks) {
 }
 
 }  // namespace
-}  // namespace palpate::locking_test
+}  // namespace palpate::fem::locking_test

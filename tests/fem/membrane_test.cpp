@@ -14,17 +14,17 @@
 #include <random>
 #include <vector>
 
-namespace palpate {
+namespace palpate::fem {
 namespace {
 
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-TetMesh cube(const std::vector<double>& cuts) { return test::block_mesh(cuts, cuts, cuts); }
+mesh::TetMesh cube(const std::vector<double>& cuts) { return test::block_mesh(cuts, cuts, cuts); }
 
 class Sheet final : public EnergyProblem {
 public:
-  explicit Sheet(const TetMesh& mesh, double young = 3e4, double thickness = 1e-3)
+  explicit Sheet(const mesh::TetMesh& mesh, double young = 3e4, double thickness = 1e-3)
       : membrane_(mesh, std::vector<char>(mesh.nodes.size(), 0), {thickness, young}) {}
   double value(const VectorXd& x) const override { return membrane_.value(x); }
   double gradient(const VectorXd& x, VectorXd& g) const override {
@@ -39,7 +39,7 @@ private:
 };
 
 TEST(Membrane, DerivativesAgreeWithDifferences) {
-  const TetMesh mesh = cube({0, 0.45, 1});
+  const mesh::TetMesh mesh = cube({0, 0.45, 1});
   const Sheet sheet(mesh);
   std::mt19937 random(3);
   for (const double amplitude : {0.0, 0.02, 0.1}) {
@@ -56,7 +56,7 @@ TEST(Membrane, DerivativesAgreeWithDifferences) {
 
 // Faces nearly without area, however they got there, and a body inside out.
 TEST(Membrane, DerivativesAgreeWithDifferencesAlsoWhereFacesDegenerate) {
-  const TetMesh mesh = cube({0, 0.45, 1});
+  const mesh::TetMesh mesh = cube({0, 0.45, 1});
   const Sheet sheet(mesh);
   std::mt19937 random(3);
   for (const Vector3d& stretch : {Vector3d(1, 1, 0.05), Vector3d(1, 0.05, 0.05), Vector3d(0.05, 3, 1),
@@ -69,7 +69,7 @@ TEST(Membrane, DerivativesAgreeWithDifferencesAlsoWhereFacesDegenerate) {
 
 // A closed block has six unit faces: the two across z have the stretches of x and y, and so on.
 TEST(Membrane, EnergyOfAStretchIsTheClosedForm) {
-  const TetMesh mesh = cube({0, 0.45, 1});
+  const mesh::TetMesh mesh = cube({0, 0.45, 1});
   const double young = 3e4, thickness = 1e-3;
   const Sheet sheet(mesh, young, thickness);
   const Vector3d s(1.3, 0.8, 1.1);
@@ -80,7 +80,7 @@ TEST(Membrane, EnergyOfAStretchIsTheClosedForm) {
 }
 
 TEST(Membrane, RigidMotionCostsNothing) {
-  const TetMesh mesh = cube({0, 0.45, 1});
+  const mesh::TetMesh mesh = cube({0, 0.45, 1});
   const Sheet sheet(mesh);
   const VectorXd x = test::mapped(mesh, Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()).toRotationMatrix());
   VectorXd g(x.size());
@@ -90,8 +90,8 @@ TEST(Membrane, RigidMotionCostsNothing) {
 
 // A capsule lies round an organ: the walls of its cavities have none.
 TEST(Membrane, CavitiesHaveNone) {
-  const TetMesh whole = cube({0, 1, 2, 3});
-  TetMesh hollow = whole;
+  const mesh::TetMesh whole = cube({0, 1, 2, 3});
+  mesh::TetMesh hollow = whole;
   hollow.tets.clear();
   for (const auto& t : whole.tets) {
     const Vector3d middle = (whole.nodes[t[0]] + whole.nodes[t[1]] + whole.nodes[t[2]] + whole.nodes[t[3]]) / 4;
@@ -120,7 +120,7 @@ TEST(Membrane, CavitiesHaveNone) {
 
 // A face without area is refused by an infinite energy, not by a NaN.
 TEST(Membrane, CollapsedFaceIsInfinite) {
-  const TetMesh mesh = cube({0, 1});
+  const mesh::TetMesh mesh = cube({0, 1});
   const Sheet sheet(mesh);
   VectorXd x = test::mapped(mesh, Eigen::Vector3d(0, 1, 1).asDiagonal());
   EXPECT_EQ(sheet.value(x), HUGE_VAL);
@@ -130,7 +130,7 @@ TEST(Membrane, CollapsedFaceIsInfinite) {
 
 // The convex Hessian has a Cholesky factor where the exact one has none: under compression.
 TEST(Membrane, ConvexHessianIsNotIndefinite) {
-  const TetMesh mesh = cube({0, 1});
+  const mesh::TetMesh mesh = cube({0, 1});
   const Sheet sheet(mesh);
   const VectorXd x = test::mapped(mesh, Eigen::Vector3d(0.7, 0.7, 0.7).asDiagonal());
   for (const HessianKind kind : {HessianKind::exact, HessianKind::convex}) {
@@ -138,7 +138,7 @@ TEST(Membrane, ConvexHessianIsNotIndefinite) {
     matrix.set_zero();
     sheet.hessian(x, kind, matrix);
     const Eigen::MatrixXd lower = matrix.matrix();
-    const Eigen::VectorXd values = spectrum(lower).values;
+    const Eigen::VectorXd values = algebra::spectrum(lower).values;
     const double least = values.minCoeff(), most = values.maxCoeff();
     if (kind == HessianKind::convex) {
       EXPECT_GT(least, -1e-9 * most);
@@ -149,4 +149,4 @@ TEST(Membrane, ConvexHessianIsNotIndefinite) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::fem

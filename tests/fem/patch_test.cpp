@@ -14,7 +14,7 @@
 #include <tuple>
 #include <vector>
 
-namespace palpate {
+namespace palpate::fem {
 namespace {
 
 using Eigen::Matrix3d;
@@ -36,7 +36,7 @@ protected:
   }
 
   // Inner nodes start up to 30 mm of the block's metre from where they belong.
-  VectorXd start(const TetMesh& mesh, const std::vector<char>& held) const {
+  VectorXd start(const mesh::TetMesh& mesh, const std::vector<char>& held) const {
     const VectorXd wanted = test::mapped(mesh, f);
     std::mt19937 engine(8);
     VectorXd x = test::shaken(wanted, 0.03, engine);
@@ -47,7 +47,7 @@ protected:
     return x;
   }
 
-  void solve(const TetMesh& mesh) const {
+  void solve(const mesh::TetMesh& mesh) const {
     std::vector<char> held(mesh.nodes.size(), 0);
     for (const auto& face : mesh.faces) {
       for (const std::int32_t n : face) held[n] = 1;
@@ -76,8 +76,8 @@ protected:
   }
 
   // Mean stress of one element (Pa): the moment of its nodal forces about the origin over its volume.
-  Matrix3d mean_stress(const TetMesh& mesh, const std::array<std::int32_t, 10>& tet, const VectorXd& x) const {
-    TetMesh one;
+  Matrix3d mean_stress(const mesh::TetMesh& mesh, const std::array<std::int32_t, 10>& tet, const VectorXd& x) const {
+    mesh::TetMesh one;
     one.nodes = mesh.nodes;
     one.tets = {tet};
     VectorXd forces = VectorXd::Zero(x.size());
@@ -100,9 +100,9 @@ TEST_P(SolvedPatch, InnerNodesOfADistortedBlockFindTheirPlaces) {
 // Every element of a layer reaches from side to side: with the stiffness that this adds, a constant stress stays one.
 TEST_P(SolvedPatch, NodesInsideALayerFindTheirPlaces) {
   const std::vector<double> lines{0, 0.2, 0.5, 0.75, 1};
-  const TetMesh layer = test::distorted_block(lines, lines, {0, 0.3}, 0.05);
+  const mesh::TetMesh layer = test::distorted_block(lines, lines, {0, 0.3}, 0.05);
   solve(layer);
-  TetMesh sideless = layer;
+  mesh::TetMesh sideless = layer;
   sideless.faces.clear();
   std::mt19937 engine(8);
   const VectorXd x = test::shaken(test::mapped(layer, f), 0.03, engine);
@@ -119,4 +119,4 @@ INSTANTIATE_TEST_SUITE_P(Each, SolvedPatch,
                                             ::testing::Values(Element::usual, Element::plain)));
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -16,9 +16,9 @@ namespace {
 
 struct Ball {
   Scene scene;
-  Tool tool;
-  HapticMesh mesh;
-  Plan plan;
+  tool::Tool tool;
+  sites::HapticMesh mesh;
+  bake::Plan plan;
   JournalContent journal;
 
   explicit Ball(double friction, int level = 1) : mesh(ball_mesh(level, 0.05, 0.005)), plan(ball_plan(mesh)) {
@@ -28,7 +28,7 @@ struct Ball {
     tool.vertices.resize(1);
     tool.patches.push_back({0, 0, 0});
     // The last site lies on a support.
-    plan.skipped.push_back({plan.pairs.back().site, 0, 0, SkipReason::support});
+    plan.skipped.push_back({plan.pairs.back().site, 0, 0, bake::SkipReason::support});
     plan.pairs.pop_back();
     AnalyticPair pair = power_law(500, 1.5);
     pair.friction = friction;
@@ -42,11 +42,11 @@ struct Ball {
   }
 
   [[nodiscard]] ResponseFileContent content() const {
-    FitSettings settings;
+    fit::FitSettings settings;
     settings.depth_scale = scene.sampling.depth;
     settings.friction = scene.friction > 0;
-    const FittedResponses fitted = fit_responses(plan, mesh.triangles, {1}, journal, settings);
-    return assemble_response(scene, {tool}, ball_surface(mesh), plan, hash128("manifest"), fitted);
+    const fit::FittedResponses fitted = fit::fit_responses(plan, mesh.triangles, {1}, journal, settings);
+    return fit::assemble_response(scene, {tool}, ball_surface(mesh), plan, hash128("manifest"), fitted);
   }
 };
 

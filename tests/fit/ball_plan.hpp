@@ -14,8 +14,8 @@
 namespace palpate::test {
 
 /// 6, 18, 66, 258 ... sites for 0, 1, 2, 3 refinements; k = 1: the contact surface is the haptic mesh itself.
-inline HapticMesh ball_mesh(int refinements, double radius, double depth) {
-  HapticMesh mesh;
+inline sites::HapticMesh ball_mesh(int refinements, double radius, double depth) {
+  sites::HapticMesh mesh;
   for (int axis = 0; axis < 3; ++axis) {
     for (const double sign : {1.0, -1.0}) mesh.points.push_back(sign * Eigen::Vector3d::Unit(axis));
   }
@@ -51,8 +51,8 @@ inline HapticMesh ball_mesh(int refinements, double radius, double depth) {
 }
 
 /// The patches themselves.
-inline ContactSurface ball_surface(const HapticMesh& mesh) {
-  ContactSurface surface;
+inline mesh::ContactSurface ball_surface(const sites::HapticMesh& mesh) {
+  mesh::ContactSurface surface;
   surface.points = mesh.points;
   surface.patches = mesh.triangles;
   for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
@@ -62,10 +62,10 @@ inline ContactSurface ball_surface(const HapticMesh& mesh) {
 }
 
 /// Every site of the mesh planned for one tool vertex.
-inline Plan ball_plan(const HapticMesh& mesh) {
-  Plan plan;
+inline bake::Plan ball_plan(const sites::HapticMesh& mesh) {
+  bake::Plan plan;
   for (std::uint32_t k = 0; k < mesh.points.size(); ++k) {
-    PlanSite site;
+    bake::PlanSite site;
     site.frame = {mesh.points[k], mesh.tangents[k], mesh.normals[k].cross(mesh.tangents[k]), mesh.normals[k]};
     site.depth = mesh.depth[k];
     site.area = 1e-4;

@@ -66,7 +66,7 @@ TEST(ClosedForm, TangentialForceIsTheContactAreasShare) {
 
 TEST(ClosedForm, TheFitFollowsEveryLaw) {
   constexpr double depth = 0.003;
-  PairPath path;
+  solve::PairPath path;
   for (int k = 1; k <= 12; ++k) path.normal_depths.push_back(depth * k * k / 144);
   path.tangential_depths = {path.normal_depths[5], path.normal_depths[11]};
   path.tangential_directions = 4;

@@ -24,19 +24,19 @@ AnalyticPair hertz_with_friction(double stiffness) {
   return pair;
 }
 
-FitSettings settings(bool friction) {
-  FitSettings s;
+fit::FitSettings settings(bool friction) {
+  fit::FitSettings s;
   s.depth_scale = Z;
   s.friction = friction;
   s.tolerance = 0.01;
   return s;
 }
 
-FittedResponses fit_grid(const GridPlan& grid, const FitSettings& s) {
-  return fit_responses(grid.plan, grid.triangles, {1}, grid.journal, s);
+fit::FittedResponses fit_grid(const GridPlan& grid, const fit::FitSettings& s) {
+  return fit::fit_responses(grid.plan, grid.triangles, {1}, grid.journal, s);
 }
 
-fit::Potential potential(const FittedResponses& fitted, std::size_t site) {
+fit::Potential potential(const fit::FittedResponses& fitted, std::size_t site) {
   const Response& r = fitted.responses[site];
   const response::Offsets o = response::offsets(fitted.scales.degrees);
   Eigen::VectorXd coefs(o.end);
@@ -47,7 +47,7 @@ fit::Potential potential(const FittedResponses& fitted, std::size_t site) {
   return {coefs, fitted.scales};
 }
 
-double normal_force(const FittedResponses& fitted, std::size_t site, double s) {
+double normal_force(const fit::FittedResponses& fitted, std::size_t site, double s) {
   return potential(fitted, site).force({0, 0, s * s * Z}).z();
 }
 
@@ -55,10 +55,10 @@ TEST(Fit, RefusedPairsAreFilledAndMarked) {
   // Stiffness grows linearly over the grid: inverse-distance weights of a regular neighbourhood find it again.
   GridPlan grid =
       grid_plan(7, Z, 0.4, [](int k) { return hertz_with_friction(400.0 + 10.0 * (k % 7) + 5.0 * (k / 7)); });
-  const FittedResponses whole = fit_grid(grid, settings(true));
+  const fit::FittedResponses whole = fit_grid(grid, settings(true));
   EXPECT_EQ(whole.report.filled, 0U);
   refuse(grid, 24, "penetration 0.4");
-  const FittedResponses fitted = fit_grid(grid, settings(true));
+  const fit::FittedResponses fitted = fit_grid(grid, settings(true));
   EXPECT_EQ(fitted.report.refused, 1U);
   EXPECT_EQ(fitted.report.filled, 1U);
   EXPECT_EQ(fitted.responses[24].flags, layout::response_filled);
@@ -78,7 +78,7 @@ TEST(Fit, APairThatCannotBeFittedIsFilledLikeARefusedOne) {
   GridPlan grid = grid_plan(7, Z, 0.0, [](int) { return power_law(500, 1.5); });
   auto& samples = grid.journal.pairs[24].samples;
   samples.resize(1);  // one depth is no curve
-  const FittedResponses fitted = fit_grid(grid, settings(false));
+  const fit::FittedResponses fitted = fit_grid(grid, settings(false));
   EXPECT_EQ(fitted.report.accepted, 48U);
   EXPECT_EQ(fitted.report.refused, 1U);
   EXPECT_EQ(fitted.responses[24].flags, layout::response_filled);
@@ -89,9 +89,9 @@ TEST(Fit, APairBeyondTheResidualIsFilledAsWell) {
   GridPlan grid = grid_plan(7, Z, 0.0, [](int) { return power_law(500, 1.5); });
   Sample& jumped = grid.journal.pairs[24].samples[8];
   jumped.force *= 0.1;
-  FitSettings s = settings(false);
+  fit::FitSettings s = settings(false);
   s.max_residual = 0.3;
-  const FittedResponses fitted = fit_grid(grid, s);
+  const fit::FittedResponses fitted = fit_grid(grid, s);
   EXPECT_EQ(fitted.report.refused, 1U);
   EXPECT_EQ(fitted.responses[24].flags, layout::response_filled);
   EXPECT_NEAR(normal_force(fitted, 24, 1.0) / normal_force(fitted, 23, 1.0), 1.0, 1e-4);
@@ -110,7 +110,7 @@ TEST(Fit, PairsWhoseTangentialPushEndedEarlyAreCounted) {
 TEST(Fit, FillingSpreadsOverWholeHoles) {
   GridPlan grid = grid_plan(7, Z, 0.0, [](int) { return power_law(500, 1.5); });
   for (const std::uint32_t site : {16, 17, 18, 23, 24, 25, 30, 31, 32}) refuse(grid, site, "jacobian 0.01");
-  const FittedResponses fitted = fit_grid(grid, settings(false));
+  const fit::FittedResponses fitted = fit_grid(grid, settings(false));
   EXPECT_EQ(fitted.report.filled, 9U);
   EXPECT_NEAR(normal_force(fitted, 24, 1.0) / normal_force(fitted, 0, 1.0), 1.0, 1e-4);
 }
@@ -119,15 +119,15 @@ TEST(Fit, UnconnectedSitesTakeTheNearest) {
   GridPlan grid = grid_plan(4, Z, 0.0, [](int k) { return power_law(400 + 10 * k, 1.5); });
   std::erase_if(grid.triangles, [](const auto& t) { return t[0] == 15 || t[1] == 15 || t[2] == 15; });
   refuse(grid, 15, "mesh");
-  const FittedResponses fitted = fit_grid(grid, settings(false));
+  const fit::FittedResponses fitted = fit_grid(grid, settings(false));
   EXPECT_NEAR(normal_force(fitted, 15, 1.0), normal_force(fitted, 11, 1.0), 1e-4 * normal_force(fitted, 11, 1.0));
 }
 
 TEST(Fit, SkippedPairsAreFilledAndCounted) {
   GridPlan grid = grid_plan(5, Z, 0.0, [](int) { return power_law(500, 1.5); });
-  skip(grid, 3, SkipReason::support);
-  skip(grid, 20, SkipReason::outside);
-  const FittedResponses fitted = fit_grid(grid, settings(false));
+  skip(grid, 3, bake::SkipReason::support);
+  skip(grid, 20, bake::SkipReason::outside);
+  const fit::FittedResponses fitted = fit_grid(grid, settings(false));
   EXPECT_EQ(fitted.report.planned, 23U);
   EXPECT_EQ(fitted.report.support, 1U);
   EXPECT_EQ(fitted.report.outside, 1U);
@@ -141,15 +141,15 @@ TEST(Fit, RefusedPairsAreListedByCauseWithTheirArea) {
   refuse(grid, 4, "penetration 0.41 of the contact radius");
   refuse(grid, 5, "penetration 0.37 of the contact radius");
   refuse(grid, 6, "mesh: both meshers refused");
-  const FittedResponses fitted = fit_grid(grid, settings(false));
+  const fit::FittedResponses fitted = fit_grid(grid, settings(false));
   EXPECT_EQ(fitted.report.planned, 25U);
   EXPECT_EQ(fitted.report.refused, 3U);
   EXPECT_EQ(fitted.responses[4].flags, layout::response_filled);
-  const std::vector<Refusals>& refusals = fitted.report.refusals;
+  const std::vector<fit::Refusals>& refusals = fitted.report.refusals;
   ASSERT_EQ(refusals.size(), 2U);
   EXPECT_EQ(refusals[0].pairs, 2U);
   EXPECT_NEAR(refusals[0].area_share, 2.0 / 25, 1e-12);
-  const std::string text = to_text(refusals);
+  const std::string text = fit::to_text(refusals);
   EXPECT_NE(text.find("2 (8 % of the area) like pair 4 (site 4"), std::string::npos) << text;
   EXPECT_NE(text.find("both meshers"), std::string::npos) << text;
 }
@@ -169,8 +169,8 @@ TEST(Fit, OnlyEveryPairRefusedIsAnError) {
 }
 
 /// As a bake samples: twelve depths, tangential pushes at two of them.
-PairPath sampled_path(double depth) {
-  PairPath path;
+solve::PairPath sampled_path(double depth) {
+  solve::PairPath path;
   for (int k = 1; k <= 12; ++k) path.normal_depths.push_back(depth * k * k / 144);
   path.tangential_depths = {depth / 4, depth};
   path.tangential_directions = 4;
@@ -205,10 +205,10 @@ TEST(Fit, NormalIndentationsGetTheResponsesOfSitesSolvedInFull) {
     pair.tangential_x = pair.tangential_y = [f = stiffness(k) / 400](double x) { return -70 * f * x; };
     return pair;
   };
-  FitSettings s = settings(true);
+  fit::FitSettings s = settings(true);
   s.path = sampled_path;
-  const FittedResponses whole = fit_grid(grid_plan(7, Z, 0.3, pair_at), s);
-  const FittedResponses carried = fit_grid(grid_with_normal_indentations(pair_at), s);
+  const fit::FittedResponses whole = fit_grid(grid_plan(7, Z, 0.3, pair_at), s);
+  const fit::FittedResponses carried = fit_grid(grid_with_normal_indentations(pair_at), s);
   EXPECT_EQ(carried.report.full, 9U);
   EXPECT_EQ(carried.report.carried, 40U);
   EXPECT_EQ(carried.report.filled, 0U);
@@ -231,9 +231,9 @@ TEST(Fit, AContactWithoutTangentialResponsesTakesThemFromItsNeighbours) {
   JournalPair& alone = grid.journal.pairs[24];
   std::erase_if(alone.samples, [](const Sample& s) { return s.kind != SampleKind::normal; });
   alone.outcome->cause = "stopped short: tangential response";
-  FitSettings s = settings(true);
+  fit::FitSettings s = settings(true);
   s.path = sampled_path;
-  const FittedResponses fitted = fit_grid(grid, s);
+  const fit::FittedResponses fitted = fit_grid(grid, s);
   EXPECT_EQ(fitted.report.refused, 0U);
   EXPECT_EQ(fitted.report.shortened, 1U);
   EXPECT_EQ(fitted.report.carried, 1U);
@@ -256,7 +256,7 @@ TEST(Fit, AnUnfinishedBakeIsSaid) {
 
 TEST(Fit, SectionsThatAreNotNeededAreLeftOut) {
   GridPlan normal = grid_plan(3, Z, 0.0, [](int) { return power_law(500, 1.5); });
-  FittedResponses fitted = fit_grid(normal, settings(false));
+  fit::FittedResponses fitted = fit_grid(normal, settings(false));
   EXPECT_FALSE(fitted.report.bias);
   EXPECT_EQ(fitted.scales.degrees.bias, 0);
   EXPECT_FALSE(fitted.scales.degrees.friction_families);
@@ -271,15 +271,15 @@ TEST(Fit, SectionsThatAreNotNeededAreLeftOut) {
 TEST(Fit, FiguresAreThoseOfTheSamples) {
   std::vector<std::pair<double, std::uint32_t>> errors;
   for (std::uint32_t k = 100; k >= 1; --k) errors.emplace_back(0.01 * k, k);
-  const ErrorFigures figures = error_figures(errors);
+  const fit::ErrorFigures figures = fit::error_figures(errors);
   EXPECT_DOUBLE_EQ(figures.median, 0.505);
   EXPECT_DOUBLE_EQ(figures.p95, 0.95);
   EXPECT_DOUBLE_EQ(figures.worst, 1.0);
   EXPECT_EQ(figures.worst_pair, 100U);
-  EXPECT_EQ(error_figures({}).samples, 0U);
+  EXPECT_EQ(fit::error_figures({}).samples, 0U);
 
   const GridPlan grid = grid_plan(3, Z, 0.0, [](int k) { return hertz_with_friction(400 + 20 * k); });
-  const FitReport report = fit_grid(grid, settings(true)).report;
+  const fit::FitReport report = fit_grid(grid, settings(true)).report;
   EXPECT_EQ(report.normal.samples, 9U * 12U);
   EXPECT_EQ(report.tangential.samples, 9U * 24U);
   EXPECT_EQ(report.pairs.size(), 9U);

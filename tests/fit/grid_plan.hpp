@@ -13,7 +13,7 @@
 namespace palpate::test {
 
 struct GridPlan {
-  Plan plan;
+  bake::Plan plan;
   std::vector<std::array<std::int32_t, 3>> triangles;
   JournalContent journal;
 };
@@ -23,7 +23,7 @@ struct GridPlan {
 inline GridPlan grid_plan(int n, double depth, double spin, const std::function<AnalyticPair(int)>& pair_at) {
   GridPlan grid;
   for (int k = 0; k < n * n; ++k) {
-    PlanSite site;
+    bake::PlanSite site;
     const double angle = spin * k;
     site.frame.origin = {0.01 * (k % n), 0.01 * (k / n), 0};
     site.frame.x = {std::cos(angle), std::sin(angle), 0};
@@ -63,7 +63,7 @@ inline void refuse(GridPlan& grid, std::uint32_t pair, const std::string& cause)
 }
 
 /// Takes a site's pair out of the plan, as a support does.
-inline void skip(GridPlan& grid, std::uint32_t site, SkipReason reason) {
+inline void skip(GridPlan& grid, std::uint32_t site, bake::SkipReason reason) {
   JournalContent journal;
   std::vector<PairPlan> pairs;
   for (std::uint32_t k = 0; k < grid.plan.pairs.size(); ++k) {

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace palpate {
+namespace palpate::geometry {
 namespace {
 
 using Eigen::Vector3d;
@@ -73,4 +73,4 @@ TEST(CurveQuery, BranchesKeepTheirOwnDirections) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::geometry

@@ -10,7 +10,7 @@
 
 #include <set>
 
-namespace palpate {
+namespace palpate::geometry {
 namespace {
 
 using Eigen::Vector3d;
@@ -97,4 +97,4 @@ TEST(Intersections, BallsApartNestedAndCrossing) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::geometry

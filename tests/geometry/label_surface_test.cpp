@@ -12,7 +12,7 @@
 #include <cstdio>
 #include <numbers>
 
-namespace palpate {
+namespace palpate::geometry {
 namespace {
 
 using Eigen::Vector3d;
@@ -123,4 +123,4 @@ TEST(LabelSurface, TooThinIsRefused) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::geometry

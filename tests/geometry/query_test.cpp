@@ -12,7 +12,7 @@
 #include <random>
 #include <thread>
 
-namespace palpate {
+namespace palpate::geometry {
 namespace {
 
 using Eigen::Vector3d;
@@ -196,4 +196,4 @@ TEST(SurfaceQuery, PointThatIsNotFiniteIsAnError) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::geometry

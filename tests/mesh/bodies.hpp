@@ -15,8 +15,8 @@ namespace palpate::test {
 /// `base_edge` (m) is the edge length of the base surface.
 inline Body body_of(const Surface& surface, double base_edge) {
   Body body;
-  body.query = std::make_shared<const SurfaceQuery>(surface);
-  body.base = remesh_uniform(surface, base_edge);
+  body.query = std::make_shared<const geometry::SurfaceQuery>(surface);
+  body.base = mesh::remesh_uniform(surface, base_edge);
   body.base_size = base_edge;
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& v : surface.vertices) box.extend(v);
@@ -27,13 +27,13 @@ inline Body body_of(const Surface& surface, double base_edge) {
 inline void add_inclusion(Body& body, const Surface& surface, double base_edge) {
   Inclusion inclusion;
   inclusion.name = "lump";
-  inclusion.query = std::make_shared<const SurfaceQuery>(surface);
-  inclusion.base = remesh_uniform(surface, base_edge);
+  inclusion.query = std::make_shared<const geometry::SurfaceQuery>(surface);
+  inclusion.base = mesh::remesh_uniform(surface, base_edge);
   body.inclusions.push_back(std::move(inclusion));
 }
 
 /// h0 at `site`, growing by 0.7 of the distance up to `largest` (m).
-inline SizeField size_round(const Eigen::Vector3d& site, double h0, double largest) {
+inline mesh::SizeField size_round(const Eigen::Vector3d& site, double h0, double largest) {
   return [=](const Eigen::Vector3d& p) { return std::min(largest, h0 + 0.7 * (p - site).norm()); };
 }
 

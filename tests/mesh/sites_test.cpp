@@ -12,7 +12,7 @@
 #include <map>
 #include <string>
 
-namespace palpate {
+namespace palpate::mesh {
 namespace {
 
 using Eigen::Vector3d;
@@ -24,7 +24,7 @@ Scene scene_with(double spacing, double depth) {
   return scene;
 }
 
-void expect_sound(const HapticMesh& m, const Body& body) {
+void expect_sound(const sites::HapticMesh& m, const Body& body) {
   const std::size_t n = m.points.size();
   for (const std::size_t size :
        {m.normals.size(), m.tangents.size(), m.thickness.size(), m.depth.size(), m.held.size(), m.selected.size()}) {
@@ -49,7 +49,7 @@ TEST(Sites, GivenPlacesAreSitesOfExactlyTheDepth) {
   Scene scene = scene_with(0.02, 0.005);
   scene.sampling.within_box = std::pair{Vector3d(0.02, 0.02, -1), Vector3d(1, 1, 1)};
   scene.sampling.sites = {{-0.0131, 0.0072, 0.001}, {0.003, -0.0191, 0}};
-  const HapticMesh m = make_haptic_mesh(scene, plate);
+  const sites::HapticMesh m = sites::make_haptic_mesh(scene, plate);
   expect_sound(m, plate);
   for (const Vector3d& site : scene.sampling.sites) {
     const Vector3d on(site.x(), site.y(), 0);
@@ -63,7 +63,7 @@ TEST(Sites, GivenPlacesAreSitesOfExactlyTheDepth) {
   for (std::size_t k = 0; k < m.points.size(); ++k) EXPECT_LE(m.depth[k], 0.005);
   scene.sampling.sites = {{0, 0, 0.0051}};
   try {
-    make_haptic_mesh(scene, plate);
+    sites::make_haptic_mesh(scene, plate);
     FAIL() << "a site far off the surface was taken";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::bad_input);
@@ -75,7 +75,7 @@ TEST(Sites, BallHasEvenSpacingAndRadialNormals) {
   const Body ball = test::body_of(test::sphere_surface({0, 0, 0}, 0.05, 5), 0.006);
   Scene scene = scene_with(0.015, 0.005);
   scene.sampling.margin_spacing = 0.015;
-  const HapticMesh m = make_haptic_mesh(scene, ball);
+  const sites::HapticMesh m = sites::make_haptic_mesh(scene, ball);
   expect_sound(m, ball);
   EXPECT_NEAR(m.edges.mean / 0.015, 1, 0.15);
   EXPECT_GT(m.edges.shortest, 0.5 * 0.015);
@@ -91,7 +91,7 @@ TEST(Sites, BallHasEvenSpacingAndRadialNormals) {
 
 TEST(Sites, ThinPlateIsSampledFinerAndShallower) {
   const Body plate = test::body_of(test::box_surface({0, 0, 0}, {0.1, 0.1, 0.006}, 10), 0.006);
-  const HapticMesh m = make_haptic_mesh(scene_with(0.02, 0.005), plate);
+  const sites::HapticMesh m = sites::make_haptic_mesh(scene_with(0.02, 0.005), plate);
   expect_sound(m, plate);
   EXPECT_LT(m.edges.median, 0.014) << "half the spacing, for 6 mm is thinner than 1.5 spacings";
   for (std::size_t k = 0; k < m.points.size(); ++k) {
@@ -112,7 +112,7 @@ TEST(Sites, BoxAndSupportsMarkSites) {
   block.support_surfaces.push_back(nullptr);
   Scene scene = scene_with(0.008, 0.002);
   scene.sampling.within_box = {{Vector3d(-1, -1, -0.001), Vector3d(0, 1, 1)}};
-  const HapticMesh m = make_haptic_mesh(scene, block);
+  const sites::HapticMesh m = sites::make_haptic_mesh(scene, block);
   int held = 0, selected = 0;
   for (std::size_t k = 0; k < m.points.size(); ++k) {
     EXPECT_EQ(m.held[k] != 0, m.points[k].z() <= -0.0249);
@@ -127,9 +127,9 @@ TEST(Sites, BoxAndSupportsMarkSites) {
 TEST(Sites, SplitEdgesKeepTheMeshConformingAndItsSites) {
   const Body block = test::block_body(0.01);
   Scene scene = scene_with(0.03, 0.002);
-  HapticMesh m = make_haptic_mesh(scene, block);
-  const HapticMesh before = m;
-  const auto least_angle = [](const HapticMesh& mesh) {
+  sites::HapticMesh m = sites::make_haptic_mesh(scene, block);
+  const sites::HapticMesh before = m;
+  const auto least_angle = [](const sites::HapticMesh& mesh) {
     double least = 4;
     for (const auto& t : mesh.triangles) {
       for (int k = 0; k < 3; ++k) {
@@ -141,14 +141,14 @@ TEST(Sites, SplitEdgesKeepTheMeshConformingAndItsSites) {
     return least;
   };
   for (int round = 0; round < 4; ++round) {  // again and again the edges round one site
-    std::vector<SiteEdge> edges;
+    std::vector<sites::SiteEdge> edges;
     for (const auto& t : m.triangles) {
       for (int k = 0; k < 3; ++k) {
         const std::int32_t a = std::min(t[k], t[(k + 1) % 3]), b = std::max(t[k], t[(k + 1) % 3]);
         if (a == 0) edges.push_back({a, b});
       }
     }
-    split_edges(scene, block, edges, m);
+    sites::split_edges(scene, block, edges, m);
   }
   EXPECT_GT(m.points.size(), before.points.size() + 10);
   for (std::size_t k = 0; k < before.points.size(); ++k) EXPECT_EQ(m.points[k], before.points[k]);
@@ -159,11 +159,11 @@ TEST(Sites, SplitEdgesKeepTheMeshConformingAndItsSites) {
 TEST(Sites, SameSitesEveryTime) {
   const Body ball = test::body_of(test::sphere_surface({0, 0, 0}, 0.05, 4), 0.006);
   const Scene scene = scene_with(0.012, 0.004);
-  const HapticMesh a = make_haptic_mesh(scene, ball), b = make_haptic_mesh(scene, ball);
+  const sites::HapticMesh a = sites::make_haptic_mesh(scene, ball), b = sites::make_haptic_mesh(scene, ball);
   EXPECT_EQ(a.points, b.points);
   EXPECT_EQ(a.normals, b.normals);
   EXPECT_EQ(a.triangles, b.triangles);
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::mesh

@@ -14,8 +14,9 @@
 namespace palpate::test {
 
 /// Six tetrahedra a cell (Kuhn's subdivision, so that neighbours match); all node positions exact.
-inline TetMesh block_mesh(const std::vector<double>& xs, const std::vector<double>& ys, const std::vector<double>& zs) {
-  TetMesh mesh;
+inline mesh::TetMesh block_mesh(const std::vector<double>& xs, const std::vector<double>& ys,
+                                const std::vector<double>& zs) {
+  mesh::TetMesh mesh;
   const auto nx = static_cast<int>(xs.size()), ny = static_cast<int>(ys.size()), nz = static_cast<int>(zs.size());
   const auto id = [&](int i, int j, int k) { return (k * ny + j) * nx + i; };
   for (const double z : zs) {

@@ -23,9 +23,9 @@ inline SupportScene half_space(SupportScene::Type type, const Eigen::Vector3d& p
 inline Body block_body(double half, double young, double poisson) {
   Body body;
   const Surface surface = box_surface({-half, -half, -half}, {half, half, 0});
-  body.query = std::make_shared<const SurfaceQuery>(surface);
+  body.query = std::make_shared<const geometry::SurfaceQuery>(surface);
   body.base_size = half / 6;
-  body.base = remesh_uniform(surface, body.base_size);
+  body.base = mesh::remesh_uniform(surface, body.base_size);
   body.material.young = young;
   body.material.poisson = poisson;
   body.diagonal = 3 * half;

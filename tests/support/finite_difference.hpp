@@ -10,7 +10,7 @@ namespace palpate::test {
 
 /// One energy by itself as a problem. Keeps a reference to it.
 template <class Energy>
-class Alone final : public EnergyProblem {
+class Alone final : public fem::EnergyProblem {
 public:
   explicit Alone(const Energy& energy) : energy_(energy) {}
   double value(const Eigen::VectorXd& x) const override { return energy_.value(x); }
@@ -18,7 +18,7 @@ public:
     g.setZero();
     return energy_.gradient(x, g);
   }
-  void hessian(const Eigen::VectorXd& x, HessianKind kind, BlockMatrix& m) const override {
+  void hessian(const Eigen::VectorXd& x, fem::HessianKind kind, fem::BlockMatrix& m) const override {
     energy_.hessian(x, kind, m);
   }
   double load(const Eigen::VectorXd&) const override { return 1.0; }
@@ -28,7 +28,7 @@ private:
 };
 
 /// Largest difference of gradient and central difference over all coordinates, relative to the largest entry.
-inline double gradient_error(const EnergyProblem& problem, const Eigen::VectorXd& x, double step) {
+inline double gradient_error(const fem::EnergyProblem& problem, const Eigen::VectorXd& x, double step) {
   Eigen::VectorXd g(x.size()), y = x;
   problem.gradient(x, g);
   double worst = 0;
@@ -44,10 +44,11 @@ inline double gradient_error(const EnergyProblem& problem, const Eigen::VectorXd
 }
 
 /// The same for the Hessian (all nodes free) against differences of the gradient.
-inline double hessian_error(const EnergyProblem& problem, const TetMesh& mesh, const Eigen::VectorXd& x, double step) {
-  BlockMatrix matrix(mesh, std::vector<char>(mesh.nodes.size(), 0));
+inline double hessian_error(const fem::EnergyProblem& problem, const mesh::TetMesh& mesh, const Eigen::VectorXd& x,
+                            double step) {
+  fem::BlockMatrix matrix(mesh, std::vector<char>(mesh.nodes.size(), 0));
   matrix.set_zero();
-  problem.hessian(x, HessianKind::exact, matrix);
+  problem.hessian(x, fem::HessianKind::exact, matrix);
   const Eigen::MatrixXd lower = matrix.matrix();
   const Eigen::MatrixXd h = lower.selfadjointView<Eigen::Lower>();
   Eigen::VectorXd up(x.size()), down(x.size()), y = x;
@@ -64,7 +65,7 @@ inline double hessian_error(const EnergyProblem& problem, const TetMesh& mesh, c
 }
 
 /// Node positions of a mesh as one vector (3 N).
-inline Eigen::VectorXd stacked(const TetMesh& mesh) {
+inline Eigen::VectorXd stacked(const mesh::TetMesh& mesh) {
   Eigen::VectorXd x(3 * static_cast<Eigen::Index>(mesh.nodes.size()));
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n) x.segment<3>(3 * static_cast<Eigen::Index>(n)) = mesh.nodes[n];
   return x;

@@ -12,9 +12,9 @@ namespace palpate::test {
 
 /// Elastic energy, that of elastic supports where there are any, less the work of a dead force on each node (3 N, N).
 /// Keeps references to the energies.
-class Loaded final : public EnergyProblem {
+class Loaded final : public fem::EnergyProblem {
 public:
-  Loaded(const ElasticEnergy& elastic, Eigen::VectorXd force, const BedEnergy* bed = nullptr)
+  Loaded(const fem::ElasticEnergy& elastic, Eigen::VectorXd force, const solve::BedEnergy* bed = nullptr)
       : elastic_(elastic), bed_(bed), force_(std::move(force)) {}
   double value(const Eigen::VectorXd& x) const override {
     return elastic_.value(x) + (bed_ ? bed_->value(x) : 0) - force_.dot(x);
@@ -24,22 +24,22 @@ public:
     const double elastic = elastic_.gradient(x, g);
     return elastic + (bed_ ? bed_->gradient(x, g) : 0) - force_.dot(x);
   }
-  void hessian(const Eigen::VectorXd& x, HessianKind kind, BlockMatrix& m) const override {
+  void hessian(const Eigen::VectorXd& x, fem::HessianKind kind, fem::BlockMatrix& m) const override {
     elastic_.hessian(x, kind, m);
     if (bed_) bed_->hessian(m);
   }
   double load(const Eigen::VectorXd&) const override { return force_.norm(); }
 
 private:
-  const ElasticEnergy& elastic_;
-  const BedEnergy* bed_;
+  const fem::ElasticEnergy& elastic_;
+  const solve::BedEnergy* bed_;
   Eigen::VectorXd force_;
 };
 
 /// Forces on the nodes (3 N, N) of traction(face's centroid, place, outward unit normal) (Pa) over the undeformed
 /// faces: Dunavant's six points, exact where the traction is of degree 2.
 template <class Traction>
-Eigen::VectorXd face_loads(const TetMesh& mesh, Traction&& traction) {
+Eigen::VectorXd face_loads(const mesh::TetMesh& mesh, Traction&& traction) {
   constexpr double kNear[2] = {0.445948490915965, 0.091576213509771},
                    kWeight[2] = {0.223381589678011, 0.109951743655322};
   Eigen::VectorXd force = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(mesh.nodes.size()));

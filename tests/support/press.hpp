@@ -8,9 +8,10 @@
 namespace palpate::test {
 
 /// The first vertex of the scene's tool along `path` into the top of a block.
-inline PairResult press(const Body& body, const ToolScene& scene, const PairPath& path, const PairOptions& options) {
-  const Tool tool = make_tool(scene);
-  return solve_pair({body, tool, tool.vertices[0], ContactFrame{}}, path, options);
+inline PairResult press(const Body& body, const ToolScene& scene, const solve::PairPath& path,
+                        const solve::PairOptions& options) {
+  const tool::Tool tool = tool::make_tool(scene);
+  return solve::solve_pair({body, tool, tool.vertices[0], ContactFrame{}}, path, options);
 }
 
 }  // namespace palpate::test

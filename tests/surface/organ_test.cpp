@@ -35,10 +35,10 @@ protected:
     const auto start = std::chrono::steady_clock::now();
     Body body = prepare_body(scene);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    std::cout << text(body.report) << "  base: " << body.base.triangles.size() << " triangles, edge "
+    std::cout << surface::text(body.report) << "  base: " << body.base.triangles.size() << " triangles, edge "
               << body.base_size * 1e3 << " mm; prepared in " << seconds.count() << " s\n";
-    EXPECT_TRUE(examine(body.query->surface()).clean());
-    EXPECT_TRUE(examine(body.base).clean());
+    EXPECT_TRUE(surface::examine(body.query->surface()).clean());
+    EXPECT_TRUE(surface::examine(body.base).clean());
     EXPECT_GT(body.base.triangles.size(), 2000U);
     EXPECT_LT(body.base.triangles.size(), 9000U);
     return body;
@@ -80,7 +80,7 @@ TEST_F(Organ, KidneyCapsuleAloneIsRefusedAsAThinBag) {
   const auto input = read_surface({folder_ / "VH_M_Kidney_L.glb", {"VH_M_kidney_capsule_L"}, 1.0});
   expect_error(
       [&] {
-        clean_surface(input, {RepairMode::automatic, 0.005, 0}, "kidney");
+        surface::clean_surface(input, {RepairMode::automatic, 0.005, 0}, "kidney");
       },
       ExitCode::bad_input, {"kidney", "no rim is flat enough", "not a solid"});
 }

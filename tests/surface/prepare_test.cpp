@@ -67,7 +67,7 @@ TEST_F(Prepare, PlainCubeWithTheDefaultSupport) {
   EXPECT_TRUE(body.held({0.0, 0.1, 0.0199}));
   EXPECT_FALSE(body.held({0.0, 0.1, 0.0201}));
   EXPECT_FALSE(body.held({0.1, 0.1, 0.2}));
-  EXPECT_TRUE(examine(body.base).clean());
+  EXPECT_TRUE(surface::examine(body.base).clean());
   EXPECT_GT(body.base.triangles.size(), 2000U);
   EXPECT_LT(body.base.triangles.size(), 8000U);
   EXPECT_NEAR(surface_volume(body.base), 0.008, 1e-4);
@@ -159,7 +159,7 @@ TEST_F(Prepare, EveryComponentMustBeHeld) {
   scene_.sampling.spacing = 0.015;
   scene_.sampling.depth = 0.1;
   bool over = false;
-  const HapticMesh sites = make_haptic_mesh(scene_, hollow);
+  const sites::HapticMesh sites = sites::make_haptic_mesh(scene_, hollow);
   std::size_t inner = 0;
   for (std::size_t k = 0; k < sites.points.size(); ++k) {
     const bool in_wall = (sites.points[k] - Eigen::Vector3d(0.1, 0.1, 0.1)).norm() < 0.035;
@@ -213,13 +213,13 @@ TEST_F(Prepare, Inclusions) {
   EXPECT_EQ(body.inclusions[0].name, "tumour");
   EXPECT_EQ(body.inclusions[0].material.young, 5e4);
   for (const auto& inclusion : body.inclusions) {
-    EXPECT_TRUE(examine(inclusion.base).clean());
-    EXPECT_EQ(crossings(inclusion.base, body.base), 0U);
+    EXPECT_TRUE(surface::examine(inclusion.base).clean());
+    EXPECT_EQ(geometry::crossings(inclusion.base, body.base), 0U);
     EXPECT_LT(inclusion.query->signed_distance(inclusion.name == "tumour" ? Eigen::Vector3d(0.06, 0.1, 0.1)
                                                                           : Eigen::Vector3d(0.14, 0.11, 0.11)),
               0);
   }
-  EXPECT_EQ(crossings(body.inclusions[0].base, body.inclusions[1].base), 0U);
+  EXPECT_EQ(geometry::crossings(body.inclusions[0].base, body.inclusions[1].base), 0U);
 }
 
 TEST_F(Prepare, RegionsByTheirMeasures) {
@@ -235,8 +235,8 @@ TEST_F(Prepare, RegionsByTheirMeasures) {
   const Body body = prepare_body(scene_);
   ASSERT_EQ(body.inclusions.size(), 2U);
   const double exact = 4.0 / 3 * std::numbers::pi * 0.02 * 0.03 * 0.02;
-  EXPECT_NEAR(signed_volume(body.inclusions[0].query->surface()) / exact, 1.0, 0.05);
-  EXPECT_NEAR(signed_volume(body.inclusions[1].query->surface()), 0.03 * 0.04 * 0.05, 1e-12);
+  EXPECT_NEAR(geometry::signed_volume(body.inclusions[0].query->surface()) / exact, 1.0, 0.05);
+  EXPECT_NEAR(geometry::signed_volume(body.inclusions[1].query->surface()), 0.03 * 0.04 * 0.05, 1e-12);
   scene_.regions[0].centre.x() = 0.015;
   expect_refused({"region 'ball'", "intersects the body's surface"});
 }

@@ -22,7 +22,7 @@ struct Prepared {
 };
 
 Prepared prepared(const TemporaryFolder& scratch, const std::filesystem::path& file) {
-  const Proposal proposal = propose_scene(file, scratch.path());
+  const surface::Proposal proposal = surface::propose_scene(file, scratch.path());
   const auto scene_file = scratch.write(file.filename().string() + ".toml", proposal.scene);
   Prepared result;
   result.scene = read_scene(scene_file);
@@ -49,7 +49,7 @@ TEST(Study, EveryFormatEndsInTheSameBody) {
   const Voxels v = Study::voxels();
   const std::vector<std::pair<std::string, std::string>> files{
       {"study.nii.gz", nifti(v, true)}, {"study.nrrd", nrrd_file(v, true)}, {"study.mha", meta(v, true)}};
-  std::shared_ptr<const SurfaceQuery> first;
+  std::shared_ptr<const geometry::SurfaceQuery> first;
   for (const auto& [name, bytes] : files) {
     SCOPED_TRACE(name);
     const Prepared p = prepared(scratch, scratch.write(name, bytes));
@@ -64,8 +64,8 @@ TEST(Study, EveryFormatEndsInTheSameBody) {
       continue;
     }
     // A tenth of the smallest voxel edge.
-    EXPECT_LT(distances(p.body.query->surface(), *first).first, 0.15e-3);
-    EXPECT_LT(distances(first->surface(), *p.body.query).first, 0.15e-3);
+    EXPECT_LT(surface::distances(p.body.query->surface(), *first).first, 0.15e-3);
+    EXPECT_LT(surface::distances(first->surface(), *p.body.query).first, 0.15e-3);
   }
 }
 

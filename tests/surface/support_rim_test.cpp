@@ -8,12 +8,12 @@
 
 #include <cmath>
 
-namespace palpate {
+namespace palpate::surface {
 namespace {
 
 Body held_below(const Surface& surface, double z) {
   Body body;
-  body.query = std::make_shared<const SurfaceQuery>(surface);
+  body.query = std::make_shared<const geometry::SurfaceQuery>(surface);
   Eigen::AlignedBox3d box;
   for (const auto& v : surface.vertices) box.extend(v);
   body.diagonal = box.diagonal().norm();
@@ -64,4 +64,4 @@ TEST(SupportRim, OfNothingOrEverythingIsEmpty) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::surface

@@ -44,7 +44,7 @@ double height(const Row& row, const Site& site, double tip_offset) {
 }
 
 TEST(View, FindsTheTopOfASphere) {
-  const Surface ball = ellipsoid({0, 0, 0}, {0.04, 0.04, 0.04}, 0.003, "ball");
+  const Surface ball = geometry::ellipsoid({0, 0, 0}, {0.04, 0.04, 0.04}, 0.003, "ball");
   const View view(ball);
   for (const auto& [x, y] : {std::pair{0.0, 0.0}, {0.01, 0.02}, {-0.02, 0.005}}) {
     const std::optional<Site> site = view.highest(x, y);
@@ -92,7 +92,7 @@ TEST(Probe, PressesToTheDepthAndLetsGo) {
 }
 
 TEST(Scan, FollowsTheSurface) {
-  const Surface ball = ellipsoid({0, 0, 0}, {0.04, 0.04, 0.04}, 0.002, "ball");
+  const Surface ball = geometry::ellipsoid({0, 0, 0}, {0.04, 0.04, 0.04}, 0.002, "ball");
   const View view(ball);
   std::vector<Site> sites;
   for (int i = -10; i <= 10; ++i) sites.push_back(*view.highest(0.001 * i, 0));

@@ -21,16 +21,16 @@ void expect_solid(const Surface& s, double expected_volume, double relative) {
 
 TEST(Shapes, GeodesicSphereHasItsCounts) {
   for (const int frequency : {1, 2, 3, 7}) {
-    const Surface s = geodesic_sphere(frequency, "sphere");
+    const Surface s = geometry::geodesic_sphere(frequency, "sphere");
     EXPECT_EQ(s.triangles.size(), static_cast<std::size_t>(20 * frequency * frequency));
     EXPECT_EQ(s.vertices.size(), static_cast<std::size_t>(10 * frequency * frequency + 2));
     EXPECT_EQ(test::edge_faults(s), 0);
   }
-  expect_solid(geodesic_sphere(20, "sphere"), 4 * pi / 3, 0.01);
+  expect_solid(geometry::geodesic_sphere(20, "sphere"), 4 * pi / 3, 0.01);
 }
 
 TEST(Shapes, EllipsoidHasVolumeAndEdges) {
-  const Surface s = ellipsoid({1, 2, 3}, {0.03, 0.02, 0.01}, 0.001, "e");
+  const Surface s = geometry::ellipsoid({1, 2, 3}, {0.03, 0.02, 0.01}, 0.001, "e");
   expect_solid(s, 4 * pi / 3 * 6e-6, 0.01);
   EXPECT_NEAR(test::mean_edge(s), 0.001, 0.0003);
 }

@@ -13,14 +13,14 @@
 #include <Eigen/Eigenvalues>
 #include <random>
 
-namespace palpate {
+namespace palpate::tool {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 Surface ball(double radius, int frequency) {
-  Surface s = geodesic_sphere(frequency, "ball");
+  Surface s = geometry::geodesic_sphere(frequency, "ball");
   for (Vector3d& v : s.vertices) v *= radius;
   return s;
 }
@@ -175,4 +175,4 @@ TEST(MeshTool, OpenOrInsideOutIsRefused) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::tool

@@ -13,7 +13,7 @@
 #include <set>
 #include <string>
 
-namespace palpate {
+namespace palpate::tool {
 namespace {
 
 using Eigen::Matrix3d;
@@ -167,4 +167,4 @@ TEST(Tools, CapsuleHasTipShoulderAndStemAndInterpolatesOnItsSurface) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::tool

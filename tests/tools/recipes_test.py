@@ -87,7 +87,7 @@ int main() {
     samples[k].deflection = {0, 0, 1e-3 * (k + 1)};
     samples[k].force = {0, 0, 200 * std::pow(1e-3 * (k + 1), 1.5)};
   }
-  const palpate::fit::PowerLaw law = palpate::fit::fit_power_law(samples, "check");
+  const palpate::verify::PowerLaw law = palpate::verify::fit_power_law(samples, "check");
   return std::abs(law.exponent - 1.5) < 1e-9 && std::abs(law.force({0, 0, 0.002}).z() / samples[1].force.z() - 1) < 1e-9 ? 0 : 1;
 }
 """, encoding="utf-8")

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <ostream>
 
-namespace palpate {
+namespace palpate::verify {
 
 void PrintTo(const ClosedForm& form, std::ostream* out) { *out << form.name; }
 
@@ -76,4 +76,4 @@ TEST(BondedLayer, TheSeriesIsTheExactContactWhereItIsNarrow) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::verify

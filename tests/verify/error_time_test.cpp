@@ -7,7 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 // Values 2 and 5 plus `error` of them at size 1, of this order; a time of `seconds` / size^3.
@@ -68,4 +68,4 @@ TEST(ErrorTime, SizesMustFallByOneFactor) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::verify

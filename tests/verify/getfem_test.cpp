@@ -14,19 +14,19 @@
 #include <numbers>
 #include <sstream>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 constexpr const char* kPython = "/usr/bin/python3";  // Debian's, whose module getfem is
 
-ChildResult python(const std::vector<std::string>& arguments) {
-  ChildLimits limits;
+mesh::ChildResult python(const std::vector<std::string>& arguments) {
+  mesh::ChildLimits limits;
   limits.cpu_time = 3000;
   limits.memory = 0;
-  ChildStart start;
+  mesh::ChildStart start;
   start.arguments = arguments;
   start.environment = {"OMP_NUM_THREADS=1", "OPENBLAS_NUM_THREADS=1"};
-  return run_child(kPython, {}, limits, start);
+  return mesh::run_child(kPython, {}, limits, start);
 }
 
 bool has_getfem() { return std::filesystem::exists(kPython) && python({"-c", "import getfem"}).finished; }
@@ -43,12 +43,12 @@ CcxCase with_law(CcxCase c, double share_of_c01) {
     law.c10 = 0.5 * mu - law.c01;
   }
   c.law.c01 = law.c01;
-  c.material = make_material(law);
+  c.material = fem::make_material(law);
   return c;
 }
 
 /// tests/verify/getfem_contact.py describes the format: mm and kPa.
-std::string problem(const CcxCase& c, const TetMesh& mesh) {
+std::string problem(const CcxCase& c, const mesh::TetMesh& mesh) {
   const ToolScene& tool = c.tool.scene;
   const double poisson = c.body.material.poisson, young = c.body.material.young;
   std::string text =
@@ -56,7 +56,7 @@ std::string problem(const CcxCase& c, const TetMesh& mesh) {
   text += tool.shape == ToolScene::Shape::sphere
               ? fmt::format("sphere {}\n", 1e3 * tool.radius)
               : fmt::format("punch {} {}\n", 1e3 * tool.radius, 1e3 * tool.edge_radius);
-  const double scale = 1e-3 * young / (1e3 * contact_radius(c.tool.vertices.at(0), c.depths.back()));
+  const double scale = 1e-3 * young / (1e3 * tool::contact_radius(c.tool.vertices.at(0), c.depths.back()));
   text += fmt::format("stiffness {} {}\n", 100 * scale, 1500 * scale);
   text += "depths";
   for (const double depth : c.depths) text += fmt::format(" {}", 1e3 * depth);
@@ -73,7 +73,7 @@ std::string problem(const CcxCase& c, const TetMesh& mesh) {
 CcxSolve solve_getfem(const CcxCase& c, const CcxMesh& mesh) {
   const test::TemporaryFolder folder;
   const auto file = folder.write("problem", problem(c, mesh.mesh));
-  const ChildResult child = python({PALPATE_GETFEM_CONTACT, file.string()});
+  const mesh::ChildResult child = python({PALPATE_GETFEM_CONTACT, file.string()});
   CcxSolve solve;
   solve.seconds = child.cpu_time;
   solve.cause = child.cause + child.messages;
@@ -111,4 +111,4 @@ TEST(GetfemLong, ForcesOfEveryTipAndLawAgreeOnTheSameMesh) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 using Eigen::Vector3d;
@@ -87,4 +87,4 @@ TEST_F(Layouts, PlacesBeyondTheSurfaceAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 class Paper : public ::testing::Test {
@@ -87,4 +87,4 @@ TEST(PaperCurves, ForcesAreLinearBetweenPointsAndNoneBeyond) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -12,7 +12,7 @@
 #include <filesystem>
 #include <fstream>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 HeldOut contact_with(std::initializer_list<double> errors) {
@@ -188,4 +188,4 @@ TEST(Recorded, RoundTripAndFaults) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::verify

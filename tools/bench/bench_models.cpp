@@ -29,7 +29,7 @@ struct Row {
   std::string model;
   double bytes = 0;
   fit::HeldOutFigures error;
-  std::optional<ErrorFigures> paths;
+  std::optional<fit::ErrorFigures> paths;
   double stick = 0;  // ns
   double force = 0;  // ns, of the force at one place alone
   std::optional<double> slide;
@@ -78,7 +78,7 @@ double evaluation_time(const fit::ForceLaw& law, const fit::ResponseScales& scal
 }
 
 /// Relative errors along paths. A baseline has no state: its force depends on the deflection alone.
-ErrorFigures path_figures(const std::vector<const std::vector<Sample>*>& pairs, const fit::LawFitter& fitter) {
+fit::ErrorFigures path_figures(const std::vector<const std::vector<Sample>*>& pairs, const fit::LawFitter& fitter) {
   std::vector<std::pair<double, std::uint32_t>> errors;
   for (const auto* samples : pairs) {
     const fit::ForceLaw law = fitter(*samples);
@@ -92,7 +92,7 @@ ErrorFigures path_figures(const std::vector<const std::vector<Sample>*>& pairs, 
       errors.emplace_back(e, 0);
     }
   }
-  return error_figures(errors);
+  return fit::error_figures(errors);
 }
 
 Row measure_baseline(const std::string& name, double bytes, const JournalContent& journal,
@@ -162,18 +162,18 @@ std::vector<Row> measure_models(const pipeline::Pipeline& p, const JournalConten
                                       return law.force(at);
                                     };
                                   }));
-  rows.push_back(measure_baseline("separable", fit::SeparableField::bytes(true), journal, scales,
+  rows.push_back(measure_baseline("separable", verify::SeparableField::bytes(true), journal, scales,
                                   [&](const std::vector<Sample>& samples) -> fit::ForceLaw {
-                                    return [field = fit::fit_separable(samples, scales.depth, scales.tangential,
-                                                                       "separable")](const Eigen::Vector3d& at) {
+                                    return [field = verify::fit_separable(samples, scales.depth, scales.tangential,
+                                                                          "separable")](const Eigen::Vector3d& at) {
                                       return field.force(at);
                                     };
                                   }));
   for (const int centres : {6, 24}) {
-    rows.push_back(measure_baseline("radial basis, " + std::to_string(centres), fit::RadialBasis::bytes(centres),
+    rows.push_back(measure_baseline("radial basis, " + std::to_string(centres), verify::RadialBasis::bytes(centres),
                                     journal, scales, [&](const std::vector<Sample>& samples) -> fit::ForceLaw {
-                                      return [network = fit::fit_radial_basis(samples, scales.depth, scales.tangential,
-                                                                              centres, "radial basis")](
+                                      return [network = verify::fit_radial_basis(
+                                                  samples, scales.depth, scales.tangential, centres, "radial basis")](
                                                  const Eigen::Vector3d& at) { return network.force(at); };
                                     }));
   }

@@ -19,15 +19,15 @@ using Json = nlohmann::ordered_json;
 void run_solver_bench(const SolverBenchCommand& command, const Globals& globals) {
   const ContactCase c =
       command.scene.empty() ? block_contact(0.03, 0.005, 0.005, 0.3) : scene_contacts(command.scene, command.contacts);
-  SolverBenchOptions options;
+  verify::SolverBenchOptions options;
   options.stop = [] { return interrupted(); };
   const InterruptPolling polling;
   note(globals, "solving " + std::to_string(c.contacts.size()) + " contacts at " +
                     std::to_string(options.settings.size() + 1) + " mesh sizes on one thread");
-  const std::vector<SolverBenchRow> rows = bench_solver(c.scene, c.body, c.tool, c.contacts, options);
+  const std::vector<verify::SolverBenchRow> rows = verify::bench_solver(c.scene, c.body, c.tool, c.contacts, options);
   if (rows.size() < options.settings.size()) throw Interrupted("times are not kept; run the command again");
 
-  const PairPath path = bake_path(c.scene, c.contacts[0].depth);
+  const solve::PairPath path = solve::bake_path(c.scene, c.contacts[0].depth);
   const std::size_t tangential =
       path.tangential_depths.size() * std::size_t(path.tangential_directions) * std::size_t(path.tangential_points);
   char line[256];
@@ -43,7 +43,7 @@ void run_solver_bench(const SolverBenchCommand& command, const Globals& globals)
       "tangential stiffness | refused | peak MB |\n"
       "|---|---|---|---|---|---|---|---|---|---|---|\n";
   Json json{{"machine", machine_name()}, {"case", c.name}, {"contacts", c.contacts.size()}, {"rows", Json::array()}};
-  for (const SolverBenchRow& row : rows) {
+  for (const verify::SolverBenchRow& row : rows) {
     const double per_hour = row.seconds > 0 ? 3600 / row.seconds : 0;
     char longest[32] = "as the scene says";
     if (row.setting.max_size > 0) std::snprintf(longest, sizeof longest, "%.3g of the diagonal", row.setting.max_size);

@@ -23,8 +23,8 @@ ContactCase box_contact(const std::string& name, double half, double height, dou
   c.scene.tools.resize(1);
   c.scene.tools[0].radius = radius;
   c.scene.supports = supports;
-  c.body = prepare_body(c.scene, box_solid({-half, -half, -height}, {half, half, 0}, half, "block"));
-  c.tool = make_tool(c.scene.tools[0]);
+  c.body = prepare_body(c.scene, geometry::box_solid({-half, -half, -height}, {half, half, 0}, half, "block"));
+  c.tool = tool::make_tool(c.scene.tools[0]);
   c.contacts = {{ContactFrame{}, depth}};
   return c;
 }
@@ -53,9 +53,9 @@ ContactCase scene_contacts(const std::string& scene, int count) {
 }
 
 ContactCase plan_contacts(const pipeline::Pipeline& p, const std::string& scene, int count) {
-  const Plan plan = make_plan(p.scene, p.body, p.mesh, p.tools);
+  const bake::Plan plan = bake::make_plan(p.scene, p.body, p.mesh, p.tools);
   ContactCase c{scene, p.scene, p.body, p.tools.at(0), {}};
-  std::vector<BenchContact> all;
+  std::vector<verify::BenchContact> all;
   for (const PairPlan& pair : plan.pairs) {
     if (pair.tool == 0 && pair.tool_vertex == 0) all.push_back({pair.frame, pair.depth});
   }

@@ -14,8 +14,8 @@ struct ContactCase {
   std::string name;
   Scene scene;
   Body body;
-  Tool tool;  ///< the scene's first; the contacts are of its first vertex
-  std::vector<BenchContact> contacts;
+  tool::Tool tool;  ///< the scene's first; the contacts are of its first vertex
+  std::vector<verify::BenchContact> contacts;
 };
 
 /// Up to `count` contacts spread evenly over the scene's plan. Throws as the pipeline does, and Error(bad_input) where

@@ -65,7 +65,7 @@ PairCounts count_pairs(const pipeline::Pipeline& p) {
     checks.worst = differences.back();
     checks.worst_pair = index;
   }
-  checks.median = quantile(differences, 0.5);
+  checks.median = verify::quantile(differences, 0.5);
   return counts;
 }
 

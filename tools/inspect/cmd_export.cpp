@@ -52,24 +52,24 @@ void run_solved(const ExportArguments& options, const Globals& globals) {
   std::vector<std::filesystem::path> inputs = files_of(p.scene);
   inputs.emplace_back(options.file);
   refuse_same({options.solved}, inputs);
-  const Plan plan = make_plan(p.scene, p.body, p.mesh, p.tools);
+  const bake::Plan plan = bake::make_plan(p.scene, p.body, p.mesh, p.tools);
   if (std::size_t(options.contact) >= plan.pairs.size()) {
     throw Error(ExitCode::bad_input, options.file + ": its plan has " + std::to_string(plan.pairs.size()) +
                                          " contacts; allowed: --contact 0 to " + std::to_string(plan.pairs.size() - 1));
   }
   const PairPlan& pair = plan.pairs[std::size_t(options.contact)];
-  const Tool& tool = p.tools[pair.tool];
+  const tool::Tool& tool = p.tools[pair.tool];
   const double depth = options.depth > 0 ? options.depth : pair.depth;
-  PairPath path = bake_path(p.scene, depth);
+  solve::PairPath path = solve::bake_path(p.scene, depth);
   path.tangential_directions = path.slip_points = 0;
-  PairOptions solve = pair_options(p.scene);
+  solve::PairOptions solve = solve::pair_options(p.scene);
   VolumeFields fields;
   const Body& body = p.body.stress_free ? *p.body.stress_free : p.body;
-  solve.watch = [&](const TetMesh& mesh, const Eigen::VectorXd& x, double reached) {
+  solve.watch = [&](const mesh::TetMesh& mesh, const Eigen::VectorXd& x, double reached) {
     if (reached < depth) return;
-    fields = solved_fields(body, mesh, x);
+    fields = solve::solved_fields(body, mesh, x);
   };
-  const PairResult result = solve_pair({p.body, tool, tool.vertices[pair.tool_vertex], pair.frame}, path, solve);
+  const PairResult result = solve::solve_pair({p.body, tool, tool.vertices[pair.tool_vertex], pair.frame}, path, solve);
   if (!result.outcome.accepted || result.samples.empty() || fields.tets.empty()) {
     throw Error(ExitCode::numerical,
                 options.file + ": contact " + std::to_string(options.contact) + " is refused: " + result.outcome.cause);

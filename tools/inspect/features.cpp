@@ -41,7 +41,7 @@ void add_friction(ResponseFileContent& content) {
 }
 
 /// Equilibria of one path that the feature takes.
-std::size_t path_solves(const PairPath& path, layout::Feature feature) {
+std::size_t path_solves(const solve::PairPath& path, layout::Feature feature) {
   const auto product = [](std::size_t a, int b, int c) {
     return a * static_cast<std::size_t>(b) * static_cast<std::size_t>(c);
   };
@@ -167,8 +167,8 @@ std::optional<double> feature_solves(const pipeline::Pipeline& p, layout::Featur
       tool.grasp_depth = pair.depth;
       tool.grasp_turn = kUsual.grasp_turn;
     }
-    PairPath path = bake_path(scene, pair.depth);
-    add_grasp(path, scene, tool, pair.depth);
+    solve::PairPath path = solve::bake_path(scene, pair.depth);
+    solve::add_grasp(path, scene, tool, pair.depth);
     solves += path_solves(path, feature);
   }
   return double(solves);

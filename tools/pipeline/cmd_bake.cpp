@@ -18,10 +18,10 @@ struct BakeArguments {
 
 void run_bake(const BakeArguments& options, const Globals& globals) {
   pipeline::Options stages{options.work, {}};
-  if (!options.shard.empty()) stages.shard = parse_shard(options.shard);
+  if (!options.shard.empty()) stages.shard = bake::parse_shard(options.shard);
   pipeline::Pipeline p = pipeline::prepare(options.scene, stages);
   pipeline::plan(p);
-  const BakeReport report = bake_with_progress(p, globals);
+  const bake::BakeReport report = bake_with_progress(p, globals);
   if (globals.json) {
     print_json(bake_json(p, report));
   } else {

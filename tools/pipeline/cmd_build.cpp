@@ -27,16 +27,16 @@ void run_build(const BuildArguments& options, const Globals& globals) {
   if (options.report) report::require_page();
 #endif
   pipeline::Pipeline p = pipeline::prepare(options.scene, {options.work, options.output});
-  note(globals, text(p.body));
+  note(globals, surface::text(p.body));
   if (p.body.report.thin_bag) {
     warn("the body looks like a thin closed bag, not a solid: its median wall is " +
          std::to_string(1e3 * p.body.report.thickness_median) + " mm thick");
   }
-  for (const std::string& warning : scene_warnings(p.scene, p.body)) warn(warning);
+  for (const std::string& warning : pipeline::scene_warnings(p.scene, p.body)) warn(warning);
   check_writable(p.paths.response);  // found after hours of solves it would be found too late
   pipeline::plan(p);
-  const BakeReport bake = bake_with_progress(p, globals);
-  const FitReport fit = pipeline::fit(p);
+  const bake::BakeReport bake = bake_with_progress(p, globals);
+  const fit::FitReport fit = pipeline::fit(p);
   nlohmann::ordered_json json{{"bake", bake_json(p, bake)}, {"fit", fit_json(p, fit)}};
   std::string results = bake_text(p, bake) + fit_text(p, fit);
 #ifdef PALPATE_REPORT

@@ -24,7 +24,7 @@ void run_fit(const FitArguments& options, const Globals& globals) {
     note(globals,
          "--measured is for this fit alone; build and verify read the recordings that the scene names ([[measured]])");
   }
-  const FitReport report = pipeline::fit(p);
+  const fit::FitReport report = pipeline::fit(p);
   if (globals.json) {
     print_json(fit_json(p, report));
   } else {

@@ -22,7 +22,7 @@ std::string missing_text(const pipeline::Pipeline& p, const pipeline::MergeRepor
   std::string text = p.paths.samples.string() + ": " + std::to_string(report.missing.size()) + " of " +
                      std::to_string(report.bake.total + report.missing.size()) + " pairs are missing: ";
   for (std::size_t k = 0; k < std::min(kShown, report.missing.size()); ++k) {
-    text += (k == 0 ? "" : ", ") + describe(report.missing[k], p.plan.pairs[report.missing[k]]);
+    text += (k == 0 ? "" : ", ") + bake::describe(report.missing[k], p.plan.pairs[report.missing[k]]);
   }
   if (report.missing.size() > kShown) text += ", ...";
   return text + "; what is solved is kept: run the shards again (palpate submit does), then merge";

@@ -57,9 +57,9 @@ nlohmann::ordered_json to_json(const SurfaceReport& report) {
 void run_mesh(const MeshArguments& arguments, const Globals& globals) {
   const Scene scene = read_scene(arguments.scene);
   if (!arguments.out.empty()) check_outputs(arguments, scene);
-  const Body loaded = apply_prestress(prepare_body(scene));
+  const Body loaded = solve::apply_prestress(prepare_body(scene));
   const Body& body = loaded.stress_free ? *loaded.stress_free : loaded;
-  for (const std::string& warning : scene_warnings(scene, loaded)) warn(warning);
+  for (const std::string& warning : pipeline::scene_warnings(scene, loaded)) warn(warning);
   std::vector<std::filesystem::path> files;
   if (!arguments.out.empty()) {
     const std::filesystem::path folder = arguments.out;
@@ -81,7 +81,7 @@ void run_mesh(const MeshArguments& arguments, const Globals& globals) {
     print_json(document);
     return;
   }
-  std::string result = text(loaded);
+  std::string result = surface::text(loaded);
   for (const auto& file : files) result += file.string() + "\n";
   print(result);
   if (body.report.thin_bag) {

@@ -39,8 +39,8 @@ std::string costs_text(const pipeline::PlanCosts& costs, const pipeline::Pipelin
     text += line;
   }
   std::snprintf(line, sizeof line, "%s: %s on %d threads, %.0f MB of memory, file %.0f kB\n",
-                p.automatic ? "this round" : "bake", duration_text(costs.processor_seconds / threads).c_str(), threads,
-                1e-6 * costs.peak_bytes, 1e-3 * costs.file_bytes);
+                p.automatic ? "this round" : "bake", bake::duration_text(costs.processor_seconds / threads).c_str(),
+                threads, 1e-6 * costs.peak_bytes, 1e-3 * costs.file_bytes);
   text += line;
   if (!p.automatic) return text;
   if (p.sampling) text += sampling_text(*p.sampling, p.scene.response.tolerance) + "\n";
@@ -49,8 +49,9 @@ std::string costs_text(const pipeline::PlanCosts& costs, const pipeline::Pipelin
                   "rounds follow until the expected error of normal forces is within %.2f %%, or with %d sites, after "
                   "%s at most\n",
                   100 * p.scene.response.tolerance, p.scene.sampling.most_sites,
-                  duration_text(p.scene.sampling.most_sites *
-                                (costs.roles[1].seconds + RoundLimits{}.full_share * costs.roles[0].seconds) / threads)
+                  bake::duration_text(
+                      p.scene.sampling.most_sites *
+                      (costs.roles[1].seconds + pipeline::RoundLimits{}.full_share * costs.roles[0].seconds) / threads)
                       .c_str());
     text += line;
   }
@@ -75,25 +76,25 @@ void run_plan(const PlanArguments& options, const Globals& globals) {
   inputs.emplace_back(options.scene);
   refuse_same({options.plot}, inputs);
   pipeline::plan(p);
-  for (const std::string& warning : scene_warnings(p.scene, p.body)) warn(warning);
-  const Plan& plan = p.plan;
+  for (const std::string& warning : pipeline::scene_warnings(p.scene, p.body)) warn(warning);
+  const bake::Plan& plan = p.plan;
   std::size_t support = 0, unreachable = 0;
-  for (const SkippedPair& pair : plan.skipped) {
-    support += pair.reason == SkipReason::support ? 1 : 0;
-    unreachable += pair.reason == SkipReason::unreachable ? 1 : 0;
+  for (const bake::SkippedPair& pair : plan.skipped) {
+    support += pair.reason == bake::SkipReason::support ? 1 : 0;
+    unreachable += pair.reason == bake::SkipReason::unreachable ? 1 : 0;
   }
   std::vector<double> depths;
   for (const PairPlan& pair : plan.pairs) depths.push_back(pair.depth);
   std::sort(depths.begin(), depths.end());
   if (!options.plot.empty()) {
     std::vector<PlotSeries> series;
-    for (const Tool& tool : p.tools) series.push_back({tool.scene.name, {}});
+    for (const tool::Tool& tool : p.tools) series.push_back({tool.scene.name, {}});
     for (const PairPlan& pair : plan.pairs) series[pair.tool].values.push_back(1e3 * pair.depth);
     write_file(options.plot, distribution_svg("Deepest pushes of " + p.scene.name, "depth (mm)", series));
   }
   std::size_t solved = 0;
   for (std::uint32_t k = 0; k < plan.pairs.size(); ++k) solved += p.sources.solved(k) ? 1 : 0;
-  const ExternalCounts external = count_external(p.sources);
+  const fit::ExternalCounts external = fit::count_external(p.sources);
   const std::size_t filled = plan.pairs.size() - solved - external.measured - external.analytic;
 
   std::optional<pipeline::PlanCosts> costs;

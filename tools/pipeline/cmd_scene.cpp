@@ -74,7 +74,7 @@ void run_from(const std::string& from, const std::string& out, const Globals& gl
     check_writable(out);
     folder = std::filesystem::absolute(std::filesystem::path(out)).parent_path();
   }
-  const Proposal proposal = propose_scene(from, folder);
+  const surface::Proposal proposal = surface::propose_scene(from, folder);
   if (!out.empty()) write_file(out, proposal.scene);
   if (!globals.json) {
     print(out.empty() ? proposal.scene : out + "\n");
@@ -83,7 +83,7 @@ void run_from(const std::string& from, const std::string& out, const Globals& gl
   }
   nlohmann::ordered_json document{{"from", from}, {"scene", proposal.scene}};
   if (!out.empty()) document["written"] = out;
-  for (const Found& found : proposal.found) {
+  for (const surface::Found& found : proposal.found) {
     nlohmann::ordered_json entry{{"name", found.name},
                                  {"role", found.role},
                                  {"volume", found.volume},

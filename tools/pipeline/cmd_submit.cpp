@@ -105,10 +105,10 @@ Job merge_job(const pipeline::Pipeline& p, const SubmitArguments& options, const
 
 /// Hands the job to sbatch; its number. Throws Error(io) with what sbatch says.
 std::string hand_over(const Job& job) {
-  ChildStart start;
+  mesh::ChildStart start;
   start.arguments = {"-c", "exec sbatch --parsable \"$@\"", "sbatch"};
   start.arguments.insert(start.arguments.end(), job.options.begin(), job.options.end());
-  const ChildResult result = run_child("/bin/sh", {job.script.begin(), job.script.end()}, {}, start);
+  const mesh::ChildResult result = mesh::run_child("/bin/sh", {job.script.begin(), job.script.end()}, {}, start);
   if (!result.finished) {
     throw Error(ExitCode::io, "sbatch did not take the job (" + result.cause + "): " + result.messages);
   }
@@ -163,7 +163,7 @@ void add_submit(CLI::App& app, Globals& globals) {
   command.option("scene", options->scene, "Scene file, on a file system that all nodes share").required();
   command.option("--shards", options->shards, "Parts of the bake: tasks of the array")
       .required()
-      .check(whole_in(1, kMostShards));
+      .check(whole_in(1, bake::kMostShards));
   command.option("--cpus", options->cpus, "Processors, and threads, of a task")
       .check(whole_in(1, 1024))
       .shows_default();

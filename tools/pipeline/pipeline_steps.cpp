@@ -25,7 +25,7 @@ std::string kept_text(std::size_t finished, std::size_t total) {
          " pairs are solved and kept; run the same command again to go on";
 }
 
-nlohmann::ordered_json figures_json(const ErrorFigures& figures) {
+nlohmann::ordered_json figures_json(const fit::ErrorFigures& figures) {
   return {{"samples", figures.samples},
           {"median", figures.median},
           {"p95", figures.p95},
@@ -33,30 +33,30 @@ nlohmann::ordered_json figures_json(const ErrorFigures& figures) {
           {"worst_pair", figures.worst_pair}};
 }
 
-std::string figures_text(const char* name, const ErrorFigures& f, const Plan& plan) {
+std::string figures_text(const char* name, const fit::ErrorFigures& f, const bake::Plan& plan) {
   if (f.samples == 0) return {};
   char text[256];
   std::snprintf(text, sizeof text, "fit, %s: median %.2f %%, 95th percentile %.2f %%, worst %.2f %% in ", name,
                 100 * f.median, 100 * f.p95, 100 * f.worst);
-  return text + describe(f.worst_pair, plan.pairs[f.worst_pair]) + "\n";
+  return text + bake::describe(f.worst_pair, plan.pairs[f.worst_pair]) + "\n";
 }
 
-std::string recorded_text(const RecordedFigures& f, const Plan& plan) {
+std::string recorded_text(const fit::RecordedFigures& f, const bake::Plan& plan) {
   constexpr std::size_t kShown = 10;
   char text[256];
   std::snprintf(text, sizeof text,
                 ": %zu rows down to %.3g mm, residual %.3g N rms and %.3g N at worst, %zu left out as outliers", f.rows,
                 1e3 * f.depth, f.rms, f.worst, f.outliers.size());
-  std::string line = "measured, " + describe(f.pair, plan.pairs[f.pair]) + text;
+  std::string line = "measured, " + bake::describe(f.pair, plan.pairs[f.pair]) + text;
   for (std::size_t k = 0; k < std::min(kShown, f.outliers.size()); ++k) line += (k == 0 ? ": " : ", ") + f.outliers[k];
   if (f.outliers.size() > kShown) line += ", ... (all by --json)";
   if (f.passed.total() > 0) line += "; " + to_text(f.passed);
   return line + "\n";
 }
 
-nlohmann::ordered_json to_json(const ComplianceReport& report) {
+nlohmann::ordered_json to_json(const compliance::ComplianceReport& report) {
   nlohmann::ordered_json errors = nlohmann::ordered_json::array();
-  for (const ComplianceError& e : report.errors) {
+  for (const compliance::ComplianceError& e : report.errors) {
     errors.push_back({{"modes", e.modes}, {"median", e.median}, {"p95", e.p95}, {"worst", e.worst}});
   }
   return {{"modes", report.chosen.modes},
@@ -70,7 +70,7 @@ nlohmann::ordered_json to_json(const ComplianceReport& report) {
           {"errors", errors}};
 }
 
-std::string to_text(const ComplianceReport& report) {
+std::string to_text(const compliance::ComplianceReport& report) {
   char line[256];
   std::snprintf(line, sizeof line,
                 "compliance: %d modes, error between sites %.2f %% median, %.2f %% 95th percentile of a site's own "
@@ -82,24 +82,24 @@ std::string to_text(const ComplianceReport& report) {
 
 }  // namespace
 
-std::string sampling_text(const SamplingEstimate& estimate, double tolerance) {
+std::string sampling_text(const bake::SamplingEstimate& estimate, double tolerance) {
   char text[240];
   std::snprintf(text, sizeof text,
                 "round %d: %zu hidden pushes are missed by %.2f %% at the median, %.2f %% at the 95th percentile (aim "
                 "%.2f %%), %.1f %% at worst at (%.4g, %.4g, %.4g) m",
                 estimate.rounds, estimate.places, 100 * estimate.median, 100 * estimate.p95,
-                100 * RoundLimits{}.aim * tolerance, 100 * estimate.worst, estimate.worst_at.x(), estimate.worst_at.y(),
-                estimate.worst_at.z());
+                100 * pipeline::RoundLimits{}.aim * tolerance, 100 * estimate.worst, estimate.worst_at.x(),
+                estimate.worst_at.y(), estimate.worst_at.z());
   return text;
 }
 
-BakeReport bake_with_progress(pipeline::Pipeline& p, const Globals& globals) {
+bake::BakeReport bake_with_progress(pipeline::Pipeline& p, const Globals& globals) {
   pipeline::bake_seconds(p);  // a damaged account is found before the first solve
   const InterruptPolling polling;
-  ProgressPrinter printer(stderr);
-  BakeOptions bake;
+  bake::ProgressPrinter printer(stderr);
+  bake::BakeOptions bake;
   bake.threads = static_cast<unsigned>(globals.threads);
-  BakeProgress last;
+  bake::BakeProgress last;
   std::optional<std::chrono::steady_clock::time_point> told;
   bake.stop = [&] {
     if (!interrupted()) return false;
@@ -115,11 +115,11 @@ BakeReport bake_with_progress(pipeline::Pipeline& p, const Globals& globals) {
     }
     return true;
   };
-  bake.progress = [&](const BakeProgress& progress) {
+  bake.progress = [&](const bake::BakeProgress& progress) {
     last = progress;
     if (!globals.quiet) printer(progress);
   };
-  BakeReport report;
+  bake::BakeReport report;
   for (;;) {
     const std::size_t resumed = report.resumed, rounds = p.sampling ? static_cast<std::size_t>(p.sampling->rounds) : 0;
     report = pipeline::bake(p, bake);
@@ -142,7 +142,7 @@ BakeReport bake_with_progress(pipeline::Pipeline& p, const Globals& globals) {
   return report;
 }
 
-nlohmann::ordered_json bake_json(const pipeline::Pipeline& p, const BakeReport& report) {
+nlohmann::ordered_json bake_json(const pipeline::Pipeline& p, const bake::BakeReport& report) {
   nlohmann::ordered_json json{{"pairs_planned", report.total},
                               {"pairs_accepted", report.accepted},
                               {"pairs_refused", report.refused.size()},
@@ -154,7 +154,7 @@ nlohmann::ordered_json bake_json(const pipeline::Pipeline& p, const BakeReport& 
                               {"bake_seconds", pipeline::bake_seconds(p)},
                               {"journal", p.paths.journal.string()},
                               {"refused", nlohmann::ordered_json::array()}};
-  for (const RefusedPair& refused : report.refused) {
+  for (const bake::RefusedPair& refused : report.refused) {
     json["refused"].push_back({{"pair", refused.pair},
                                {"site", p.plan.pairs[refused.pair].site},
                                {"tool", p.plan.pairs[refused.pair].tool},
@@ -164,23 +164,23 @@ nlohmann::ordered_json bake_json(const pipeline::Pipeline& p, const BakeReport& 
   return json;
 }
 
-std::string bake_text(const pipeline::Pipeline& p, const BakeReport& report) {
+std::string bake_text(const pipeline::Pipeline& p, const bake::BakeReport& report) {
   std::string text = std::to_string(report.accepted) + " of " + std::to_string(report.total) + " pairs accepted, " +
                      std::to_string(report.refused.size()) + " refused, " + std::to_string(report.normal_solves) +
                      " normal and " + std::to_string(report.tangential_solves) + " tangential solves, " +
-                     duration_text(pipeline::bake_seconds(p)) + " in all\n";
-  for (const RefusedPair& refused : report.refused) {
-    text += "refused: " + describe(refused.pair, p.plan.pairs[refused.pair]) + ": " + refused.cause + "\n";
+                     bake::duration_text(pipeline::bake_seconds(p)) + " in all\n";
+  for (const bake::RefusedPair& refused : report.refused) {
+    text += "refused: " + bake::describe(refused.pair, p.plan.pairs[refused.pair]) + ": " + refused.cause + "\n";
   }
   return text;
 }
 
-nlohmann::ordered_json fit_json(const pipeline::Pipeline& p, const FitReport& report) {
+nlohmann::ordered_json fit_json(const pipeline::Pipeline& p, const fit::FitReport& report) {
   nlohmann::ordered_json json{{"pairs_planned", report.planned},
                               {"pairs_accepted", report.accepted},
                               {"pairs_refused", report.refused},
                               {"rounds", report.sampling ? report.sampling->rounds : 1},
-                              {"expected_p95", expected_p95(report)},
+                              {"expected_p95", fit::expected_p95(report)},
                               {"responses_full", report.full},
                               {"responses_carried", report.carried},
                               {"responses_filled", report.filled},
@@ -209,7 +209,7 @@ nlohmann::ordered_json fit_json(const pipeline::Pipeline& p, const FitReport& re
                               {"bytes", std::filesystem::file_size(p.paths.response)},
                               {"pairs", nlohmann::ordered_json::array()}};
   if (report.compliance) json["compliance"] = to_json(*report.compliance);
-  for (const RecordedFigures& f : report.recorded) {
+  for (const fit::RecordedFigures& f : report.recorded) {
     json["measured"].push_back({{"pair", f.pair},
                                 {"site", p.plan.pairs[f.pair].site},
                                 {"rows", f.rows},
@@ -223,19 +223,19 @@ nlohmann::ordered_json fit_json(const pipeline::Pipeline& p, const FitReport& re
                                 {"residual_worst_N", f.worst},
                                 {"depth_m", f.depth}});
   }
-  for (const Refusals& kind : report.refusals) {
+  for (const fit::Refusals& kind : report.refusals) {
     json["refusals"].push_back({{"pairs", kind.pairs}, {"area_share", kind.area_share}, {"example", kind.example}});
   }
-  for (const PairFigures& f : report.pairs) {
+  for (const fit::PairFigures& f : report.pairs) {
     json["pairs"].push_back({{"pair", f.pair}, {"median", f.median}, {"p95", f.p95}, {"worst", f.worst}});
   }
   return json;
 }
 
-void check_tolerance(const pipeline::Pipeline& p, const FitReport& report) {
+void check_tolerance(const pipeline::Pipeline& p, const fit::FitReport& report) {
   const double share =
       static_cast<double>(report.refused) / static_cast<double>(std::max<std::size_t>(report.planned, 1));
-  const double expected = expected_p95(report), asked = p.scene.response.tolerance;
+  const double expected = fit::expected_p95(report), asked = p.scene.response.tolerance;
   char text[400];
   if (share <= p.scene.sampling.max_refused) {
     if (expected <= asked) return;
@@ -257,7 +257,7 @@ void check_tolerance(const pipeline::Pipeline& p, const FitReport& report) {
   throw Error(ExitCode::tolerance, text + p.paths.response.string());
 }
 
-std::string fit_text(const pipeline::Pipeline& p, const FitReport& report) {
+std::string fit_text(const pipeline::Pipeline& p, const fit::FitReport& report) {
   std::string text = std::to_string(report.accepted) + " pairs fitted, " + std::to_string(report.filled) +
                      " responses filled from neighbours (" + std::to_string(report.refused) + " refused, " +
                      std::to_string(report.support) + " at supports, " + std::to_string(report.unreachable) +
@@ -267,7 +267,7 @@ std::string fit_text(const pipeline::Pipeline& p, const FitReport& report) {
     text += sampling_text(*report.sampling, p.scene.response.tolerance) + "\n";
     char line[120];
     std::snprintf(line, sizeof line, "expected error of normal forces: 95th percentile %.2f %%, allowed %.2f %%\n",
-                  100 * expected_p95(report), 100 * p.scene.response.tolerance);
+                  100 * fit::expected_p95(report), 100 * p.scene.response.tolerance);
     text += line;
   }
   if (report.carried > 0) {
@@ -281,7 +281,7 @@ std::string fit_text(const pipeline::Pipeline& p, const FitReport& report) {
   text += figures_text("bonded contacts", report.grasped, p.plan);
   if (report.analytic > 0) text += std::to_string(report.analytic) + " responses by closed forms\n";
   text += figures_text("closed forms", report.laws, p.plan);
-  for (const RecordedFigures& f : report.recorded) text += recorded_text(f, p.plan);
+  for (const fit::RecordedFigures& f : report.recorded) text += recorded_text(f, p.plan);
   text += figures_text("torques of rotated tools", report.turned, p.plan);
   if (!report.softenings.empty()) {
     char line[160];
@@ -296,7 +296,7 @@ std::string fit_text(const pipeline::Pipeline& p, const FitReport& report) {
                   report.held_out.samples, 100 * report.held_out.median, 100 * report.held_out.p95);
     text += line;
   }
-  const SurfaceFigures& surface = report.surface;
+  const fit::SurfaceFigures& surface = report.surface;
   char line[160];
   std::snprintf(line, sizeof line,
                 "contact surface: %zu triangles, at most %.3g mm from the body's (allowed: %.3g mm)\n",

@@ -16,7 +16,7 @@
 namespace palpate::report {
 namespace {
 
-Json figures(const ErrorStatistics& s) {
+Json figures(const verify::ErrorStatistics& s) {
   return {{"count", s.count}, {"median", s.median}, {"p95", s.p95}, {"worst", s.worst}};
 }
 
@@ -39,9 +39,9 @@ Json file_row(const runtime::View& view, const CostInput& input) {
            {"sites", m.site_count},
            {"tick_ns", rounded(cli::bench_ticks(view, timing).press.quantile(0.5))}};
   if (input.held_out.empty()) return row;
-  std::vector<HeldOut> contacts = input.held_out;
-  compare_with_file(view, contacts);
-  const VerifyStatistics s = summarise(contacts);
+  std::vector<verify::HeldOut> contacts = input.held_out;
+  verify::compare_with_file(view, contacts);
+  const verify::VerifyStatistics s = verify::summarise(contacts);
   row["error"] = figures(s.normal);
   if (s.tangential.count > 0) row["error_tangential"] = figures(s.tangential);
   return row;
@@ -58,7 +58,7 @@ void add_tolerances(Json& files, const CostInput& input, const cli::Globals& glo
   std::set<Form> seen{form_of(*input.response.view().meta)};
   for (const double tolerance : {0.3, 0.1, 0.05, 0.02, 0.01, 0.003}) {
     cli::note(globals, "fitting to a tolerance of " + percent(tolerance));
-    FitSettings settings = pipeline::fit_settings(p);
+    fit::FitSettings settings = pipeline::fit_settings(p);
     settings.tolerance = tolerance;
     const pipeline::FittedFile file = pipeline::fit_file(p, input.journal, settings);
     const runtime::OpenResult opened = runtime::View::open(file.bytes.data(), file.bytes.size());
@@ -107,9 +107,9 @@ Json solve_row(const CostInput& input) {
           {"ns", rounded(1e9 * pipeline::bake_seconds(input.pipeline) / static_cast<double>(equilibria))},
           {"error",
            {{"count", errors.size()},
-            {"median", rounded(quantile(errors, 0.5))},
-            {"p95", rounded(quantile(errors, 0.95))},
-            {"worst", rounded(quantile(errors, 1))}}}};
+            {"median", rounded(verify::quantile(errors, 0.5))},
+            {"p95", rounded(verify::quantile(errors, 0.95))},
+            {"worst", rounded(verify::quantile(errors, 1))}}}};
 }
 
 }  // namespace

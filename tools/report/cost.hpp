@@ -21,7 +21,7 @@ struct CostInput {
   const pipeline::Pipeline& pipeline;
   const JournalContent& journal;
   const cli::ResponseInput& response;
-  const std::vector<HeldOut>& held_out;  ///< empty: files have no errors, and only this file is listed
+  const std::vector<verify::HeldOut>& held_out;  ///< empty: files have no errors, and only this file is listed
   std::vector<std::string> beside;       ///< scenes of the same organ that were baked otherwise
   int contacts = 20;                     ///< timed, of each file
   bool laws = true;                      ///< other response laws are fitted, too

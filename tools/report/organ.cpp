@@ -125,12 +125,12 @@ Json organ_of_file(const runtime::View& view) {
 }
 
 void add_bake(Json& organ, const runtime::View& view, const pipeline::Pipeline& p, const JournalContent& journal,
-              const FitReport& fit) {
+              const fit::FitReport& fit) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   organ["sites"]["thickness_m"] = rounded_list(p.mesh.thickness);
   std::vector<std::vector<double>> fitted(view.meta->tool_count, std::vector<double>(view.meta->site_count, kNone));
   std::vector<std::vector<double>> solved = fitted;
-  for (const PairFigures& figures : fit.pairs) {
+  for (const fit::PairFigures& figures : fit.pairs) {
     const PairPlan& pair = p.plan.pairs[figures.pair];
     if (pair.tool_vertex == 0) fitted[pair.tool][pair.site] = figures.p95;
   }
@@ -163,7 +163,7 @@ void add_bake(Json& organ, const runtime::View& view, const pipeline::Pipeline& 
 Json solved_curves(const pipeline::Pipeline& p, const JournalContent& journal) {
   std::vector<std::uint32_t> first_vertex;
   std::uint32_t vertices = 0;
-  for (const Tool& tool : p.tools) {
+  for (const tool::Tool& tool : p.tools) {
     first_vertex.push_back(vertices);
     vertices += static_cast<std::uint32_t>(tool.vertices.size());
   }
@@ -187,9 +187,9 @@ Json solved_curves(const pipeline::Pipeline& p, const JournalContent& journal) {
   return pairs;
 }
 
-Json held_out_places(const std::vector<HeldOut>& contacts) {
+Json held_out_places(const std::vector<verify::HeldOut>& contacts) {
   Json places = Json::array();
-  for (const HeldOut& contact : contacts) {
+  for (const verify::HeldOut& contact : contacts) {
     Json place{{"c_m", triple(contact.frame.origin)},
                {"n", triple(contact.frame.n)},
                {"tool", contact.tool},
@@ -197,7 +197,7 @@ Json held_out_places(const std::vector<HeldOut>& contacts) {
     if (!contact.accepted) place["cause"] = contact.cause;
     double normal = 0, tangential = 0;
     place["normal_m_N_N"] = Json::array();
-    for (const ForcePair& f : contact.forces) {
+    for (const verify::ForcePair& f : contact.forces) {
       if (f.kind == SampleKind::normal) {
         normal = std::max(normal, f.error);
         place["normal_m_N_N"].push_back({rounded(-f.deflection.dot(contact.frame.n)),

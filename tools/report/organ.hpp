@@ -17,13 +17,13 @@ nlohmann::ordered_json organ_of_file(const runtime::View& view);
 
 /// Adds numbers of the scene and its bake: thickness (m) and errors (shares) of every site, regions, refusals.
 void add_bake(nlohmann::ordered_json& organ, const runtime::View& view, const pipeline::Pipeline& pipeline,
-              const JournalContent& journal, const FitReport& fit);
+              const JournalContent& journal, const fit::FitReport& fit);
 
 /// Solved samples of every pair that the page draws beside the baked curves: normal indentations [depth, force], and of
 /// each tangential depth the pushes along one direction [deflection, force against it] (m, N).
 nlohmann::ordered_json solved_curves(const pipeline::Pipeline& pipeline, const JournalContent& journal);
 
 /// Held-out contacts with their largest errors and their normal indentations.
-nlohmann::ordered_json held_out_places(const std::vector<HeldOut>& contacts);
+nlohmann::ordered_json held_out_places(const std::vector<verify::HeldOut>& contacts);
 
 }  // namespace palpate::report

@@ -75,8 +75,9 @@ Json make_report(const ReportInput& input, const pipeline::Pipeline& p, const cl
   const runtime::View& view = response.view();
   const std::string file = p.paths.response.string();
   // A wrong input is found before the first fit.
-  std::vector<HeldOut> held_out = input.verify.empty() ? std::vector<HeldOut>() : read_recorded(input.verify);
-  compare_with_file(view, held_out);
+  std::vector<verify::HeldOut> held_out =
+      input.verify.empty() ? std::vector<verify::HeldOut>() : verify::read_recorded(input.verify);
+  verify::compare_with_file(view, held_out);
   const Json verified = input.verify.empty() ? Json() : verify_figures(input.verify);
   const Json battery =
       input.battery.empty() ? Json() : battery_stability(read_json(input.battery), input.battery, p.scene);
@@ -122,8 +123,8 @@ Json make_report(const ReportInput& input, const pipeline::Pipeline& p, const cl
   stability["devices"] = device_stability(view);
   stability["devices_command"] = "palpate verify " + file + " --device NAME";
 
-  const ResponseFileContent content =
-      assemble_response(p.scene, p.tools, pipeline::contact_surface(p), p.plan, p.manifest, fitted.fitted, p.sources);
+  const ResponseFileContent content = fit::assemble_response(p.scene, p.tools, pipeline::contact_surface(p), p.plan,
+                                                             p.manifest, fitted.fitted, p.sources);
   report["left_out"] = left_out(cost, content, globals);
   report["left_out"]["command"] = report["command"];
   report["hints"] = hints(cost, organ, report["error_time"]);

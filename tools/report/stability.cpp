@@ -19,9 +19,9 @@ namespace {
 
 Json figures(const std::vector<double>& values) {
   return {{"count", values.size()},
-          {"median", rounded(quantile(values, 0.5))},
-          {"p95", rounded(quantile(values, 0.95))},
-          {"worst", rounded(quantile(values, 1))}};
+          {"median", rounded(verify::quantile(values, 0.5))},
+          {"p95", rounded(verify::quantile(values, 0.95))},
+          {"worst", rounded(verify::quantile(values, 1))}};
 }
 
 /// The gate of a refusal: its text up to the first figure.
@@ -79,8 +79,9 @@ Json battery_stability(const Json& battery, const std::string& source, const Sce
   if (!battery.is_object() || battery.value("battery", "") != "stiff" || !battery.contains("cells")) {
     throw Error(ExitCode::bad_input, source + ": is no report of palpate verify --battery stiff --report FILE");
   }
-  std::map<std::pair<std::string, std::string>, BatteryCell> known;
-  for (BatteryCell& cell : stiff_cells()) known.emplace(std::pair{cell.family, cell.name}, std::move(cell));
+  std::map<std::pair<std::string, std::string>, verify::BatteryCell> known;
+  for (verify::BatteryCell& cell : verify::stiff_cells())
+    known.emplace(std::pair{cell.family, cell.name}, std::move(cell));
   const double tolerance = battery.value("tolerance", 0.05);
   const double young = small_strain_young(scene.material), ratio = scene.sampling.depth / scene.tools.at(0).radius;
   Json json{{"seed", battery.value("seed", 0)},

@@ -25,7 +25,7 @@ pipeline::Pipeline block_pipeline(const ContactCase& c) {
   p.scene.response.tolerance = kTolerance;
   p.body = c.body;
   p.tools = {c.tool};
-  p.mesh = make_haptic_mesh(p.scene, p.body);
+  p.mesh = sites::make_haptic_mesh(p.scene, p.body);
   pipeline::find_pairs(p);
   return p;
 }
@@ -35,7 +35,7 @@ pipeline::Pipeline block_pipeline(const ContactCase& c) {
 BlockResponse::BlockResponse(const ContactCase& contacts)
     : pipeline_(block_pipeline(contacts)), compliance_(pipeline::compliance(pipeline_).file) {}
 
-std::vector<std::byte> BlockResponse::file(const TogetherResult& solved) {
+std::vector<std::byte> BlockResponse::file(const solve::TogetherResult& solved) {
   // Between solved depths the force over depth^1.5 is linear.
   const auto force = [&](const Vector3d& deflection) {
     const double z = deflection.z();
@@ -49,7 +49,7 @@ std::vector<std::byte> BlockResponse::file(const TogetherResult& solved) {
   pipeline_.sources.solve_others = false;
   for (std::uint32_t pair = 0; pair < pipeline_.plan.pairs.size(); ++pair) {
     pipeline_.sources.external[pair].samples =
-        fit::sample_along(bake_path(pipeline_.scene, pipeline_.plan.pairs[pair].depth), force);
+        fit::sample_along(solve::bake_path(pipeline_.scene, pipeline_.plan.pairs[pair].depth), force);
   }
   return pipeline::fit_file(pipeline_, {}, pipeline::fit_settings(pipeline_), &compliance_).bytes;
 }

@@ -25,7 +25,7 @@ public:
   explicit BlockResponse(const ContactCase& contacts);
 
   /// `solved`: of a tool whose push has at least two depths.
-  [[nodiscard]] std::vector<std::byte> file(const TogetherResult& solved);
+  [[nodiscard]] std::vector<std::byte> file(const solve::TogetherResult& solved);
 
 private:
   pipeline::Pipeline pipeline_;

@@ -47,7 +47,7 @@ struct VerifyArguments {
   int contacts = 3, together = 0;
   std::string layout = "line";
   double radii = 3.5, rate = 1000, scale = 1, max_together = 0.05, aside = 0;
-  VerifyLimits limits;
+  verify::VerifyLimits limits;
 };
 
 struct Costs {
@@ -61,7 +61,7 @@ Costs costs(const runtime::View& view) {
   return {bench_ticks(view, options).press.quantile(0.5), bytes_per_response(view)};
 }
 
-std::string line(const char* name, const ErrorStatistics& s) {
+std::string line(const char* name, const verify::ErrorStatistics& s) {
   if (s.count == 0) return {};
   char text[256];
   std::snprintf(text, sizeof text,
@@ -71,7 +71,7 @@ std::string line(const char* name, const ErrorStatistics& s) {
   return text;
 }
 
-std::string table(const VerifyStatistics& s) {
+std::string table(const verify::VerifyStatistics& s) {
   return "error (forces, and torques of turns: % of the larger of the solved one and 2 % of its contact's peak, forces "
          "at "
          "least of response.floor; limit: % of the solved one)\n"
@@ -81,11 +81,11 @@ std::string table(const VerifyStatistics& s) {
 }
 
 /// Errors (%) of each kind of push.
-void write_plot(const std::string& file, const std::vector<HeldOut>& contacts) {
+void write_plot(const std::string& file, const std::vector<verify::HeldOut>& contacts) {
   if (file.empty()) return;
   std::vector<PlotSeries> series{{"normal", {}}, {"tangential", {}}, {"paths", {}}};
-  for (const HeldOut& contact : contacts) {
-    for (const ForcePair& f : contact.forces) {
+  for (const verify::HeldOut& contact : contacts) {
+    for (const verify::ForcePair& f : contact.forces) {
       const std::size_t kind = f.kind == SampleKind::normal ? 0 : f.kind == SampleKind::tangential ? 1 : 2;
       if (kind < 2 || f.kind == SampleKind::path) series[kind].values.push_back(100 * f.error);
     }
@@ -93,10 +93,10 @@ void write_plot(const std::string& file, const std::vector<HeldOut>& contacts) {
   write_file(file, distribution_svg("Forces at held-out contacts", "error (%)", series));
 }
 
-Json contacts_json(const VerifyStatistics& s) { return {{"solved", s.accepted}, {"refused", s.refused}}; }
+Json contacts_json(const verify::VerifyStatistics& s) { return {{"solved", s.accepted}, {"refused", s.refused}}; }
 
-void check_limits(const VerifyArguments& options, const VerifyStatistics& s) {
-  if (const auto broken = broken_limits(s, options.limits)) throw Error(ExitCode::tolerance, *broken);
+void check_limits(const VerifyArguments& options, const verify::VerifyStatistics& s) {
+  if (const auto broken = verify::broken_limits(s, options.limits)) throw Error(ExitCode::tolerance, *broken);
 }
 
 void publish(const VerifyArguments& options, const Globals& globals, const Json& json, const std::string& text) {
@@ -111,9 +111,9 @@ void publish(const VerifyArguments& options, const Globals& globals, const Json&
 // Against recorded solves: nothing is solved, no scene is needed.
 void compare(const VerifyArguments& options, const Globals& globals) {
   const ResponseInput input(options.input);
-  std::vector<HeldOut> contacts = read_recorded(options.samples);
-  compare_with_file(input.view(), contacts);
-  const VerifyStatistics s = summarise(contacts);
+  std::vector<verify::HeldOut> contacts = verify::read_recorded(options.samples);
+  verify::compare_with_file(input.view(), contacts);
+  const verify::VerifyStatistics s = verify::summarise(contacts);
   if (s.normal.count == 0) throw Error(ExitCode::bad_input, options.samples + ": no solved normal push in it");
   write_plot(options.plot, contacts);
   publish(options, globals,
@@ -132,15 +132,15 @@ void compare(const VerifyArguments& options, const Globals& globals) {
   check_limits(options, s);
 }
 
-HeldOutSet solve_contacts(const VerifyArguments& options, const Globals& globals, const pipeline::Pipeline& p,
-                          const runtime::View& view) {
-  HeldOutOptions held;
+verify::HeldOutSet solve_contacts(const VerifyArguments& options, const Globals& globals, const pipeline::Pipeline& p,
+                                  const runtime::View& view) {
+  verify::HeldOutOptions held;
   held.count = options.count;
   held.seed = options.seed;
   held.threads = static_cast<unsigned>(globals.threads);
   held.stop = [] { return interrupted(); };
-  held.touchable = [](const ContactCase& contact, double depth) {
-    return !reaches_support(contact, depth) && can_touch_first(contact);
+  held.touchable = [](const solve::ContactCase& contact, double depth) {
+    return !bake::reaches_support(contact, depth) && bake::can_touch_first(contact);
   };
   held.progress = [&](std::size_t done, std::size_t total) {
     if (!globals.quiet && (done == total || done % 10 == 0)) {
@@ -148,13 +148,13 @@ HeldOutSet solve_contacts(const VerifyArguments& options, const Globals& globals
     }
   };
   const InterruptPolling polling;
-  HeldOutSet set = solve_held_out(view, p.scene, p.body, p.tools, held);
+  verify::HeldOutSet set = verify::solve_held_out(view, p.scene, p.body, p.tools, held);
   if (set.stopped) throw Interrupted("held-out solves are not kept; run the command again");
   return set;
 }
 
-std::string solved_text(const HeldOutSet& set, const VerifyStatistics& s, const PairCounts& pairs, const Costs& cost,
-                        double bake, double tolerance, double expected) {
+std::string solved_text(const verify::HeldOutSet& set, const verify::VerifyStatistics& s, const PairCounts& pairs,
+                        const Costs& cost, double bake, double tolerance, double expected) {
   char text[512];
   std::snprintf(text, sizeof text,
                 "pairs: %zu planned, %zu accepted, %zu refused; held-out contacts: %zu solved, %zu refused "
@@ -185,7 +185,7 @@ void solve(const VerifyArguments& options, const Globals& globals) {
   if (options.limits.p95_tangential && !(p.scene.friction > 0)) {
     throw Error(ExitCode::usage, "--max-p95-tangential: the scene has no friction, and no tangential force to compare");
   }
-  const auto has_spins = [](const Tool& tool) { return tool.scene.spins > 1; };
+  const auto has_spins = [](const tool::Tool& tool) { return tool.scene.spins > 1; };
   if (options.limits.p95_spins && std::none_of(p.tools.begin(), p.tools.end(), has_spins)) {
     throw Error(ExitCode::usage, "--max-p95-spins: no tool of the scene has spins");
   }
@@ -199,8 +199,8 @@ void solve(const VerifyArguments& options, const Globals& globals) {
   check_same_plan(p, input.view());
   const Costs cost = costs(input.view());
 
-  const HeldOutSet set = solve_contacts(options, globals, p, input.view());
-  const VerifyStatistics s = summarise(set.contacts);
+  const verify::HeldOutSet set = solve_contacts(options, globals, p, input.view());
+  const verify::VerifyStatistics s = verify::summarise(set.contacts);
   const double tolerance = p.scene.response.tolerance, expected = expected_error(input.view());
   write_plot(options.plot, set.contacts);
   publish(options, globals,
@@ -282,7 +282,7 @@ void check_usage(const VerifyArguments& options) {
   if (own && !options.input.empty()) {
     throw Error(ExitCode::usage, std::string(chosen) + " makes its own bodies; leave the scene out");
   }
-  const VerifyLimits& limits = options.limits;
+  const verify::VerifyLimits& limits = options.limits;
   const bool limited = limits.p95 || limits.p95_tangential || limits.p95_spins || limits.refused_share;
   if (limited && chosen != nullptr && options.samples.empty()) {
     throw Error(ExitCode::usage, std::string(chosen) +

@@ -22,9 +22,9 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kCore = 0.9, kOverall = 0.7;
 
-std::vector<std::string> families_of(const std::vector<BatteryCell>& cells) {
+std::vector<std::string> families_of(const std::vector<verify::BatteryCell>& cells) {
   std::vector<std::string> names;
-  for (const BatteryCell& cell : cells) {
+  for (const verify::BatteryCell& cell : cells) {
     if (std::find(names.begin(), names.end(), cell.family) == names.end()) names.push_back(cell.family);
   }
   return names;
@@ -40,7 +40,7 @@ std::string gate_of(const std::string& cause) {
   return gate.empty() ? cause : gate;
 }
 
-Json to_json(const BatteryFigures& f) {
+Json to_json(const verify::BatteryFigures& f) {
   return {{"cells", f.cells},       {"converged", f.converged},
           {"core", f.core},         {"core_converged", f.core_converged},
           {"verified", f.verified}, {"by_augmented_lagrange", f.augmented},
@@ -49,7 +49,7 @@ Json to_json(const BatteryFigures& f) {
           {"slowest_s", f.slowest}};
 }
 
-Json to_json(const BatteryCell& cell, const CellResult& result) {
+Json to_json(const verify::BatteryCell& cell, const verify::CellResult& result) {
   Json json{{"family", cell.family}, {"cell", cell.name}, {"core", cell.core}, {"converged", result.accepted}};
   if (!result.cause.empty()) json["cause"] = result.cause;
   if (!result.samples.empty()) {
@@ -69,7 +69,7 @@ Json to_json(const BatteryCell& cell, const CellResult& result) {
   return json;
 }
 
-std::string row(const std::string& name, const BatteryFigures& f) {
+std::string row(const std::string& name, const verify::BatteryFigures& f) {
   return fmt::format("| {} | {} | {} | {} of {} | {} | {} | {} | {} | {:.1f} |\n", name, f.cells, f.converged,
                      f.core_converged, f.core, f.verified, f.augmented, f.wrong, f.unchecked, f.slowest);
 }
@@ -79,10 +79,10 @@ std::string row(const std::string& name, const BatteryFigures& f) {
 void run_battery_command(const BatteryCommand& command, const Globals& globals) {
   if (command.battery == "random") return run_random_command(command, globals);
   if (!command.report.empty()) check_writable(command.report);
-  std::vector<BatteryCell> cells = stiff_cells();
+  std::vector<verify::BatteryCell> cells = verify::stiff_cells();
   const std::vector<std::string> families = families_of(cells);
   const bool all_cells = command.family.empty() && command.cells.empty();
-  std::erase_if(cells, [&](const BatteryCell& cell) {
+  std::erase_if(cells, [&](const verify::BatteryCell& cell) {
     return (!command.family.empty() && cell.family != command.family) ||
            cell.name.find(command.cells) == std::string::npos;
   });
@@ -91,7 +91,7 @@ void run_battery_command(const BatteryCommand& command, const Globals& globals) 
     for (const std::string& name : families) known += (known.empty() ? "" : ", ") + name;
     throw Error(ExitCode::usage, "no such cell; the families are: " + known);
   }
-  BatteryOptions options;
+  verify::BatteryOptions options;
   options.seed = command.seed;
   options.threads = static_cast<unsigned>(globals.threads);
   options.stop = [] { return interrupted(); };
@@ -100,10 +100,10 @@ void run_battery_command(const BatteryCommand& command, const Globals& globals) 
       note(globals, "cells: " + std::to_string(done) + " of " + std::to_string(total));
   };
   const InterruptPolling polling;
-  const BatteryResult result = run_battery(cells, options);
+  const verify::BatteryResult result = verify::run_battery(cells, options);
   if (result.stopped) throw Interrupted("cells are not kept; run the command again");
 
-  const BatteryFigures all = battery_figures(cells, result, options.tolerance);
+  const verify::BatteryFigures all = verify::battery_figures(cells, result, options.tolerance);
   Json json{{"battery", "stiff"},   {"machine", machine_name()},
             {"seed", command.seed}, {"tolerance", options.tolerance},
             {"all", to_json(all)},  {"families", Json::object()}};
@@ -115,7 +115,7 @@ void run_battery_command(const BatteryCommand& command, const Globals& globals) 
       "| family | cells | converged | of the core range | verified | of these by AL | wrong | not checked | slowest, s "
       "|\n|---|---|---|---|---|---|---|---|---|\n";
   for (const std::string& name : families) {
-    const BatteryFigures f = battery_figures(cells, result, options.tolerance, name);
+    const verify::BatteryFigures f = verify::battery_figures(cells, result, options.tolerance, name);
     if (f.cells == 0) continue;
     json["families"][name] = to_json(f);
     text += row(name, f);
@@ -125,7 +125,7 @@ void run_battery_command(const BatteryCommand& command, const Globals& globals) 
   std::string wrong, unchecked;
   json["cells"] = Json::array();
   for (std::size_t k = 0; k < cells.size(); ++k) {
-    const CellResult& cell = result.cells[k];
+    const verify::CellResult& cell = result.cells[k];
     json["cells"].push_back(to_json(cells[k], cell));
     if (!cell.accepted) ++causes[gate_of(cell.cause)];
     if (!cell.difference && !cell.check_cause.empty())

@@ -30,26 +30,26 @@ const std::vector<double> kSizes{std::numbers::sqrt2, 1.0, std::numbers::sqrt2 /
 constexpr std::size_t kBase = 1, kFine = 3;
 
 struct Outcome {
-  CcxSolve plain;              // ours, the plain element, on the base mesh
-  std::vector<CcxSolve> ours;  // the default element, per size
-  std::vector<CcxSolve> ccx;   // per size
+  verify::CcxSolve plain;              // ours, the plain element, on the base mesh
+  std::vector<verify::CcxSolve> ours;  // the default element, per size
+  std::vector<verify::CcxSolve> ccx;   // per size
   double meshing = 0.0;        // s, of the base mesh
 };
 
 class Comparison {
 public:
-  Comparison(const CcxCommand& command, const Globals& globals) : globals_(globals), ccx_(find_ccx()) {
+  Comparison(const CcxCommand& command, const Globals& globals) : globals_(globals), ccx_(verify::find_ccx()) {
     if (ccx_.empty()) {
       throw Error(ExitCode::io, "no ccx in PATH; on Debian: apt-get install --no-install-recommends calculix-ccx");
     }
-    for (CcxCase& c : ccx_cases()) {
+    for (verify::CcxCase& c : verify::ccx_cases()) {
       if (c.name.find(command.cases) != std::string::npos) cases_.push_back(std::move(c));
     }
     if (cases_.empty()) throw Error(ExitCode::usage, "--case " + command.cases + ": no case has this in its name");
   }
 
   void run() {
-    for (const CcxCase& c : cases_) outcomes_.push_back(solve(c));
+    for (const verify::CcxCase& c : cases_) outcomes_.push_back(solve(c));
     forces();
     settings();
     times();
@@ -77,7 +77,7 @@ private:
                        100 * limit);
   }
 
-  CcxSolve checked(CcxSolve solve, const CcxCase& c, const char* who) const {
+  verify::CcxSolve checked(verify::CcxSolve solve, const verify::CcxCase& c, const char* who) const {
     note(globals_, fmt::format("{}: {}, {} nodes, {:.1f} s{}", c.name, who, solve.nodes, solve.seconds,
                                solve.cause.empty() ? "" : ": " + solve.cause));
     if (interrupted()) throw Interrupted("no comparison is kept; run the command again");
@@ -85,18 +85,18 @@ private:
     return solve;
   }
 
-  Outcome solve(const CcxCase& c) {
+  Outcome solve(const verify::CcxCase& c) {
     Outcome outcome;
     for (std::size_t k = 0; k < kSizes.size(); ++k) {
-      const CcxMesh mesh = ccx_mesh(c, kSizes[k], settings_);
+      const verify::CcxMesh mesh = verify::ccx_mesh(c, kSizes[k], settings_);
       if (k == kBase) {
-        outcome.plain = checked(solve_ours(c, mesh, true, settings_), c, "ours, plain element");
+        outcome.plain = checked(verify::solve_ours(c, mesh, true, settings_), c, "ours, plain element");
         outcome.meshing = mesh.seconds;
       }
-      outcome.ours.push_back(checked(solve_ours(c, mesh, false, settings_), c, "ours"));
+      outcome.ours.push_back(checked(verify::solve_ours(c, mesh, false, settings_), c, "ours"));
       const bool quarter = k == kFine;
-      const CcxMesh part = quarter ? ccx_mesh(c, kSizes[k], settings_, true) : CcxMesh{};
-      outcome.ccx.push_back(checked(solve_ccx(ccx_, c, quarter ? part : mesh, settings_), c,
+      const verify::CcxMesh part = quarter ? verify::ccx_mesh(c, kSizes[k], settings_, true) : verify::CcxMesh{};
+      outcome.ccx.push_back(checked(verify::solve_ccx(ccx_, c, quarter ? part : mesh, settings_), c,
                                     quarter ? "CalculiX on a quarter" : "CalculiX"));
     }
     return outcome;
@@ -111,17 +111,17 @@ private:
         machine_name());
     json_ = {{"machine", machine_name()}, {"cases", Json::array()}};
     for (std::size_t k = 0; k < cases_.size(); ++k) {
-      const CcxCase& c = cases_[k];
+      const verify::CcxCase& c = cases_[k];
       const Outcome& o = outcomes_[k];
-      const CcxSolve &same = o.ccx[kBase], &fine = o.ccx[kFine], &ours = o.ours[kBase];
+      const verify::CcxSolve &same = o.ccx[kBase], &fine = o.ccx[kFine], &ours = o.ours[kBase];
       for (std::size_t d = 0; d < c.depths.size(); ++d) {
         text_ += fmt::format("| {} | {:.2f} | {:.3f} | {:.3f} | {:.2f} % | {:.3f} | {:.3f} | {:.2f} % |\n", c.name,
                              1e3 * c.depths[d], 1e3 * o.plain.forces[d], 1e3 * same.forces[d],
                              100 * (o.plain.forces[d] / same.forces[d] - 1), 1e3 * ours.forces[d], 1e3 * fine.forces[d],
                              100 * (ours.forces[d] / fine.forces[d] - 1));
       }
-      same_ = std::max(same_, largest_difference(o.plain, same));
-      finer_ = std::max(finer_, largest_difference(ours, fine));
+      same_ = std::max(same_, verify::largest_difference(o.plain, same));
+      finer_ = std::max(finer_, verify::largest_difference(ours, fine));
       json_["cases"].push_back({{"case", c.name},
                                 {"depths_m", c.depths},
                                 {"plain_N", o.plain.forces},
@@ -145,21 +145,21 @@ private:
         "contact 3 times as stiff |\n|---|---|---|---|---|\n";
     json_["settings"] = Json::array();
     for (std::size_t k = 0; k < cases_.size(); ++k) {
-      const CcxCase& c = cases_[k];
+      const verify::CcxCase& c = cases_[k];
       if (k > 0 && c.tool.scene.shape == cases_[k - 1].tool.scene.shape) continue;
-      CcxSettings facets = settings_, stiff = settings_, steps = settings_, penalty = settings_;
+      verify::CcxSettings facets = settings_, stiff = settings_, steps = settings_, penalty = settings_;
       facets.facets /= 2;
       stiff.stiffness *= 3;
       steps.increments *= 2;
       penalty.penalty *= 3;
-      const CcxMesh mesh = ccx_mesh(c, kSizes[kBase], settings_);
+      const verify::CcxMesh mesh = verify::ccx_mesh(c, kSizes[kBase], settings_);
       std::vector<double> changes;
-      for (const CcxSettings* s : {&facets, &stiff, &steps}) {
-        changes.push_back(largest_difference(checked(solve_ccx(ccx_, c, mesh, *s), c, "CalculiX, finer setting"),
-                                             outcomes_[k].ccx[kBase]));
+      for (const verify::CcxSettings* s : {&facets, &stiff, &steps}) {
+        changes.push_back(verify::largest_difference(
+            checked(verify::solve_ccx(ccx_, c, mesh, *s), c, "CalculiX, finer setting"), outcomes_[k].ccx[kBase]));
       }
-      changes.push_back(largest_difference(checked(solve_ours(c, mesh, false, penalty), c, "ours, finer setting"),
-                                           outcomes_[k].ours[kBase]));
+      changes.push_back(verify::largest_difference(
+          checked(verify::solve_ours(c, mesh, false, penalty), c, "ours, finer setting"), outcomes_[k].ours[kBase]));
       text_ += fmt::format("| {} | {:.3f} % | {:.3f} % | {:.3f} % | {:.3f} % |\n", c.name, 100 * changes[0],
                            100 * changes[1], 100 * changes[2], 100 * changes[3]);
       for (const double change : changes) changed_ = change <= changed_ ? changed_ : change;  // keeps a NaN
@@ -171,14 +171,14 @@ private:
     }
   }
 
-  static ErrorTime study(const std::vector<CcxSolve>& solves) {
-    SizeStudy study;
+  static verify::ErrorTime study(const std::vector<verify::CcxSolve>& solves) {
+    verify::SizeStudy study;
     study.sizes = kSizes;
     for (std::size_t k = 0; k < solves.size(); ++k) {
       study.values.push_back(solves[k].forces);
       study.seconds.push_back(k < kFine ? solves[k].seconds : 0.0);
     }
-    return error_against_time(study);
+    return verify::error_against_time(study);
   }
 
   void times() {
@@ -189,9 +189,9 @@ private:
         "| case | elements | nodes | ours, s | ours, error | ccx, s | ccx, error |\n|---|---|---|---|---|---|---|\n";
     std::string ratios, limits;
     for (std::size_t k = 0; k < cases_.size(); ++k) {
-      const CcxCase& c = cases_[k];
+      const verify::CcxCase& c = cases_[k];
       const Outcome& o = outcomes_[k];
-      const ErrorTime ours = study(o.ours), ccx = study(o.ccx);
+      const verify::ErrorTime ours = study(o.ours), ccx = study(o.ccx);
       Json& json = json_["cases"][k];
       for (std::size_t n = 0; n < kFine; ++n) {
         text_ +=
@@ -204,13 +204,13 @@ private:
                                  {"ccx_s", ccx.seconds[n]},
                                  {"ccx_error", ccx.errors[n]}});
       }
-      const auto order = [](const ErrorTime& e) {
+      const auto order = [](const verify::ErrorTime& e) {
         return fmt::format(fmt::runtime(e.observed ? "{:.1f}" : "({:.1f})"), e.order);
       };
       limits += fmt::format("| {} | {} | {} | {:.2f} % |\n", c.name, order(ours), order(ccx),
                             100 * (ours.limit.back() / ccx.limit.back() - 1));
       json["limit_difference"] = ours.limit.back() / ccx.limit.back() - 1;
-      for (const TimeRatio& r : time_ratios(ours, ccx)) {
+      for (const verify::TimeRatio& r : verify::time_ratios(ours, ccx)) {
         ratios += fmt::format("| {} | {:.2f} % | {:.2f} | {:.1f} | {:.0f} | {:.0f} |\n", c.name, 100 * r.error, r.ours,
                               r.other, r.other / r.ours, (r.other + o.meshing) / (r.ours + o.meshing));
         least_ratio_ = std::min(least_ratio_, r.other / r.ours);
@@ -228,8 +228,8 @@ private:
 
   const Globals& globals_;
   std::filesystem::path ccx_;
-  CcxSettings settings_;
-  std::vector<CcxCase> cases_;
+  verify::CcxSettings settings_;
+  std::vector<verify::CcxCase> cases_;
   std::vector<Outcome> outcomes_;
   double same_ = 0.0, finer_ = 0.0, changed_ = 0.0;
   double least_ratio_ = std::numeric_limits<double>::infinity();

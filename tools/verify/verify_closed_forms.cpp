@@ -21,13 +21,13 @@ struct Range {
   double least = 0.0, most = 0.0;
 };
 
-Range range_of(const std::vector<LawValue>& values) {
-  const auto less = [](const LawValue& a, const LawValue& b) { return a.over_law < b.over_law; };
+Range range_of(const std::vector<verify::LawValue>& values) {
+  const auto less = [](const verify::LawValue& a, const verify::LawValue& b) { return a.over_law < b.over_law; };
   const auto [least, most] = std::minmax_element(values.begin(), values.end(), less);
   return {least->over_law, most->over_law};
 }
 
-std::string law_row(const ClosedForm& form, const LawCheck& c) {
+std::string law_row(const verify::ClosedForm& form, const verify::LawCheck& c) {
   std::string text = "| " + form.name + " | " + form.statement;
   if (!c.cause.empty()) return text + " | refused: " + c.cause + " |\n";
   for (const auto* values : {&c.small, &c.large, &c.endless}) {
@@ -39,13 +39,13 @@ std::string law_row(const ClosedForm& form, const LawCheck& c) {
   return text + (c.holds() ? " | yes |\n" : " | NO |\n");
 }
 
-Json values_json(const std::vector<LawValue>& values) {
+Json values_json(const std::vector<verify::LawValue>& values) {
   Json json = Json::array();
-  for (const LawValue& v : values) json.push_back({{"over_law", v.over_law}, {"tolerance", v.tolerance}});
+  for (const verify::LawValue& v : values) json.push_back({{"over_law", v.over_law}, {"tolerance", v.tolerance}});
   return json;
 }
 
-Json law_json(const ClosedForm& form, const LawCheck& c) {
+Json law_json(const verify::ClosedForm& form, const verify::LawCheck& c) {
   return {{"law", form.name},
           {"statement", form.statement},
           {"sizes", {form.small, form.large}},
@@ -60,13 +60,13 @@ Json law_json(const ClosedForm& form, const LawCheck& c) {
 
 void run_closed_forms(const ClosedFormsCommand& command, const Globals& globals) {
   if (!command.report.empty()) check_writable(command.report);
-  const std::vector<ClosedForm> forms = closed_forms();
-  std::vector<LawCheck> checks(forms.size());
+  const std::vector<verify::ClosedForm> forms = verify::closed_forms();
+  std::vector<verify::LawCheck> checks(forms.size());
   note(globals, "solving " + std::to_string(forms.size()) + " laws on bodies of two sizes");
   const InterruptPolling polling;
-  const bool all = parallel_for(
+  const bool all = bake::parallel_for(
       forms.size(), static_cast<unsigned>(globals.threads), [] { return interrupted(); },
-      [&](std::size_t k) { checks[k] = check(forms[k]); });
+      [&](std::size_t k) { checks[k] = verify::check(forms[k]); });
   if (!all) throw Interrupted("nothing is kept; run the command again");
   std::string text =
       "solved over law: least and most of its values on a small and on a large body, and on an endless one as these "
@@ -84,7 +84,7 @@ void run_closed_forms(const ClosedFormsCommand& command, const Globals& globals)
     print(text);
   }
   for (std::size_t k = 0; k < forms.size(); ++k) {
-    const LawCheck& c = checks[k];
+    const verify::LawCheck& c = checks[k];
     if (c.holds()) continue;
     const std::string why = c.cause.empty() ? "solved over law is " + std::to_string(c.worst().over_law) : c.cause;
     throw Error(ExitCode::tolerance, forms[k].name + ": " + why);

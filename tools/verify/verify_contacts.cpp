@@ -29,8 +29,8 @@ ContactCase contacts_of(const ContactsCommand& command) {
   return command.scene.empty() ? block_contact(0.02, 0.01, 1e-4, 0.3) : scene_contacts(command.scene, command.contacts);
 }
 
-ContactCheckOptions options_of(const ContactsCommand& command, const Globals& globals) {
-  ContactCheckOptions options;
+verify::ContactCheckOptions options_of(const ContactsCommand& command, const Globals& globals) {
+  verify::ContactCheckOptions options;
   options.radii = command.radii;
   options.threads = static_cast<unsigned>(globals.threads);
   options.stop = [] { return interrupted(); };
@@ -49,10 +49,10 @@ void publish(const ContactsCommand& command, const Globals& globals, const Json&
   }
 }
 
-Json to_json(const BenchContact& contact, const CheckedSlide& slide) {
-  const SlideResult& r = slide.result;
+Json to_json(const verify::BenchContact& contact, const verify::CheckedSlide& slide) {
+  const solve::SlideResult& r = slide.result;
   Json steps = Json::array();
-  for (const SlideStep& s : r.steps) {
+  for (const solve::SlideStep& s : r.steps) {
     steps.push_back({{"travelled_m", s.travelled},
                      {"force_N", list(s.force)},
                      {"slipping", s.slipping},
@@ -80,8 +80,8 @@ Json to_json(const BenchContact& contact, const CheckedSlide& slide) {
           {"steps", steps}};
 }
 
-std::string row(const BenchContact& contact, const CheckedSlide& slide, std::size_t k) {
-  const SlideResult& r = slide.result;
+std::string row(const verify::BenchContact& contact, const verify::CheckedSlide& slide, std::size_t k) {
+  const solve::SlideResult& r = slide.result;
   if (!r.usable) return printed("| %zu | %.3g |", k, 1e3 * contact.depth) + " refused: " + r.cause + " |\n";
   return printed("| %zu | %.3g | %.3g | %.4f | %.2f %% | %.4f | %.4f | %.3f | %.2f %% | %u | %.1f |\n", k,
                  1e3 * contact.depth, 1e3 * r.contact_radius, r.ratio, 100 * r.spread, r.predicted, r.local_ratio,
@@ -89,9 +89,9 @@ std::string row(const BenchContact& contact, const CheckedSlide& slide, std::siz
 }
 
 // Up to twice the way to full slip.
-std::string transition(const SlideResult& r, double friction) {
+std::string transition(const solve::SlideResult& r, double friction) {
   std::string text = "\n| way, contact radii | tangential force / mu P | share that slips |\n|---|---|---|\n";
-  for (const SlideStep& s : r.steps) {
+  for (const solve::SlideStep& s : r.steps) {
     if (s.travelled > 2 * r.gross_at) break;
     text += printed("| %.4f | %.3f | %.2f |\n", s.travelled / r.contact_radius, s.force.x() / s.force.z() / friction,
                     s.slipping);
@@ -106,8 +106,8 @@ void run_slide(const ContactsCommand& command, const Globals& globals) {
   const double mu = c.scene.friction;
   if (!(mu > 0)) throw Error(ExitCode::usage, "--slide: the scene has no friction");
   const InterruptPolling polling;
-  const std::vector<CheckedSlide> slides =
-      check_slides(c.scene, c.body, c.tool, c.contacts, options_of(command, globals));
+  const std::vector<verify::CheckedSlide> slides =
+      verify::check_slides(c.scene, c.body, c.tool, c.contacts, options_of(command, globals));
   if (interrupted()) throw Interrupted("slides are not kept; run the command again");
 
   Json json{{"slide", c.name},
@@ -120,10 +120,10 @@ void run_slide(const ContactsCommand& command, const Globals& globals) {
                      "point by point | full slip at, radii | energy off | nodes | s |\n"
                      "|---|---|---|---|---|---|---|---|---|---|---|\n";
   std::size_t usable = 0;
-  const SlideResult* first = nullptr;
+  const solve::SlideResult* first = nullptr;
   double local = 0, force = 0;
   for (std::size_t k = 0; k < slides.size(); ++k) {
-    const SlideResult& r = slides[k].result;
+    const solve::SlideResult& r = slides[k].result;
     json["contacts"].push_back(to_json(c.contacts[k], slides[k]));
     text += row(c.contacts[k], slides[k], k);
     if (!r.usable) continue;
@@ -145,8 +145,8 @@ void run_slide(const ContactsCommand& command, const Globals& globals) {
 void run_two_tips(const ContactsCommand& command, const Globals& globals) {
   const ContactCase c = contacts_of(command);
   const InterruptPolling polling;
-  const std::vector<CheckedTogether> all =
-      check_together(c.scene, c.body, c.tool, c.contacts, options_of(command, globals));
+  const std::vector<verify::CheckedTogether> all =
+      verify::check_together(c.scene, c.body, c.tool, c.contacts, options_of(command, globals));
   if (interrupted()) throw Interrupted("solves are not kept; run the command again");
 
   Json json{{"two_tips", c.name}, {"machine", machine_name()}, {"contacts", Json::array()}};
@@ -155,9 +155,9 @@ void run_two_tips(const ContactsCommand& command, const Globals& globals) {
       "| contact | spacing, contact radii | one alone, N | one of two, N | sum of single contacts is off by "
       "| nodes | s |\n|---|---|---|---|---|---|---|\n";
   std::size_t usable = 0;
-  for (const CheckedTogether& tips : all) {
-    const TogetherResult& r = tips.result;
-    const BenchContact& contact = c.contacts[tips.contact];
+  for (const verify::CheckedTogether& tips : all) {
+    const solve::TogetherResult& r = tips.result;
+    const verify::BenchContact& contact = c.contacts[tips.contact];
     json["contacts"].push_back({{"c", list(contact.frame.origin)},
                                 {"n", list(contact.frame.n)},
                                 {"x", list(contact.frame.x)},

@@ -28,16 +28,16 @@ struct Bounds {
   double megabytes = 1000.0;    // a cell
 };
 
-constexpr Verdict kVerdicts[] = {Verdict::right, Verdict::wrong, Verdict::refused, Verdict::refused_sound,
-                                 Verdict::open};
+constexpr verify::Verdict kVerdicts[] = {verify::Verdict::right, verify::Verdict::wrong, verify::Verdict::refused,
+                                         verify::Verdict::refused_sound, verify::Verdict::open};
 
-Json to_json(const Spread& s) { return {{"median", s.median}, {"p95", s.p95}, {"worst", s.worst}}; }
+Json to_json(const verify::Spread& s) { return {{"median", s.median}, {"p95", s.p95}, {"worst", s.worst}}; }
 
-Json to_json(const BatteryCell& cell, const JudgedCell& judged, std::uint64_t seed) {
+Json to_json(const verify::BatteryCell& cell, const verify::JudgedCell& judged, std::uint64_t seed) {
   Json json{{"seed", seed},
             {"body", cell.family},
             {"cell", cell.name},
-            {"verdict", verdict_name(judged.verdict)},
+            {"verdict", verify::verdict_name(judged.verdict)},
             {"excess", judged.excess},
             {"seconds", judged.solve.processor},
             {"megabytes", judged.solve.megabytes},
@@ -46,24 +46,24 @@ Json to_json(const BatteryCell& cell, const JudgedCell& judged, std::uint64_t se
             {"reference_nodes", judged.reference_nodes}};
   if (!judged.solve.cause.empty()) json["cause"] = judged.solve.cause;
   if (!judged.reference_cause.empty()) json["reference_cause"] = judged.reference_cause;
-  for (const JudgedSample& s : judged.samples) {
+  for (const verify::JudgedSample& s : judged.samples) {
     json["errors"].push_back(s.error);
     json["estimates"].push_back(s.estimate);
   }
   return json;
 }
 
-std::string row(const char* name, const char* unit, double scale, const Spread& s) {
+std::string row(const char* name, const char* unit, double scale, const verify::Spread& s) {
   return fmt::format("| {}{} | {:.3g} | {:.3g} | {:.3g} |\n", name, unit, scale * s.median, scale * s.p95,
                      scale * s.worst);
 }
 
-std::string table(const RandomFigures& f, const std::vector<BatteryCell>& cells,
-                  const std::vector<JudgedCell>& judged) {
+std::string table(const verify::RandomFigures& f, const std::vector<verify::BatteryCell>& cells,
+                  const std::vector<verify::JudgedCell>& judged) {
   std::string text = "| verdict | cells |\n|---|---|\n";
-  for (const Verdict v : kVerdicts) {
+  for (const verify::Verdict v : kVerdicts) {
     const auto at = f.verdicts.find(v);
-    text += fmt::format("| {} | {} |\n", verdict_name(v), at != f.verdicts.end() ? at->second : 0);
+    text += fmt::format("| {} | {} |\n", verify::verdict_name(v), at != f.verdicts.end() ? at->second : 0);
   }
   text += "\n| figure | median | 95th percentile | worst |\n|---|---|---|---|\n";
   text += row("true error of a force", ", %", 100, f.error) + row("own estimate", ", %", 100, f.estimate) +
@@ -72,30 +72,30 @@ std::string table(const RandomFigures& f, const std::vector<BatteryCell>& cells,
   text += fmt::format("\nThe estimate covers {:.1f} % of {} forces.\n", 100 * f.coverage(), f.samples);
   std::string notes;
   for (std::size_t k = 0; k < judged.size(); ++k) {
-    const JudgedCell& j = judged[k];
-    if (j.verdict == Verdict::right) continue;
-    notes += fmt::format("- {}, {} {}: ", verdict_name(j.verdict), cells[k].family, cells[k].name);
-    notes += j.verdict == Verdict::wrong  ? fmt::format("{:.2f} of what is allowed", j.excess)
-             : j.verdict == Verdict::open ? "the finer mesh: " + j.reference_cause
-                                          : j.solve.cause;
+    const verify::JudgedCell& j = judged[k];
+    if (j.verdict == verify::Verdict::right) continue;
+    notes += fmt::format("- {}, {} {}: ", verify::verdict_name(j.verdict), cells[k].family, cells[k].name);
+    notes += j.verdict == verify::Verdict::wrong  ? fmt::format("{:.2f} of what is allowed", j.excess)
+             : j.verdict == verify::Verdict::open ? "the finer mesh: " + j.reference_cause
+                                                  : j.solve.cause;
     notes += "\n";
   }
   return notes.empty() ? text : text + "\n" + notes;
 }
 
 // The bounds that a run breaks; empty: none.
-std::string broken(const RandomFigures& f) {
+std::string broken(const verify::RandomFigures& f) {
   const Bounds bounds;
   std::string all;
   const auto add = [&](bool is, const std::string& what) {
     if (is) all += (all.empty() ? "" : "; ") + what;
   };
-  const auto count = [&](Verdict v) {
+  const auto count = [&](verify::Verdict v) {
     const auto at = f.verdicts.find(v);
     return at != f.verdicts.end() ? at->second : std::size_t{0};
   };
-  add(count(Verdict::wrong) > 0, fmt::format("{} cells are wrong, allowed 0", count(Verdict::wrong)));
-  const double refused = double(count(Verdict::refused_sound)) / double(f.cells);
+  add(count(verify::Verdict::wrong) > 0, fmt::format("{} cells are wrong, allowed 0", count(verify::Verdict::wrong)));
+  const double refused = double(count(verify::Verdict::refused_sound)) / double(f.cells);
   add(refused > bounds.refused_sound, fmt::format("{:.1f} % of the cells are refused though sound, allowed {:.1f} %",
                                                   100 * refused, 100 * bounds.refused_sound));
   add(f.samples > 0 && f.coverage() < bounds.coverage,
@@ -114,8 +114,8 @@ std::string broken(const RandomFigures& f) {
 
 void run_random_command(const BatteryCommand& command, const Globals& globals) {
   if (!command.report.empty()) check_writable(command.report);
-  std::vector<BatteryCell> cells = random_cells(command.seed, command.count);
-  std::erase_if(cells, [&](const BatteryCell& cell) {
+  std::vector<verify::BatteryCell> cells = verify::random_cells(command.seed, command.count);
+  std::erase_if(cells, [&](const verify::BatteryCell& cell) {
     return (!command.family.empty() && cell.family != command.family) ||
            cell.name.find(command.cells) == std::string::npos;
   });
@@ -124,21 +124,21 @@ void run_random_command(const BatteryCommand& command, const Globals& globals) {
   }
   std::ofstream lines;
   if (!command.report.empty()) lines.open(command.report);
-  RandomBatteryOptions options;
+  verify::RandomBatteryOptions options;
   options.threads = static_cast<unsigned>(globals.threads);
   options.stop = [] { return interrupted(); };
   const InterruptPolling polling;
-  std::vector<JudgedCell> judged(cells.size());
+  std::vector<verify::JudgedCell> judged(cells.size());
   std::size_t done = 0;
-  run_random_battery(cells, options, [&](std::size_t k, const JudgedCell& cell) {
+  verify::run_random_battery(cells, options, [&](std::size_t k, const verify::JudgedCell& cell) {
     judged[k] = cell;
     if (lines.is_open()) lines << to_json(cells[k], cell, command.seed).dump() << std::endl;
-    note(globals, fmt::format("{} of {}: {}", ++done, cells.size(), verdict_name(cell.verdict)));
+    note(globals, fmt::format("{} of {}: {}", ++done, cells.size(), verify::verdict_name(cell.verdict)));
   });
   if (done < cells.size()) throw Interrupted("the report keeps the cells that were judged");
   if (lines.is_open() && !lines) throw Error(ExitCode::io, command.report + ": cannot be written");
 
-  const RandomFigures f = random_figures(judged);
+  const verify::RandomFigures f = verify::random_figures(judged);
   if (globals.json) {
     Json json{{"battery", "random"},
               {"machine", machine_name()},
@@ -152,7 +152,7 @@ void run_random_command(const BatteryCommand& command, const Globals& globals) {
               {"estimate_over_error", to_json(f.ratio)},
               {"seconds", to_json(f.seconds)},
               {"megabytes", to_json(f.megabytes)}};
-    for (const auto& [verdict, count] : f.verdicts) json["verdicts"][verdict_name(verdict)] = count;
+    for (const auto& [verdict, count] : f.verdicts) json["verdicts"][verify::verdict_name(verdict)] = count;
     print_json(json);
   } else {
     print(

@@ -33,7 +33,7 @@ runtime::Vec3 to_vec(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 /// The contacts of the runtime at the end of a press.
 template <int Count>
-runtime::Dents dents_of(const runtime::View& view, const ContactCase& c, const CheckedTogether& solved) {
+runtime::Dents dents_of(const runtime::View& view, const ContactCase& c, const verify::CheckedTogether& solved) {
   runtime::ToolSet<Count> tools(view, {});
   runtime::Dents dents;
   press_together(tools, c, solved, 0, [&](const auto& poses, const auto& ticks) {
@@ -64,12 +64,12 @@ struct ShapeErrors {
   }
 };
 
-ShapeErrors shape_errors(const runtime::View& view, const ContactCase& c, const CheckedTogether& solved) {
-  const double depth = c.contacts[solved.contact].depth, radius = contact_radius(c.tool.vertices.at(0), depth);
+ShapeErrors shape_errors(const runtime::View& view, const ContactCase& c, const verify::CheckedTogether& solved) {
+  const double depth = c.contacts[solved.contact].depth, radius = tool::contact_radius(c.tool.vertices.at(0), depth);
   const runtime::Dents dents = solved.places.size() == 1 ? dents_of<1>(view, c, solved) : dents_of<2>(view, c, solved);
-  const std::vector<SurfaceNode>& nodes = solved.result.surface;
+  const std::vector<solve::SurfaceNode>& nodes = solved.result.surface;
   std::vector<runtime::Vec3> rest;
-  for (const SurfaceNode& node : nodes) rest.push_back(to_vec(node.rest));
+  for (const solve::SurfaceNode& node : nodes) rest.push_back(to_vec(node.rest));
   std::vector<runtime::Vec3> moved(rest.size());
   runtime::Dent dent(view);
   dent.bind(rest.data(), rest.size());
@@ -118,7 +118,7 @@ void run_shape(const ShapeCommand& command, const Globals& globals) {
   std::string cause;
   std::size_t usable = 0;
   for (const int count : {1, 2}) {
-    ContactCheckOptions options;
+    verify::ContactCheckOptions options;
     options.count = count;
     options.spacings = count == 1 ? std::vector<double>{1} : std::vector<double>{2, 4};
     options.sticking = c.scene.friction > 0;
@@ -126,7 +126,7 @@ void run_shape(const ShapeCommand& command, const Globals& globals) {
     options.stop = [] { return interrupted(); };
     ShapeErrors all;
     std::size_t solves = 0, nodes = 0;
-    for (const CheckedTogether& solved : check_together(c.scene, c.body, c.tool, c.contacts, options)) {
+    for (const verify::CheckedTogether& solved : verify::check_together(c.scene, c.body, c.tool, c.contacts, options)) {
       if (!solved.result.usable) {
         if (cause.empty()) cause = solved.result.cause;
         continue;

@@ -47,11 +47,12 @@ struct StrokeStation {
 using Errors = std::array<std::vector<double>, kPhases>;
 
 // The stroke as a motion of the tool, from where it touches the body's own surface, not the mesh'.
-std::vector<MotionRow> motion(const ToolVertex& vertex, const ContactFrame& frame, const StrokeResult& stroke) {
-  const Eigen::Isometry3d touch = touching_pose(vertex, frame);
+std::vector<MotionRow> motion(const tool::ToolVertex& vertex, const ContactFrame& frame,
+                              const solve::StrokeResult& stroke) {
+  const Eigen::Isometry3d touch = tool::touching_pose(vertex, frame);
   const Eigen::Quaterniond q(touch.linear());
   std::vector<MotionRow> rows;
-  for (const StrokeStep& s : stroke.steps) {
+  for (const solve::StrokeStep& s : stroke.steps) {
     const Vector3d at = touch.translation() + frame.to_world(s.station);
     rows.push_back({double(rows.size()), {at.x(), at.y(), at.z()}, {q.w(), q.x(), q.y(), q.z()}});
   }
@@ -59,15 +60,16 @@ std::vector<MotionRow> motion(const ToolVertex& vertex, const ContactFrame& fram
 }
 
 // Stations where the body answers from other than this scene's own samples are not its errors.
-std::vector<StrokeStation> compare(const runtime::View& view, const ContactCase& c, const CheckedStroke& stroke) {
+std::vector<StrokeStation> compare(const runtime::View& view, const ContactCase& c,
+                                   const verify::CheckedStroke& stroke) {
   const ContactFrame& frame = c.contacts[stroke.contact].frame;
   PlaySummary summary;
   const std::vector<PlayedRow> rows = play(view, 0, motion(c.tool.vertices.at(0), frame, stroke.result), summary);
   double peak = 0;
-  for (const StrokeStep& s : stroke.result.steps) peak = std::max(peak, s.force.norm());
+  for (const solve::StrokeStep& s : stroke.result.steps) peak = std::max(peak, s.force.norm());
   std::vector<StrokeStation> all;
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    const StrokeStep& s = stroke.result.steps[k];
+    const solve::StrokeStep& s = stroke.result.steps[k];
     const runtime::Tick& tick = rows[k].tick;
     StrokeStation at;
     at.baked = frame.to_local({tick.force.x, tick.force.y, tick.force.z});
@@ -81,16 +83,16 @@ std::vector<StrokeStation> compare(const runtime::View& view, const ContactCase&
 
 Json figures(const std::vector<double>& errors) {
   return {{"count", errors.size()},
-          {"median", quantile(errors, 0.5)},
-          {"p95", quantile(errors, 0.95)},
-          {"worst", quantile(errors, 1.0)}};
+          {"median", verify::quantile(errors, 0.5)},
+          {"p95", verify::quantile(errors, 0.95)},
+          {"worst", verify::quantile(errors, 1.0)}};
 }
 
-Json to_json(const ContactCase& c, const CheckedStroke& stroke, const std::vector<StrokeStation>& stations) {
-  const StrokeResult& r = stroke.result;
+Json to_json(const ContactCase& c, const verify::CheckedStroke& stroke, const std::vector<StrokeStation>& stations) {
+  const solve::StrokeResult& r = stroke.result;
   Json steps = Json::array();
   for (std::size_t k = 0; k < stations.size(); ++k) {
-    const StrokeStep& s = r.steps[k];
+    const solve::StrokeStep& s = r.steps[k];
     steps.push_back({{"at_m", list(s.station)},
                      {"solved_N", list(s.force)},
                      {"baked_N", list(stations[k].baked)},
@@ -101,7 +103,7 @@ Json to_json(const ContactCase& c, const CheckedStroke& stroke, const std::vecto
                      {"error", stations[k].error},
                      {"dissipated_J", s.dissipated}});
   }
-  const BenchContact& contact = c.contacts[stroke.contact];
+  const verify::BenchContact& contact = c.contacts[stroke.contact];
   return {{"stroke", stroke.name},
           {"c", list(contact.frame.origin)},
           {"n", list(contact.frame.n)},
@@ -118,8 +120,8 @@ Json to_json(const ContactCase& c, const CheckedStroke& stroke, const std::vecto
 
 std::string cell(const std::vector<double>& errors) {
   if (errors.empty()) return " - |";
-  return fmt::format(" {}: {:.1f} / {:.1f} / {:.1f} |", errors.size(), 100 * quantile(errors, 0.5),
-                     100 * quantile(errors, 0.95), 100 * quantile(errors, 1.0));
+  return fmt::format(" {}: {:.1f} / {:.1f} / {:.1f} |", errors.size(), 100 * verify::quantile(errors, 0.5),
+                     100 * verify::quantile(errors, 0.95), 100 * verify::quantile(errors, 1.0));
 }
 
 std::string row(const std::string& name, const Errors& errors) {
@@ -129,7 +131,7 @@ std::string row(const std::string& name, const Errors& errors) {
 }
 
 // Solved and baked along the strokes of the first contact, one after the other.
-std::string drawing(const std::vector<CheckedStroke>& strokes,
+std::string drawing(const std::vector<verify::CheckedStroke>& strokes,
                     const std::vector<std::vector<StrokeStation>>& stations) {
   std::vector<double> at;
   PlotPanel normal{"normal force (N)", {{"solved", {}}, {"baked", {}}}};
@@ -138,7 +140,7 @@ std::string drawing(const std::vector<CheckedStroke>& strokes,
   for (std::size_t k = 0; k < strokes.size() && strokes[k].contact == strokes[0].contact; ++k) {
     const Vector3d main(std::cos(strokes[k].angle), std::sin(strokes[k].angle), 0);
     for (std::size_t i = 0; i < stations[k].size(); ++i) {
-      const StrokeStep& s = strokes[k].result.steps[i];
+      const solve::StrokeStep& s = strokes[k].result.steps[i];
       at.push_back(double(at.size()));
       normal.series[0].values.push_back(s.force.z());
       normal.series[1].values.push_back(stations[k][i].baked.z());
@@ -171,14 +173,15 @@ void run_strokes(const StrokesCommand& command, const Globals& globals) {
   const ResponseInput input(p.paths.response);
   check_same_plan(p, input.view());
   const ContactCase c = plan_contacts(p, command.scene, command.contacts);
-  ContactCheckOptions options;
+  verify::ContactCheckOptions options;
   options.threads = static_cast<unsigned>(globals.threads);
   options.stop = [] { return interrupted(); };
   options.progress = [&](std::size_t done, std::size_t total) {
     note(globals, "strokes solved: " + std::to_string(done) + " of " + std::to_string(total));
   };
   const InterruptPolling polling;
-  const std::vector<CheckedStroke> strokes = check_strokes(c.scene, c.body, c.tool, c.contacts, options);
+  const std::vector<verify::CheckedStroke> strokes =
+      verify::check_strokes(c.scene, c.body, c.tool, c.contacts, options);
   if (interrupted()) throw Interrupted("strokes are not kept; run the command again");
 
   Json json{{"strokes", command.scene},
@@ -190,7 +193,7 @@ void run_strokes(const StrokesCommand& command, const Globals& globals) {
   std::vector<std::vector<StrokeStation>> stations;
   Errors total;
   std::size_t usable = 0, left_out = 0;
-  for (const CheckedStroke& stroke : strokes) {
+  for (const verify::CheckedStroke& stroke : strokes) {
     stations.push_back(compare(input.view(), c, stroke));
     json["solves"].push_back(to_json(c, stroke, stations.back()));
     Errors errors;

@@ -33,7 +33,8 @@ struct RuntimeForces {
 };
 
 template <int Count>
-RuntimeForces press(const runtime::View& view, const ContactCase& c, const CheckedTogether& solved, double aside) {
+RuntimeForces press(const runtime::View& view, const ContactCase& c, const verify::CheckedTogether& solved,
+                    double aside) {
   constexpr auto kCount = static_cast<std::size_t>(Count);
   runtime::ToolSet<Count> tools(view, {});
   std::vector<runtime::Contact> single(kCount, runtime::Contact(view, 0));
@@ -49,7 +50,8 @@ RuntimeForces press(const runtime::View& view, const ContactCase& c, const Check
   return forces;
 }
 
-RuntimeForces press(const runtime::View& view, const ContactCase& c, const CheckedTogether& solved, double aside) {
+RuntimeForces press(const runtime::View& view, const ContactCase& c, const verify::CheckedTogether& solved,
+                    double aside) {
   switch (solved.places.size()) {
     case 2:
       return press<2>(view, c, solved, aside);
@@ -62,15 +64,15 @@ RuntimeForces press(const runtime::View& view, const ContactCase& c, const Check
   }
 }
 
-std::vector<double> spacings_of(Layout layout) {
-  if (layout == Layout::ring) return {1.5, 2, 3};
-  if (layout == Layout::random) return {1, 8};
+std::vector<double> spacings_of(verify::Layout layout) {
+  if (layout == verify::Layout::ring) return {1.5, 2, 3};
+  if (layout == verify::Layout::random) return {1, 8};
   return {1, 1.5, 2, 4, 8};
 }
 
-std::vector<ContactCase> cases_of(const TogetherCommand& command, Layout layout) {
+std::vector<ContactCase> cases_of(const TogetherCommand& command, verify::Layout layout) {
   if (!command.scene.empty()) return {scene_contacts(command.scene, command.contacts)};
-  if (layout != Layout::pinch) return {block_contact(kBlockHalf, kBlockRadius, kBlockDepth, 0)};
+  if (layout != verify::Layout::pinch) return {block_contact(kBlockHalf, kBlockRadius, kBlockDepth, 0)};
   std::vector<ContactCase> slabs;
   for (const double thickness : {0.01, 0.02, 0.04}) {
     slabs.push_back(slab_contact(kBlockHalf, thickness, kBlockRadius, kBlockDepth));
@@ -100,7 +102,7 @@ void check_command(const TogetherCommand& command) {
 struct TogetherErrors {
   double runtime = 0, normal = 0, sum = 0, alone = 0;
 
-  TogetherErrors(const TogetherResult& solved, const RuntimeForces& forces) {
+  TogetherErrors(const solve::TogetherResult& solved, const RuntimeForces& forces) {
     for (std::size_t i = 0; i < solved.together.size(); ++i) {
       const Vector3d& exact = solved.together[i];
       const double size = exact.norm();
@@ -118,15 +120,15 @@ public:
   explicit TogetherTable(const TogetherCommand& command) : command_(command) {}
 
   /// `file`: the scene's; null on a block.
-  void add(const ContactCase& c, const std::vector<CheckedTogether>& all, const runtime::View* file) {
+  void add(const ContactCase& c, const std::vector<verify::CheckedTogether>& all, const runtime::View* file) {
     std::optional<BlockResponse> block;
     text_ +=
         c.name + ": " + std::to_string(command_.count) + " tools, layout " + command_.layout +
         (c.scene.friction > 0 ? ", sticking\n\n" : ", without friction\n\n") +
         "| contact | spacing, contact radii | first of the tools solved, N | sum is off by | runtime is off by | along "
         "the normal | one alone is off by | share of C |\n|---|---|---|---|---|---|---|---|\n";
-    for (const CheckedTogether& checked : all) {
-      const TogetherResult& r = checked.result;
+    for (const verify::CheckedTogether& checked : all) {
+      const solve::TogetherResult& r = checked.result;
       if (!r.usable) {
         text_ += printed("| %zu | %.3g |", checked.contact, checked.spacing) + " refused: " + r.cause + " |\n";
         rows_.push_back({{"spacing_radii", checked.spacing}, {"usable", false}, {"cause", r.cause}});
@@ -169,8 +171,8 @@ private:
     return command_.scene.empty() && command_.layout == "line" && command_.count == 2;
   }
 
-  void add_row(const ContactCase& c, const CheckedTogether& checked, const runtime::View& view) {
-    const TogetherResult& r = checked.result;
+  void add_row(const ContactCase& c, const verify::CheckedTogether& checked, const runtime::View& view) {
+    const solve::TogetherResult& r = checked.result;
     const RuntimeForces forces = press(view, c, checked, command_.aside * c.contacts[checked.contact].depth);
     const TogetherErrors e(r, forces);
     errors_.push_back(e.runtime);
@@ -204,13 +206,13 @@ private:
 
 void run_together(const TogetherCommand& command, const Globals& globals) {
   check_command(command);
-  const Layout layout = *layout_of(command.layout);
+  const verify::Layout layout = *verify::layout_of(command.layout);
   std::unique_ptr<ResponseInput> input;
   if (!command.scene.empty()) input = response_with_compliance(command.scene, command.response);
   const InterruptPolling polling;
   TogetherTable table(command);
   for (const ContactCase& c : cases_of(command, layout)) {
-    ContactCheckOptions options;
+    verify::ContactCheckOptions options;
     options.spacings = spacings_of(layout);
     options.layout = layout;
     options.count = command.count;
@@ -221,7 +223,7 @@ void run_together(const TogetherCommand& command, const Globals& globals) {
     options.progress = [&globals](std::size_t done, std::size_t total) {
       note(globals, "solved: " + std::to_string(done) + " of " + std::to_string(total));
     };
-    const auto all = check_together(c.scene, c.body, c.tool, c.contacts, options);
+    const auto all = verify::check_together(c.scene, c.body, c.tool, c.contacts, options);
     if (interrupted()) throw Interrupted("solves are not kept; run the command again");
     table.add(c, all, input ? &input->view() : nullptr);
   }

@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-namespace palpate {
+namespace palpate::fem {
 
 inline Eigen::Matrix<double, 9, 1> stacked(const Eigen::Matrix3d& m) {
   return Eigen::Map<const Eigen::Matrix<double, 9, 1>>(m.data());
@@ -33,4 +33,4 @@ inline void add_curvature_of_j(const Eigen::Matrix3d& f, double scale, Tangent& 
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -5,7 +5,7 @@
 #include "precompute/fem/materials/determinant.hpp"
 #include "precompute/fem/materials/guarded.hpp"
 
-namespace palpate {
+namespace palpate::fem {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -63,4 +63,4 @@ Tangent Distortion::tangent(const Matrix3d& f, const Vector3d& fibre) const {
   return t;
 }
 
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace palpate {
+namespace palpate::fem {
 
 /// mu/2 (D:D - 3) + the laws at D, where D = J^(-1/3) F and J = det F (Flory 1961, equation 9): a change of volume
 /// alone costs no energy. Below J = 0.1 the power of J goes on as a parabola.
@@ -28,4 +28,4 @@ private:
   std::vector<std::shared_ptr<const Law>> laws_;
 };
 
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -4,7 +4,7 @@
 
 #include "precompute/fem/materials/guarded.hpp"
 
-namespace palpate {
+namespace palpate::fem {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -47,4 +47,4 @@ Tangent Fibres::tangent(const Matrix3d& f, const Vector3d& fibre) const {
   return t;
 }
 
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -4,7 +4,7 @@
 
 #include "precompute/fem/materials/law.hpp"
 
-namespace palpate {
+namespace palpate::fem {
 
 /// k1/(2 k2) (exp(k2 <E>^2) - 1) with E = kappa (I1 - 3) + (1 - 3 kappa) (I4 - 1), I4 the squared stretch along the
 /// fibres and <E> its positive part: fibres carry tension alone (Gasser, Ogden and Holzapfel 2006, equations 11 and 12,
@@ -23,4 +23,4 @@ private:
   double kappa_;
 };
 
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace palpate {
+namespace palpate::fem {
 
 /// A function and its two derivatives.
 struct Guarded {
@@ -33,4 +33,4 @@ inline Guarded guarded_power(double x, double n, double low) {
   return x > low ? at : parabola(at, x - low);
 }
 
-}  // namespace palpate
+}  // namespace palpate::fem

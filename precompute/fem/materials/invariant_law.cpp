@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-namespace palpate {
+namespace palpate::fem {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -98,4 +98,4 @@ InvariantEnergy Volume::at(double /*i1*/, double /*i2*/, double j) const {
   return w;
 }
 
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -4,7 +4,7 @@
 
 #include "precompute/fem/materials/law.hpp"
 
-namespace palpate {
+namespace palpate::fem {
 
 /// W(I1, I2, J) and its derivatives in that order (Pa).
 struct InvariantEnergy {
@@ -64,4 +64,4 @@ private:
   double slope_, bulk_;
 };
 
-}  // namespace palpate
+}  // namespace palpate::fem

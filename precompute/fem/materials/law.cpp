@@ -6,12 +6,12 @@
 
 #include <algorithm>
 
-namespace palpate {
+namespace palpate::fem {
 
 Tangent positive_part(const Tangent& tangent) {
-  const auto eigen = spectrum(tangent);
+  const auto eigen = algebra::spectrum(tangent);
   const double least = 1e-6 * std::max(0.0, eigen.values[8]);
   return eigen.vectors * eigen.values.cwiseMax(least).asDiagonal() * eigen.vectors.transpose();
 }
 
-}  // namespace palpate
+}  // namespace palpate::fem

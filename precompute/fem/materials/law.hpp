@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-namespace palpate {
+namespace palpate::fem {
 
 /// dP/dF (Pa) with matrices stacked by columns: index i + 3 a stands for F(i, a).
 using Tangent = Eigen::Matrix<double, 9, 9>;
@@ -23,4 +23,4 @@ public:
 /// The tangent with its eigenvalues raised to a millionth of the largest where they are below it.
 Tangent positive_part(const Tangent& tangent);
 
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -2,7 +2,7 @@
 // Hooke's law.
 #include "precompute/fem/materials/linear.hpp"
 
-namespace palpate {
+namespace palpate::fem {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -32,4 +32,4 @@ Tangent Linear::tangent(const Matrix3d& /*f*/, const Vector3d& /*fibre*/) const 
   return t;
 }
 
-}  // namespace palpate
+}  // namespace palpate::fem

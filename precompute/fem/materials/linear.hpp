@@ -4,7 +4,7 @@
 
 #include "precompute/fem/materials/law.hpp"
 
-namespace palpate {
+namespace palpate::fem {
 
 /// mu e:e + lambda/2 (tr e)^2 of the infinitesimal strain e = sym F - I. Not frame indifferent: a rotation strains it.
 class Linear final : public Law {
@@ -18,4 +18,4 @@ private:
   double mu_, lambda_;  ///< Pa
 };
 
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace palpate {
+namespace palpate::fem {
 
 using Eigen::Matrix3d;
 
@@ -85,4 +85,4 @@ Tangent Material::law_tangent(const Matrix3d& f) const {
   return sum;
 }
 
-}  // namespace palpate
+}  // namespace palpate::fem

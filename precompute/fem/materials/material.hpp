@@ -9,7 +9,7 @@
 #include <memory>
 #include <vector>
 
-namespace palpate {
+namespace palpate::fem {
 
 /// Energy per volume of the stress-free state,
 ///   psi(F) = mu/2 (F:F - 3) + sum of laws(F) + slope (j - 1) + bulk/2 (j - 1)^2 + local/2 (det F - j)^2,
@@ -51,4 +51,4 @@ struct Material {
   [[nodiscard]] double volumetric_curvature() const { return bulk; }
 };
 
-}  // namespace palpate
+}  // namespace palpate::fem

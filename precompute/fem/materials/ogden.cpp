@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace palpate {
+namespace palpate::fem {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 // Values of g and its derivatives at the three eigenvalues.
 struct Ogden::Principal {
   Principal(const std::vector<Term>& terms, const Matrix3d& f) {
-    const auto eigen = spectrum<3>(f.transpose() * f);
+    const auto eigen = algebra::spectrum<3>(f.transpose() * f);
     directions = eigen.vectors;
     for (int k = 0; k < 3; ++k) {
       c[k] = eigen.values[k];
@@ -82,4 +82,4 @@ Tangent Ogden::tangent(const Matrix3d& f, const Vector3d& /*fibre*/) const {
   return t;
 }
 
-}  // namespace palpate
+}  // namespace palpate::fem

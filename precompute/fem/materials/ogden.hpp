@@ -6,7 +6,7 @@
 
 #include <vector>
 
-namespace palpate {
+namespace palpate::fem {
 
 /// sum over terms of mu/alpha (l1^alpha + l2^alpha + l3^alpha - 3) of the principal stretches (Ogden 1972, equation 3).
 /// Below a squared stretch of 0.1 the powers go on as parabolas; a stretch has no sign: inversion is the volume's to
@@ -28,4 +28,4 @@ private:
   std::vector<Term> terms_;
 };
 
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -8,7 +8,7 @@
 #include "precompute/fem/materials/linear.hpp"
 #include "precompute/fem/materials/ogden.hpp"
 
-namespace palpate {
+namespace palpate::fem {
 
 namespace {
 
@@ -58,4 +58,4 @@ Material make_material(const MaterialScene& s) {
   return material_of(s, mu, {});
 }
 
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -5,9 +5,9 @@
 #include "formats/scene/scene.hpp"
 #include "precompute/fem/materials/material.hpp"
 
-namespace palpate {
+namespace palpate::fem {
 
 /// `scene` as read_scene leaves it: ranges and the shear modulus are checked there.
 Material make_material(const MaterialScene& scene);
 
-}  // namespace palpate
+}  // namespace palpate::fem

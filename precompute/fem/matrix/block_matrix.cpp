@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-namespace palpate {
+namespace palpate::fem {
 
-BlockMatrix::BlockMatrix(const TetMesh& mesh, const std::vector<char>& fixed) : index_(mesh.nodes.size(), -1) {
+BlockMatrix::BlockMatrix(const mesh::TetMesh& mesh, const std::vector<char>& fixed) : index_(mesh.nodes.size(), -1) {
   std::int32_t count = 0;
   for (std::size_t n = 0; n < index_.size(); ++n) {
     if (!fixed[n]) index_[n] = count++;
@@ -75,4 +75,4 @@ void BlockMatrix::add(std::int32_t a, std::int32_t b, const Eigen::Matrix3d& blo
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -8,12 +8,12 @@
 #include <Eigen/Sparse>
 #include <vector>
 
-namespace palpate {
+namespace palpate::fem {
 
 class BlockMatrix {
 public:
   /// Pattern: nodes that share a tetrahedron. `fixed[node]` nodes have no rows.
-  BlockMatrix(const TetMesh& mesh, const std::vector<char>& fixed);
+  BlockMatrix(const mesh::TetMesh& mesh, const std::vector<char>& fixed);
 
   void set_zero() { matrix_.coeffs().setZero(); }
   /// Adds `block` (rows: node a, columns: node b) and, where a != b, its transpose at (b, a); call once per
@@ -29,4 +29,4 @@ private:
   Eigen::SparseMatrix<double> matrix_;
 };
 
-}  // namespace palpate
+}  // namespace palpate::fem

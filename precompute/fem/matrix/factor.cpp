@@ -13,7 +13,7 @@
 #include <optional>
 #include <vector>
 
-namespace palpate {
+namespace palpate::fem {
 namespace {
 
 using Eigen::MatrixXd;
@@ -160,4 +160,4 @@ VectorXd Factor::solve(const VectorXd& b) const {
   return impl_->solve(b);
 }
 
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -7,7 +7,7 @@
 #include <limits>
 #include <memory>
 
-namespace palpate {
+namespace palpate::fem {
 
 class Factor {
 public:
@@ -38,4 +38,4 @@ private:
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace palpate
+}  // namespace palpate::fem

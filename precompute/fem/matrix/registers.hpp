@@ -3,7 +3,7 @@
 // for each wider kind, from one inlined body, and chosen when the program starts.
 #pragma once
 
-namespace palpate {
+namespace palpate::fem {
 
 #if defined(__x86_64__)
 
@@ -32,4 +32,4 @@ Kernel widest(Kernel plain, Kernel, Kernel) {
 
 #endif
 
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -10,7 +10,7 @@
 extern "C" void spotrf_(const char* triangle, const int* size, float* matrix, const int* stride, int* info,
                         std::size_t length);
 
-namespace palpate {
+namespace palpate::fem {
 
 using Eigen::VectorXd;
 using Eigen::VectorXf;
@@ -122,4 +122,4 @@ VectorXd SingleCholesky::solve(const VectorXd& b) const {
   return x;
 }
 
-}  // namespace palpate
+}  // namespace palpate::fem

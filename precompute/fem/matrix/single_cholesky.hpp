@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace palpate {
+namespace palpate::fem {
 
 /// Result of a symbolic analysis: supernodes of neighbouring columns with the same rows, in the order of elimination.
 struct SupernodalPattern {
@@ -47,4 +47,4 @@ private:
   std::vector<float> product_;
 };
 
-}  // namespace palpate
+}  // namespace palpate::fem

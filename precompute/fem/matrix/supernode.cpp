@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cstring>
 
-namespace palpate {
+namespace palpate::fem {
 namespace {
 
 constexpr int kColumns = 4;  // of a block
@@ -180,4 +180,4 @@ const Solve best_upper = widest<Solve>(upper_plain, upper_avx2, upper_avx512);
 void solve_lower(const std::vector<Supernode>& factor, float* y, float* work) { best_lower(factor, y, work); }
 void solve_upper(const std::vector<Supernode>& factor, float* y, float* work) { best_upper(factor, y, work); }
 
-}  // namespace palpate
+}  // namespace palpate::fem

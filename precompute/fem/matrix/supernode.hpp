@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace palpate {
+namespace palpate::fem {
 
 /// Some neighbouring columns of a factor L that share their rows: a lower triangle on top of a panel, stored by
 /// columns, `height` values each (what stands above the diagonal is not read).
@@ -21,4 +21,4 @@ void solve_lower(const std::vector<Supernode>& factor, float* y, float* work);
 /// L^T y = y in place.
 void solve_upper(const std::vector<Supernode>& factor, float* y, float* work);
 
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -68,7 +68,7 @@ Points ratios(const std::vector<Sample>& samples, double scale, bool in_part) {
     const auto from = normal.find(s.deflection.z());
     if (from == normal.end()) continue;
     Sum& sum = solved[s.deflection.z()];
-    sum.total += solved_limit(s, *from->second, scale);
+    sum.total += solve::solved_limit(s, *from->second, scale);
     ++sum.count;
   }
   Points all;

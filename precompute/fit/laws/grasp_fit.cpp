@@ -84,7 +84,7 @@ void fit_tangential(const std::vector<const Sample*>& samples, double scale, dou
   for (int i = 0; i < kGraspCoefs; ++i) {
     Eigen::Matrix2d k;
     k << stiffness[i], stiffness[kGraspCoefs + i], stiffness[kGraspCoefs + i], stiffness[2 * kGraspCoefs + i];
-    const auto eigen = spectrum(k);
+    const auto eigen = algebra::spectrum(k);
     const Eigen::Vector2d values = eigen.values.cwiseMax(kLeast * std::max(eigen.values[1], 0.0));
     k = eigen.vectors * values.asDiagonal() * eigen.vectors.transpose();
     curves[3 * kGraspCoefs + i] = k(0, 0);

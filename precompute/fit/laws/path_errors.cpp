@@ -19,7 +19,7 @@ std::vector<double> path_errors(const std::vector<Sample>& samples, const PairSa
   Eigen::Vector3d tool = Eigen::Vector3d::Zero();
   Eigen::Vector2d held = Eigen::Vector2d::Zero();
   for (const Sample* s : points) {
-    if (s->index % kPathStride == 0) {  // a normal indentation, from where the path leads away
+    if (s->index % solve::kPathStride == 0) {  // a normal indentation, from where the path leads away
       tool = s->deflection;
       held.setZero();
       continue;

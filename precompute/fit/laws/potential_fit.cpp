@@ -200,7 +200,7 @@ double Potential::friction(double depth) const { return law_.at(depth).friction_
 Eigen::Vector2d Potential::deepened(double from, double to, const Eigen::Vector2d& tangential) const {
   if (!(from > 0)) return Eigen::Vector2d::Zero();
   const runtime::Vec2 e{tangential.x(), tangential.y()};
-  const runtime::Vec2 kept = solve(law_.at(to).stiffness, law_.at(from).stiffness * e);
+  const runtime::Vec2 kept = runtime::solve(law_.at(to).stiffness, law_.at(from).stiffness * e);
   return {kept.x, kept.y};
 }
 

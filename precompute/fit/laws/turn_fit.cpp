@@ -147,11 +147,11 @@ private:
 bool about_three_axes(const std::vector<const Sample*>& samples, double angle) {
   Matrix3d sum = Matrix3d::Zero();
   for (const Sample* s : samples) sum += s->rotation * s->rotation.transpose();
-  return spectrum(sum).values[0] > 0.01 * angle * angle;
+  return algebra::spectrum(sum).values[0] > 0.01 * angle * angle;
 }
 
 Matrix2d inverse_root(const Matrix2d& k) {
-  const auto eigen = spectrum(k);
+  const auto eigen = algebra::spectrum(k);
   return eigen.vectors * eigen.values.cwiseSqrt().cwiseInverse().asDiagonal() * eigen.vectors.transpose();
 }
 
@@ -164,12 +164,12 @@ void bound_energy(const GraspCurves& grasp, VectorXd& curves, const std::string&
     for (int r = 0; r < 3; ++r) {
       for (int c = 0; c < 3; ++c) k(r, c) = of(kStiffness[r][c]);
     }
-    const auto eigen = spectrum(k);
+    const auto eigen = algebra::spectrum(k);
     const Vector3d values = eigen.values.cwiseMax(kLeastTurn * eigen.values[2]);
     Matrix2d move;
     move << grasp.curves[3 * kGraspCoefs + i], grasp.curves[4 * kGraspCoefs + i], grasp.curves[4 * kGraspCoefs + i],
         grasp.curves[5 * kGraspCoefs + i];
-    if (!(values[0] > 0) || !(spectrum(move).values[0] > 0)) {
+    if (!(values[0] > 0) || !(algebra::spectrum(move).values[0] > 0)) {
       throw Error(ExitCode::numerical, what + ": a grasp that does not resist moves or turns");
     }
     k = eigen.vectors * values.asDiagonal() * eigen.vectors.transpose();
@@ -178,7 +178,7 @@ void bound_energy(const GraspCurves& grasp, VectorXd& curves, const std::string&
     const Matrix3d root = eigen.vectors * values.cwiseSqrt().cwiseInverse().asDiagonal() * eigen.vectors.transpose();
     const Coupling scaled = inverse_root(move) * across * root;
     const Matrix2d square = scaled * scaled.transpose();
-    const double share = std::sqrt(spectrum(square).values[1]);
+    const double share = std::sqrt(algebra::spectrum(square).values[1]);
     across *= std::min(1.0, kMostCoupling / std::max(share, kMostCoupling));
     for (int r = 0; r < 3; ++r) {
       for (int c = r; c < 3; ++c) of(kStiffness[r][c]) = k(r, c);

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace palpate {
+namespace palpate::mesh {
 
 using Eigen::Vector3d;
 
@@ -20,7 +20,7 @@ namespace {
 constexpr double kStray = 1.5;
 
 struct Task {
-  const SurfaceQuery& original;
+  const geometry::SurfaceQuery& original;
   const SizeField& size;
   const std::vector<Vector3d>& anchors;
   const AdaptOptions& options;
@@ -57,7 +57,7 @@ bool adapt_from(const Surface& start, bool coarse, const Task& task, AdaptedSurf
   for (int attempt = 0; attempt < 3; ++attempt) {
     result.surface = adapter.surface(result.anchors);
     if (adapter.largest_stray() > kStray) return false;
-    const std::vector<std::int32_t> crossing = crossing_triangles(result.surface);
+    const std::vector<std::int32_t> crossing = geometry::crossing_triangles(result.surface);
     if (crossing.empty()) return true;
     adapter.shorten(crossing, 0.5);
     round();
@@ -68,7 +68,7 @@ bool adapt_from(const Surface& start, bool coarse, const Task& task, AdaptedSurf
 
 }  // namespace
 
-AdaptedSurface adapt_surface(const Surface& base, const SurfaceQuery& original, const SizeField& size,
+AdaptedSurface adapt_surface(const Surface& base, const geometry::SurfaceQuery& original, const SizeField& size,
                              const std::vector<Vector3d>& anchors, const AdaptOptions& options) {
   const double largest = options.largest > 0 ? options.largest : std::numeric_limits<double>::infinity();
   const SizeField capped = [&](const Vector3d& p) { return std::min(size(p), largest); };
@@ -80,4 +80,4 @@ AdaptedSurface adapt_surface(const Surface& base, const SurfaceQuery& original, 
   throw Error(ExitCode::numerical, "the remeshed surface strays from the one it stands for, or crosses itself");
 }
 
-}  // namespace palpate
+}  // namespace palpate::mesh

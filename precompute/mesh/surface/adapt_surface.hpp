@@ -9,7 +9,7 @@
 
 #include <vector>
 
-namespace palpate {
+namespace palpate::mesh {
 
 struct AdaptOptions {
   int rounds = 5;        ///< of split, collapse, flip, relax; [1, 20]
@@ -34,7 +34,7 @@ public:
 /// Throws Error(bad_input) for a base that is not a closed manifold, Error(numerical) where the size field gives
 /// a length that is not finite and positive, TooFine (numerical) where it needs more than 300 000 triangles, and
 /// Error(numerical) where every adaptation strays from the original or crosses itself.
-AdaptedSurface adapt_surface(const Surface& base, const SurfaceQuery& original, const SizeField& size,
+AdaptedSurface adapt_surface(const Surface& base, const geometry::SurfaceQuery& original, const SizeField& size,
                              const std::vector<Eigen::Vector3d>& anchors, const AdaptOptions& options = {});
 
-}  // namespace palpate
+}  // namespace palpate::mesh

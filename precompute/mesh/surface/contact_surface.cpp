@@ -13,7 +13,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace palpate {
+namespace palpate::mesh {
 namespace {
 
 using Eigen::Vector3d;
@@ -32,7 +32,7 @@ Surface surface_of(const std::vector<Vector3d>& points, const std::vector<Corner
 }
 
 // Per triangle of `from` the largest distance of points spread over it to `to`.
-std::vector<double> distances(const Surface& from, const SurfaceQuery& to) {
+std::vector<double> distances(const Surface& from, const geometry::SurfaceQuery& to) {
   constexpr int kSteps = 4;
   std::vector<double> largest(from.triangles.size(), 0.0);
   for (std::size_t t = 0; t < largest.size(); ++t) {
@@ -68,7 +68,7 @@ Vector3d weights_at(const PatchLayout& layout, const std::vector<Vector3d>& site
     return (1 - share) * unit(a) + share * unit(b);
   }
   const auto corner = [&](int k) -> const Vector3d& { return sites[std::size_t(patch[k])]; };
-  const Vector3d w = closest_on_triangle(p, corner(0), corner(1), corner(2)).weights.cwiseMax(kLeast);
+  const Vector3d w = geometry::closest_on_triangle(p, corner(0), corner(1), corner(2)).weights.cwiseMax(kLeast);
   return w / w.sum();
 }
 
@@ -167,16 +167,17 @@ public:
 ContactSurface decimated(const Surface& body, const PatchLayout& full, const std::vector<Vector3d>& sites,
                          const std::vector<Corners>& patches, double tolerance) {
   constexpr double kMargin = 0.97;  // the decimater measures at fewer points
-  const SurfaceQuery query(body);
+  const geometry::SurfaceQuery query(body);
   KeptPoints kept(full);
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     PatchLayout coarse = decimate(full, query, kMargin * tolerance, kept.flags);
     round_points(coarse);
     const Surface surface = surface_of(coarse.points, coarse.triangles);
-    const std::vector<std::int32_t> crossing = crossing_triangles(surface);
+    const std::vector<std::int32_t> crossing = geometry::crossing_triangles(surface);
     for (const std::int32_t t : crossing) kept.keep_round(surface, std::size_t(t), tolerance);
     if (!crossing.empty()) continue;
-    const std::vector<double> there = distances(surface, query), back = distances(body, SurfaceQuery(surface));
+    const std::vector<double> there = distances(surface, query),
+                              back = distances(body, geometry::SurfaceQuery(surface));
     const double distance = std::max(largest(there), largest(back));
     const bool far = kept.keep_far(surface, there, tolerance), behind = kept.keep_far(body, back, tolerance);
     if ((far || behind) && attempt + 1 < kAttempts) continue;
@@ -203,13 +204,13 @@ ContactSurface make_contact_surface(const Surface& body, const std::vector<Vecto
   PatchLayout flat = flat_layout(sites, patches);
   round_points(flat);
   const Surface surface = surface_of(flat.points, flat.triangles);
-  if (!crossing_triangles(surface).empty())
+  if (!geometry::crossing_triangles(surface).empty())
     throw Error(ExitCode::numerical, fault + "; the mesh of patches crosses itself");
   ContactSurface result = with_weights(flat, sites, patches);
-  result.distance =
-      std::max(largest(distances(surface, SurfaceQuery(body))), largest(distances(body, SurfaceQuery(surface))));
+  result.distance = std::max(largest(distances(surface, geometry::SurfaceQuery(body))),
+                             largest(distances(body, geometry::SurfaceQuery(surface))));
   result.fault = fault;
   return result;
 }
 
-}  // namespace palpate
+}  // namespace palpate::mesh

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::mesh {
 
 /// A triangle of the contact surface, within one patch.
 struct ContactTriangle {
@@ -37,4 +37,4 @@ struct ContactSurface {
 ContactSurface make_contact_surface(const Surface& body, const std::vector<Eigen::Vector3d>& sites,
                                     const std::vector<std::array<std::int32_t, 3>>& patches, double tolerance);
 
-}  // namespace palpate
+}  // namespace palpate::mesh

@@ -14,7 +14,7 @@
 #include <tuple>
 #include <utility>
 
-namespace palpate {
+namespace palpate::mesh {
 namespace {
 
 using Eigen::Matrix3d;
@@ -58,7 +58,8 @@ struct Triangle {
 
 class Decimater {
 public:
-  Decimater(const PatchLayout& layout, const SurfaceQuery& body, double tolerance, const std::vector<char>& kept)
+  Decimater(const PatchLayout& layout, const geometry::SurfaceQuery& body, double tolerance,
+            const std::vector<char>& kept)
       : layout_(layout), body_(body), tolerance_(tolerance), kept_(kept) {
     for (const Vector3d& p : layout.points) mesh_.add_vertex(p);
     for (const auto& t : layout.triangles) mesh_.add_face(Vertex(t[0]), Vertex(t[1]), Vertex(t[2]));
@@ -165,7 +166,7 @@ private:
   }
 
   [[nodiscard]] bool is_near(const Triangle& t) const {
-    const ClosestPoint on = body_.closest((t.p[0] + t.p[1] + t.p[2]) / 3);
+    const geometry::ClosestPoint on = body_.closest((t.p[0] + t.p[1] + t.p[2]) / 3);
     if (on.distance > tolerance_) return false;
     Triangle there;
     for (int k = 0; k < 3; ++k) there.p[k] = body_.surface().vertices[body_.surface().triangles[on.triangle][k]];
@@ -210,7 +211,7 @@ private:
       std::size_t nearest = 0;
       for (std::size_t k = 0; k < c.triangles.size(); ++k) {
         const auto& [a, b, d] = c.triangles[k].p;
-        const double away = (closest_on_triangle(p, a, b, d).point - p).squaredNorm();
+        const double away = (geometry::closest_on_triangle(p, a, b, d).point - p).squaredNorm();
         if (away < least) std::tie(least, nearest) = std::pair(away, k);
       }
       if (least > tolerance_ * tolerance_) return false;
@@ -302,7 +303,7 @@ private:
   }
 
   const PatchLayout& layout_;
-  const SurfaceQuery& body_;
+  const geometry::SurfaceQuery& body_;
   double tolerance_;  // m
   const std::vector<char>& kept_;
   Mesh mesh_;
@@ -314,9 +315,9 @@ private:
 
 }  // namespace
 
-PatchLayout decimate(const PatchLayout& layout, const SurfaceQuery& body, double tolerance,
+PatchLayout decimate(const PatchLayout& layout, const geometry::SurfaceQuery& body, double tolerance,
                      const std::vector<char>& kept) {
   return Decimater(layout, body, tolerance, kept).run();
 }
 
-}  // namespace palpate
+}  // namespace palpate::mesh

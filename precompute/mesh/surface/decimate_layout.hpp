@@ -7,13 +7,13 @@
 
 #include <vector>
 
-namespace palpate {
+namespace palpate::mesh {
 
 /// Collapses edges of `layout` by ascending quadric error (Garland and Heckbert 1997) where the new triangles stay
 /// within `tolerance` (m) of `body`, and the points of `layout` that they replace within it of them. A site moves along
 /// the surface's normal alone, a point of a path is joined with points of that path and its sites alone. `kept`: per
 /// point, nonzero where it has to stay as it is. Deterministic.
-PatchLayout decimate(const PatchLayout& layout, const SurfaceQuery& body, double tolerance,
+PatchLayout decimate(const PatchLayout& layout, const geometry::SurfaceQuery& body, double tolerance,
                      const std::vector<char>& kept);
 
-}  // namespace palpate
+}  // namespace palpate::mesh

@@ -7,11 +7,12 @@
 #include <cmath>
 #include <numbers>
 
-namespace palpate {
+namespace palpate::mesh {
 
 using Eigen::Vector3d;
 
-std::vector<std::vector<Vector3d>> feature_polylines(const SurfaceQuery& query, const std::vector<Vector3d>& stops) {
+std::vector<std::vector<Vector3d>> feature_polylines(const geometry::SurfaceQuery& query,
+                                                     const std::vector<Vector3d>& stops) {
   std::vector<Vector3d> points = query.surface().vertices;
   std::vector<std::array<std::int32_t, 2>> edges = query.feature_edges();
   std::vector<char> stop(points.size(), 0);
@@ -83,4 +84,4 @@ std::vector<std::vector<Vector3d>> feature_polylines(const SurfaceQuery& query, 
   return lines;
 }
 
-}  // namespace palpate
+}  // namespace palpate::mesh

@@ -22,7 +22,7 @@
 #include <unordered_map>
 #include <utility>
 
-namespace palpate {
+namespace palpate::mesh {
 namespace {
 
 using Eigen::Vector3d;
@@ -114,7 +114,7 @@ private:
     coarse.triangles = patches_;
     coarse.parts.assign(patches_.size(), 0);
     coarse.part_names = {"patches"};
-    const SurfaceQuery query(coarse);
+    const geometry::SurfaceQuery query(coarse);
     const auto length = [&](Edge e) { return (at(to(e)) - at(from(e))).norm(); };
     const auto excess = [&](Edge e) {
       const Corners& t = patches_[std::size_t(query.closest((at(from(e)) + at(to(e))) / 2).triangle)];
@@ -142,7 +142,7 @@ private:
   }
 
   void insert_sites() {
-    const SurfaceQuery query(surface());
+    const geometry::SurfaceQuery query(surface());
     std::vector<std::vector<Face>> parts(mesh_.n_faces());  // of a triangle, what it was cut into
     for (const Face f : mesh_.faces()) parts[std::size_t(f.idx())] = {f};
     std::vector<std::int32_t> origin(mesh_.n_faces());
@@ -155,11 +155,11 @@ private:
     for (std::size_t i = 0; i < site_points_.size(); ++i) {
       const Vector3d& p = site_points_[i];
       Face nearest;
-      TrianglePoint on;
+      geometry::TrianglePoint on;
       double least = std::numeric_limits<double>::infinity();
       for (const Face f : parts[std::size_t(query.closest(p).triangle)]) {
         const std::array<Vertex, 3> c = corners(f);
-        const TrianglePoint q = closest_on_triangle(p, at(c[0]), at(c[1]), at(c[2]));
+        const geometry::TrianglePoint q = geometry::closest_on_triangle(p, at(c[0]), at(c[1]), at(c[2]));
         if (const double d = (q.point - p).squaredNorm(); d < least) {
           least = d;
           nearest = f;
@@ -518,4 +518,4 @@ PatchLayout lay_out_patches(const Surface& body, const std::vector<Vector3d>& si
   return PatchTracer(body, sites, patches).trace();
 }
 
-}  // namespace palpate
+}  // namespace palpate::mesh

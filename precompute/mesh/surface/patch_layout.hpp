@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace palpate {
+namespace palpate::mesh {
 
 /// A side of a patch: its sites, lower first.
 using PatchSide = std::array<std::int32_t, 2>;
@@ -43,4 +43,4 @@ bool share_path(const std::vector<PatchSide>& sides, const PathPlace& a, const P
 PatchLayout lay_out_patches(const Surface& body, const std::vector<Eigen::Vector3d>& sites,
                             const std::vector<std::array<std::int32_t, 3>>& patches);
 
-}  // namespace palpate
+}  // namespace palpate::mesh

@@ -8,18 +8,20 @@
 
 #include <CGAL/Polygon_mesh_processing/remesh.h>
 
-namespace palpate {
+namespace palpate::mesh {
 namespace {
 
 namespace PMP = CGAL::Polygon_mesh_processing;
 
 Surface remesh_once(const Surface& surface, const std::vector<std::array<std::int32_t, 2>>& features, double edge) {
-  CgalMesh mesh = to_cgal_mesh(surface);
-  auto sharp = mesh.add_property_map<CgalMesh::Edge_index, bool>("e:sharp", false).first;
+  geometry::CgalMesh mesh = geometry::to_cgal_mesh(surface);
+  auto sharp = mesh.add_property_map<geometry::CgalMesh::Edge_index, bool>("e:sharp", false).first;
   for (const auto& [a, b] : features) {
-    const auto vertex = [](std::int32_t v) { return CgalMesh::Vertex_index(static_cast<CgalMesh::size_type>(v)); };
+    const auto vertex = [](std::int32_t v) {
+      return geometry::CgalMesh::Vertex_index(static_cast<geometry::CgalMesh::size_type>(v));
+    };
     const auto h = mesh.halfedge(vertex(a), vertex(b));
-    if (h != CgalMesh::null_halfedge()) sharp[mesh.edge(h)] = true;
+    if (h != geometry::CgalMesh::null_halfedge()) sharp[mesh.edge(h)] = true;
   }
   PMP::isotropic_remeshing(mesh.faces(), edge, mesh,
                            CGAL::parameters::number_of_iterations(5)
@@ -27,17 +29,17 @@ Surface remesh_once(const Surface& surface, const std::vector<std::array<std::in
                                .edge_is_constrained_map(sharp)
                                .collapse_constraints(true));
   mesh.collect_garbage();
-  return from_cgal_mesh(mesh);
+  return geometry::from_cgal_mesh(mesh);
 }
 
 }  // namespace
 
 Surface remesh_uniform(const Surface& surface, double edge) {
   if (!(edge > 0)) throw Error(ExitCode::bad_input, "remesh: edge length " + std::to_string(edge) + " m, allowed > 0");
-  const SurfaceQuery query(surface);
+  const geometry::SurfaceQuery query(surface);
   for (const double shorter : {1.0, 0.7, 0.5, 0.35}) {
     Surface result = remesh_once(surface, query.feature_edges(), shorter * edge);
-    if (result.empty() || self_intersects(result)) continue;
+    if (result.empty() || geometry::self_intersects(result)) continue;
     result.part_names = surface.part_names;
     result.parts.reserve(result.triangles.size());
     for (const auto& t : result.triangles) {
@@ -49,4 +51,4 @@ Surface remesh_uniform(const Surface& surface, double edge) {
   return surface;
 }
 
-}  // namespace palpate
+}  // namespace palpate::mesh

@@ -4,7 +4,7 @@
 
 #include "formats/surface/surface.hpp"
 
-namespace palpate {
+namespace palpate::mesh {
 
 /// Remeshes a closed, manifold surface without self-intersections to edges of about `edge` (m, > 0); its
 /// feature lines (query.hpp) stay where they are. Every triangle gets the part of the nearest triangle of
@@ -12,4 +12,4 @@ namespace palpate {
 /// `surface` as it is. Throws Error(bad_input) for a surface that is not manifold or an edge <= 0.
 Surface remesh_uniform(const Surface& surface, double edge);
 
-}  // namespace palpate
+}  // namespace palpate::mesh

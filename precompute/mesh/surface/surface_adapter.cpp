@@ -13,7 +13,7 @@
 #include <string>
 #include <utility>
 
-namespace palpate {
+namespace palpate::mesh {
 
 using Eigen::Vector3d;
 
@@ -23,7 +23,8 @@ constexpr double kAgree = 0.3;  // least cosine between a mesh normal and the or
 
 }  // namespace
 
-SurfaceAdapter::SurfaceAdapter(const Surface& base, const SurfaceQuery& original, SizeField size, double chord)
+SurfaceAdapter::SurfaceAdapter(const Surface& base, const geometry::SurfaceQuery& original, SizeField size,
+                               double chord)
     : original_(original), size_(std::move(size)), chord_(chord) {
   mesh_.reserve(base.vertices.size(), base.triangles.size() * 3 / 2, base.triangles.size());
   for (const Vector3d& v : base.vertices) mesh_.add_vertex(v);
@@ -59,7 +60,7 @@ void SurfaceAdapter::grow() {
 // An edge of the base is a feature where it is sharp and lies along one of the original: a coarse base of a
 // smooth organ has sharp edges that are none.
 void SurfaceAdapter::find_features() {
-  const double flattest = std::cos(kFeatureAngle * std::numbers::pi / 180);
+  const double flattest = std::cos(geometry::kFeatureAngle * std::numbers::pi / 180);
   for (const Edge e : mesh_.edges()) {
     const Halfedge h = mesh_.halfedge_handle(e, 0), o = mesh_.halfedge_handle(e, 1);
     const Vector3d n = face_cross(mesh_.face_handle(h)).normalized(), m = face_cross(mesh_.face_handle(o)).normalized();
@@ -117,7 +118,7 @@ Vector3d SurfaceAdapter::face_cross(Face f) const {
 
 std::optional<Vector3d> SurfaceAdapter::project(const Vector3d& p, bool feature, const Vector3d& normal) const {
   if (feature) return original_.closest_on_feature(p);
-  const ClosestPoint on = original_.closest(p);
+  const geometry::ClosestPoint on = original_.closest(p);
   const auto& t = original_.surface().triangles[on.triangle];
   const auto& v = original_.surface().vertices;
   const Vector3d there = (v[t[1]] - v[t[0]]).cross(v[t[2]] - v[t[0]]);
@@ -218,4 +219,4 @@ Surface SurfaceAdapter::surface(std::vector<std::int32_t>& anchors) {
   return s;
 }
 
-}  // namespace palpate
+}  // namespace palpate::mesh

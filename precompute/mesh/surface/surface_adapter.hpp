@@ -15,7 +15,7 @@
 #include <optional>
 #include <vector>
 
-namespace palpate {
+namespace palpate::mesh {
 
 struct AdapterTraits : OpenMesh::DefaultTraits {
   using Point = Eigen::Vector3d;
@@ -32,7 +32,7 @@ public:
   using Mesh = OpenMesh::TriMesh_ArrayKernelT<AdapterTraits>;
 
   /// Throws Error(bad_input) for a base that is not a closed manifold.
-  SurfaceAdapter(const Surface& base, const SurfaceQuery& original, SizeField size, double chord);
+  SurfaceAdapter(const Surface& base, const geometry::SurfaceQuery& original, SizeField size, double chord);
 
   /// Makes a fixed vertex at exactly `point` (on the surface); gives its number.
   std::int32_t insert_anchor(const Eigen::Vector3d& point);
@@ -82,7 +82,7 @@ private:
   void collapse(Halfedge h, double error);
 
   Mesh mesh_;
-  const SurfaceQuery& original_;
+  const geometry::SurfaceQuery& original_;
   SizeField size_;
   double chord_;
   std::vector<Kind> kind_;      // per vertex
@@ -92,4 +92,4 @@ private:
   std::vector<char> sharp_;     // per edge
 };
 
-}  // namespace palpate
+}  // namespace palpate::mesh

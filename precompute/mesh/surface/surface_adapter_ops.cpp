@@ -10,7 +10,7 @@
 #include <queue>
 #include <tuple>
 
-namespace palpate {
+namespace palpate::mesh {
 
 using Eigen::Vector3d;
 
@@ -72,7 +72,7 @@ bool SurfaceAdapter::may_collapse(Halfedge h, double& error) const {
       const double turned = n.dot(after) / (n.norm() * after.norm());
       if (turned < 0.2 && turned < n.dot(before) / (n.norm() * before.norm())) return false;
     }
-    away = std::min(away, (closest_on_triangle(gone, to, b, c).point - gone).norm());
+    away = std::min(away, (geometry::closest_on_triangle(gone, to, b, c).point - gone).norm());
   }
   const double limit = chord_ * std::min(target_[v.idx()], target_[w.idx()]);
   error = error_[v.idx()] + (std::isfinite(away) ? away : 0.0);
@@ -200,4 +200,4 @@ void SurfaceAdapter::relax() {
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::mesh

@@ -10,7 +10,7 @@
 #include <array>
 #include <limits>
 
-namespace palpate {
+namespace palpate::mesh {
 
 using Eigen::Vector3d;
 
@@ -44,13 +44,14 @@ SurfaceAdapter::Vertex SurfaceAdapter::split_edge(Edge e, const Vector3d& at) {
 std::int32_t SurfaceAdapter::insert_anchor(const Vector3d& point) {
   // The base is a few thousand triangles and anchors are few: a plain search.
   Face nearest;
-  TrianglePoint on;
+  geometry::TrianglePoint on;
   double least = std::numeric_limits<double>::infinity();
   std::array<Vertex, 3> corners;
   for (const Face f : mesh_.faces()) {
     std::array<Vertex, 3> c;
     std::copy(mesh_.cfv_begin(f), mesh_.cfv_end(f), c.begin());
-    const TrianglePoint p = closest_on_triangle(point, mesh_.point(c[0]), mesh_.point(c[1]), mesh_.point(c[2]));
+    const geometry::TrianglePoint p =
+        geometry::closest_on_triangle(point, mesh_.point(c[0]), mesh_.point(c[1]), mesh_.point(c[2]));
     if (const double d = (p.point - point).squaredNorm(); d < least) {
       least = d;
       nearest = f;
@@ -126,4 +127,4 @@ void SurfaceAdapter::split_long() {
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::mesh

@@ -22,7 +22,7 @@
 #include <thread>
 #include <utility>
 
-namespace palpate {
+namespace palpate::mesh {
 namespace {
 
 class Descriptor {
@@ -284,4 +284,4 @@ std::filesystem::path find_helper(const std::string& name) {
   return {};
 }
 
-}  // namespace palpate
+}  // namespace palpate::mesh

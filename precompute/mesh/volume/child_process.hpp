@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::mesh {
 
 /// Time and memory that a child may use before it is killed.
 struct ChildLimits {
@@ -42,4 +42,4 @@ ChildResult run_child(const std::filesystem::path& program, const std::vector<ch
 /// ../libexec/palpate. Empty when in neither.
 std::filesystem::path find_helper(const std::string& name);
 
-}  // namespace palpate
+}  // namespace palpate::mesh

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <string>
 
-namespace palpate {
+namespace palpate::mesh {
 namespace {
 
 using Eigen::Vector3d;
@@ -38,7 +38,7 @@ double jitter(std::uint64_t& state) {
 }  // namespace
 
 std::vector<Vector3d> interior_points(const std::vector<const Surface*>& surfaces, const SizeField& size) {
-  std::vector<SurfaceQuery> queries;
+  std::vector<geometry::SurfaceQuery> queries;
   for (const Surface* s : surfaces) queries.emplace_back(*s);
   Eigen::AlignedBox3d box;
   for (const Vector3d& v : surfaces.front()->vertices) box.extend(v);
@@ -64,11 +64,12 @@ std::vector<Vector3d> interior_points(const std::vector<const Surface*>& surface
     for (int k = 0; k < 3; ++k) cell.middle[k] += kJitter * cell.edge * jitter(cell.path);
     const double clear = kClear * there;
     const bool inside = queries.front().signed_distance(cell.middle) < -clear;
-    const bool apart = std::all_of(queries.begin() + 1, queries.end(),
-                                   [&](const SurfaceQuery& q) { return q.closest(cell.middle).distance > clear; });
+    const bool apart = std::all_of(queries.begin() + 1, queries.end(), [&](const geometry::SurfaceQuery& q) {
+      return q.closest(cell.middle).distance > clear;
+    });
     if (inside && apart) points.push_back(cell.middle);
   }
   return points;
 }
 
-}  // namespace palpate
+}  // namespace palpate::mesh

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::mesh {
 
 struct LinearTets {
   std::vector<Eigen::Vector3d> points;            ///< m
@@ -25,4 +25,4 @@ struct MesherAnswer {
   double helper_seconds = 0.0;  ///< processor time of a helper process
 };
 
-}  // namespace palpate
+}  // namespace palpate::mesh

@@ -22,11 +22,11 @@
 #include <map>
 #include <memory>
 
-namespace palpate {
+namespace palpate::mesh {
 namespace {
 
 using Eigen::Vector3d;
-using Kernel = CgalKernel;
+using Kernel = geometry::CgalKernel;
 using Domain = CGAL::Mesh_domain_with_polyline_features_3<CGAL::Labeled_mesh_domain_3<Kernel>>;
 using Triangulation = CGAL::Mesh_triangulation_3<Domain>::type;
 using Complex = CGAL::Mesh_complex_3_in_triangulation_3<Triangulation, Domain::Corner_index, Domain::Curve_index>;
@@ -47,7 +47,7 @@ struct ScaledSize {
   double scale, cap;
   FT operator()(const Point_3& p, int dimension, const Index& index) const {
     deadline->check();
-    const double h = scale * (*size)(to_eigen(p));
+    const double h = scale * (*size)(geometry::to_eigen(p));
     if (dimension != 2) return h;
     const auto* patch = boost::get<Domain::Surface_patch_index>(&index);
     const int label = patch == nullptr ? 0 : std::max(patch->first, patch->second);
@@ -93,7 +93,7 @@ private:
 
 // Points of an inclusion's surface that become corners: without a first vertex on it Mesh_3 may never notice a
 // small inclusion.
-std::vector<Vector3d> first_points(const SurfaceQuery& query) {
+std::vector<Vector3d> first_points(const geometry::SurfaceQuery& query) {
   std::vector<Vector3d> points;
   for (int axis = 0; axis < 3; ++axis) {
     for (const double sign : {1.0, -1.0}) {
@@ -109,10 +109,10 @@ std::vector<Vector3d> first_points(const SurfaceQuery& query) {
 void add_features(const Body& body, const std::vector<Vector3d>& anchors, Domain& domain) {
   std::vector<Vector3d> corners = anchors;
   std::vector<std::vector<Kernel::Point_3>> lines;
-  const auto add_lines = [&](const SurfaceQuery& query) {
+  const auto add_lines = [&](const geometry::SurfaceQuery& query) {
     for (const auto& line : feature_polylines(query, anchors)) {
       auto& points = lines.emplace_back();
-      for (const Vector3d& p : line) points.push_back(to_cgal(p));
+      for (const Vector3d& p : line) points.push_back(geometry::to_cgal(p));
     }
   };
   add_lines(*body.query);
@@ -123,7 +123,7 @@ void add_features(const Body& body, const std::vector<Vector3d>& anchors, Domain
     }
   }
   domain.add_features(lines.begin(), lines.end());
-  for (const Vector3d& c : corners) domain.add_corner(to_cgal(c));
+  for (const Vector3d& c : corners) domain.add_corner(geometry::to_cgal(c));
 }
 
 LinearTets read_out(const Complex& complex) {
@@ -131,7 +131,7 @@ LinearTets read_out(const Complex& complex) {
   std::map<Complex::Vertex_handle, std::int32_t> number;
   for (const auto v : complex.triangulation().finite_vertex_handles()) {
     number.emplace(v, static_cast<std::int32_t>(mesh.points.size()));
-    mesh.points.push_back(to_eigen(complex.triangulation().point(v).point()));
+    mesh.points.push_back(geometry::to_eigen(complex.triangulation().point(v).point()));
   }
   for (auto cell = complex.cells_in_complex_begin(); cell != complex.cells_in_complex_end(); ++cell) {
     std::array<std::int32_t, 4> t{};
@@ -151,18 +151,19 @@ MesherAnswer mesh_by_mesh3(const Body& body, const SizeField& size, const std::v
   // Mesh_3 evaluates sizes and labels throughout, so they check the time.
   const auto regions = std::make_shared<Regions>(body, deadline);
   const std::function<int(const Kernel::Point_3&)> label = [regions](const Kernel::Point_3& p) {
-    return (*regions)(to_eigen(p));
+    return (*regions)(geometry::to_eigen(p));
   };
   Eigen::AlignedBox3d box;
   for (const Vector3d& v : body.query->surface().vertices) box.extend(v);
   const double radius = 0.6 * box.diagonal().norm();
-  const Kernel::Sphere_3 around(to_cgal(box.center()), radius * radius);
+  const Kernel::Sphere_3 around(geometry::to_cgal(box.center()), radius * radius);
   CGAL::Random random(0);
   Domain domain(label, around, CGAL::parameters::relative_error_bound = 1e-6, CGAL::parameters::p_rng = &random);
   add_features(body, anchors, domain);
 
   std::vector<double> diagonals;
-  for (const Inclusion& inclusion : body.inclusions) diagonals.push_back(diagonal(inclusion.query->surface()));
+  for (const Inclusion& inclusion : body.inclusions)
+    diagonals.push_back(geometry::diagonal(inclusion.query->surface()));
   const auto scaled = [&](double scale, double cap) { return ScaledSize{&size, &diagonals, &deadline, scale, cap}; };
   const ScaledSize edge = scaled(kEdge, 1), facet = scaled(kFacet, 0.12), cell = scaled(kCell, 1),
                    chord = scaled(kChord, 0.008);
@@ -179,4 +180,4 @@ MesherAnswer mesh_by_mesh3(const Body& body, const SizeField& size, const std::v
   return answer;
 }
 
-}  // namespace palpate
+}  // namespace palpate::mesh

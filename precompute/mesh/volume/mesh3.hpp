@@ -7,7 +7,7 @@
 #include "precompute/mesh/size_field.hpp"
 #include "precompute/mesh/volume/linear_tets.hpp"
 
-namespace palpate {
+namespace palpate::mesh {
 
 /// Meshes body and inclusions to the size field, with a node at every anchor (on the surface) and the feature
 /// lines kept. Deterministic; safe from several threads. Throws Error(numerical) past `deadline`; a failure inside CGAL
@@ -15,4 +15,4 @@ namespace palpate {
 MesherAnswer mesh_by_mesh3(const Body& body, const SizeField& size, const std::vector<Eigen::Vector3d>& anchors,
                            const Deadline& deadline);
 
-}  // namespace palpate
+}  // namespace palpate::mesh

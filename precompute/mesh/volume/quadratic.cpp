@@ -6,7 +6,7 @@
 #include <tuple>
 #include <utility>
 
-namespace palpate {
+namespace palpate::mesh {
 namespace {
 
 // Edges and faces by node positions of a ten-node tetrahedron (tet_mesh.hpp).
@@ -96,4 +96,4 @@ TetMesh make_quadratic(const LinearTets& linear) {
   return mesh;
 }
 
-}  // namespace palpate
+}  // namespace palpate::mesh

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace palpate {
+namespace palpate::mesh {
 namespace {
 
 using Eigen::Vector3d;
@@ -198,4 +198,4 @@ std::vector<double> region_volumes(const LinearTets& mesh, std::size_t inclusion
   return volumes;
 }
 
-}  // namespace palpate
+}  // namespace palpate::mesh

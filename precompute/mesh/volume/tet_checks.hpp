@@ -4,7 +4,7 @@
 
 #include "precompute/mesh/volume/linear_tets.hpp"
 
-namespace palpate {
+namespace palpate::mesh {
 
 /// Turns tetrahedra to positive volume. Gives a cause where one is flat, a corner is out of range, or there is
 /// none at all; empty when all is well.
@@ -24,4 +24,4 @@ double min_dihedral(const LinearTets& mesh);
 /// Volume of every region (m^3): the body's own first, then `inclusions` more.
 std::vector<double> region_volumes(const LinearTets& mesh, std::size_t inclusions);
 
-}  // namespace palpate
+}  // namespace palpate::mesh

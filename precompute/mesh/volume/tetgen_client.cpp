@@ -8,7 +8,7 @@
 
 #include <cstring>
 
-namespace palpate {
+namespace palpate::mesh {
 namespace {
 
 void append(std::vector<char>& bytes, const void* data, std::size_t size) {
@@ -107,4 +107,4 @@ MesherAnswer run_tetgen(const TetgenInput& input, double time_limit) {
   return answer;
 }
 
-}  // namespace palpate
+}  // namespace palpate::mesh

@@ -4,7 +4,7 @@
 
 #include "precompute/mesh/volume/linear_tets.hpp"
 
-namespace palpate {
+namespace palpate::mesh {
 
 /// One meshing request. Facets of inner surfaces stand among those of the outer one.
 struct TetgenInput {
@@ -18,4 +18,4 @@ struct TetgenInput {
 /// find_regions. Throws Error(io) where palpate-tetgen is missing or cannot be started.
 MesherAnswer run_tetgen(const TetgenInput& input, double time_limit);
 
-}  // namespace palpate
+}  // namespace palpate::mesh

@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-namespace palpate::tetgen {
+namespace palpate::mesh::tetgen {
 
 inline constexpr std::uint32_t kRequestMagic = 0x50545131;   // "PTQ1"
 inline constexpr std::uint32_t kResponseMagic = 0x50545231;  // "PTR1"
@@ -21,4 +21,4 @@ struct ResponseHeader {
   std::int32_t failure;  // 0, or the number that TetGen failed with
 };
 
-}  // namespace palpate::tetgen
+}  // namespace palpate::mesh::tetgen

@@ -18,7 +18,7 @@
 
 namespace {
 
-namespace protocol = palpate::tetgen;
+namespace protocol = palpate::mesh::tetgen;
 
 bool read_all(int fd, void* data, std::size_t size) {
   auto* at = static_cast<char*>(data);

@@ -18,7 +18,7 @@
 #include <cstdio>
 #include <exception>
 
-namespace palpate {
+namespace palpate::mesh {
 namespace {
 
 using Eigen::Vector3d;
@@ -54,9 +54,9 @@ AdaptedBody adapt_body(const Body& body, const SizeField& size, const std::vecto
     bool apart = true;
     for (const Inclusion& inclusion : body.inclusions) {
       adapted.inner.push_back(adapt_surface(inclusion.base, *inclusion.query, size, {}, options).surface);
-      apart = apart && !surfaces_intersect(adapted.inner.back(), adapted.outer);
+      apart = apart && !geometry::surfaces_intersect(adapted.inner.back(), adapted.outer);
       for (std::size_t k = 0; k + 1 < adapted.inner.size(); ++k) {
-        apart = apart && !surfaces_intersect(adapted.inner.back(), adapted.inner[k]);
+        apart = apart && !geometry::surfaces_intersect(adapted.inner.back(), adapted.inner[k]);
       }
     }
     if (apart) return adapted;
@@ -120,7 +120,7 @@ MesherAnswer mesh_by_tetgen(const AdaptedBody& adapted, const SizeField& size, c
 // The cause when a volume is too far from that of the surface that it should fill. Chords of coarse elements cut off
 // 5 to 10 % of a round body, and a quarter of a small inclusion: the limits are for meshes that lost a part.
 std::string judge_volume(const std::string& what, double volume, const Surface& surface, double accepted) {
-  const double error = volume / signed_volume(surface) - 1;
+  const double error = volume / geometry::signed_volume(surface) - 1;
   if (std::abs(error) <= accepted) return {};
   char text[96];
   std::snprintf(text, sizeof text, ": volume off by %.1f %%, allowed %.1f %%", 100 * error, 100 * accepted);
@@ -156,7 +156,7 @@ std::string judge(const Body& body, const std::vector<Vector3d>& anchors, const 
     if (!(volumes[k] > 0)) return "region " + std::to_string(k) + " has no tetrahedra";
     quality.volume += volumes[k];
   }
-  quality.volume_error = quality.volume / signed_volume(body.query->surface()) - 1;
+  quality.volume_error = quality.volume / geometry::signed_volume(body.query->surface()) - 1;
   std::string cause = judge_volume("the body", quality.volume, body.query->surface(), options.accept_volume);
   for (std::size_t k = 0; k < body.inclusions.size() && cause.empty(); ++k) {
     const Inclusion& inclusion = body.inclusions[k];
@@ -239,4 +239,4 @@ VolumeMeshResult mesh_volume(const Body& body, const SizeField& size, const std:
   return result;
 }
 
-}  // namespace palpate
+}  // namespace palpate::mesh

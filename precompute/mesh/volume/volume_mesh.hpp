@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::mesh {
 
 struct VolumeMeshOptions {
   enum class Backend { tetgen, mesh3, tetgen_then_mesh3 };
@@ -44,4 +44,4 @@ struct VolumeMeshResult {
 VolumeMeshResult mesh_volume(const Body& body, const SizeField& size, const std::vector<Eigen::Vector3d>& anchors,
                              const VolumeMeshOptions& options = {});
 
-}  // namespace palpate
+}  // namespace palpate::mesh

@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Matrix3d;
@@ -24,7 +24,7 @@ double mass(int a, int b) {
 
 }  // namespace
 
-BedEnergy::BedEnergy(const Body& body, const TetMesh& mesh) {
+BedEnergy::BedEnergy(const Body& body, const mesh::TetMesh& mesh) {
   const bool any = std::any_of(body.supports.begin(), body.supports.end(),
                                [](const SupportScene& s) { return s.type != SupportScene::Type::fixed; });
   if (!any) return;
@@ -64,7 +64,7 @@ double BedEnergy::gradient(const VectorXd& x, VectorXd& gradient) const {
   return sum;
 }
 
-void BedEnergy::hessian(BlockMatrix& matrix) const {
+void BedEnergy::hessian(fem::BlockMatrix& matrix) const {
   for (const Face& face : faces_) {
     for (int a = 0; a < 6; ++a) {
       for (int b = 0; b <= a; ++b) matrix.add(face.nodes[a], face.nodes[b], mass(a, b) * face.stiffness);
@@ -72,4 +72,4 @@ void BedEnergy::hessian(BlockMatrix& matrix) const {
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -10,20 +10,20 @@
 #include <array>
 #include <vector>
 
-namespace palpate {
+namespace palpate::solve {
 
 /// Half the integral of u . K u over the supported faces of the undeformed body, u the displacement: K is the bed's
 /// stiffness times I, or for a slider a stiff spring along the face's normal alone.
 class BedEnergy {
 public:
-  BedEnergy(const Body& body, const TetMesh& mesh);
+  BedEnergy(const Body& body, const mesh::TetMesh& mesh);
 
   [[nodiscard]] bool empty() const { return faces_.empty(); }
   /// Displacements count from these node positions (3 N, m); those of the mesh at first.
   void set_foundation(const Eigen::VectorXd& x) { rest_ = x; }
   double value(const Eigen::VectorXd& x) const;
   double gradient(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) const;
-  void hessian(BlockMatrix& matrix) const;
+  void hessian(fem::BlockMatrix& matrix) const;
 
 private:
   struct Face {
@@ -34,4 +34,4 @@ private:
   Eigen::VectorXd rest_;
 };
 
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -9,32 +9,32 @@
 #include <algorithm>
 #include <utility>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-Material with_fibres(const MaterialScene& scene, const std::shared_ptr<const CurveQuery>& fibres) {
-  Material material = make_material(scene);
+fem::Material with_fibres(const MaterialScene& scene, const std::shared_ptr<const geometry::CurveQuery>& fibres) {
+  fem::Material material = fem::make_material(scene);
   if (fibres) material.fibre_at = [fibres](const Vector3d& place) { return fibres->tangent(place); };
   return material;
 }
 
-std::vector<Material> materials(const Body& body) {
-  std::vector<Material> all{with_fibres(body.material, body.fibres)};
+std::vector<fem::Material> materials(const Body& body) {
+  std::vector<fem::Material> all{with_fibres(body.material, body.fibres)};
   for (const Inclusion& i : body.inclusions) all.push_back(with_fibres(i.material, i.fibres));
   return all;
 }
 
-VectorXd stacked(const TetMesh& mesh) {
+VectorXd stacked(const mesh::TetMesh& mesh) {
   VectorXd x(3 * static_cast<Eigen::Index>(mesh.nodes.size()));
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n) x.segment<3>(3 * n) = mesh.nodes[n];
   return x;
 }
 
 // Whether most of a wall came from the mesh of that name.
-bool comes_from(const Body& body, const TetMesh& mesh, const MeshFaces& wall, const std::string& name) {
+bool comes_from(const Body& body, const mesh::TetMesh& mesh, const fem::MeshFaces& wall, const std::string& name) {
   const Surface& surface = body.query->surface();
   std::size_t count = 0;
   for (const auto& f : wall) {
@@ -45,11 +45,11 @@ bool comes_from(const Body& body, const TetMesh& mesh, const MeshFaces& wall, co
   return 2 * count > wall.size();
 }
 
-PressureEnergy cavity_pressure(const Body& body, const TetMesh& mesh) {
+fem::PressureEnergy cavity_pressure(const Body& body, const mesh::TetMesh& mesh) {
   const PrestressScene& scene = body.prestress;
   if (!(scene.pressure > 0)) return {mesh, {}, 0.0};
-  MeshFaces walls;
-  for (const MeshFaces& wall : cavity_walls(mesh)) {
+  fem::MeshFaces walls;
+  for (const fem::MeshFaces& wall : fem::cavity_walls(mesh)) {
     if (!scene.cavity.empty() && !comes_from(body, mesh, wall, scene.cavity)) continue;
     walls.insert(walls.end(), wall.begin(), wall.end());
   }
@@ -76,7 +76,7 @@ VectorXd stretch_of(const Body& body, const VectorXd& rest) {
 
 }  // namespace
 
-std::vector<char> fixed_nodes(const Body& body, const TetMesh& mesh) {
+std::vector<char> fixed_nodes(const Body& body, const mesh::TetMesh& mesh) {
   std::vector<char> boundary(mesh.nodes.size(), 0), fixed(mesh.nodes.size(), 0);
   for (const auto& face : mesh.faces) {
     for (const std::int32_t n : face) boundary[n] = 1;
@@ -88,7 +88,7 @@ std::vector<char> fixed_nodes(const Body& body, const TetMesh& mesh) {
   return fixed;
 }
 
-BodyEnergy::BodyEnergy(const Body& body, const TetMesh& mesh, const std::vector<Material>& given)
+BodyEnergy::BodyEnergy(const Body& body, const mesh::TetMesh& mesh, const std::vector<fem::Material>& given)
     : rest_(stacked(mesh)),
       fixed_(fixed_nodes(body, mesh)),
       elastic_(mesh, given.empty() ? materials(body) : given),
@@ -147,7 +147,7 @@ double BodyEnergy::gradient(const VectorXd& x, VectorXd& gradient) const {
   return energy;
 }
 
-void BodyEnergy::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& matrix) const {
+void BodyEnergy::hessian(const VectorXd& x, fem::HessianKind kind, fem::BlockMatrix& matrix) const {
   elastic_.hessian(x, kind, matrix);
   membrane_.hessian(x, kind, matrix);
   bed_.hessian(matrix);
@@ -161,4 +161,4 @@ double BodyEnergy::load(const VectorXd& x) const {
   return nodal.norm();
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

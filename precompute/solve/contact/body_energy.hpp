@@ -12,17 +12,17 @@
 
 #include <vector>
 
-namespace palpate {
+namespace palpate::solve {
 
 /// Per node of the mesh: a fixed support of `body` holds it.
-std::vector<char> fixed_nodes(const Body& body, const TetMesh& mesh);
+std::vector<char> fixed_nodes(const Body& body, const mesh::TetMesh& mesh);
 
-class BodyEnergy final : public EnergyProblem {
+class BodyEnergy final : public fem::EnergyProblem {
 public:
   /// `body` is free of stress, as its mesh is; its prestress begins at share 0. Nodes of the boundary that a fixed
   /// support holds stay, or follow the prescribed stretch.
   /// `materials` per region; empty: the body's. Throws Error(bad_input) where pressure finds no cavity.
-  BodyEnergy(const Body& body, const TetMesh& mesh, const std::vector<Material>& materials = {});
+  BodyEnergy(const Body& body, const mesh::TetMesh& mesh, const std::vector<fem::Material>& materials = {});
 
   /// Scales weight, pressure and stretch; in [0, 1].
   void set_share(double share);
@@ -48,7 +48,7 @@ public:
   // EnergyProblem
   [[nodiscard]] double value(const Eigen::VectorXd& x) const override;
   double gradient(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) const override;
-  void hessian(const Eigen::VectorXd& x, HessianKind kind, BlockMatrix& matrix) const override;
+  void hessian(const Eigen::VectorXd& x, fem::HessianKind kind, fem::BlockMatrix& matrix) const override;
   /// N: norm of the body's nodal forces, which loads and supports balance.
   [[nodiscard]] double load(const Eigen::VectorXd& x) const override;
   [[nodiscard]] double rounding() const override { return elastic_.rounding(); }
@@ -56,14 +56,14 @@ public:
 private:
   Eigen::VectorXd rest_;
   std::vector<char> fixed_;
-  ElasticEnergy elastic_;
-  MembraneEnergy membrane_;
+  fem::ElasticEnergy elastic_;
+  fem::MembraneEnergy membrane_;
   BedEnergy bed_;
-  WeightEnergy weight_;
-  PressureEnergy pressure_;
+  fem::WeightEnergy weight_;
+  fem::PressureEnergy pressure_;
   Eigen::VectorXd motion_;
   double share_ = 0.0;
   double rest_energy_ = 0.0;  // J
 };
 
-}  // namespace palpate
+}  // namespace palpate::solve

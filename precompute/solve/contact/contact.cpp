@@ -9,7 +9,7 @@
 #include <limits>
 #include <utility>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Matrix3d;
@@ -21,7 +21,7 @@ using Weights = std::array<std::array<double, 6>, ContactEnergy::kPoints>;
 Weights make_weights() {
   Weights all{};
   int q = 0;
-  const auto add = [&](double a, double b) { all[q++] = face_values(a, b); };
+  const auto add = [&](double a, double b) { all[q++] = fem::face_values(a, b); };
   for (int i = 0; i < 4; ++i) {
     for (int j = 0; i + j < 4; ++j) {
       add((i + 1.0 / 3) / 4, (j + 1.0 / 3) / 4);
@@ -35,7 +35,7 @@ const Weights kShape = make_weights();
 
 }  // namespace
 
-ContactEnergy::ContactEnergy(const TetMesh& mesh, const std::vector<char>& fixed, const ToolShape& shape,
+ContactEnergy::ContactEnergy(const mesh::TetMesh& mesh, const std::vector<char>& fixed, const tool::ToolShape& shape,
                              const Eigen::Isometry3d& pose)
     : shape_(shape), middle_(shape.bounds().center()), around_(0.5 * shape.bounds().diagonal().norm()), pose_(pose) {
   for (const auto& nodes : mesh.faces) {
@@ -100,7 +100,7 @@ double ContactEnergy::value(const VectorXd& x) const {
 double ContactEnergy::gradient(const VectorXd& x, VectorXd& gradient) const {
   double sum = 0;
   for_each_near(x, [&](const Face& face, std::size_t k, const auto& shape, const Vector3d& at) {
-    const DistanceSample s = shape_.distance(at);
+    const tool::DistanceSample s = shape_.distance(at);
     const ContactAnswer now = answer(k, s.value);
     if (now.pressure <= 0 && !anchored(k)) return;
     sum += face.weight * now.energy;
@@ -116,7 +116,7 @@ double ContactEnergy::gradient(const VectorXd& x, VectorXd& gradient) const {
   return sum;
 }
 
-void ContactEnergy::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& matrix) const {
+void ContactEnergy::hessian(const VectorXd& x, fem::HessianKind kind, fem::BlockMatrix& matrix) const {
   const Face* last = nullptr;
   std::array<Matrix3d, 21> blocks;  // of the face, lower triangle by rows
   const auto flush = [&] {
@@ -126,13 +126,13 @@ void ContactEnergy::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& ma
     }
   };
   for_each_near(x, [&](const Face& face, std::size_t k, const auto& shape, const Vector3d& at) {
-    const DistanceSample s = shape_.distance(at);
+    const tool::DistanceSample s = shape_.distance(at);
     const ContactAnswer now = answer(k, s.value);
     if (now.pressure <= 0 && !anchored(k)) return;
     Matrix3d h = Matrix3d::Zero();
     if (now.stiffness > 0) {
       h += face.weight * now.stiffness * s.gradient * s.gradient.transpose();
-      if (kind == HessianKind::exact) h -= face.weight * now.pressure * s.hessian;
+      if (kind == fem::HessianKind::exact) h -= face.weight * now.pressure * s.hessian;
     }
     if (anchored(k)) {
       const Vector3d& normal = anchors_.normal[k];
@@ -156,7 +156,7 @@ ContactReport ContactEnergy::report(const VectorXd& x) const {
   Vector3d moment = Vector3d::Zero(), give = Vector3d::Zero();  // in the tool's frame
   double bonded_area = 0.0;
   for_each_near(x, [&](const Face& face, std::size_t k, const auto&, const Vector3d& at) {
-    const DistanceSample s = shape_.distance(at);
+    const tool::DistanceSample s = shape_.distance(at);
     const auto act = [&](const Vector3d& force) {
       r.force += pose_.linear() * force;
       moment += at.cross(force);
@@ -195,7 +195,7 @@ ContactReport ContactEnergy::report(const VectorXd& x) const {
 double ContactEnergy::slip_ratio(const VectorXd& x, const Vector3d& direction, const Vector3d& normal) const {
   double along = 0, across = 0;
   for_each_near(x, [&](const Face& face, std::size_t k, const auto&, const Vector3d& at) {
-    const DistanceSample s = shape_.distance(at);
+    const tool::DistanceSample s = shape_.distance(at);
     const double pressure = face.weight * answer(k, s.value).pressure;
     if (pressure <= 0) return;
     const Vector3d g = pose_.linear() * s.gradient;
@@ -222,7 +222,7 @@ void ContactEnergy::augment(const VectorXd& x) {
 void ContactEnergy::stick(const VectorXd& x) {
   for_each_near(x, [&](const Face&, std::size_t k, const auto&, const Vector3d& at) {
     if (anchored(k)) return;
-    const DistanceSample s = shape_.distance(at);
+    const tool::DistanceSample s = shape_.distance(at);
     if (answer(k, s.value).pressure <= 0) return;
     anchors_.held[k] = Hold::stuck;
     anchors_.position[k] = at;
@@ -254,7 +254,7 @@ void ContactEnergy::bond(const VectorXd& x) {
 std::vector<ContactPoint> ContactEnergy::touching(const VectorXd& x) const {
   std::vector<ContactPoint> points;
   for_each_near(x, [&](const Face& face, std::size_t k, const auto& shape, const Vector3d& at) {
-    const DistanceSample s = shape_.distance(at);
+    const tool::DistanceSample s = shape_.distance(at);
     if (s.value < 0) points.push_back({k, face.nodes, shape, face.weight, at, s});
   });
   return points;
@@ -279,4 +279,4 @@ double ContactEnergy::gap(const VectorXd& x) const {
   return smallest;
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -12,7 +12,7 @@
 #include <array>
 #include <vector>
 
-namespace palpate {
+namespace palpate::solve {
 
 /// Force, area and other results of the contact at a state of the body.
 struct ContactReport {
@@ -35,21 +35,21 @@ struct ContactPoint {
   std::array<double, 6> shape{};  ///< values of the face's shape functions
   double weight = 0.0;            ///< m^2, undeformed
   Eigen::Vector3d at{0, 0, 0};    ///< m, in the tool's frame
-  DistanceSample distance;        ///< of the tool there
+  tool::DistanceSample distance;  ///< of the tool there
 };
 
 class ContactEnergy final : public EnergyTerm {
 public:
   /// Faces with all nodes fixed take no part; the report shows when the tool reaches them. `pose` carries the tool
   /// frame into the body's.
-  ContactEnergy(const TetMesh& mesh, const std::vector<char>& fixed, const ToolShape& shape,
+  ContactEnergy(const mesh::TetMesh& mesh, const std::vector<char>& fixed, const tool::ToolShape& shape,
                 const Eigen::Isometry3d& pose);
 
   void set_translation(const Eigen::Vector3d& translation) { pose_.translation() = translation; }
   [[nodiscard]] const Eigen::Vector3d translation() const { return pose_.translation(); }
   void set_rotation(const Eigen::Matrix3d& rotation) { pose_.linear() = rotation; }
   [[nodiscard]] const Eigen::Isometry3d& pose() const { return pose_; }
-  [[nodiscard]] const ToolShape& shape() const { return shape_; }
+  [[nodiscard]] const tool::ToolShape& shape() const { return shape_; }
   /// Pressure per overlap (Pa/m) of the normal penalty.
   void set_penalty(double stiffness) { law_.penalty = stiffness; }
   [[nodiscard]] double penalty() const { return law_.penalty; }
@@ -66,7 +66,7 @@ public:
 
   [[nodiscard]] double value(const Eigen::VectorXd& x) const override;
   double gradient(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) const override;
-  void hessian(const Eigen::VectorXd& x, HessianKind kind, BlockMatrix& matrix) const override;
+  void hessian(const Eigen::VectorXd& x, fem::HessianKind kind, fem::BlockMatrix& matrix) const override;
   [[nodiscard]] ContactReport report(const Eigen::VectorXd& x) const;
 
   /// Tangential force at gross slip towards unit `direction` over the normal force along `normal`, for a
@@ -117,7 +117,7 @@ private:
 
   std::vector<Face> faces_;
   std::vector<std::array<std::int32_t, 6>> held_;  // faces that take no part
-  const ToolShape& shape_;
+  const tool::ToolShape& shape_;
   Eigen::Vector3d middle_;  // of the tool in its own frame
   double around_;           // m, radius of the ball about it that holds the tool
   Eigen::Isometry3d pose_;
@@ -128,4 +128,4 @@ private:
   Anchors anchors_;
 };
 
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace palpate {
+namespace palpate::solve {
 
 /// Energy, pressure and stiffness of a contact point at its gap g, per area.
 struct ContactAnswer {
@@ -46,4 +46,4 @@ private:
   }
 };
 
-}  // namespace palpate
+}  // namespace palpate::solve

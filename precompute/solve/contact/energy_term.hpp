@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-namespace palpate {
+namespace palpate::solve {
 
 /// A part of the energy of all node positions (3 N, m).
 class EnergyTerm {
@@ -17,7 +17,7 @@ public:
   /// Energy (J); adds its derivative (N) to `gradient` (3 N).
   virtual double gradient(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) const = 0;
   /// Adds the second derivative (N/m).
-  virtual void hessian(const Eigen::VectorXd& x, HessianKind kind, BlockMatrix& matrix) const = 0;
+  virtual void hessian(const Eigen::VectorXd& x, fem::HessianKind kind, fem::BlockMatrix& matrix) const = 0;
 };
 
-}  // namespace palpate
+}  // namespace palpate::solve

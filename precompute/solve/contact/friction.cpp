@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Matrix3d;
@@ -161,7 +161,7 @@ double FrictionEnergy::gradient(const VectorXd& x, VectorXd& gradient) const {
   return sum;
 }
 
-void FrictionEnergy::hessian(const VectorXd& x, HessianKind, BlockMatrix& matrix) const {
+void FrictionEnergy::hessian(const VectorXd& x, fem::HessianKind, fem::BlockMatrix& matrix) const {
   const Matrix3d& turn = contact_.pose().linear();
   for (const Point& p : points_) {
     const Vector3d s = slip(p, x);
@@ -212,4 +212,4 @@ Vector3d FrictionEnergy::moment(const VectorXd& x, const Vector3d& about) const 
   return sum;
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -8,7 +8,7 @@
 
 #include <vector>
 
-namespace palpate {
+namespace palpate::solve {
 
 /// Results of friction at a state of the body.
 struct FrictionReport {
@@ -68,7 +68,7 @@ public:
 
   [[nodiscard]] double value(const Eigen::VectorXd& x) const override;
   double gradient(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) const override;
-  void hessian(const Eigen::VectorXd& x, HessianKind kind, BlockMatrix& matrix) const override;
+  void hessian(const Eigen::VectorXd& x, fem::HessianKind kind, fem::BlockMatrix& matrix) const override;
 
 private:
   struct Point {
@@ -95,4 +95,4 @@ private:
   Eigen::Isometry3d start_pose_ = Eigen::Isometry3d::Identity();
 };
 
-}  // namespace palpate
+}  // namespace palpate::solve

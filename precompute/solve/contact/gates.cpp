@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 std::string describe(const char* gate, double figure, double limit, double depth) {
@@ -122,4 +122,4 @@ std::optional<std::string> failed_check(const PairCheck& check, const GateLimits
   return text;
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

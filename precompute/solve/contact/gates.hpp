@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-namespace palpate {
+namespace palpate::solve {
 
 struct GateLimits {
   double penetration = 0.03;           ///< of the contact radius
@@ -69,4 +69,4 @@ std::optional<std::string> failed_stroke_gate(const GateState& state, double mos
 /// Empty where the check found nothing wrong, or nothing to compare.
 std::optional<std::string> failed_check(const PairCheck& check, const GateLimits& limits);
 
-}  // namespace palpate
+}  // namespace palpate::solve

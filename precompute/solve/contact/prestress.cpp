@@ -16,7 +16,7 @@
 #include <string>
 #include <utility>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Vector3d;
@@ -32,9 +32,9 @@ constexpr double kTolerance = 1e-9;  // of the energy, over Young's modulus time
 // the nearer face may be that of the other side.
 class BoundaryMotion {
 public:
-  BoundaryMotion(const TetMesh& mesh, const VectorXd& x, bool cavities) : mesh_(mesh), x_(x) {
+  BoundaryMotion(const mesh::TetMesh& mesh, const VectorXd& x, bool cavities) : mesh_(mesh), x_(x) {
     std::vector<char> hollow(mesh.nodes.size(), 0);
-    for (const MeshFaces& wall : cavity_walls(mesh)) {
+    for (const fem::MeshFaces& wall : fem::cavity_walls(mesh)) {
       for (const auto& face : wall) {
         for (const std::int32_t n : face) hollow[n] = 1;
       }
@@ -48,25 +48,25 @@ public:
     }
     surface.parts.assign(surface.triangles.size(), 0);
     surface.part_names = {"boundary"};
-    if (!faces_.empty()) query_ = std::make_unique<SurfaceQuery>(surface);
+    if (!faces_.empty()) query_ = std::make_unique<geometry::SurfaceQuery>(surface);
   }
 
   [[nodiscard]] Vector3d at(const Vector3d& point) const {
     if (!query_) fail("a wall of the body has no faces in its mesh");
     const auto& face = faces_[std::size_t(query_->closest(point).triangle)];
-    const TrianglePoint on =
-        closest_on_triangle(point, mesh_.nodes[face[0]], mesh_.nodes[face[1]], mesh_.nodes[face[2]]);
-    const auto shape = face_values(on.weights[0], on.weights[1]);
+    const geometry::TrianglePoint on =
+        geometry::closest_on_triangle(point, mesh_.nodes[face[0]], mesh_.nodes[face[1]], mesh_.nodes[face[2]]);
+    const auto shape = fem::face_values(on.weights[0], on.weights[1]);
     Vector3d motion = Vector3d::Zero();
     for (std::size_t n = 0; n < 6; ++n) motion += shape[n] * (x_.segment<3>(3 * face[n]) - mesh_.nodes[face[n]]);
     return motion;
   }
 
 private:
-  const TetMesh& mesh_;
+  const mesh::TetMesh& mesh_;
   const VectorXd& x_;
   std::vector<std::array<std::int32_t, 6>> faces_;
-  std::unique_ptr<SurfaceQuery> query_;
+  std::unique_ptr<geometry::SurfaceQuery> query_;
 };
 
 Surface moved(const Surface& surface, const Body& body, const BoundaryMotion& outside, const BoundaryMotion& cavities) {
@@ -94,18 +94,18 @@ std::string summary(const Body& body, const Surface& after, const Settled& settl
 
 Body apply_prestress(Body body) {
   if (!body.prestress.any()) return body;
-  const SurfaceQuery& query = *body.query;
+  const geometry::SurfaceQuery& query = *body.query;
   const double edge = kSurface * body.base_size;
-  const SizeField size = [&](const Vector3d& p) {
+  const mesh::SizeField size = [&](const Vector3d& p) {
     return edge + kEdgeGrowth * std::max(0.0, -query.signed_distance(p));
   };
-  const VolumeMeshResult made = mesh_volume(body, size, {});
+  const mesh::VolumeMeshResult made = mesh::mesh_volume(body, size, {});
   if (!made.usable) fail("the body could not be meshed: " + made.cause);
-  const TetMesh& mesh = made.mesh;
+  const mesh::TetMesh& mesh = made.mesh;
 
   BodyEnergy energy(body, mesh);
   if (!energy.held_anywhere()) fail("no node of the mesh is held");
-  Minimiser minimiser(mesh, energy.fixed());
+  fem::Minimiser minimiser(mesh, energy.fixed());
   VectorXd x = energy.rest();
   const Settled settled = settle(energy, minimiser, x, kTolerance * body.material.young * std::pow(edge, 3));
   if (!settled.reached) fail(settled.cause);
@@ -113,8 +113,8 @@ Body apply_prestress(Body body) {
   const BoundaryMotion outside(mesh, x, false), cavities(mesh, x, true);
   Body loaded = body;
   const Surface surface = moved(query.surface(), body, outside, cavities);
-  if (self_intersects(surface)) fail("the surface that it leaves crosses itself");
-  loaded.query = std::make_shared<const SurfaceQuery>(surface);
+  if (geometry::self_intersects(surface)) fail("the surface that it leaves crosses itself");
+  loaded.query = std::make_shared<const geometry::SurfaceQuery>(surface);
   loaded.base = moved(body.base, body, outside, cavities);
   loaded.report.findings.push_back(
       summary(body, surface, settled, energy.cavity_volume(energy.rest()), energy.cavity_volume(x)));
@@ -122,4 +122,4 @@ Body apply_prestress(Body body) {
   return loaded;
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -4,7 +4,7 @@
 
 #include "precompute/common/body.hpp"
 
-namespace palpate {
+namespace palpate::solve {
 
 /// Solves the prestress of a stress-free body, on a mesh that is even over its surface, and moves its surfaces along;
 /// a line of the report says how far. A body without prestress is handed back as it is. Deterministic.
@@ -12,4 +12,4 @@ namespace palpate {
 /// (it names the share that has one), where the body cannot be meshed, and where the moved surface crosses itself.
 Body apply_prestress(Body body);
 
-}  // namespace palpate
+}  // namespace palpate::solve

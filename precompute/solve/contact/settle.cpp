@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <limits>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::VectorXd;
@@ -37,7 +37,7 @@ struct State {
 
 class Stepping {
 public:
-  Stepping(BodyEnergy& body, Minimiser& minimiser) : body_(body), minimiser_(minimiser) {}
+  Stepping(BodyEnergy& body, fem::Minimiser& minimiser) : body_(body), minimiser_(minimiser) {}
 
   Settled run(VectorXd& x, double energy_tolerance) {
     now_ = {x, 0.0, body_.value(x), body_.slope(x)};
@@ -84,11 +84,11 @@ private:
   }
 
   bool minimise(VectorXd& x, double energy_tolerance, double residual) {
-    MinimiserOptions options;
+    fem::MinimiserOptions options;
     options.energy_tolerance = energy_tolerance;
     options.residual_tolerance = residual;
     options.max_iterations = kIterations;
-    const MinimiserResult m = minimiser_.minimise(body_, x, options);
+    const fem::MinimiserResult m = minimiser_.minimise(body_, x, options);
     result_.iterations += static_cast<std::uint32_t>(m.iterations);
     result_.factorisations += static_cast<std::uint32_t>(m.factorisations);
     if (!m.converged) result_.cause = m.cause;
@@ -138,15 +138,15 @@ private:
   bool polish(double energy_tolerance) { return minimise(now_.x, energy_tolerance, kLastResidual); }
 
   BodyEnergy& body_;
-  Minimiser& minimiser_;
+  fem::Minimiser& minimiser_;
   State now_, before_;
   Settled result_;
 };
 
 }  // namespace
 
-Settled settle(BodyEnergy& body, Minimiser& minimiser, VectorXd& x, double energy_tolerance) {
+Settled settle(BodyEnergy& body, fem::Minimiser& minimiser, VectorXd& x, double energy_tolerance) {
   return Stepping(body, minimiser).run(x, energy_tolerance);
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

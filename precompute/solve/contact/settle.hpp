@@ -7,7 +7,7 @@
 
 #include <string>
 
-namespace palpate {
+namespace palpate::solve {
 
 struct Settled {
   bool reached = false;
@@ -23,6 +23,6 @@ struct Settled {
 /// step is accepted when no element is inside out and the energy changed by the work of the loads (a step that
 /// jumps to another equilibrium leaves energy over). On success x (3 N, m; at first the mesh's nodes) is the
 /// equilibrium. Never throws for a numerical failure.
-Settled settle(BodyEnergy& body, Minimiser& minimiser, Eigen::VectorXd& x, double energy_tolerance);
+Settled settle(BodyEnergy& body, fem::Minimiser& minimiser, Eigen::VectorXd& x, double energy_tolerance);
 
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-namespace palpate {
+namespace palpate::solve {
 
 struct StepResult {
   bool converged = false;
@@ -42,4 +42,4 @@ StepResult substep(Step&& step) {
   return total;
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

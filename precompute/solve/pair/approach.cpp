@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Vector3d;
@@ -79,4 +79,4 @@ bool approach(PairRun& run) {
   return first_touch(run);
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

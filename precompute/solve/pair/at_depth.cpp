@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace palpate {
+namespace palpate::solve {
 
 std::optional<Eigen::Vector3d> at_depth(const std::function<double(const Eigen::Vector3d&)>& gap,
                                         Eigen::Vector3d translation, const Eigen::Vector3d& normal, double depth,
@@ -18,4 +18,4 @@ std::optional<Eigen::Vector3d> at_depth(const std::function<double(const Eigen::
   return std::nullopt;
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

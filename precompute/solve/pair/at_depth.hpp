@@ -6,7 +6,7 @@
 #include <functional>
 #include <optional>
 
-namespace palpate {
+namespace palpate::solve {
 
 /// `translation` shifted along the unit `normal` to where the tool just touches, the smallest signed distance of tool
 /// and surface, which `gap` gives (m), being 0 to `resolution` (m), and from there by `depth` (m) inwards. Nothing
@@ -15,4 +15,4 @@ std::optional<Eigen::Vector3d> at_depth(const std::function<double(const Eigen::
                                         Eigen::Vector3d translation, const Eigen::Vector3d& normal, double depth,
                                         double resolution, double reach);
 
-}  // namespace palpate
+}  // namespace palpate::solve

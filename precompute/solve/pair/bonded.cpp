@@ -9,7 +9,7 @@
 #include <cmath>
 #include <utility>
 
-namespace palpate {
+namespace palpate::solve {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -125,4 +125,4 @@ std::optional<std::string> Bonded::turn(Stand& now, const Stand& from, const Vec
   return take(now, std::move(next), work, answer);
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-namespace palpate {
+namespace palpate::solve {
 
 class Bonded {
 public:
@@ -52,4 +52,4 @@ private:
   Stand start_;
 };
 
-}  // namespace palpate
+}  // namespace palpate::solve

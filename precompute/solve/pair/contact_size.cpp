@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Vector3d;
@@ -37,7 +37,7 @@ struct Source {
 };
 
 // Points of the body's surface that the deepest tool would cover, on a grid in the tangent plane.
-std::vector<Vector3d> footprint(const Body& body, const Tool& tool, const Eigen::Isometry3d& deepest,
+std::vector<Vector3d> footprint(const Body& body, const tool::Tool& tool, const Eigen::Isometry3d& deepest,
                                 const ContactFrame& frame, double radius) {
   const Eigen::AlignedBox3d box = tool.shape->bounds();
   double lo[2] = {0, 0}, hi[2] = {0, 0};
@@ -79,7 +79,7 @@ std::vector<Vector3d> footprint(const Body& body, const Tool& tool, const Eigen:
 // grid. `pose_at`: the tool at a share of the depth; a ball covers most when half of it is inside. `widest`: radius of
 // the contact on a plane.
 template <class PoseAt>
-double overlap_radius(const Body& body, const Tool& tool, const PoseAt& pose_at, const ContactFrame& frame,
+double overlap_radius(const Body& body, const tool::Tool& tool, const PoseAt& pose_at, const ContactFrame& frame,
                       double widest) {
   double radius = widest, reach = 0;
   while (radius > kLeastTouched * widest) {
@@ -95,7 +95,7 @@ double overlap_radius(const Body& body, const Tool& tool, const PoseAt& pose_at,
 }
 
 // The reduced size of an element at this point of the surface, where the body is a wedge thinner than `over` elements.
-double on_wedge(const SurfaceQuery& query, const Vector3d& point, double size, double over) {
+double on_wedge(const geometry::SurfaceQuery& query, const Vector3d& point, double size, double over) {
   const auto outward = [&](const Vector3d& x) { return query.normal(x, 0); };
   const Vector3d n = outward(point);
   const std::optional<double> wall = query.ray(point, -n, 1e-6 * size);
@@ -112,17 +112,17 @@ double longest_edge(const Body& body, const PairOptions& options) {
   return wall > 0 ? std::min(body.diagonal / 8, kWalls * wall) : body.diagonal / 8;
 }
 
-SizeField contact_size(const ContactCase& contact, double depth, double scale, const PairOptions& options,
-                       const std::vector<Vector3d>& further) {
+mesh::SizeField contact_size(const ContactCase& contact, double depth, double scale, const PairOptions& options,
+                             const std::vector<Vector3d>& further) {
   const auto& [body, tool, vertex, frame] = contact;
   const auto pose_at = [&](const ContactFrame& here, double share) {
-    Eigen::Isometry3d pose = touching_pose(contact.vertex, here);
+    Eigen::Isometry3d pose = tool::touching_pose(contact.vertex, here);
     pose.translation() -= share * depth * here.n;
     return pose;
   };
   // No contact is wider than the overlap, on a round body far less than a wide tool. A flat face that overlaps as a
   // whole touches at once; everything else touches at a point first.
-  const double widest = contact_radius(vertex, depth);
+  const double widest = tool::contact_radius(vertex, depth);
   const double overlap = overlap_radius(
       body, tool, [&](double share) { return pose_at(contact.frame, share); }, frame, widest);
   const double radius = std::min(widest, overlap);
@@ -137,7 +137,7 @@ SizeField contact_size(const ContactCase& contact, double depth, double scale, c
   for (const Vector3d& place : places) {
     ContactFrame here = frame;
     here.origin += place;
-    const Eigen::Isometry3d touching = touching_pose(vertex, here);
+    const Eigen::Isometry3d touching = tool::touching_pose(vertex, here);
     const Eigen::Isometry3d deepest = pose_at(here, 1.0);
     for (const Vector3d& p : footprint(body, tool, deepest, here, radius)) {
       const Vector3d at = here.origin + shrink * (p - here.origin);
@@ -161,8 +161,8 @@ SizeField contact_size(const ContactCase& contact, double depth, double scale, c
       }
     }
     // A mesh has edges on all its sides: those that the body does not come near at full depth are no concern of it.
-    for (const ToolEdgePoint& e : tool.edges) {
-      if (tool.kind == ToolKind::mesh && body.query->signed_distance(deepest * e.point) > e.size) continue;
+    for (const tool::ToolEdgePoint& e : tool.edges) {
+      if (tool.kind == tool::ToolKind::mesh && body.query->signed_distance(deepest * e.point) > e.size) continue;
       sources.push_back({touching * e.point, e.size * scale});
     }
   }
@@ -186,4 +186,4 @@ SizeField contact_size(const ContactCase& contact, double depth, double scale, c
   };
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

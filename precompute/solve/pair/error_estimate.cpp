@@ -8,7 +8,7 @@
 #include <iterator>
 #include <map>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 // Shares of two bounds that count as error: kIterate of the Cauchy-Schwarz bound, and kPenalty of the relative give,
@@ -99,4 +99,4 @@ bool add_mesh_errors(std::vector<Sample>& samples, const std::vector<Sample>& ot
   return true;
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

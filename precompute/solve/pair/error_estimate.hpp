@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace palpate {
+namespace palpate::solve {
 
 /// One equilibrium.
 struct ErrorSources {
@@ -33,4 +33,4 @@ PairPath compared_path(PairPath path);
 /// have. False, and nothing added, where no normal sample has a partner in `other` (sample_difference).
 bool add_mesh_errors(std::vector<Sample>& samples, const std::vector<Sample>& other, double share);
 
-}  // namespace palpate
+}  // namespace palpate::solve

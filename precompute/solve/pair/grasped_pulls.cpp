@@ -7,7 +7,7 @@
 #include <functional>
 #include <iterator>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Vector3d;
@@ -144,4 +144,4 @@ bool grasped_pulls(PairRun& run) {
   return Grasp(run).solve();
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

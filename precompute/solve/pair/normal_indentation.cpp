@@ -10,7 +10,7 @@
 #include <numbers>
 #include <optional>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 // Depth less the penalty's own compliance: d - dE/dF at fixed stiffness, from the local power law
@@ -124,4 +124,4 @@ bool normal_indentation(PairRun& run) {
   return !cause;
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -16,7 +16,7 @@
 #include <cstdio>
 #include <optional>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 // Meshes are made of the body free of stress, also where it has a prestress.
@@ -30,14 +30,14 @@ struct Attempt {
   double lost = 0.0;             // see PairOptions
 };
 
-Attempt attempt(const ContactCase& contact, const PairPath& path, const PairOptions& options, const TetMesh& mesh,
+Attempt attempt(const ContactCase& contact, const PairPath& path, const PairOptions& options, const mesh::TetMesh& mesh,
                 const SolveLimits& limits) {
   const auto& [body, tool, vertex, frame] = contact;
   Attempt made;
   PairResult& result = made.result;
   result.outcome.nodes = static_cast<std::uint32_t>(mesh.nodes.size());
   try {
-    Push push(stress_free(body), mesh, *tool.shape, touching_pose(vertex, frame),
+    Push push(stress_free(body), mesh, *tool.shape, tool::touching_pose(vertex, frame),
               {body.material.young, normal_penalty(options.method, options.penalty), options.tolerance, limits},
               options.materials);
     PairRun run{contact, path, options, mesh, push, result};
@@ -120,7 +120,7 @@ public:
       : contact_(contact), path_(path), options_(options), deadline_(options.time_limit) {}
 
   PairResult solve() {
-    VolumeMeshResult mesh;
+    mesh::VolumeMeshResult mesh;
     for (const double scale : {1.0, 0.8, 0.6}) {
       PairOptions with = options_;
       if (rough_) with.growth *= std::pow(scale, kGrowthPower);
@@ -157,12 +157,12 @@ private:
 
   [[nodiscard]] bool ends() const { return no_deeper_ || deadline_.passed() || lost_ > options_.most_lost; }
 
-  VolumeMeshResult mesh_of(const PairOptions& with, double scale) {
-    const SizeField size = contact_size(contact_, path_.normal_depths.back(), with.refine * scale, with);
-    VolumeMeshOptions options = with.mesh;
+  mesh::VolumeMeshResult mesh_of(const PairOptions& with, double scale) {
+    const mesh::SizeField size = contact_size(contact_, path_.normal_depths.back(), with.refine * scale, with);
+    mesh::VolumeMeshOptions options = with.mesh;
     options.deadline = &deadline_;
-    return mesh_volume(stress_free(contact_.body), size, {contact_.body.material_point(contact_.frame.origin).point},
-                       options);
+    return mesh::mesh_volume(stress_free(contact_.body), size,
+                             {contact_.body.material_point(contact_.frame.origin).point}, options);
   }
 
   void failed(const std::string& cause) {
@@ -171,8 +171,8 @@ private:
     result_.outcome.cause = cause;
   }
 
-  void attempt(const TetMesh& mesh, const PairOptions& with, double scale) {
-    Attempt made = palpate::attempt(contact_, path_, with, mesh, limits());
+  void attempt(const mesh::TetMesh& mesh, const PairOptions& with, double scale) {
+    Attempt made = solve::attempt(contact_, path_, with, mesh, limits());
     result_ = std::move(made.result);
     accepted_ = result_.outcome.accepted;
     contact_failed_ = made.contact_failed;
@@ -206,9 +206,9 @@ private:
       PairOptions options = with;
       options.growth = std::min(1.0, with.growth * std::pow(other.scale, kGrowthPower));
       options.watch = {};
-      const VolumeMeshResult mesh = mesh_of(options, scale * other.scale);
+      const mesh::VolumeMeshResult mesh = mesh_of(options, scale * other.scale);
       if (!mesh.usable) continue;
-      const Attempt made = palpate::attempt(contact_, compared_path(path_), options, mesh.mesh, limits());
+      const Attempt made = solve::attempt(contact_, compared_path(path_), options, mesh.mesh, limits());
       if (add_mesh_errors(samples, made.result.outcome.accepted ? made.result.samples : made.normal, other.share)) {
         return true;
       }
@@ -282,7 +282,7 @@ private:
 }  // namespace
 
 PairResult solve_on_mesh(const ContactCase& contact, const PairPath& path, const PairOptions& options,
-                         const TetMesh& mesh) {
+                         const mesh::TetMesh& mesh) {
   return attempt(contact, path, options, mesh, {}).result;
 }
 
@@ -296,4 +296,4 @@ PairResult solve_pair(const ContactCase& contact, const PairPath& path, const Pa
   return result;
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -15,7 +15,7 @@
 #include <limits>
 #include <vector>
 
-namespace palpate {
+namespace palpate::solve {
 
 /// A way of the tool that sticks and goes deeper or less deep while it is held at a tangential deflection. It starts at
 /// a normal indentation.
@@ -95,11 +95,11 @@ struct PairOptions {
   /// Also push on a coarser mesh: the samples' error estimates hold what the mesh leaves, and a pair that is too far
   /// off is solved on a finer one. pair_options() sets it.
   bool mesh_errors = false;
-  VolumeMeshOptions mesh;
-  std::vector<Material> materials;  ///< per region, for comparisons; empty: the body's
+  mesh::VolumeMeshOptions mesh;
+  std::vector<fem::Material> materials;  ///< per region, for comparisons; empty: the body's
   /// Called with the mesh, the node positions (m) and the depth (m) of every accepted state of a normal indentation; a
   /// pair that is tried again begins anew. Changes nothing.
-  std::function<void(const TetMesh&, const Eigen::VectorXd&, double)> watch;
+  std::function<void(const mesh::TetMesh&, const Eigen::VectorXd&, double)> watch;
 };
 
 PairOptions pair_options(const Scene& scene);
@@ -128,6 +128,6 @@ PairResult solve_pair(const ContactCase& contact, const PairPath& path, const Pa
 /// solve_pair on this one mesh of the body: a refusal is not tried again on another, and the samples' error estimates
 /// lack the mesh's share.
 PairResult solve_on_mesh(const ContactCase& contact, const PairPath& path, const PairOptions& options,
-                         const TetMesh& mesh);
+                         const mesh::TetMesh& mesh);
 
-}  // namespace palpate
+}  // namespace palpate::solve

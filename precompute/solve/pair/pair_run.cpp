@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace palpate {
+namespace palpate::solve {
 
 WayEnergy::WayEnergy(const Push& push)
     : push_(push), start_(energy()), at_(push.state().translation), force_(push.report().force) {}
@@ -81,4 +81,4 @@ Eigen::Vector3d PairRun::direction(int k, int count) const {
   return {std::cos(angle), std::sin(angle), 0.0};
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

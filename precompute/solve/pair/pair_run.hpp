@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::solve {
 
 /// An accepted point of the normal indentation.
 struct CurvePoint {
@@ -41,7 +41,7 @@ private:
 struct PairRun : ContactCase {
   const PairPath& path;
   const PairOptions& options;
-  const TetMesh& mesh;
+  const mesh::TetMesh& mesh;
   Push& push;
   PairResult& result;
   Eigen::Vector3d start{0, 0, 0};   ///< m, the tool's translation at first touch
@@ -56,7 +56,7 @@ struct PairRun : ContactCase {
   /// The end of a tangential push at less than its reach; the samples before it are kept. A push with `nothing_yet` is
   /// refused as by refuse_contact(), unless the contact `peels`, which no finer mesh mends.
   bool stop_short(const std::string& cause, bool nothing_yet, bool peels);
-  [[nodiscard]] double radius(double depth) const { return contact_radius(vertex, depth); }  ///< m
+  [[nodiscard]] double radius(double depth) const { return tool::contact_radius(vertex, depth); }  ///< m
   [[nodiscard]] double work_scale(double depth) const;                                       ///< J
   /// Push::move_to as the options' contact method does it, of a push to `depth` (m).
   StepResult move_to(const Eigen::Vector3d& target, double depth, bool sticking,
@@ -92,4 +92,4 @@ void slipping_pushes(PairRun& run);
 /// Ways deeper and less deep under side load; they refuse nothing either.
 void side_paths(PairRun& run);
 
-}  // namespace palpate
+}  // namespace palpate::solve

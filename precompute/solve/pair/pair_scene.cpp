@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-namespace palpate {
+namespace palpate::solve {
 PairPath bake_path(const Scene& scene, double depth) {
   PairPath path;
   const int n = scene.sampling.normal_points;
@@ -102,4 +102,4 @@ PairOptions finer_options(PairOptions options, const Body& body, double refine) 
   return options;
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

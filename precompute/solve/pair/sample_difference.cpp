@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Vector3d;
@@ -93,4 +93,4 @@ SampleDifference sample_difference(const std::vector<Sample>& samples, const std
   return d;
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace palpate {
+namespace palpate::solve {
 
 /// A sample beside its partner in the reference.
 struct ComparedSample {
@@ -32,4 +32,4 @@ SampleDifference sample_difference(const std::vector<Sample>& samples, const std
 /// Force of a normal indentation at a depth (m) near `here`, by the power law through it and a neighbour on its curve.
 Eigen::Vector3d force_at(const Sample& here, const Sample& neighbour, double depth);
 
-}  // namespace palpate
+}  // namespace palpate::solve

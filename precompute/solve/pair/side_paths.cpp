@@ -8,7 +8,7 @@
 #include <cmath>
 #include <optional>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Vector3d;
@@ -83,4 +83,4 @@ void side_paths(PairRun& run) {
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Vector3d;
@@ -103,4 +103,4 @@ void slipping_pushes(PairRun& run) {
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -6,7 +6,7 @@
 
 #include <Eigen/LU>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Matrix3d;
@@ -19,7 +19,7 @@ constexpr double kNear = 0.585410196624969, kFar = 0.138196601125011;
 using Slopes = Eigen::Matrix<double, 4, 3>;
 
 // Gradients of the barycentric coordinates (1/m) of a straight-sided tetrahedron.
-Slopes slopes_of(const TetMesh& mesh, const std::array<std::int32_t, 10>& tet) {
+Slopes slopes_of(const mesh::TetMesh& mesh, const std::array<std::int32_t, 10>& tet) {
   Matrix3d edges;
   for (int k = 0; k < 3; ++k) {
     edges.col(k) = mesh.nodes[std::size_t(tet[std::size_t(k) + 1])] - mesh.nodes[std::size_t(tet[0])];
@@ -43,11 +43,11 @@ Matrix3d gradient_at(const Eigen::VectorXd& x, const std::array<std::int32_t, 10
 
 }  // namespace
 
-VolumeFields solved_fields(const Body& body, const TetMesh& mesh, const Eigen::VectorXd& x) {
-  std::vector<Material> materials{make_material(body.material)};
-  std::vector<const CurveQuery*> fibres{body.fibres.get()};
+VolumeFields solved_fields(const Body& body, const mesh::TetMesh& mesh, const Eigen::VectorXd& x) {
+  std::vector<fem::Material> materials{fem::make_material(body.material)};
+  std::vector<const geometry::CurveQuery*> fibres{body.fibres.get()};
   for (const Inclusion& i : body.inclusions) {
-    materials.push_back(make_material(i.material));
+    materials.push_back(fem::make_material(i.material));
     fibres.push_back(i.fibres.get());
   }
   VolumeFields fields;
@@ -67,7 +67,7 @@ VolumeFields solved_fields(const Body& body, const TetMesh& mesh, const Eigen::V
       mean += gradient_at(x, tet, slopes, l).determinant() / 4;
     }
     const auto region = std::size_t(mesh.regions[t]);
-    Material& material = materials[region];
+    fem::Material& material = materials[region];
     if (fibres[region] != nullptr) {
       Vector3d middle = Vector3d::Zero();
       for (std::size_t k = 0; k < 4; ++k) middle += mesh.nodes[std::size_t(tet[k])] / 4;
@@ -85,4 +85,4 @@ VolumeFields solved_fields(const Body& body, const TetMesh& mesh, const Eigen::V
   return fields;
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

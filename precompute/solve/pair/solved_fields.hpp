@@ -8,10 +8,10 @@
 
 #include <Eigen/Core>
 
-namespace palpate {
+namespace palpate::solve {
 
 /// The state with the node positions `x` (3 N, m) of a mesh of `body`. Stresses are those in the middles of the
 /// elements, with the pressure of the elements' mean dilatation, as they are solved.
-VolumeFields solved_fields(const Body& body, const TetMesh& mesh, const Eigen::VectorXd& x);
+VolumeFields solved_fields(const Body& body, const mesh::TetMesh& mesh, const Eigen::VectorXd& x);
 
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace palpate {
+namespace palpate::solve {
 
 /// mu(depth) of a contact that slips everywhere: the tangential force that friction holds over the normal force. The part
 /// of the tangential bias that remains while the contact slips (response::slipping_bias_share) is no friction.
@@ -19,4 +19,4 @@ inline double solved_limit(const Sample& slipping, const Sample& normal, double 
   return (ratio(slipping) - response::slipping_bias_share(root) * ratio(normal)).norm();
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <optional>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Vector3d;
@@ -97,4 +97,4 @@ private:
 
 bool sticking_pushes(PairRun& run) { return StickingPushes(run).solve(); }
 
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace palpate {
+namespace palpate::solve {
 
 StepResult move_augmented(Push& push, const Eigen::Vector3d& target, double depth, double contact_radius,
                           double work_scale, bool sticking, const std::vector<Eigen::VectorXd>& starts,
@@ -37,4 +37,4 @@ StepResult move_augmented(Push& push, const Eigen::Vector3d& target, double dept
   return total;
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

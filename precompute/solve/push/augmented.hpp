@@ -4,7 +4,7 @@
 
 #include "precompute/solve/push/push.hpp"
 
-namespace palpate {
+namespace palpate::solve {
 
 struct AugmentedOptions {
   double give = 5e-4;    ///< largest mean overlap that is left (by pressure), of the depth
@@ -18,4 +18,4 @@ StepResult move_augmented(Push& push, const Eigen::Vector3d& target, double dept
                           double work_scale, bool sticking, const std::vector<Eigen::VectorXd>& starts = {},
                           const AugmentedOptions& options = {});
 
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <string>
 
-namespace palpate {
+namespace palpate::solve {
 
 StepResult move_by_barrier(Push& push, const Eigen::Vector3d& target, double contact_radius, double work_scale,
                            bool sticking, const std::vector<Eigen::VectorXd>& starts, const BarrierOptions& options) {
@@ -40,4 +40,4 @@ StepResult move_by_barrier(Push& push, const Eigen::Vector3d& target, double con
   return total;
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

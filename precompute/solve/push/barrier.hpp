@@ -4,7 +4,7 @@
 
 #include "precompute/solve/push/push.hpp"
 
-namespace palpate {
+namespace palpate::solve {
 
 struct BarrierOptions {
   double first = 0.1;   ///< thickness in which the search begins, in contact radii ...
@@ -19,4 +19,4 @@ StepResult move_by_barrier(Push& push, const Eigen::Vector3d& target, double con
                            bool sticking, const std::vector<Eigen::VectorXd>& starts = {},
                            const BarrierOptions& options = {});
 
-}  // namespace palpate
+}  // namespace palpate::solve

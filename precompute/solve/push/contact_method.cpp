@@ -4,7 +4,7 @@
 #include "precompute/solve/push/augmented.hpp"
 #include "precompute/solve/push/barrier.hpp"
 
-namespace palpate {
+namespace palpate::solve {
 
 StepResult move_by(ContactMethod method, Push& push, const Eigen::Vector3d& target, double depth, double contact_radius,
                    double work_scale, bool sticking, const std::vector<Eigen::VectorXd>& starts) {
@@ -19,4 +19,4 @@ StepResult move_by(ContactMethod method, Push& push, const Eigen::Vector3d& targ
   return push.move_to(target, contact_radius, work_scale, sticking, starts);
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

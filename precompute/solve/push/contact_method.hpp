@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace palpate {
+namespace palpate::solve {
 
 class Push;
 struct StepResult;
@@ -24,4 +24,4 @@ inline double normal_penalty(ContactMethod method, double penalty) {
 StepResult move_by(ContactMethod method, Push& push, const Eigen::Vector3d& target, double depth, double contact_radius,
                    double work_scale, bool sticking, const std::vector<Eigen::VectorXd>& starts = {});
 
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Isometry3d;
@@ -122,4 +122,4 @@ void CoulombPush::let_go(const Vector3d& target) {
 
 double gross_slip_reach(double friction, double poisson) { return friction * (2 - poisson) / (2 * (1 - poisson)); }
 
-}  // namespace palpate
+}  // namespace palpate::solve

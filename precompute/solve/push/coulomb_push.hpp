@@ -6,7 +6,7 @@
 #include "precompute/solve/contact/friction.hpp"
 #include "precompute/solve/push/push.hpp"
 
-namespace palpate {
+namespace palpate::solve {
 
 struct CoulombOptions {
   double coefficient = 0.0;     ///< > 0
@@ -64,4 +64,4 @@ private:
 /// same for a sphere, formed without friction, and a flat punch.
 double gross_slip_reach(double friction, double poisson);
 
-}  // namespace palpate
+}  // namespace palpate::solve

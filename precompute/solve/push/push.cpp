@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 // Searches of one step while contact points let go, and the tolerances of those before the last.
@@ -20,8 +20,8 @@ constexpr double kPeeled = 0.25;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-Push::Push(const Body& body, const TetMesh& mesh, const ToolShape& shape, const Eigen::Isometry3d& pose,
-           const PushScale& scale, const std::vector<Material>& given)
+Push::Push(const Body& body, const mesh::TetMesh& mesh, const tool::ToolShape& shape, const Eigen::Isometry3d& pose,
+           const PushScale& scale, const std::vector<fem::Material>& given)
     : scale_(scale),
       body_(body, mesh, given),
       untouched_(body_.rest()),
@@ -33,7 +33,7 @@ Push::Push(const Body& body, const TetMesh& mesh, const ToolShape& shape, const 
 }
 
 Settled Push::settle(double energy_tolerance) {
-  const Settled settled = palpate::settle(body_, minimiser_, state_.x, energy_tolerance);
+  const Settled settled = solve::settle(body_, minimiser_, state_.x, energy_tolerance);
   factorisations_ += settled.factorisations;
   untouched_ = state_.x;
   settled_energy_ = body_.value(untouched_);
@@ -52,7 +52,7 @@ double Push::gradient(const VectorXd& x, VectorXd& gradient) const {
   return sum;
 }
 
-void Push::hessian(const VectorXd& x, HessianKind kind, BlockMatrix& matrix) const {
+void Push::hessian(const VectorXd& x, fem::HessianKind kind, fem::BlockMatrix& matrix) const {
   body_.hessian(x, kind, matrix);
   contact_.hessian(x, kind, matrix);
   for (const EnergyTerm* term : terms_) term->hessian(x, kind, matrix);
@@ -126,19 +126,19 @@ StepResult Push::step(const Vector3d& target, double contact_radius, double work
     consider(state_.x + std::clamp(ratio, 0.0, 4.0) * (state_.x - previous_x_));
   }
   for (const VectorXd& start : starts) consider(start);
-  MinimiserOptions options;
+  fem::MinimiserOptions options;
   // A tool between integration points meets no load: residuals are then compared with a small one.
   load_floor_ = 0.1 * work_scale / contact_radius;
   options.energy_tolerance = scale_.tolerance * scale_.tolerance * work_scale;
   // Which points let go shows long before equilibrium: none is found to the end for anchors that then leave.
-  MinimiserOptions rough = options;
+  fem::MinimiserOptions rough = options;
   rough.energy_tolerance *= kRoughEnergy;
   rough.residual_tolerance *= kRoughResidual;
   const std::uint32_t factorisations_before = factorisations_;
   bool settling = sticking;
   const std::size_t stuck = contact_.stuck();
   for (int round = 0; round < kRounds; ++round) {
-    const MinimiserResult m = minimiser_.minimise(*this, x, settling ? rough : options);
+    const fem::MinimiserResult m = minimiser_.minimise(*this, x, settling ? rough : options);
     result.iterations += m.iterations;
     factorisations_ += m.factorisations;
     result.energy_error = 0.5 * m.decrement;
@@ -189,4 +189,4 @@ StepResult Push::move_to(const Vector3d& target, double contact_radius, double w
   });
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::solve {
 
 /// Numbers that fix the scale of a push.
 struct PushScale {
@@ -31,12 +31,12 @@ struct PushState {
   std::vector<double> multipliers;       ///< Pa, of the contact
 };
 
-class Push final : public EnergyProblem {
+class Push final : public fem::EnergyProblem {
 public:
   /// `body` is free of stress. The tool stands at `pose`. `materials` per region; empty: the body's. Throws as
   /// Minimiser.
-  Push(const Body& body, const TetMesh& mesh, const ToolShape& shape, const Eigen::Isometry3d& pose,
-       const PushScale& scale, const std::vector<Material>& materials = {});
+  Push(const Body& body, const mesh::TetMesh& mesh, const tool::ToolShape& shape, const Eigen::Isometry3d& pose,
+       const PushScale& scale, const std::vector<fem::Material>& materials = {});
 
   /// Lets the body's prestress act, before the tool is near; see settle().
   Settled settle(double energy_tolerance);
@@ -89,7 +89,7 @@ public:
   // EnergyProblem
   [[nodiscard]] double value(const Eigen::VectorXd& x) const override;
   double gradient(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) const override;
-  void hessian(const Eigen::VectorXd& x, HessianKind kind, BlockMatrix& matrix) const override;
+  void hessian(const Eigen::VectorXd& x, fem::HessianKind kind, fem::BlockMatrix& matrix) const override;
   [[nodiscard]] double load(const Eigen::VectorXd& x) const override;
   [[nodiscard]] double rounding() const override { return body_.rounding(); }
 
@@ -106,7 +106,7 @@ private:
   ContactEnergy contact_;
   std::vector<const EnergyTerm*> terms_;
   std::vector<ContactEnergy*> others_;  // of terms_
-  Minimiser minimiser_;
+  fem::Minimiser minimiser_;
   PushState state_;
   Eigen::VectorXd previous_x_;  // state before the last step, for extrapolation
   Eigen::Vector3d previous_translation_{0, 0, 0};
@@ -115,4 +115,4 @@ private:
   std::uint32_t factorisations_ = 0, lost_factorisations_ = 0;
 };
 
-}  // namespace palpate
+}  // namespace palpate::solve

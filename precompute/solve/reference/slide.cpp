@@ -11,7 +11,7 @@
 #include <cmath>
 #include <optional>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Vector3d;
@@ -40,7 +40,7 @@ public:
         path_(path),
         options_(options),
         way_(std::cos(path.angle) * contact.frame.x + std::sin(path.angle) * contact.frame.y),
-        radius_(contact_radius(contact.vertex, path.depth)),
+        radius_(tool::contact_radius(contact.vertex, path.depth)),
         work_scale_(contact.body.material.young * radius_ * path.depth * path.depth) {
     result_.contact_radius = radius_;
   }
@@ -49,12 +49,12 @@ public:
     if (contact_.body.prestress.any()) return refuse("prestress: slides are solved of bodies without prestress only");
     const std::vector<Vector3d> places = places_on_the_way();
     if (!result_.cause.empty()) return result_;
-    const SizeField size = contact_size(contact_, path_.depth, options_.refine, options_, places);
-    const VolumeMeshResult mesh = mesh_volume(contact_.body, size, {contact_.frame.origin}, options_.mesh);
+    const mesh::SizeField size = contact_size(contact_, path_.depth, options_.refine, options_, places);
+    const mesh::VolumeMeshResult mesh = mesh::mesh_volume(contact_.body, size, {contact_.frame.origin}, options_.mesh);
     if (!mesh.usable) return refuse("mesh: " + mesh.cause);
     result_.nodes = static_cast<std::uint32_t>(mesh.mesh.nodes.size());
     try {
-      Push push(contact_.body, mesh.mesh, *contact_.tool.shape, touching_pose(contact_.vertex, contact_.frame),
+      Push push(contact_.body, mesh.mesh, *contact_.tool.shape, tool::touching_pose(contact_.vertex, contact_.frame),
                 {contact_.body.material.young, options_.penalty, options_.tolerance});
       if (!push.held_anywhere()) return refuse("support: no node of the mesh is held");
       CoulombOptions friction;
@@ -121,7 +121,7 @@ private:
       const Vector3d aside = (depth - path_.depth) * std::tan(path_.approach) * way_;
       const auto target = lower(push, *touch + aside, depth);
       if (!target) return refuse("path: the surface is not found along the normal on the way in"), false;
-      const double radius = contact_radius(contact_.vertex, depth);
+      const double radius = tool::contact_radius(contact_.vertex, depth);
       const StepResult step = slip.move_to(*target, radius, contact_.body.material.young * radius * depth * depth);
       if (!step.converged)
         return refuse("way in at depth " + std::to_string(1e3 * depth) + " mm: " + step.cause), false;
@@ -228,4 +228,4 @@ SlideResult solve_slide(const ContactCase& contact, const SlidePath& path, const
   return Slide(contact, path, options).run(stop);
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::solve {
 
 /// The path of a slide. The tool keeps its direction and its depth, measured everywhere from its first touch of the
 /// undeformed surface.
@@ -60,4 +60,4 @@ struct SlideResult {
 SlideResult solve_slide(const ContactCase& contact, const SlidePath& path, const PairOptions& options,
                         const std::function<bool()>& stop = {});
 
-}  // namespace palpate
+}  // namespace palpate::solve

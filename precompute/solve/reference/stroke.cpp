@@ -11,7 +11,7 @@
 #include <cmath>
 #include <optional>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Vector3d;
@@ -39,7 +39,7 @@ public:
         path_(path),
         options_(options),
         depth_(deepest(path)),
-        radius_(contact_radius(contact.vertex, depth_)) {
+        radius_(tool::contact_radius(contact.vertex, depth_)) {
     result_.contact_radius = radius_;
   }
 
@@ -47,12 +47,12 @@ public:
     if (contact_.body.prestress.any()) return refuse("prestress: strokes are solved of bodies without prestress only");
     const std::vector<Vector3d> places = pressed_places();
     if (!result_.cause.empty()) return result_;
-    const SizeField size = contact_size(contact_, depth_, options_.refine, options_, places);
-    const VolumeMeshResult mesh = mesh_volume(contact_.body, size, {contact_.frame.origin}, options_.mesh);
+    const mesh::SizeField size = contact_size(contact_, depth_, options_.refine, options_, places);
+    const mesh::VolumeMeshResult mesh = mesh::mesh_volume(contact_.body, size, {contact_.frame.origin}, options_.mesh);
     if (!mesh.usable) return refuse("mesh: " + mesh.cause);
     result_.nodes = static_cast<std::uint32_t>(mesh.mesh.nodes.size());
     try {
-      Push push(contact_.body, mesh.mesh, *contact_.tool.shape, touching_pose(contact_.vertex, contact_.frame),
+      Push push(contact_.body, mesh.mesh, *contact_.tool.shape, tool::touching_pose(contact_.vertex, contact_.frame),
                 {contact_.body.material.young, options_.penalty, options_.tolerance});
       if (!push.held_anywhere()) return refuse("support: no node of the mesh is held");
       const auto touch =
@@ -105,7 +105,7 @@ private:
       const auto where = " at station " + std::to_string(result_.steps.size());
       const Vector3d target = touch + contact_.frame.to_world(station);
       const double overlap = -push.rest_gap(target), depth = std::max(overlap, kShallowest * depth_);
-      const double radius = contact_radius(contact_.vertex, depth);
+      const double radius = tool::contact_radius(contact_.vertex, depth);
       if (overlap > 0) {
         const StepResult step = slip.move_to(target, radius, contact_.body.material.young * radius * depth * depth);
         if (!step.converged) return refuse(step.cause + where), false;
@@ -163,4 +163,4 @@ StrokeResult solve_stroke(const ContactCase& contact, const StrokePath& path, co
   return Stroke(contact, path, options).run(stop);
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

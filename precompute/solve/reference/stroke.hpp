@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::solve {
 
 struct StrokePath {
   /// m, where the tool goes from where it just touches the undeformed surface, in the contact's frame: -z is the depth
@@ -48,4 +48,4 @@ struct StrokeResult {
 StrokeResult solve_stroke(const ContactCase& contact, const StrokePath& path, const PairOptions& options,
                           const std::function<bool()>& stop = {});
 
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -12,7 +12,7 @@
 #include <numeric>
 #include <optional>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Isometry3d;
@@ -31,32 +31,32 @@ struct Press {
 
 class Tools {
 public:
-  Tools(const Body& body, const Tool& tool, const ToolVertex& vertex, const TogetherPath& path,
-        const PairOptions& options, const TetMesh& mesh)
+  Tools(const Body& body, const tool::Tool& tool, const tool::ToolVertex& vertex, const TogetherPath& path,
+        const PairOptions& options, const mesh::TetMesh& mesh)
       : body_(body), tool_(tool), vertex_(vertex), path_(path), options_(options), mesh_(mesh) {}
 
   // Tools at the places of these indices. The push moves the first; the others are further parts of its energy.
   Press press(const std::vector<std::size_t>& places) const {
     Press result;
-    const Isometry3d first = touching_pose(vertex_, place(places, 0));
+    const Isometry3d first = tool::touching_pose(vertex_, place(places, 0));
     Push push(body_, mesh_, *tool_.shape, first, {body_.material.young, options_.penalty, options_.tolerance});
     if (!push.held_anywhere()) {
       result.cause = "support: no node of the mesh is held";
       return result;
     }
     const VectorXd rest = push.state().x;
-    const double anchors = options_.penalty * body_.material.young / contact_radius(vertex_, path_.depth);
+    const double anchors = options_.penalty * body_.material.young / tool::contact_radius(vertex_, path_.depth);
     push.set_anchor_stiffness(anchors);
     std::list<ContactEnergy> others;
     for (std::size_t k = 1; k < places.size(); ++k) {
-      others.emplace_back(mesh_, push.fixed(), *tool_.shape, touching_pose(vertex_, place(places, k)));
+      others.emplace_back(mesh_, push.fixed(), *tool_.shape, tool::touching_pose(vertex_, place(places, k)));
       others.back().set_anchor_stiffness(anchors);
       push.add(others.back());
     }
     Vector3d down = first.translation();
     for (int step = 1; step <= path_.steps && result.cause.empty(); ++step) {
       const double share = static_cast<double>(step) / path_.steps, depth = path_.depth * share * share;
-      const double radius = contact_radius(vertex_, depth);
+      const double radius = tool::contact_radius(vertex_, depth);
       const auto lowered = lower([&](const Vector3d& t) { return push.rest_gap(t); }, place(places, 0), depth);
       if (!lowered) return no_surface(result);
       down = *lowered;
@@ -99,7 +99,7 @@ private:
   }
 
   void go_aside(Push& push, const Vector3d& down, Press& result) const {
-    const double radius = contact_radius(vertex_, path_.depth);
+    const double radius = tool::contact_radius(vertex_, path_.depth);
     for (int step = 1; step <= kAsideSteps && result.cause.empty(); ++step) {
       move(push, down + (path_.aside * step / kAsideSteps) * path_.places[0].x, radius, path_.depth, result);
     }
@@ -125,14 +125,14 @@ private:
 
   std::optional<Vector3d> lower(const std::function<double(const Vector3d&)>& gap, const ContactFrame& frame,
                                 double depth) const {
-    return at_depth(gap, touching_pose(vertex_, frame).translation(), frame.n, depth, 1e-6 * path_.depth,
+    return at_depth(gap, tool::touching_pose(vertex_, frame).translation(), frame.n, depth, 1e-6 * path_.depth,
                     2 * std::max(vertex_.curvature_radius, path_.depth));
   }
 
   Vector3d checked(const Push& push, const ContactReport& report, const ContactFrame& frame, std::string& cause) const {
     GateState gate;
     gate.depth = path_.depth;
-    gate.contact_radius = contact_radius(vertex_, path_.depth);
+    gate.contact_radius = tool::contact_radius(vertex_, path_.depth);
     gate.force = report.force.dot(frame.n);
     gate.min_jacobian = push.min_jacobian();
     gate.contact = report;
@@ -141,11 +141,11 @@ private:
   }
 
   const Body& body_;
-  const Tool& tool_;
-  const ToolVertex& vertex_;
+  const tool::Tool& tool_;
+  const tool::ToolVertex& vertex_;
   const TogetherPath& path_;
   const PairOptions& options_;
-  const TetMesh& mesh_;
+  const mesh::TetMesh& mesh_;
 };
 
 void validate(const TogetherPath& path) {
@@ -161,8 +161,8 @@ void validate(const TogetherPath& path) {
 
 }  // namespace
 
-TogetherResult solve_together(const Body& body, const Tool& tool, const ToolVertex& vertex, const TogetherPath& path,
-                              const PairOptions& options) {
+TogetherResult solve_together(const Body& body, const tool::Tool& tool, const tool::ToolVertex& vertex,
+                              const TogetherPath& path, const PairOptions& options) {
   validate(path);
   TogetherResult result;
   if (body.prestress.any()) {
@@ -173,8 +173,8 @@ TogetherResult solve_together(const Body& body, const Tool& tool, const ToolVert
   std::vector<Vector3d> further;
   for (std::size_t k = 1; k < path.places.size(); ++k) further.push_back(path.places[k].origin - first.origin);
   if (path.aside > 0) further.push_back(path.aside * first.x);
-  const SizeField size = contact_size({body, tool, vertex, first}, path.depth, options.refine, options, further);
-  const VolumeMeshResult mesh = mesh_volume(body, size, {first.origin}, options.mesh);
+  const mesh::SizeField size = contact_size({body, tool, vertex, first}, path.depth, options.refine, options, further);
+  const mesh::VolumeMeshResult mesh = mesh::mesh_volume(body, size, {first.origin}, options.mesh);
   if (!mesh.usable) {
     result.cause = "mesh: " + mesh.cause;
     return result;
@@ -210,4 +210,4 @@ TogetherResult solve_together(const Body& body, const Tool& tool, const ToolVert
   return result;
 }
 
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::solve {
 
 struct TogetherPath {
   std::vector<ContactFrame>
@@ -41,7 +41,7 @@ struct TogetherResult {
 
 /// Presses `vertex` of a tool at each place alone, then at all at once, on one mesh, which is fine under all. Throws
 /// Error(usage) for a path out of its ranges, never for a numerical failure.
-TogetherResult solve_together(const Body& body, const Tool& tool, const ToolVertex& vertex, const TogetherPath& path,
-                              const PairOptions& options);
+TogetherResult solve_together(const Body& body, const tool::Tool& tool, const tool::ToolVertex& vertex,
+                              const TogetherPath& path, const PairOptions& options);
 
-}  // namespace palpate
+}  // namespace palpate::solve

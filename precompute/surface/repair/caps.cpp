@@ -13,7 +13,7 @@
 #include <cmath>
 #include <map>
 
-namespace palpate {
+namespace palpate::surface {
 namespace {
 
 using Eigen::Vector2d;
@@ -33,10 +33,10 @@ struct FlatRim {
 
 // Closed loops of border edges; where more than two meet in a vertex there is none.
 std::vector<FlatRim> flat_rims(const Surface& surface) {
-  const auto sides = sorted_sides(surface);
+  const auto sides = geometry::sorted_sides(surface);
   std::map<std::int32_t, std::vector<std::int32_t>> next;
   std::map<std::int32_t, std::int32_t> part;
-  for_each_edge(sides, [&](auto edge) {
+  geometry::for_each_edge(sides, [&](auto edge) {
     if (edge.size() != 1) return;
     next[edge[0].low].push_back(edge[0].high);
     next[edge[0].high].push_back(edge[0].low);
@@ -80,7 +80,7 @@ void fit_plane(const Surface& surface, FlatRim& rim) {
     spread += (at(k) - rim.centre) * (at(k) - rim.centre).transpose();
     turn += (at(k) - rim.centre).cross(at(k + 1) - rim.centre);
   }
-  const auto eigen = spectrum<Eigen::Dynamic>(Eigen::MatrixXd(spread));
+  const auto eigen = algebra::spectrum<Eigen::Dynamic>(Eigen::MatrixXd(spread));
   rim.normal = eigen.vectors.col(0).normalized();
   if (turn.dot(rim.normal) < 0) {
     std::reverse(rim.loop.begin(), rim.loop.end());
@@ -174,7 +174,7 @@ bool add_hole(const Plane& plane, std::vector<std::int32_t>& outline, const std:
 
 Surface cap_flat_rims(const Surface& surface, std::vector<std::string>& notes) {
   std::vector<FlatRim> rims = flat_rims(surface);
-  const double size = diagonal(surface);
+  const double size = geometry::diagonal(surface);
   for (FlatRim& rim : rims) fit_plane(surface, rim);
   std::erase_if(rims, [&](const FlatRim& rim) {
     return rim.deviation > std::max(1e-6 * size, std::min(rim.tolerance, kFlatShare * size)) ||
@@ -220,4 +220,4 @@ Surface cap_flat_rims(const Surface& surface, std::vector<std::string>& notes) {
   return capped;
 }
 
-}  // namespace palpate
+}  // namespace palpate::surface

@@ -7,16 +7,16 @@
 
 #include <algorithm>
 
-namespace palpate {
+namespace palpate::surface {
 
 std::vector<char> cavity_triangles(const Surface& surface) {
-  const auto labels = triangle_components(surface, true);
+  const auto labels = geometry::triangle_components(surface, true);
   const auto count = labels.empty() ? 0 : *std::max_element(labels.begin(), labels.end()) + 1;
   std::vector<char> walls;
   for (std::int32_t k = 0; count > 1 && k < count; ++k) {
     std::vector<bool> in(labels.size());
     for (std::size_t t = 0; t < labels.size(); ++t) in[t] = labels[t] == k;
-    if (signed_volume(keep_triangles(surface, in)) > 0) continue;
+    if (geometry::signed_volume(keep_triangles(surface, in)) > 0) continue;
     walls.resize(labels.size(), 0);
     for (std::size_t t = 0; t < labels.size(); ++t) {
       if (in[t]) walls[t] = 1;
@@ -25,4 +25,4 @@ std::vector<char> cavity_triangles(const Surface& surface) {
   return walls;
 }
 
-}  // namespace palpate
+}  // namespace palpate::surface

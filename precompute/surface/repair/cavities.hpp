@@ -6,9 +6,9 @@
 
 #include <vector>
 
-namespace palpate {
+namespace palpate::surface {
 
 /// Per triangle of a closed, oriented surface: on a component that faces inward. Empty: none is.
 std::vector<char> cavity_triangles(const Surface& surface);
 
-}  // namespace palpate
+}  // namespace palpate::surface

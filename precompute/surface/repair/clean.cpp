@@ -12,7 +12,7 @@
 
 #include <fmt/format.h>
 
-namespace palpate {
+namespace palpate::surface {
 namespace {
 
 constexpr double weld_share = 1e-6;       // of the diagonal: rounding of single-precision files
@@ -24,8 +24,8 @@ constexpr double hanging_share = 0.05;    // of the volume: largest block that h
 // Blocks that hung by an edge or a corner are parts of their own once they are split off.
 std::optional<Surface> take_apart(const Surface& surface, std::vector<std::string>& notes) {
   const Split split = split_touching(surface);
-  if (split.edges + split.vertices == 0 || !topology(split.surface).closed_manifold()) return std::nullopt;
-  const auto labels = triangle_components(split.surface, true);
+  if (split.edges + split.vertices == 0 || !geometry::topology(split.surface).closed_manifold()) return std::nullopt;
+  const auto labels = geometry::triangle_components(split.surface, true);
   const auto count = std::size_t(*std::max_element(labels.begin(), labels.end())) + 1;
   std::vector<double> volumes(count);
   std::vector<bool> keep(labels.size(), true);
@@ -33,7 +33,7 @@ std::optional<Surface> take_apart(const Surface& surface, std::vector<std::strin
   for (std::size_t k = 0; k < count; ++k) {
     std::vector<bool> in(labels.size());
     for (std::size_t t = 0; t < in.size(); ++t) in[t] = labels[t] == std::int32_t(k);
-    volumes[k] = signed_volume(keep_triangles(split.surface, in));
+    volumes[k] = geometry::signed_volume(keep_triangles(split.surface, in));
     whole += volumes[k];
   }
   notes.push_back(fmt::format("split where blocks touch in {} edges and {} vertices", split.edges, split.vertices));
@@ -48,30 +48,32 @@ std::optional<Surface> take_apart(const Surface& surface, std::vector<std::strin
 }
 
 std::optional<Surface> repair(const Surface& input, std::vector<std::string>& notes) {
-  const double size = diagonal(input);
+  const double size = geometry::diagonal(input);
   auto surface = drop_duplicates(weld(input, weld_share * size));
-  if (const auto found = topology(surface); found.nonmanifold_edges + found.nonmanifold_vertices > 0 &&
-                                            found.boundary_edges + found.flipped_edges + found.degenerate == 0) {
+  if (const auto found = geometry::topology(surface);
+      found.nonmanifold_edges + found.nonmanifold_vertices > 0 &&
+      found.boundary_edges + found.flipped_edges + found.degenerate == 0) {
     if (auto apart = take_apart(surface, notes)) return apart;
   }
-  if (topology(surface).boundary_edges > 0) surface = join_borders(surface, join_share * size);
+  if (geometry::topology(surface).boundary_edges > 0) surface = join_borders(surface, join_share * size);
   surface = drop_small_components(drop_fins(drop_duplicates(surface)), small_component);
-  if (topology(surface).boundary_edges > 0) surface = cap_flat_rims(surface, notes);
-  auto mended = mend(surface, {hole_share * area(surface)});
+  if (geometry::topology(surface).boundary_edges > 0) surface = cap_flat_rims(surface, notes);
+  auto mended = mend(surface, {hole_share * geometry::area(surface)});
   // Stitching of sheets that crossed may leave debris of its own.
-  if (mended && topology(*mended).components > 1) mended = mend(drop_small_components(*mended, small_component), {});
+  if (mended && geometry::topology(*mended).components > 1)
+    mended = mend(drop_small_components(*mended, small_component), {});
   return mended;
 }
 
 // Triangles that a point query can take.
 Surface solid_triangles(const Surface& surface) {
   std::vector<bool> keep(surface.triangles.size());
-  for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = !is_degenerate(surface, t);
+  for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = !geometry::is_degenerate(surface, t);
   return keep_triangles(surface, keep);
 }
 
 // Gives every triangle without a label (or with `all` every one) the part of the closest input triangle.
-void label_parts(Surface& surface, const SurfaceQuery& input, bool all) {
+void label_parts(Surface& surface, const geometry::SurfaceQuery& input, bool all) {
   surface.part_names = input.surface().part_names;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     if (!all && surface.parts[t] >= 0) continue;
@@ -86,17 +88,17 @@ void label_parts(Surface& surface, const SurfaceQuery& input, bool all) {
 // A closed part inside another that faces outward, as a solid does: neither a cavity (which faces inward) nor a part of
 // the body. Empty: there is none.
 std::string nested_solid(const Surface& surface) {
-  const auto labels = triangle_components(surface, true);
+  const auto labels = geometry::triangle_components(surface, true);
   const auto count = labels.empty() ? 0 : std::size_t(*std::max_element(labels.begin(), labels.end())) + 1;
   constexpr std::size_t kMostComponents = 64;  // more are debris
   if (count < 2 || count > kMostComponents) return {};
-  std::vector<std::unique_ptr<const SurfaceQuery>> parts;
+  std::vector<std::unique_ptr<const geometry::SurfaceQuery>> parts;
   std::vector<double> volumes;
   for (std::size_t k = 0; k < count; ++k) {
     std::vector<bool> in(labels.size());
     for (std::size_t t = 0; t < in.size(); ++t) in[t] = labels[t] == std::int32_t(k);
-    parts.push_back(std::make_unique<const SurfaceQuery>(keep_triangles(surface, in)));
-    volumes.push_back(signed_volume(parts.back()->surface()));
+    parts.push_back(std::make_unique<const geometry::SurfaceQuery>(keep_triangles(surface, in)));
+    volumes.push_back(geometry::signed_volume(parts.back()->surface()));
   }
   for (std::size_t k = 0; k < count; ++k) {
     int depth = 0;
@@ -128,7 +130,7 @@ std::string nested_solid(const Surface& surface) {
 bool faces_right(const Surface& input, const SurfaceFaults& faults) {
   if (faults.topology.components < 2) return true;
   const auto oriented = mend(input, {});
-  return oriented && std::abs(signed_volume(*oriented) - faults.volume) <= 1e-9 * std::abs(faults.volume);
+  return oriented && std::abs(geometry::signed_volume(*oriented) - faults.volume) <= 1e-9 * std::abs(faults.volume);
 }
 
 }  // namespace
@@ -174,10 +176,10 @@ CleanSurface clean_surface(const Surface& input, const CleanOptions& options, co
            "; after repair: " + remaining + "); repair = \"wrap\" makes one of anything");
     }
   }
-  const SurfaceQuery original(solid);
+  const geometry::SurfaceQuery original(solid);
   const bool wrapped = report.action.empty();
   if (report.action.empty()) {
-    const double alpha = options.wrap_alpha > 0 ? options.wrap_alpha : diagonal(input) / 50.0;
+    const double alpha = options.wrap_alpha > 0 ? options.wrap_alpha : geometry::diagonal(input) / 50.0;
     const double offset = options.wrap_offset > 0 ? options.wrap_offset : alpha / 30.0;
     surface = drop_small_components(alpha_wrap(input, alpha, offset), small_component);
     const auto left = examine(surface);
@@ -190,7 +192,7 @@ CleanSurface clean_surface(const Surface& input, const CleanOptions& options, co
     label_parts(surface, original, false);
   }
   if (options.smooth > 0) {
-    const SurfaceQuery facets(surface);
+    const geometry::SurfaceQuery facets(surface);
     const Smoothed smoothed = smooth(surface, options.smooth);
     surface = smoothed.surface;
     const auto left = examine(surface);
@@ -204,10 +206,10 @@ CleanSurface clean_surface(const Surface& input, const CleanOptions& options, co
     }
   }
   if (report.action != "used as it is") std::tie(report.largest_move, report.mean_move) = distances(surface, original);
-  result.query = std::make_shared<const SurfaceQuery>(surface);
+  result.query = std::make_shared<const geometry::SurfaceQuery>(surface);
   if (report.action != "used as it is") {
     const auto [largest, mean] = distances(input, *result.query);
-    if (largest > 1.5 * report.largest_move + weld_share * diagonal(input)) {
+    if (largest > 1.5 * report.largest_move + weld_share * geometry::diagonal(input)) {
       report.findings.push_back(
           fmt::format("input left aside up to {:.3g} mm from the result (mean {:.3g} mm)", largest * 1e3, mean * 1e3));
     }
@@ -224,4 +226,4 @@ CleanSurface clean_surface(const Surface& input, const CleanOptions& options, co
   return result;
 }
 
-}  // namespace palpate
+}  // namespace palpate::surface

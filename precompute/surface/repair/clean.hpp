@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-namespace palpate {
+namespace palpate::surface {
 
 struct CleanOptions {
   RepairMode mode = RepairMode::automatic;
@@ -17,7 +17,8 @@ struct CleanOptions {
 };
 
 struct CleanSurface {
-  std::shared_ptr<const SurfaceQuery> query;  ///< of the clean surface: closed, outward, every part kept as a label
+  /// The clean surface: closed, outward, every part kept as a label.
+  std::shared_ptr<const geometry::SurfaceQuery> query;
   SurfaceReport report;
 };
 
@@ -25,4 +26,4 @@ struct CleanSurface {
 /// spoils it.
 CleanSurface clean_surface(const Surface& input, const CleanOptions& options, const std::string& name);
 
-}  // namespace palpate
+}  // namespace palpate::surface

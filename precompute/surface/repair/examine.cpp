@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-namespace palpate {
+namespace palpate::surface {
 
 bool SurfaceFaults::clean() const noexcept { return topology.closed_manifold() && crossings == 0 && volume > 0.0; }
 
@@ -52,27 +52,27 @@ void require_usable(const Surface& surface, const std::string& name) {
       fail(fmt::format("triangle {}: part {} is outside 0..{}", t, surface.parts[t], surface.part_names.size()));
     }
   }
-  if (!(diagonal(surface) > 0.0)) fail("all points are at one place");
+  if (!(geometry::diagonal(surface) > 0.0)) fail("all points are at one place");
 }
 
 SurfaceFaults examine(const Surface& surface) {
   SurfaceFaults faults;
-  faults.topology = topology(surface);
+  faults.topology = geometry::topology(surface);
   const Surface welded = weld(surface, 0.0);
   if (faults.topology.closed_manifold()) {
     // Closed parts with a wall or an edge in common: a copy, or two organs that share their border.
-    const Topology touching = topology(welded);
+    const geometry::Topology touching = geometry::topology(welded);
     faults.topology.duplicates = touching.duplicates;
     faults.topology.nonmanifold_edges = touching.nonmanifold_edges;
   }
   // Triangles that meet in equal points without sharing an index touch; that is openness, not a crossing.
-  faults.crossings = crossings(drop_duplicates(welded)).size();
-  faults.volume = signed_volume(surface);
-  const double size = diagonal(surface);
+  faults.crossings = geometry::crossings(drop_duplicates(welded)).size();
+  faults.volume = geometry::signed_volume(surface);
+  const double size = geometry::diagonal(surface);
   if (std::abs(faults.volume) < 1e-12 * size * size * size) faults.volume = 0.0;
   return faults;
 }
 
 std::string joined(const std::vector<std::string>& lines) { return fmt::format("{}", fmt::join(lines, "; ")); }
 
-}  // namespace palpate
+}  // namespace palpate::surface

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::surface {
 
 struct SurfaceFaults {
-  Topology topology;
+  geometry::Topology topology;
   std::size_t crossings = 0;  ///< pairs of triangles that intersect, after merging equal points
   double volume = 0.0;        ///< m^3, signed; meaningless while open
 
@@ -30,4 +30,4 @@ SurfaceFaults examine(const Surface& surface);
 /// "a; b; c"
 std::string joined(const std::vector<std::string>& lines);
 
-}  // namespace palpate
+}  // namespace palpate::surface

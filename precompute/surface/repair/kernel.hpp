@@ -6,7 +6,7 @@
 
 #include <optional>
 
-namespace palpate {
+namespace palpate::surface {
 
 struct MendOptions {
   double hole_area = 0.0;  ///< m^2; holes up to this area (of the fan round their middle) are closed
@@ -23,4 +23,4 @@ Surface alpha_wrap(const Surface& soup, double alpha, double offset);
 /// Volume of the convex hull of the vertices (m^3); 0 when they lie in a plane.
 double hull_volume(const Surface& surface);
 
-}  // namespace palpate
+}  // namespace palpate::surface

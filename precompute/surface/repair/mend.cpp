@@ -14,14 +14,14 @@
 
 #include <Eigen/Geometry>
 
-namespace palpate {
+namespace palpate::surface {
 namespace {
 
-using Mesh = CgalMesh;
+using Mesh = geometry::CgalMesh;
 namespace pmp = CGAL::Polygon_mesh_processing;
 
 std::optional<Mesh> mesh_of(const Surface& surface) {
-  auto [points, polygons] = to_cgal_soup(surface);
+  auto [points, polygons] = geometry::to_cgal_soup(surface);
   // Keeps the order of the polygons and doubles the points where the soup is not a manifold.
   pmp::orient_polygon_soup(points, polygons);
   if (!pmp::is_polygon_soup_a_polygon_mesh(polygons)) return std::nullopt;
@@ -36,7 +36,8 @@ std::optional<Mesh> mesh_of(const Surface& surface) {
 // Area of the fan from the middle of a hole's corners to its edges.
 double fan_area(const Mesh& mesh, Mesh::Halfedge_index hole) {
   std::vector<Eigen::Vector3d> rim;
-  for (const auto h : CGAL::halfedges_around_face(hole, mesh)) rim.push_back(to_eigen(mesh.point(mesh.target(h))));
+  for (const auto h : CGAL::halfedges_around_face(hole, mesh))
+    rim.push_back(geometry::to_eigen(mesh.point(mesh.target(h))));
   Eigen::Vector3d middle(0, 0, 0);
   for (const auto& p : rim) middle += p / double(rim.size());
   double area = 0.0;
@@ -62,7 +63,7 @@ void close_holes(Mesh& mesh, double largest) {
 
 Surface surface_of(const Mesh& mesh, const std::vector<std::string>& part_names) {
   const auto parts = mesh.property_map<Mesh::Face_index, std::int32_t>("f:part").first;
-  Surface surface = from_cgal_mesh(mesh, FirstCorner::target);
+  Surface surface = geometry::from_cgal_mesh(mesh, geometry::FirstCorner::target);
   surface.part_names = part_names;
   for (const auto face : mesh.faces()) surface.parts.push_back(parts[face]);
   return surface;
@@ -84,4 +85,4 @@ std::optional<Surface> mend(const Surface& surface, const MendOptions& options) 
   return surface_of(*mesh, surface.part_names);
 }
 
-}  // namespace palpate
+}  // namespace palpate::surface

@@ -15,7 +15,7 @@
 #include <map>
 #include <numbers>
 
-namespace palpate {
+namespace palpate::surface {
 namespace {
 
 constexpr std::size_t thickness_points = 500;
@@ -40,9 +40,10 @@ double mean_facet_depth(const Surface& surface) {
       const auto a = surface.triangles[t][k], b = surface.triangles[t][(k + 1) % 3];
       const auto [other, first] = seen.try_emplace(std::minmax(a, b), t);
       if (first) continue;
-      const Eigen::Vector3d n = triangle_normal(surface, t), m = triangle_normal(surface, other->second);
+      const Eigen::Vector3d n = geometry::triangle_normal(surface, t),
+                            m = geometry::triangle_normal(surface, other->second);
       const double turn = std::atan2(n.cross(m).norm(), n.dot(m));
-      if (turn > kFeatureAngle * std::numbers::pi / 180) continue;
+      if (turn > geometry::kFeatureAngle * std::numbers::pi / 180) continue;
       const double length = (surface.vertices[std::size_t(b)] - surface.vertices[std::size_t(a)]).norm();
       sum += length * (middle(t) - middle(other->second)).norm() * turn / 2;
       total += length;
@@ -57,7 +58,7 @@ std::vector<SurfacePoint> spread_points(const Surface& surface, std::size_t coun
   std::vector<double> until;
   double total = 0.0;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    total += triangle_normal(surface, t).norm();
+    total += geometry::triangle_normal(surface, t).norm();
     until.push_back(total);
   }
   std::vector<SurfacePoint> result;
@@ -74,20 +75,20 @@ std::vector<SurfacePoint> spread_points(const Surface& surface, std::size_t coun
     const auto& a = surface.vertices[std::size_t(corners[0])];
     result.push_back(
         {a + u * (surface.vertices[std::size_t(corners[1])] - a) + v * (surface.vertices[std::size_t(corners[2])] - a),
-         triangle_normal(surface, t).normalized(), std::int32_t(t)});
+         geometry::triangle_normal(surface, t).normalized(), std::int32_t(t)});
   }
   return result;
 }
 
-void measure(const SurfaceQuery& query, SurfaceReport& report) {
+void measure(const geometry::SurfaceQuery& query, SurfaceReport& report) {
   const auto& surface = query.surface();
   report.vertices = surface.vertices.size();
   report.triangles = surface.triangles.size();
   Eigen::AlignedBox3d box;
   for (const auto& vertex : surface.vertices) box.extend(vertex);
   if (!box.isEmpty()) report.extents = box.sizes();
-  report.volume = signed_volume(surface);
-  report.area = area(surface);
+  report.volume = geometry::signed_volume(surface);
+  report.area = geometry::area(surface);
   report.facet_depth = mean_facet_depth(surface);
   std::vector<double> thickness;
   for (const auto& p : spread_points(surface, thickness_points))
@@ -98,12 +99,12 @@ void measure(const SurfaceQuery& query, SurfaceReport& report) {
     report.thickness_p05 = quantile(thickness, 0.05);
     report.thickness_median = quantile(thickness, 0.5);
   }
-  const bool thin = report.thickness_median < diagonal(surface) / 20.0;
+  const bool thin = report.thickness_median < geometry::diagonal(surface) / 20.0;
   const bool sheet = report.thickness_median * report.area < 3.0 * report.volume;
   report.thin_bag = thin && sheet && cavity_triangles(surface).empty() && report.volume < 0.35 * hull_volume(surface);
 }
 
-std::pair<double, double> distances(const Surface& from, const SurfaceQuery& to) {
+std::pair<double, double> distances(const Surface& from, const geometry::SurfaceQuery& to) {
   double largest = 0.0, sum = 0.0;
   std::size_t count = 0;
   const auto add = [&](const Eigen::Vector3d& point) {
@@ -145,4 +146,4 @@ std::string text(const Body& body) {
   return result;
 }
 
-}  // namespace palpate
+}  // namespace palpate::surface

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::surface {
 
 /// A point of a surface with the outward normal of its triangle.
 struct SurfacePoint {
@@ -24,14 +24,14 @@ std::vector<SurfacePoint> spread_points(const Surface& surface, std::size_t coun
 /// thin_bag: median thickness below a twentieth of the diagonal, the surface a sheet rather than a rod
 /// (thickness x area / volume below 3: 2 for a plate, 4 for a rod, 6 for a ball) that is bent round
 /// something (volume below 0.35 of the convex hull's). A shell with a cavity of its own is what it should be.
-void measure(const SurfaceQuery& query, SurfaceReport& report);
+void measure(const geometry::SurfaceQuery& query, SurfaceReport& report);
 
 /// Distances from the vertices and triangle centres of `from` to `to`: {largest, mean} in m.
-std::pair<double, double> distances(const Surface& from, const SurfaceQuery& to);
+std::pair<double, double> distances(const Surface& from, const geometry::SurfaceQuery& to);
 
 /// Several lines for the user, each ended by a newline.
 std::string text(const SurfaceReport& report);
 /// Text of the body, then of every region whose surface had faults.
 std::string text(const Body& body);
 
-}  // namespace palpate
+}  // namespace palpate::surface

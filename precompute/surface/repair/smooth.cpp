@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <array>
 
-namespace palpate {
+namespace palpate::surface {
 namespace {
 
 struct Traits : OpenMesh::DefaultTraits {
@@ -112,8 +112,8 @@ private:
 std::size_t straighten_crossings(Surface& surface, std::size_t before) {
   std::size_t kept = 0;
   Halved halved(surface, before);
-  for (std::vector<std::int32_t> wrong = crossing_triangles(surface); !wrong.empty();
-       wrong = crossing_triangles(surface)) {
+  for (std::vector<std::int32_t> wrong = geometry::crossing_triangles(surface); !wrong.empty();
+       wrong = geometry::crossing_triangles(surface)) {
     std::size_t moved = 0;
     for (std::size_t size = 0; moved == 0 && size < wrong.size();) {
       moved = halved.straighten(wrong);
@@ -138,4 +138,4 @@ Smoothed smooth(const Surface& surface, int rounds) {
   return result;
 }
 
-}  // namespace palpate
+}  // namespace palpate::surface

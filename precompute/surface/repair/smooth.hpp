@@ -4,7 +4,7 @@
 
 #include "formats/surface/surface.hpp"
 
-namespace palpate {
+namespace palpate::surface {
 
 struct Smoothed {
   Surface surface;
@@ -17,4 +17,4 @@ struct Smoothed {
 /// names stay, the labels are to be made anew.
 Smoothed smooth(const Surface& surface, int rounds);
 
-}  // namespace palpate
+}  // namespace palpate::surface

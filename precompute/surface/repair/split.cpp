@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-namespace palpate {
+namespace palpate::surface {
 namespace {
 
 using Eigen::Vector3d;
@@ -22,7 +22,7 @@ std::size_t corner_of(const Surface& surface, std::int32_t triangle, std::int32_
 
 // A side with the angle of its triangle about the edge, from the low to the high vertex.
 struct Leaf {
-  TriangleSide side;
+  geometry::TriangleSide side;
   double angle = 0;
 };
 
@@ -31,15 +31,15 @@ struct Leaf {
 Split split_touching(const Surface& surface) {
   Split split;
   split.surface = surface;
-  const auto sides = sorted_sides(surface);
-  Sets fans(3 * surface.triangles.size());
+  const auto sides = geometry::sorted_sides(surface);
+  geometry::Sets fans(3 * surface.triangles.size());
   bool paired = true;
-  const auto join = [&](const TriangleSide& a, const TriangleSide& b) {
+  const auto join = [&](const geometry::TriangleSide& a, const geometry::TriangleSide& b) {
     for (const auto vertex : {a.low, a.high}) {
       fans.join(corner_of(surface, a.triangle, vertex), corner_of(surface, b.triangle, vertex));
     }
   };
-  for_each_edge(sides, [&](auto edge) {
+  geometry::for_each_edge(sides, [&](auto edge) {
     if (edge.size() == 2) join(edge[0], edge[1]);
     if (edge.size() < 3) return;
     ++split.edges;
@@ -47,7 +47,7 @@ Split split_touching(const Surface& surface) {
     const Vector3d axis = (surface.vertices[std::size_t(edge[0].high)] - low).normalized();
     const Vector3d u = axis.unitOrthogonal(), v = axis.cross(u);
     std::vector<Leaf> leaves;
-    for (const TriangleSide& side : edge) {
+    for (const geometry::TriangleSide& side : edge) {
       Vector3d d(0, 0, 0);
       for (const auto corner : surface.triangles[std::size_t(side.triangle)]) {
         if (corner != side.low && corner != side.high) d = surface.vertices[std::size_t(corner)] - low;
@@ -93,7 +93,7 @@ Split split_touching(const Surface& surface) {
   std::vector<double> shortest(result.vertices.size(), std::numeric_limits<double>::infinity());
   for (std::size_t t = 0; t < result.triangles.size(); ++t) {
     const auto& c = result.triangles[t];
-    const Vector3d inward = -triangle_normal(result, t).stableNormalized();
+    const Vector3d inward = -geometry::triangle_normal(result, t).stableNormalized();
     for (std::size_t k = 0; k < 3; ++k) {
       if (copied[std::size_t(c[k])] == 0) continue;
       into[std::size_t(c[k])] += inward;
@@ -110,4 +110,4 @@ Split split_touching(const Surface& surface) {
   return split;
 }
 
-}  // namespace palpate
+}  // namespace palpate::surface

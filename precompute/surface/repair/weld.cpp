@@ -11,7 +11,7 @@
 #include <map>
 #include <numeric>
 
-namespace palpate {
+namespace palpate::surface {
 namespace {
 
 // Rewrites the corners by `to` (vertex -> vertex), drops triangles with repeated corners and unused vertices.
@@ -33,9 +33,9 @@ struct BorderVertex {
 };
 
 std::vector<BorderVertex> border_vertices(const Surface& surface) {
-  const auto sides = sorted_sides(surface);
+  const auto sides = geometry::sorted_sides(surface);
   std::map<std::int32_t, BorderVertex> found;
-  for_each_edge(sides, [&](auto edge) {
+  geometry::for_each_edge(sides, [&](auto edge) {
     if (edge.size() > 1) return;
     const auto& side = edge[0];
     const auto length = (surface.vertices[std::size_t(side.low)] - surface.vertices[std::size_t(side.high)]).norm();
@@ -54,7 +54,7 @@ std::vector<BorderVertex> border_vertices(const Surface& surface) {
 }  // namespace
 
 Surface weld(const Surface& surface, double tolerance) {
-  return renumber(surface, coincident(surface.vertices, tolerance));
+  return renumber(surface, geometry::coincident(surface.vertices, tolerance));
 }
 
 Surface join_borders(const Surface& surface, double tolerance) {
@@ -63,14 +63,17 @@ Surface join_borders(const Surface& surface, double tolerance) {
     return surface.vertices[std::size_t(v.vertex)];
   };
   std::sort(border.begin(), border.end(), [&](const BorderVertex& a, const BorderVertex& b) {
-    return sweep_place(at(a)) != sweep_place(at(b)) ? sweep_place(at(a)) < sweep_place(at(b)) : a.vertex < b.vertex;
+    return geometry::sweep_place(at(a)) != geometry::sweep_place(at(b))
+               ? geometry::sweep_place(at(a)) < geometry::sweep_place(at(b))
+               : a.vertex < b.vertex;
   });
   // The nearest border vertex of another part; both ways it must be the same pair.
   std::vector<std::size_t> nearest(border.size(), border.size());
   std::vector<double> distance(border.size(), std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < border.size(); ++i) {
     for (std::size_t j = i + 1;
-         j < border.size() && sweep_place(at(border[j])) - sweep_place(at(border[i])) <= tolerance; ++j) {
+         j < border.size() && geometry::sweep_place(at(border[j])) - geometry::sweep_place(at(border[i])) <= tolerance;
+         ++j) {
       if (border[i].part == border[j].part) continue;
       const double d = (at(border[i]) - at(border[j])).norm();
       if (d > tolerance || d > border[i].reach || d > border[j].reach) continue;
@@ -100,21 +103,21 @@ Surface drop_duplicates(const Surface& surface) {
 }
 
 Surface drop_fins(const Surface& surface) {
-  const auto sides = sorted_sides(surface);
-  const auto sheets = triangle_components(surface, false);
+  const auto sides = geometry::sorted_sides(surface);
+  const auto sheets = geometry::triangle_components(surface, false);
   const auto count = sheets.empty() ? 0 : std::size_t(*std::max_element(sheets.begin(), sheets.end())) + 1;
   std::vector<double> areas(count, 0.0);
   for (std::size_t t = 0; t < sheets.size(); ++t)
-    areas[std::size_t(sheets[t])] += triangle_normal(surface, t).norm() / 2;
+    areas[std::size_t(sheets[t])] += geometry::triangle_normal(surface, t).norm() / 2;
   std::vector<bool> open(count, false), hanging(count, false);
-  for_each_edge(sides, [&](auto edge) {
+  geometry::for_each_edge(sides, [&](auto edge) {
     for (const auto& side : edge) {
       const auto sheet = std::size_t(sheets[std::size_t(side.triangle)]);
       if (edge.size() == 1) open[sheet] = true;
       if (edge.size() > 2) hanging[sheet] = true;
     }
   });
-  const double limit = 0.1 * area(surface);
+  const double limit = 0.1 * geometry::area(surface);
   std::vector<bool> keep(surface.triangles.size());
   for (std::size_t t = 0; t < keep.size(); ++t) {
     const auto sheet = std::size_t(sheets[t]);
@@ -124,11 +127,11 @@ Surface drop_fins(const Surface& surface) {
 }
 
 Surface drop_small_components(const Surface& surface, double share) {
-  const auto labels = triangle_components(surface, true);
+  const auto labels = geometry::triangle_components(surface, true);
   std::vector<double> areas(labels.size(), 0.0);
   for (std::size_t t = 0; t < labels.size(); ++t)
-    areas[std::size_t(labels[t])] += triangle_normal(surface, t).norm() / 2;
-  const double limit = share * area(surface);
+    areas[std::size_t(labels[t])] += geometry::triangle_normal(surface, t).norm() / 2;
+  const double limit = share * geometry::area(surface);
   std::vector<bool> keep(labels.size());
   for (std::size_t t = 0; t < labels.size(); ++t) keep[t] = areas[std::size_t(labels[t])] >= limit;
   return keep_triangles(surface, keep);
@@ -171,4 +174,4 @@ Surface join(const std::vector<Surface>& surfaces) {
   return all;
 }
 
-}  // namespace palpate
+}  // namespace palpate::surface

@@ -4,7 +4,7 @@
 
 #include "formats/surface/surface.hpp"
 
-namespace palpate {
+namespace palpate::surface {
 
 /// Merges vertices that lie within `tolerance` (m, >= 0) of each other into the one with the lowest number,
 /// drops triangles that lose a corner by it and vertices without a triangle.
@@ -41,4 +41,4 @@ Surface keep_triangles(const Surface& surface, const std::vector<bool>& keep);
 /// Several surfaces as one soup; part names stay, also where two are equal.
 Surface join(const std::vector<Surface>& surfaces);
 
-}  // namespace palpate
+}  // namespace palpate::surface

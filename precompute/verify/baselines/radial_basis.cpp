@@ -7,7 +7,7 @@
 #include "precompute/fit/laws/pair_samples.hpp"
 #include "precompute/fit/least_squares/least_squares.hpp"
 
-namespace palpate::fit {
+namespace palpate::verify {
 namespace {
 
 using Eigen::MatrixXd;
@@ -37,7 +37,7 @@ Vector3d RadialBasis::force(const Vector3d& deflection) const {
 
 RadialBasis fit_radial_basis(const std::vector<Sample>& samples, double depth, double tangential, int centres,
                              const std::string& what) {
-  const PairSamples data = sort_samples(samples, what);
+  const fit::PairSamples data = fit::sort_samples(samples, what);
   RadialBasis network;
   network.depth = depth;
   network.tangential = tangential;
@@ -72,9 +72,9 @@ RadialBasis fit_radial_basis(const std::vector<Sample>& samples, double depth, d
   rows.bottomRows(taken) = kBasisRidge * MatrixXd::Identity(taken, taken);
   network.weights.resize(taken, 3);
   for (int axis = 0; axis < 3; ++axis) {
-    network.weights.col(axis) = data.peak * solve_linear(rows, target.col(axis), what + ", radial basis");
+    network.weights.col(axis) = data.peak * fit::solve_linear(rows, target.col(axis), what + ", radial basis");
   }
   return network;
 }
 
-}  // namespace palpate::fit
+}  // namespace palpate::verify

@@ -8,7 +8,7 @@
 
 #include "formats/journal/samples.hpp"
 
-namespace palpate::fit {
+namespace palpate::verify {
 
 /// Force = sum of weights w[k] phi(|q - c[k]|), phi(r) = sqrt(r^2 + h^2) (Hardy 1971, the multiquadric), q the
 /// deflection over (X, X, Z), its depth by the root, in which contact forces are smooth. Neither passive nor a
@@ -31,4 +31,4 @@ struct RadialBasis {
 RadialBasis fit_radial_basis(const std::vector<Sample>& samples, double depth, double tangential, int centres,
                              const std::string& what);
 
-}  // namespace palpate::fit
+}  // namespace palpate::verify

@@ -11,7 +11,7 @@
 #include "precompute/fit/least_squares/least_squares.hpp"
 #include "precompute/fit/least_squares/spline_rows.hpp"
 
-namespace palpate::fit {
+namespace palpate::verify {
 namespace {
 
 using Eigen::MatrixXd;
@@ -49,7 +49,7 @@ private:
   std::vector<double> entries_, target_;  // row after row
 };
 
-struct PairData : PairSamples {
+struct PairData : fit::PairSamples {
   double reach = 0.0;  // s of the deepest normal sample
 };
 
@@ -63,12 +63,13 @@ double abscissa(double depth, double scale) { return std::sqrt(std::clamp(depth 
 /// Priors of a force curve over s: one cubic where data are scarce. Beyond the deepest sample, at d, the curve continues
 /// with its slope in z there, F(z) = F(d) + F'(d) (z - d).
 void add_curve_priors(CurveRows& rows, int count, double reach) {
-  rows.add(jump_weight * jump_rows(count));
+  rows.add(jump_weight * fit::jump_rows(count));
   if (reach > 1 - 1e-9) return;
   for (int k = 1; k <= continuation_points; ++k) {
     const double s = reach + (1 - reach) * k / continuation_points;
     const double run = (s * s - reach * reach) / (2 * reach);
-    rows.add(continuation_weight * (value_row(count, s) - value_row(count, reach) - run * slope_row(count, reach)),
+    rows.add(continuation_weight *
+                 (fit::value_row(count, s) - fit::value_row(count, reach) - run * fit::slope_row(count, reach)),
              0.0);
   }
 }
@@ -80,13 +81,13 @@ VectorXd fit_normal(const PairData& data, const Scales& scales, const std::strin
   for (const Sample* sample : data.normal) {
     const double w = data.weight(*sample) * data.peak;
     const double s = abscissa(sample->deflection.z(), scales.depth);
-    rows.add(w * value_row(n, s), w * sample->force.z() / data.peak);
+    rows.add(w * fit::value_row(n, s), w * sample->force.z() / data.peak);
   }
   add_curve_priors(rows, n, data.reach);
   MatrixXd increments = MatrixXd::Zero(n, n - 2);
   for (int i = 2; i < n; ++i) increments.row(i).head(i - 1).setOnes();
   return data.peak *
-         (increments * solve_nonnegative(rows.matrix() * increments, rows.target(), what + ", normal curve"));
+         (increments * fit::solve_nonnegative(rows.matrix() * increments, rows.target(), what + ", normal curve"));
 }
 
 VectorXd fit_bias(const PairData& data, const Scales& scales, int axis, const std::string& what) {
@@ -94,18 +95,20 @@ VectorXd fit_bias(const PairData& data, const Scales& scales, int axis, const st
   CurveRows rows(n);
   for (const Sample* sample : data.normal) {
     const double w = data.weight(*sample) * data.peak;
-    rows.add(w * value_row(n, abscissa(sample->deflection.z(), scales.depth)), w * sample->force[axis] / data.peak);
+    rows.add(w * fit::value_row(n, abscissa(sample->deflection.z(), scales.depth)),
+             w * sample->force[axis] / data.peak);
   }
   add_curve_priors(rows, n, data.reach);
   VectorXd coefs = VectorXd::Zero(n);
-  coefs.tail(n - 2) = data.peak * solve_linear(rows.matrix().rightCols(n - 2), rows.target(), what + ", bias curve");
+  coefs.tail(n - 2) =
+      data.peak * fit::solve_linear(rows.matrix().rightCols(n - 2), rows.target(), what + ", bias curve");
   return coefs;
 }
 
 /// phi(u) = -sum of increments times (integrated spline(u) - the same at 0): zero at 0 and non-increasing for
 /// increments >= 0. `t` is u carried from [-1, 1] to [0, 1].
 RowVectorXd phi_row(int count, double t) {
-  const RowVectorXd values = value_row(count, t) - value_row(count, 0.5);
+  const RowVectorXd values = fit::value_row(count, t) - fit::value_row(count, 0.5);
   RowVectorXd row(count - 1);
   double tail = 0;
   for (int k = count - 1; k >= 1; --k) row[k - 1] = -(tail += values[k]);
@@ -130,7 +133,7 @@ void fit_product(const PairData& data, const VectorXd& bias, const Scales& scale
                   const std::string& what, VectorXd& growth, VectorXd& phi) {
   const int ng = kGrowth, np = kPhi;
   const auto m = static_cast<Eigen::Index>(data.tangential.size());
-  ProductProblem problem;
+  fit::ProductProblem problem;
   problem.a.resize(m, ng - 2);
   problem.b.resize(m, np - 1);
   problem.a0.resize(m);
@@ -141,7 +144,7 @@ void fit_product(const PairData& data, const VectorXd& bias, const Scales& scale
     const double u = std::clamp(sample.deflection[axis] / scales.tangential, -1.0, 1.0);
     const double force = sample.force[axis] - bias_at(data, bias, scales, sample.deflection.z(), axis);
     const double w = data.weight(sample) * data.peak;
-    const RowVectorXd g = value_row(ng, s);
+    const RowVectorXd g = fit::value_row(ng, s);
     problem.a.row(i) = g.segment(1, ng - 2);
     problem.a0[i] = g[ng - 1];
     problem.b.row(i) = w * phi_row(np, (u + 1) / 2);
@@ -149,10 +152,10 @@ void fit_product(const PairData& data, const VectorXd& bias, const Scales& scale
   }
 
   // Priors: the stiffness grows like the contact radius, g = s; phi is one smooth, nearly straight curve.
-  const MatrixXd bend = bend_rows(ng);
+  const MatrixXd bend = fit::bend_rows(ng);
   problem.x_rows = bend_weight * bend.middleCols(1, ng - 2);
   problem.x_target = -bend_weight * bend.col(ng - 1);
-  const MatrixXd jumps = jump_rows(np), bends = bend_rows(np);
+  const MatrixXd jumps = fit::jump_rows(np), bends = fit::bend_rows(np);
   MatrixXd smooth(jumps.rows() + bends.rows(), np);
   smooth << jump_weight * jumps, 0.3 * bend_weight * bends;
   MatrixXd cumulative = MatrixXd::Zero(np, np - 1);
@@ -161,7 +164,7 @@ void fit_product(const PairData& data, const VectorXd& bias, const Scales& scale
 
   VectorXd x(ng - 2), y;
   for (int k = 0; k < ng - 2; ++k) x[k] = spline::greville(ng, k + 1);
-  solve_product(problem, x, y, what + (axis == 0 ? ", tangential curves x" : ", tangential curves y"));
+  fit::solve_product(problem, x, y, what + (axis == 0 ? ", tangential curves x" : ", tangential curves y"));
 
   growth = VectorXd::Zero(ng);
   growth.segment(1, ng - 2) = x.cwiseMax(0.0);
@@ -175,7 +178,7 @@ void fit_product(const PairData& data, const VectorXd& bias, const Scales& scale
 SeparableField fit_separable(const std::vector<Sample>& samples, double depth, double tangential,
                              const std::string& what) {
   const Scales scales{depth, tangential};
-  PairData data{sort_samples(samples, what)};
+  PairData data{fit::sort_samples(samples, what)};
   data.reach = abscissa(data.normal.back()->deflection.z(), depth);
   SeparableField field;
   field.depth = depth;
@@ -207,4 +210,4 @@ double SeparableField::bytes(bool friction) {
   return 4.0 * (kNormal + 2 * kBias + (friction ? 2 * (kGrowth + kPhi) + kFriction : 0));
 }
 
-}  // namespace palpate::fit
+}  // namespace palpate::verify

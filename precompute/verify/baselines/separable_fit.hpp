@@ -8,7 +8,7 @@
 
 #include "formats/journal/samples.hpp"
 
-namespace palpate::fit {
+namespace palpate::verify {
 
 /// Spline coefficients over s = sqrt(z / Z), those of phi over (x / X + 1) / 2:
 ///
@@ -34,4 +34,4 @@ struct SeparableField {
 SeparableField fit_separable(const std::vector<Sample>& samples, double depth, double tangential,
                              const std::string& what);
 
-}  // namespace palpate::fit
+}  // namespace palpate::verify

@@ -9,13 +9,13 @@
 #include <map>
 #include <mutex>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 void compare(CellResult& result, const CellSolve& other) {
   result.check_cause = other.cause;
   if (!other.accepted) return;
-  const SampleDifference d = sample_difference(result.samples, other.samples);
+  const solve::SampleDifference d = solve::sample_difference(result.samples, other.samples);
   if (d.compared == 0) {
     result.check_cause = "no sample of the check matches";
     return;
@@ -30,9 +30,9 @@ void compare(CellResult& result, const CellSolve& other) {
 void check(const BatteryCell& cell, CellResult& result) {
   constexpr double kMoreNodes = 1.3;
   for (const double refine : {0.6, 0.36}) {
-    const CellSolve fine = solve_cell(cell, [&](PairOptions& options, PairPath&, const Body& body) {
-      options = finer_options(options, body, refine);
-      without_limits(options);
+    const CellSolve fine = solve_cell(cell, [&](solve::PairOptions& options, solve::PairPath&, const Body& body) {
+      options = solve::finer_options(options, body, refine);
+      solve::without_limits(options);
     });
     if (fine.accepted && fine.nodes < kMoreNodes * result.nodes) {
       result.check_cause = "the check's mesh is hardly finer";
@@ -43,9 +43,9 @@ void check(const BatteryCell& cell, CellResult& result) {
   }
   if (result.difference) return;
   const std::string finer = result.check_cause;
-  compare(result, solve_cell(cell, [](PairOptions& options, PairPath&, const Body&) {
-            options.method = ContactMethod::augmented;
-            without_limits(options);
+  compare(result, solve_cell(cell, [](solve::PairOptions& options, solve::PairPath&, const Body&) {
+            options.method = solve::ContactMethod::augmented;
+            solve::without_limits(options);
           }));
   result.augmented = result.difference.has_value();
   result.check_cause = result.augmented ? finer : finer + "; augmented Lagrange: " + result.check_cause;
@@ -102,7 +102,7 @@ BatteryResult run_battery(const std::vector<BatteryCell>& cells, const BatteryOp
     ++done;
     if (options.progress) options.progress(done, total);
   };
-  result.stopped = !parallel_for(cells.size(), options.threads, options.stop, [&](std::size_t k) {
+  result.stopped = !bake::parallel_for(cells.size(), options.threads, options.stop, [&](std::size_t k) {
     static_cast<CellSolve&>(result.cells[k]) = solve_cell(cells[k]);
     report(cells.size());
   });
@@ -111,7 +111,7 @@ BatteryResult run_battery(const std::vector<BatteryCell>& cells, const BatteryOp
   std::size_t total = cells.size();
   for (auto drawn = draws.next(result); !drawn.empty() && !result.stopped; drawn = draws.next(result)) {
     total += drawn.size();
-    result.stopped = !parallel_for(drawn.size(), options.threads, options.stop, [&](std::size_t k) {
+    result.stopped = !bake::parallel_for(drawn.size(), options.threads, options.stop, [&](std::size_t k) {
       check(cells[drawn[k]], result.cells[drawn[k]]);
       report(total);
     });
@@ -140,4 +140,4 @@ BatteryFigures battery_figures(const std::vector<BatteryCell>& cells, const Batt
   return f;
 }
 
-}  // namespace palpate
+}  // namespace palpate::verify

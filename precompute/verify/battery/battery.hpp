@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::verify {
 
 struct BatteryOptions {
   std::uint64_t seed = 1;
@@ -52,4 +52,4 @@ struct BatteryFigures {
 BatteryFigures battery_figures(const std::vector<BatteryCell>& cells, const BatteryResult& result, double tolerance,
                                const std::string& family = {});
 
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -13,7 +13,7 @@
 #include <fstream>
 #include <new>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 // TetGen's processor time (s), of all threads' children that ended.
@@ -49,16 +49,16 @@ bool finite(const std::vector<Sample>& samples) {
 
 PairResult solve(const BatteryCell& cell, const CellChange& change) {
   const Body body = prepare_body(cell.scene, cell.surface);
-  const Tool tool = make_tool(cell.scene.tools.at(0));
+  const tool::Tool tool = tool::make_tool(cell.scene.tools.at(0));
   ContactFrame frame;
   frame.origin = body.query->closest(cell.site).point;
   frame.n = cell.normal;
   frame.x = frame.n.unitOrthogonal();
   frame.y = frame.n.cross(frame.x);
-  PairOptions options = pair_options(cell.scene);
-  PairPath path = bake_path(cell.scene, cell.depth);
+  solve::PairOptions options = solve::pair_options(cell.scene);
+  solve::PairPath path = solve::bake_path(cell.scene, cell.depth);
   if (change) change(options, path, body);
-  return solve_pair({body, tool, tool.vertices.at(0), frame}, path, options);
+  return solve::solve_pair({body, tool, tool.vertices.at(0), frame}, path, options);
 }
 
 }  // namespace
@@ -93,4 +93,4 @@ CellSolve solve_cell(const BatteryCell& cell, const CellChange& change) {
   return result;
 }
 
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::verify {
 
 /// One contact of the first tool's first vertex.
 struct BatteryCell {
@@ -39,10 +39,10 @@ struct CellSolve {
 };
 
 /// Changes how the cell's scene is solved; `body` is the prepared one.
-using CellChange = std::function<void(PairOptions& options, PairPath& path, const Body& body)>;
+using CellChange = std::function<void(solve::PairOptions& options, solve::PairPath& path, const Body& body)>;
 
 /// Bake's own entry point (pair.hpp) along the scene's path. `change` empty: as the scene says. A cell whose force is
 /// not finite is refused by name. Throws Error(io) where the installation is broken, and std::bad_alloc.
 CellSolve solve_cell(const BatteryCell& cell, const CellChange& change = {});
 
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <mutex>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 // An error below is the solver's tolerance on both meshes: a ratio to it says nothing.
@@ -26,8 +26,8 @@ Spread spread_of(std::vector<double> values) {
 // The contact that is judged on a much finer mesh; its longest elements are refined by the root (contact_size). Without
 // friction a force depends on the depth alone, and three depths are solved; with it all of the normal indentation is,
 // and one of the tangential pushes.
-void much_finer(PairOptions& options, PairPath& path, double refine) {
-  without_limits(options);
+void much_finer(solve::PairOptions& options, solve::PairPath& path, double refine) {
+  solve::without_limits(options);
   options.time_limit = kReferenceLimit;
   options.refine *= refine;
   options.growth *= refine;
@@ -62,8 +62,9 @@ const char* verdict_name(Verdict verdict) {
 JudgedCell judge_cell(const BatteryCell& cell, const RandomBatteryOptions& options) {
   JudgedCell judged;
   judged.solve = solve_cell(cell);
-  const CellSolve reference =
-      solve_cell(cell, [&](PairOptions& pair, PairPath& path, const Body&) { much_finer(pair, path, options.refine); });
+  const CellSolve reference = solve_cell(cell, [&](solve::PairOptions& pair, solve::PairPath& path, const Body&) {
+    much_finer(pair, path, options.refine);
+  });
   judged.reference_cause = reference.accepted ? "" : reference.cause;
   judged.reference_seconds = reference.processor;
   judged.reference_nodes = reference.nodes;
@@ -71,8 +72,8 @@ JudgedCell judge_cell(const BatteryCell& cell, const RandomBatteryOptions& optio
     judged.verdict = reference.accepted ? Verdict::refused_sound : Verdict::refused;
     return judged;
   }
-  const SampleDifference d = sample_difference(judged.solve.samples, reference.samples);
-  for (const ComparedSample& s : d.samples) {
+  const solve::SampleDifference d = solve::sample_difference(judged.solve.samples, reference.samples);
+  for (const solve::ComparedSample& s : d.samples) {
     const double estimate = judged.solve.samples[s.sample].error_estimate;
     judged.samples.push_back({s.difference, estimate});
     const double excess = s.difference / std::max(options.tolerance, options.estimates * estimate);
@@ -86,7 +87,7 @@ JudgedCell judge_cell(const BatteryCell& cell, const RandomBatteryOptions& optio
 void run_random_battery(const std::vector<BatteryCell>& cells, const RandomBatteryOptions& options,
                         const std::function<void(std::size_t number, const JudgedCell& judged)>& done) {
   std::mutex guard;
-  parallel_for(cells.size(), options.threads, options.stop, [&](std::size_t k) {
+  bake::parallel_for(cells.size(), options.threads, options.stop, [&](std::size_t k) {
     const JudgedCell judged = judge_cell(cells[k], options);
     const std::lock_guard lock(guard);
     done(k, judged);
@@ -117,4 +118,4 @@ RandomFigures random_figures(const std::vector<JudgedCell>& cells) {
   return f;
 }
 
-}  // namespace palpate
+}  // namespace palpate::verify

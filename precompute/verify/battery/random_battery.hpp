@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::verify {
 
 struct RandomBatteryOptions {
   double tolerance = 0.03;  ///< relative error of a force that is right whatever its estimate says
@@ -66,4 +66,4 @@ struct RandomFigures {
 
 RandomFigures random_figures(const std::vector<JudgedCell>& cells);
 
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -12,7 +12,7 @@
 #include <numbers>
 #include <string>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 using Eigen::Vector3d;
@@ -116,13 +116,13 @@ void draw_body(Random& random, Drawn& d) {
     const double wider = slab ? random.uniform(2, 6) : 1.0;
     d.low = {-x * wider * size, -y * wider * size, 0};
     d.high = {x * wider * size, y * wider * size, size};
-    cell.surface = box_solid(d.low, d.high, size, cell.family);
+    cell.surface = geometry::box_solid(d.low, d.high, size, cell.family);
     draw_site(random, d, false);
     return;
   }
   cell.family = kind < 3 ? "ball" : "ellipsoid";
   const Vector3d axes = 0.5 * size * (kind < 3 ? Vector3d(1, 1, 1) : Vector3d(2 * x, 2 * y, 1));
-  cell.surface = geodesic_sphere(kFrequency, cell.family);
+  cell.surface = geometry::geodesic_sphere(kFrequency, cell.family);
   const Vector3d centre(0, 0, axes.z());
   for (Vector3d& v : cell.surface.vertices) v = centre + axes.cwiseProduct(v);
   d.low = centre - axes;
@@ -240,4 +240,4 @@ std::vector<BatteryCell> random_cells(std::uint64_t seed, std::size_t count) {
   return cells;
 }
 
-}  // namespace palpate
+}  // namespace palpate::verify

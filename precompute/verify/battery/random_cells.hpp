@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace palpate {
+namespace palpate::verify {
 
 /// Cell number k of a seed is the same for every `count`.
 ///
@@ -19,4 +19,4 @@ namespace palpate {
 /// - two fifths have friction, 0.05 to 1.3
 std::vector<BatteryCell> random_cells(std::uint64_t seed, std::size_t count);
 
-}  // namespace palpate
+}  // namespace palpate::verify

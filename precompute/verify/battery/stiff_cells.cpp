@@ -9,7 +9,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 using Eigen::Vector3d;
@@ -31,7 +31,7 @@ BatteryCell block(const std::string& family, double width = kWidth, double heigh
                   double radius = kTipRadius) {
   BatteryCell cell;
   cell.family = family;
-  cell.surface = box_solid({-width / 2, -width / 2, -height}, {width / 2, width / 2, 0}, height, "block");
+  cell.surface = geometry::box_solid({-width / 2, -width / 2, -height}, {width / 2, width / 2, 0}, height, "block");
   cell.scene.supports = {half_space({0, 0, -height * (1 - 1e-6)}, {0, 0, 1})};
   cell.scene.tools.resize(1);
   cell.scene.tools[0].radius = radius;
@@ -179,7 +179,7 @@ void sliver(std::vector<BatteryCell>& cells) {
       BatteryCell cell = block("sliver");
       Surface& s = cell.surface;
       const double h = kWidth / aspect, w = kWidth / 2;
-      s = box_solid({-w, -w, -kHeight}, {w, w, 0}, 2 * kWidth, "block");
+      s = geometry::box_solid({-w, -w, -kHeight}, {w, w, 0}, 2 * kWidth, "block");
       // Each triangle that has the corner (w, w, 0) is cut close to it, along all its edges there.
       const Vector3d corner(w, w, 0);
       const auto at = [&](const Vector3d& to) { return Vector3d(corner + h * (to - corner).normalized()); };
@@ -347,4 +347,4 @@ std::vector<BatteryCell> stiff_cells() {
   return cells;
 }
 
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -6,9 +6,9 @@
 
 #include <vector>
 
-namespace palpate {
+namespace palpate::verify {
 
 /// All of them, in a fixed order; at least 300.
 std::vector<BatteryCell> stiff_cells();
 
-}  // namespace palpate
+}  // namespace palpate::verify

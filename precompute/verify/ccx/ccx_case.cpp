@@ -9,10 +9,10 @@
 
 #include <numbers>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
-using Laws = std::vector<std::shared_ptr<const Law>>;
+using Laws = std::vector<std::shared_ptr<const fem::Law>>;
 
 constexpr double kYoung = 5e3, kRadius = 0.005, kDeepest = 0.4, kHalf = 4 * kRadius;
 
@@ -29,7 +29,7 @@ CcxCase make_case(ToolScene::Shape shape, double share_of_i2, double poisson, in
     // Its rim needs elements far smaller than the contact.
     c.base = std::numbers::sqrt2;
   }
-  c.tool = make_tool(tool);
+  c.tool = tool::make_tool(tool);
 
   Scene scene;
   scene.material.young = kYoung;
@@ -38,14 +38,15 @@ CcxCase make_case(ToolScene::Shape shape, double share_of_i2, double poisson, in
   bottom.point = {0, 0, -kHalf * (1 - 1e-6)};
   scene.supports = {bottom};
   const Eigen::Vector3d low(-kHalf, -kHalf, -kHalf), high(kHalf, kHalf, 0);
-  c.body = prepare_body(scene, box_solid(low, high, kHalf / 2, "block"));
-  c.quarter = prepare_body(scene, box_solid({0, 0, -kHalf}, high, kHalf / 2, "quarter"));
+  c.body = prepare_body(scene, geometry::box_solid(low, high, kHalf / 2, "block"));
+  c.quarter = prepare_body(scene, geometry::box_solid({0, 0, -kHalf}, high, kHalf / 2, "quarter"));
 
   const double mu = kYoung / (2 * (1 + poisson));
   c.law.c01 = 0.5 * mu * share_of_i2;
   c.law.c10 = 0.5 * mu - c.law.c01;
-  c.material = Material::of(
-      0, {std::make_shared<Distortion>(2 * c.law.c10, Laws{std::make_shared<SecondInvariant>(c.law.c01)})}, poisson);
+  c.material = fem::Material::of(
+      0, {std::make_shared<fem::Distortion>(2 * c.law.c10, Laws{std::make_shared<fem::SecondInvariant>(c.law.c01)})},
+      poisson);
   c.law.bulk = c.material.bulk;
   for (int k = 1; k <= depths; ++k) c.depths.push_back(kDeepest * kRadius * k / depths);
   return c;
@@ -63,4 +64,4 @@ std::vector<CcxCase> ccx_cases(int depths) {
   return cases;
 }
 
-}  // namespace palpate
+}  // namespace palpate::verify

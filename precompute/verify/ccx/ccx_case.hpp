@@ -10,17 +10,17 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::verify {
 
 /// A block of 8 x 8 x 4 tip radii, held at its bottom, under a tip in the middle of its top face (z = 0).
 struct CcxCase {
   std::string name;
-  Tool tool;
+  tool::Tool tool;
   Body body;
   double base = 1.0;  ///< size of the base mesh's elements over those of the settings
   Body quarter;       ///< its part in x, y >= 0
   CcxMaterial law;
-  Material material;           ///< the same energy for our elements
+  fem::Material material;      ///< the same energy for our elements
   std::vector<double> depths;  ///< m, evenly spaced to 40 % of the tip's radius
 };
 
@@ -28,4 +28,4 @@ struct CcxCase {
 /// I2), nu 0.3 and 0.45; Young's modulus at small strain 5 kPa.
 std::vector<CcxCase> ccx_cases(int depths = 6);
 
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -12,7 +12,7 @@
 #include <cmath>
 #include <limits>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 double processor_time(int who) {
@@ -22,8 +22,8 @@ double processor_time(int who) {
   return seconds(used.ru_utime) + seconds(used.ru_stime);
 }
 
-PairOptions pair_options(const CcxMesh& mesh, const CcxCase& c, const CcxSettings& settings) {
-  PairOptions options;
+solve::PairOptions pair_options(const CcxMesh& mesh, const CcxCase& c, const CcxSettings& settings) {
+  solve::PairOptions options;
   options.mesh_size = settings.mesh_size;
   // So that with contact_size's factor the whole of the size field is this many times as large.
   const double factor = c.base * mesh.size;
@@ -40,11 +40,12 @@ CcxMesh ccx_mesh(const CcxCase& c, double size, const CcxSettings& settings, boo
   mesh.size = size;
   mesh.quarter = quarter;
   const double before = processor_time(RUSAGE_THREAD) + processor_time(RUSAGE_CHILDREN);
-  const PairOptions options = pair_options(mesh, c, settings);
+  const solve::PairOptions options = pair_options(mesh, c, settings);
   // The quarter takes the sizes of the whole.
-  const SizeField sizes =
-      contact_size({c.body, c.tool, c.tool.vertices.at(0), ContactFrame{}}, c.depths.back(), c.base * size, options);
-  VolumeMeshResult made = mesh_volume(quarter ? c.quarter : c.body, sizes, {ContactFrame{}.origin}, options.mesh);
+  const mesh::SizeField sizes = solve::contact_size({c.body, c.tool, c.tool.vertices.at(0), ContactFrame{}},
+                                                    c.depths.back(), c.base * size, options);
+  mesh::VolumeMeshResult made =
+      mesh::mesh_volume(quarter ? c.quarter : c.body, sizes, {ContactFrame{}.origin}, options.mesh);
   if (!made.usable) throw Error(ExitCode::numerical, c.name + ": mesh: " + made.cause);
   mesh.mesh = std::move(made.mesh);
   mesh.seconds = processor_time(RUSAGE_THREAD) + processor_time(RUSAGE_CHILDREN) - before;
@@ -52,16 +53,16 @@ CcxMesh ccx_mesh(const CcxCase& c, double size, const CcxSettings& settings, boo
 }
 
 CcxSolve solve_ours(const CcxCase& c, const CcxMesh& mesh, bool plain, const CcxSettings& settings) {
-  PairPath path;
+  solve::PairPath path;
   path.normal_depths = c.depths;
-  PairOptions options = pair_options(mesh, c, settings);
+  solve::PairOptions options = pair_options(mesh, c, settings);
   options.materials = {plain ? c.material.plain() : c.material};
   CcxSolve solve;
   solve.size = mesh.size;
   solve.nodes = mesh.mesh.nodes.size();
   const double before = processor_time(RUSAGE_THREAD);
   const PairResult result =
-      solve_on_mesh({c.body, c.tool, c.tool.vertices.at(0), ContactFrame{}}, path, options, mesh.mesh);
+      solve::solve_on_mesh({c.body, c.tool, c.tool.vertices.at(0), ContactFrame{}}, path, options, mesh.mesh);
   solve.seconds = processor_time(RUSAGE_THREAD) - before;
   if (!result.outcome.accepted) {
     solve.cause = result.outcome.cause;
@@ -69,7 +70,7 @@ CcxSolve solve_ours(const CcxCase& c, const CcxMesh& mesh, bool plain, const Ccx
     solve.cause = std::to_string(result.samples.size()) + " of " + std::to_string(c.depths.size()) + " depths resolved";
   } else {
     for (std::size_t k = 0; k < c.depths.size(); ++k) {
-      solve.forces.push_back(force_at(result.samples[k], result.samples[k > 0 ? k - 1 : 1], c.depths[k]).z());
+      solve.forces.push_back(solve::force_at(result.samples[k], result.samples[k > 0 ? k - 1 : 1], c.depths[k]).z());
     }
   }
   return solve;
@@ -79,7 +80,7 @@ CcxSolve solve_ccx(const std::filesystem::path& ccx, const CcxCase& c, const Ccx
                    const CcxSettings& settings) {
   const double radius = c.tool.scene.radius;
   const ContactFrame frame;
-  std::vector<char> held = fixed_nodes(c.body, mesh.mesh);
+  std::vector<char> held = solve::fixed_nodes(c.body, mesh.mesh);
   for (std::size_t n = 0; n < held.size(); ++n) {
     held[n] = held[n] != 0 ? 7 : 0;
     for (int k = 0; k < 2 && mesh.quarter; ++k) {
@@ -89,11 +90,11 @@ CcxSolve solve_ccx(const std::filesystem::path& ccx, const CcxCase& c, const Ccx
   const ToolFacets facets = tool_facets(c.tool, settings.facets * radius);
   CcxContact contact;
   contact.stiffness =
-      settings.stiffness * c.body.material.young / contact_radius(c.tool.vertices.at(0), c.depths.back());
+      settings.stiffness * c.body.material.young / tool::contact_radius(c.tool.vertices.at(0), c.depths.back());
   contact.increments = settings.increments;
   contact.reach = 1.3 * radius;
-  const std::string deck =
-      ccx_deck({mesh.mesh, held, c.law, facets, touching_pose(c.tool.vertices.at(0), frame), frame, c.depths, contact});
+  const std::string deck = ccx_deck(
+      {mesh.mesh, held, c.law, facets, tool::touching_pose(c.tool.vertices.at(0), frame), frame, c.depths, contact});
   const CcxResult result = run_ccx(ccx, deck, c.depths.size(), settings.limits);
   CcxSolve solve;
   solve.size = mesh.size;
@@ -115,4 +116,4 @@ double largest_difference(const CcxSolve& a, const CcxSolve& reference) {
   return largest;
 }
 
-}  // namespace palpate
+}  // namespace palpate::verify

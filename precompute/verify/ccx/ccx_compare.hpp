@@ -10,13 +10,13 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::verify {
 
 /// A mesh of the case's body, every element `size` times as large as the base mesh's.
 struct CcxMesh {
   double size = 1.0;
   bool quarter = false;  ///< of its quarter, for CalculiX alone: the rest is its mirror image
-  TetMesh mesh;
+  mesh::TetMesh mesh;
   double seconds = 0.0;  ///< of processor time, to make it
 };
 
@@ -53,4 +53,4 @@ CcxSolve solve_ccx(const std::filesystem::path& ccx, const CcxCase& c, const Ccx
 /// Largest relative difference of the forces of two solves over the depths; NaN where one was refused or is NaN.
 double largest_difference(const CcxSolve& a, const CcxSolve& reference);
 
-}  // namespace palpate
+}  // namespace palpate::verify

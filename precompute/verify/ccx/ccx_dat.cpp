@@ -6,7 +6,7 @@
 #include <cmath>
 #include <sstream>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 [[noreturn]] void refuse(const std::string& line) {
@@ -46,4 +46,4 @@ std::vector<CcxTotal> read_ccx_totals(const std::string& dat) {
   return totals;
 }
 
-}  // namespace palpate
+}  // namespace palpate::verify

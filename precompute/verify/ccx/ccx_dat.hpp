@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::verify {
 
 struct CcxTotal {
   std::string set;
@@ -18,4 +18,4 @@ struct CcxTotal {
 /// with a number that is none (ccx prints stars for what does not fit, and NaN).
 std::vector<CcxTotal> read_ccx_totals(const std::string& dat);
 
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -10,7 +10,7 @@
 #include <map>
 #include <stdexcept>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 using Eigen::Vector3d;
@@ -37,7 +37,7 @@ void element(Text out, std::size_t number, const std::array<std::int32_t, 10>& n
 std::string held_along(int k) { return fmt::format("{}{}", kCcxHeld, k + 1); }
 
 void body(Text out, const CcxPush& push) {
-  const TetMesh& mesh = push.mesh;
+  const mesh::TetMesh& mesh = push.mesh;
   fmt::format_to(out, "*NODE\n");
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n) node(out, n + 1, mesh.nodes[n]);
   fmt::format_to(out, "*ELEMENT,TYPE=C3D10,ELSET=BODY\n");
@@ -135,4 +135,4 @@ std::string ccx_deck(const CcxPush& push) {
   return text;
 }
 
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::verify {
 
 /// W = c10 (J^(-2/3) I1 - 3) + c01 (J^(-4/3) I2 - 3) + bulk/2 (J - 1)^2: what ccx has under MOONEY-RIVLIN, and under
 /// NEO HOOKE where c01 is 0 (its manual prints another power of J for I2; its source, rubber.f, has this one).
@@ -27,7 +27,7 @@ struct CcxContact {
 /// A push along -n at the site `frame.origin`. The tool stands at `pose` (tool frame to body frame) when it first
 /// touches, and is pushed through `depths` (m, increasing), a step each.
 struct CcxPush {
-  const TetMesh& mesh;
+  const mesh::TetMesh& mesh;
   const std::vector<char>& held;  ///< per node: bit k set where its component k does not move
   CcxMaterial material;
   const ToolFacets& tool;
@@ -45,4 +45,4 @@ inline constexpr const char* kCcxHeld = "HELD";
 /// std::invalid_argument where no face of the body may touch.
 std::string ccx_deck(const CcxPush& push);
 
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -17,7 +17,7 @@
 #include <string_view>
 #include <system_error>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 namespace fs = std::filesystem;
@@ -121,14 +121,14 @@ CcxResult run_ccx(const fs::path& ccx, const std::string& deck, std::size_t step
   file.close();
   if (!file) throw Error(ExitCode::io, (folder.path / "push.inp").string() + ": cannot be written");
 
-  ChildLimits child_limits;
+  mesh::ChildLimits child_limits;
   child_limits.cpu_time = limits.cpu_time;
   child_limits.memory = limits.memory;
-  ChildStart start;
+  mesh::ChildStart start;
   start.arguments = {"-i", "push"};
   start.folder = folder.path;
   start.environment = {"OMP_NUM_THREADS=1", "CCX_NPROC_RESULTS=1", "CCX_NPROC_EQUATION_SOLVER=1"};
-  const ChildResult child = run_child(fs::absolute(ccx), {}, child_limits, start);
+  const mesh::ChildResult child = mesh::run_child(fs::absolute(ccx), {}, child_limits, start);
 
   CcxResult result;
   result.seconds = child.cpu_time;
@@ -152,4 +152,4 @@ CcxResult run_ccx(const fs::path& ccx, const std::string& deck, std::size_t step
   return result;
 }
 
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::verify {
 
 struct CcxLimits {
   double cpu_time = 3600.0;                     ///< s of processor time
@@ -30,4 +30,4 @@ std::filesystem::path find_ccx();
 CcxResult run_ccx(const std::filesystem::path& ccx, const std::string& deck, std::size_t steps,
                   const CcxLimits& limits = {});
 
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 using Eigen::Vector3d;
@@ -44,9 +44,9 @@ std::vector<Ring> punch_rings(double radius, double edge, double size) {
   return rings;
 }
 
-Vector3d on(const ToolShape& shape, Vector3d point) {
+Vector3d on(const tool::ToolShape& shape, Vector3d point) {
   for (int k = 0; k < 3; ++k) {
-    const DistanceSample s = shape.distance(point);
+    const tool::DistanceSample s = shape.distance(point);
     point -= s.value * s.gradient;
   }
   return point;
@@ -69,7 +69,7 @@ void join(std::int32_t inner, int few, std::int32_t outer, int many, std::vector
 
 }  // namespace
 
-ToolFacets tool_facets(const Tool& tool, double size) {
+ToolFacets tool_facets(const tool::Tool& tool, double size) {
   const ToolScene& scene = tool.scene;
   const bool sphere = scene.shape == ToolScene::Shape::sphere;
   if (!sphere && scene.shape != ToolScene::Shape::punch) throw std::invalid_argument("neither a sphere nor a punch");
@@ -107,4 +107,4 @@ ToolFacets tool_facets(const Tool& tool, double size) {
   return facets;
 }
 
-}  // namespace palpate
+}  // namespace palpate::verify

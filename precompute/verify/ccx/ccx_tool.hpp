@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace palpate {
+namespace palpate::verify {
 
 /// The part of a tool's surface that may touch (tool frame).
 struct ToolFacets {
@@ -21,6 +21,6 @@ struct ToolFacets {
 /// Rings of facets with edges of about `size` (m) about the tip of a sphere or a punch, and of size / 3 round a punch's
 /// rim; every node lies on the tool. They reach to 75 degrees up the sphere, to a radius up the wall of the punch.
 /// Throws std::invalid_argument for another shape.
-ToolFacets tool_facets(const Tool& tool, double size);
+ToolFacets tool_facets(const tool::Tool& tool, double size);
 
-}  // namespace palpate
+}  // namespace palpate::verify

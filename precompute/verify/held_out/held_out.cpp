@@ -18,7 +18,7 @@
 #include <random>
 #include <utility>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 using Eigen::Vector3d;
@@ -61,14 +61,14 @@ std::vector<double> running_areas(const Body& body) {
 }
 
 // Length of a profile's segment, area of a triangle; 1 for the only patch of a tip.
-std::vector<double> running_tool_sizes(const Tool& tool) {
+std::vector<double> running_tool_sizes(const tool::Tool& tool) {
   std::vector<double> sums;
   double sum = 0;
   for (const auto& p : tool.patches) {
-    const ToolVertex &a = tool.vertices[p[0]], &b = tool.vertices[p[1]], &c = tool.vertices[p[2]];
+    const tool::ToolVertex &a = tool.vertices[p[0]], &b = tool.vertices[p[1]], &c = tool.vertices[p[2]];
     double size = 1.0;
-    if (tool.kind == ToolKind::profile && p[0] != p[1]) size = std::abs(b.meridian - a.meridian);
-    if (tool.kind == ToolKind::mesh) size = 0.5 * (b.point - a.point).cross(c.point - a.point).norm();
+    if (tool.kind == tool::ToolKind::profile && p[0] != p[1]) size = std::abs(b.meridian - a.meridian);
+    if (tool.kind == tool::ToolKind::mesh) size = 0.5 * (b.point - a.point).cross(c.point - a.point).norm();
     sums.push_back(sum += size);
   }
   return sums;
@@ -105,8 +105,8 @@ std::vector<Vector3d> held_out_turns(double angle, double start) {
 
 // `start`: of the tangential directions, in the frame at which the tool was baked. It leaves the bake's rays without
 // turning the tool, so that x, y and what lies between them are compared.
-PairPath held_out_path(const Scene& scene, const ToolScene& tool, double depth, double start) {
-  PairPath path = bake_path(scene, depth);
+solve::PairPath held_out_path(const Scene& scene, const ToolScene& tool, double depth, double start) {
+  solve::PairPath path = solve::bake_path(scene, depth);
   // Off the grid of the bake everywhere but at the deepest point.
   const int n = scene.sampling.normal_points;
   for (int k = 1; k < n; ++k) path.normal_depths[k - 1] = depth * std::pow((k - 0.4) / (n - 0.4), 2);
@@ -117,9 +117,9 @@ PairPath held_out_path(const Scene& scene, const ToolScene& tool, double depth, 
     path.tangential_start = start;
     path.tangential_points = 2;
     path.slip_directions = 2;
-    path.side_paths = test_paths(path, start);
+    path.side_paths = solve::test_paths(path, start);
   }
-  add_grasp(path, scene, tool, depth);
+  solve::add_grasp(path, scene, tool, depth);
   if (path.grasp_depth > 0) {
     const double spacing = path.grasp_depths[1] - path.grasp_depths[0];
     for (double& d : path.grasp_depths) d += d < 0 ? 0.4 * spacing : -0.4 * spacing;
@@ -131,19 +131,20 @@ PairPath held_out_path(const Scene& scene, const ToolScene& tool, double depth, 
 }
 
 // The tool's vertex that presses, turned about its normal.
-ToolVertex pressing(const Tool& tool, const HeldOut& contact) {
-  return spun(interpolate(tool, static_cast<std::int32_t>(contact.tool_patch), contact.tool_weights), contact.spin);
+tool::ToolVertex pressing(const tool::Tool& tool, const HeldOut& contact) {
+  return tool::spun(tool::interpolate(tool, static_cast<std::int32_t>(contact.tool_patch), contact.tool_weights),
+                    contact.spin);
 }
 
-void solve(const Scene& scene, const Body& body, const Tool& tool, HeldOut& contact, double start) {
-  const ToolVertex vertex = pressing(tool, contact);
+void solve(const Scene& scene, const Body& body, const tool::Tool& tool, HeldOut& contact, double start) {
+  const tool::ToolVertex vertex = pressing(tool, contact);
   const ContactFrame& frame = contact.frame;
-  PairPath path = held_out_path(scene, tool.scene, contact.depth, start);
+  solve::PairPath path = held_out_path(scene, tool.scene, contact.depth, start);
   if (contact.at_pair) {  // these are of pushes alone
     path.slip_points = 0;
     path.side_paths.clear();
   }
-  const PairResult result = solve_pair({body, tool, vertex, frame}, path, pair_options(scene));
+  const PairResult result = solve::solve_pair({body, tool, vertex, frame}, path, solve::pair_options(scene));
   contact.floor = scene.response.floor;
   contact.accepted = result.outcome.accepted;
   contact.cause = result.outcome.cause;
@@ -155,7 +156,8 @@ void solve(const Scene& scene, const Body& body, const Tool& tool, HeldOut& cont
     if (s.kind == SampleKind::slipping) {
       const auto before = normal.find(s.deflection.z());
       if (s.friction_limit > 0 && before != normal.end()) {
-        contact.limits.push_back({s.deflection.z(), solved_limit(s, *before->second, scene.sampling.depth), 0.0, 0.0});
+        contact.limits.push_back(
+            {s.deflection.z(), solve::solved_limit(s, *before->second, scene.sampling.depth), 0.0, 0.0});
       }
       continue;
     }
@@ -166,7 +168,7 @@ void solve(const Scene& scene, const Body& body, const Tool& tool, HeldOut& cont
     if (!s.rotation.isZero(0)) {
       f.turn = ForcePair::Turn{frame.to_world(s.rotation), frame.to_world(s.torque), Vector3d::Zero(), 0.0};
     }
-    if (s.kind == SampleKind::path && s.index % kPathStride == 0) {
+    if (s.kind == SampleKind::path && s.index % solve::kPathStride == 0) {
       from = f.deflection;
       continue;
     }
@@ -207,19 +209,19 @@ private:
 };
 
 // Puts a contact on the surface nearest to a point; false where nothing can touch there.
-bool place(const runtime::View& view, const Scene& scene, const Body& body, const Tool& tool,
+bool place(const runtime::View& view, const Scene& scene, const Body& body, const tool::Tool& tool,
            const HeldOutOptions& options, const runtime::Vec3& point, HeldOut& contact) {
   const runtime::Location at = runtime::closest_point(view, point);
   contact.frame = frame_at(view, at.at, body.query->closest(to_eigen(at.point)).point);
   contact.thickness = body.query->thickness(contact.frame.origin, contact.frame.n);
   contact.depth = std::min(scene.sampling.depth, scene.sampling.depth_fraction * contact.thickness);
-  const ToolVertex vertex = pressing(tool, contact);
-  if (tool.scene.spins > 1) contact.orientation = touching_pose(vertex, contact.frame).linear();
+  const tool::ToolVertex vertex = pressing(tool, contact);
+  if (tool.scene.spins > 1) contact.orientation = tool::touching_pose(vertex, contact.frame).linear();
   return !options.touchable || options.touchable({body, tool, vertex, contact.frame}, contact.depth);
 }
 
 // The corner of a tool patch that is this vertex alone; false where no patch has it.
-bool corner_of(const Tool& tool, std::int32_t vertex, HeldOut& contact) {
+bool corner_of(const tool::Tool& tool, std::int32_t vertex, HeldOut& contact) {
   for (std::size_t p = 0; p < tool.patches.size(); ++p) {
     const auto& corners = tool.patches[p];
     const auto at = std::find(corners.begin(), corners.end(), vertex) - corners.begin();
@@ -241,7 +243,7 @@ bool solved(const runtime::View& view, std::uint32_t site, std::uint32_t vertex,
 }
 
 // Draws options.count contacts at sampled pairs of tools with spins, between the sampled spins.
-void draw_spins(const runtime::View& view, const Scene& scene, const Body& body, const std::vector<Tool>& tools,
+void draw_spins(const runtime::View& view, const Scene& scene, const Body& body, const std::vector<tool::Tool>& tools,
                 const HeldOutOptions& options, std::mt19937_64& engine, std::vector<HeldOut>& contacts,
                 std::vector<double>& starts) {
   if (view.spins == nullptr) return;
@@ -269,7 +271,7 @@ void draw_spins(const runtime::View& view, const Scene& scene, const Body& body,
     contact.tool = pair.tool;
     contact.spin = 2 * std::numbers::pi * uniform(engine);
     const double start = 2 * std::numbers::pi * uniform(engine);
-    const Tool& tool = tools[pair.tool];
+    const tool::Tool& tool = tools[pair.tool];
     if (!corner_of(tool, static_cast<std::int32_t>(pair.vertex), contact) ||
         !place(view, scene, body, tool, options, runtime::to_vec(view.sites[pair.site].position), contact)) {
       continue;
@@ -283,7 +285,7 @@ void draw_spins(const runtime::View& view, const Scene& scene, const Body& body,
 }  // namespace
 
 HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const Body& body,
-                          const std::vector<Tool>& tools, const HeldOutOptions& options) {
+                          const std::vector<tool::Tool>& tools, const HeldOutOptions& options) {
   if (options.count < 1 || options.count > 100000) {
     throw Error(ExitCode::usage, "held-out contacts: got " + std::to_string(options.count) + "; allowed 1 to 100000");
   }
@@ -297,15 +299,15 @@ HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const B
   for (; set.contacts.size() < options.count && drawn < most; ++drawn) {
     HeldOut contact;
     contact.tool = static_cast<std::uint32_t>(set.contacts.size() % tools.size());
-    const Tool& tool = tools[contact.tool];
+    const tool::Tool& tool = tools[contact.tool];
     const auto& t = surface.triangles[pick(areas, uniform(engine))];
     const Vector3d w = random_weights(engine);
     const Vector3d point =
         w[0] * surface.vertices[t[0]] + w[1] * surface.vertices[t[1]] + w[2] * surface.vertices[t[2]];
     contact.tool_patch = static_cast<std::uint32_t>(pick(running_tool_sizes(tool), uniform(engine)));
     const double along = uniform(engine);
-    if (tool.kind == ToolKind::profile) contact.tool_weights = {1 - along, along, 0};
-    if (tool.kind == ToolKind::mesh) contact.tool_weights = random_weights(engine);
+    if (tool.kind == tool::ToolKind::profile) contact.tool_weights = {1 - along, along, 0};
+    if (tool.kind == tool::ToolKind::mesh) contact.tool_weights = random_weights(engine);
     const double start = 2 * std::numbers::pi * uniform(engine);
     if (tool.scene.spins > 1) contact.spin = 2 * std::numbers::pi * uniform(engine);
     const auto& box = scene.sampling.within_box;
@@ -322,7 +324,7 @@ HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const B
   std::size_t done = 0;
   bool telling = false;
   std::mutex guard;  // of the two and the progress
-  set.stopped = !parallel_for(set.contacts.size(), options.threads, options.stop, [&](std::size_t k) {
+  set.stopped = !bake::parallel_for(set.contacts.size(), options.threads, options.stop, [&](std::size_t k) {
     solve(scene, body, tools[set.contacts[k].tool], set.contacts[k], starts[k]);
     const std::lock_guard lock(guard);
     // A callback that threw is not called again by the other threads.
@@ -391,4 +393,4 @@ void compare_with_file(const runtime::View& view, std::vector<HeldOut>& contacts
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate {
+namespace palpate::verify {
 
 /// One solved force with what the file answers to the same deflection. World (body) frame.
 struct ForcePair {
@@ -70,7 +70,7 @@ struct HeldOutOptions {
   std::uint32_t count = 40;  ///< contacts, [1, 100000]
   std::uint64_t seed = 1;
   unsigned threads = 1;  ///< [1, 1024]
-  std::function<bool(const ContactCase&, double depth)> touchable;  ///< empty: everywhere
+  std::function<bool(const solve::ContactCase&, double depth)> touchable;  ///< empty: everywhere
   std::function<bool()> stop;  ///< polled between solves
   std::function<void(std::size_t done, std::size_t total)> progress;
 };
@@ -88,9 +88,9 @@ struct HeldOutSet {
 /// by less where it turns; until the contact slips as a whole where the scene wants its friction limit solved. An
 /// exception, also of a callback, ends every thread after the solve it is in and is rethrown.
 HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const Body& body,
-                          const std::vector<Tool>& tools, const HeldOutOptions& options);
+                          const std::vector<tool::Tool>& tools, const HeldOutOptions& options);
 
 /// Fills `baked` and `error` of every force and limit from the file, locating c as the runtime does.
 void compare_with_file(const runtime::View& view, std::vector<HeldOut>& contacts);
 
-}  // namespace palpate
+}  // namespace palpate::verify

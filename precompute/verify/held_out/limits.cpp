@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 constexpr double kRefusedShare = 0.1;
@@ -42,4 +42,4 @@ std::optional<std::string> broken_limits(const VerifyStatistics& s, const Verify
   return all;
 }
 
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-namespace palpate {
+namespace palpate::verify {
 
 struct VerifyLimits {
   std::optional<double> p95{};             ///< 95th percentile of the normal indentations' error
@@ -20,4 +20,4 @@ struct VerifyLimits {
 /// measured is broken, and so is any where too many contacts were refused: the solved ones are then a selection.
 std::optional<std::string> broken_limits(const VerifyStatistics& statistics, const VerifyLimits& limits);
 
-}  // namespace palpate
+}  // namespace palpate::verify

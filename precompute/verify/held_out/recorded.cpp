@@ -11,7 +11,7 @@
 #include <string_view>
 #include <utility>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -169,4 +169,4 @@ std::vector<HeldOut> read_recorded(const std::filesystem::path& file) {
   return contacts;
 }
 
-}  // namespace palpate
+}  // namespace palpate::verify

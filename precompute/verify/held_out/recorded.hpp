@@ -8,7 +8,7 @@
 
 #include <filesystem>
 
-namespace palpate {
+namespace palpate::verify {
 
 /// [{tool, tool_patch, tool_weights, c, n, x, depth_m, thickness_m, filled, accepted, cause,
 ///   forces: [{kind, deflection_m, solved_N, baked_N, error, from_m of a path's first}],
@@ -22,4 +22,4 @@ nlohmann::ordered_json to_json(const ErrorStatistics& statistics, const std::vec
 /// Reads the "held_out" list of a report. Throws Error(io) or Error(bad_input) naming file and entry.
 std::vector<HeldOut> read_recorded(const std::filesystem::path& file);
 
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <initializer_list>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 struct Figure {
@@ -104,4 +104,4 @@ VerifyStatistics summarise(const std::vector<HeldOut>& contacts) {
   return s;
 }
 
-}  // namespace palpate
+}  // namespace palpate::verify

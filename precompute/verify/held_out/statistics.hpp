@@ -4,7 +4,7 @@
 
 #include "precompute/verify/held_out/held_out.hpp"
 
-namespace palpate {
+namespace palpate::verify {
 
 /// Relative errors of the forces of one kind of push, of torques, or of friction limits, over all of them.
 struct ErrorStatistics {
@@ -29,4 +29,4 @@ VerifyStatistics summarise(const std::vector<HeldOut>& contacts);
 /// The q-quantile (0 to 1) of values by linear interpolation between order statistics; 0 of nothing.
 double quantile(std::vector<double> values, double q);
 
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -13,7 +13,7 @@
 #include <functional>
 #include <string>
 
-namespace palpate {
+namespace palpate::fem {
 namespace {
 
 using Eigen::Vector3d;
@@ -93,7 +93,7 @@ protected:
     }
   }
 
-  TetMesh mesh = test::block_mesh({0, 0.3, 1}, {0, 0.6, 1}, {0, 0.5, 1});
+  mesh::TetMesh mesh = test::block_mesh({0, 0.3, 1}, {0, 0.6, 1}, {0, 0.5, 1});
 };
 
 TEST_P(Compressible, UniaxialStretch) { compare(false); }
@@ -154,4 +154,4 @@ INSTANTIATE_TEST_SUITE_P(Laws, Compressible, ::testing::ValuesIn(kByHand),
                          [](const auto& law) { return std::string(law.param.name); });
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -16,7 +16,7 @@
 #include <string>
 #include <tuple>
 
-namespace palpate {
+namespace palpate::fem {
 namespace {
 
 using Eigen::Matrix3d;
@@ -26,7 +26,7 @@ using test::LawChoice;
 
 constexpr double kModulus = 2000;  // Pa, about the shear modulus of every law
 
-TetMesh distorted_cube() { return test::distorted_block({0, 0.4, 1}, {0, 0.6, 1}, {0, 0.5, 1}, 0.06); }
+mesh::TetMesh distorted_cube() { return test::distorted_block({0, 0.4, 1}, {0, 0.6, 1}, {0, 0.5, 1}, 0.06); }
 
 class EveryLaw : public ::testing::TestWithParam<std::tuple<LawChoice, bool>> {
 protected:
@@ -38,7 +38,7 @@ protected:
 };
 
 TEST_P(EveryLaw, AssembledDerivativesMatchDifferencesAlsoWhereElementsDegenerate) {
-  const TetMesh mesh = test::block_mesh({0, 0.5, 1.1}, {0, 0.9}, {0, 1.0});
+  const mesh::TetMesh mesh = test::block_mesh({0, 0.5, 1.1}, {0, 0.9}, {0, 1.0});
   const ElasticEnergy energy(mesh, {material()});
   const test::Loaded problem(energy, VectorXd::Zero(3 * static_cast<Eigen::Index>(mesh.nodes.size())));
   std::mt19937 engine(7);
@@ -51,7 +51,7 @@ TEST_P(EveryLaw, AssembledDerivativesMatchDifferencesAlsoWhereElementsDegenerate
 
 // A linear field must leave every inner node in balance, and the faces with the stress of its constant F.
 TEST_P(EveryLaw, PatchTestOnADistortedMesh) {
-  const TetMesh mesh = distorted_cube();
+  const mesh::TetMesh mesh = distorted_cube();
   const Material m = material();
   Matrix3d f, stress;
   f << 1.3, 0.2, -0.1, 0.05, 0.8, 0.1, 0.2, -0.15, 0.95;
@@ -75,7 +75,7 @@ TEST_P(EveryLaw, PatchTestOnADistortedMesh) {
 
 // Hooke's law is strained by a rotation, but neither by its linear part nor by a shift.
 TEST_P(EveryLaw, RigidMotionPullsAtNoNode) {
-  const TetMesh mesh = distorted_cube();
+  const mesh::TetMesh mesh = distorted_cube();
   const ElasticEnergy energy(mesh, {material()});
   const Vector3d axis(1, 2, 3);
   Matrix3d turn = Eigen::AngleAxisd(1.1, axis.normalized()).toRotationMatrix();
@@ -136,7 +136,7 @@ protected:
     return s;
   }
 
-  TetMesh mesh = test::block_mesh({0, 0.3, 1}, {0, 1}, {0, 0.5, 1});
+  mesh::TetMesh mesh = test::block_mesh({0, 0.3, 1}, {0, 1}, {0, 0.5, 1});
   MaterialScene scene = fibres_along_z();
   ElasticEnergy energy{mesh, {make_material(scene)}};
 };
@@ -227,4 +227,4 @@ INSTANTIATE_TEST_SUITE_P(Laws, ClosedForm, ::testing::ValuesIn(kClosed),
                          [](const auto& closed) { return std::string(closed.param.name); });
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::fem

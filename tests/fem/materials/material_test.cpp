@@ -11,7 +11,7 @@
 #include <cmath>
 #include <random>
 
-namespace palpate {
+namespace palpate::fem {
 namespace {
 
 using Eigen::Matrix3d;
@@ -84,11 +84,11 @@ TEST_P(Laws, DerivativesMatchDifferencesInEveryState) {
 TEST_P(Laws, TheConvexTangentIsTheExactOneWithoutItsNegativePart) {
   for (const Matrix3d& f : states()) {
     const Tangent exact = material.law_tangent(f), convex = positive_part(exact);
-    const auto before = spectrum(exact), after = spectrum(convex);
+    const auto before = algebra::spectrum(exact), after = algebra::spectrum(convex);
     for (int k = 0; k < 9; ++k) {
       EXPECT_NEAR(after.values[k], std::max(before.values[k], 0.0), 2e-6 * (1 + exact.norm()));
     }
-    EXPECT_GT(spectrum<9>(convex - exact).values[0], -1e-10 * (1 + exact.norm()));
+    EXPECT_GT(algebra::spectrum<9>(convex - exact).values[0], -1e-10 * (1 + exact.norm()));
   }
 }
 
@@ -189,4 +189,4 @@ TEST(Distortion, UniaxialStretchAndSimpleShearAsTheFormulaSays) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::fem

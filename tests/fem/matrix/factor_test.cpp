@@ -11,7 +11,7 @@
 #include <Eigen/SparseCholesky>
 #include <random>
 
-namespace palpate {
+namespace palpate::fem {
 namespace {
 
 using Eigen::VectorXd;
@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 // Stiffness of a block that stands on its bottom.
 class Stiffness : public ::testing::Test {
 protected:
-  TetMesh mesh = test::block_mesh({0, 0.2, 0.5, 1}, {0, 0.4, 0.7, 1}, {0, 0.3, 0.6, 1});
+  mesh::TetMesh mesh = test::block_mesh({0, 0.2, 0.5, 1}, {0, 0.4, 0.7, 1}, {0, 0.3, 0.6, 1});
   VectorXd rest = test::stacked(mesh);
 
   [[nodiscard]] Eigen::SparseMatrix<double> at(double poisson, const VectorXd& x) const {
@@ -92,4 +92,4 @@ TEST_F(Stiffness, AnIndefiniteMatrixHasNoFactor) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::fem

@@ -21,7 +21,7 @@ std::vector<Sample> samples() {
   return test::samples_of(pair, kDepth, 12, 3, 8, kReach / kDepth);
 }
 
-double worst(const RadialBasis& network, const std::vector<Sample>& all) {
+double worst(const verify::RadialBasis& network, const std::vector<Sample>& all) {
   const double peak = all[11].force.norm();
   double most = 0;
   for (const Sample& s : all) {
@@ -32,13 +32,13 @@ double worst(const RadialBasis& network, const std::vector<Sample>& all) {
 
 TEST(RadialBasis, GoesThroughItsSamplesWithACentreAtEach) {
   const std::vector<Sample> all = samples();
-  const auto fitted = [&](int centres) { return fit_radial_basis(all, kDepth, kReach, centres, "test"); };
+  const auto fitted = [&](int centres) { return verify::fit_radial_basis(all, kDepth, kReach, centres, "test"); };
   EXPECT_LT(worst(fitted(1000), all), 0.01);
   EXPECT_EQ(fitted(1000).centres.rows(), static_cast<Eigen::Index>(all.size()));
   EXPECT_LT(worst(fitted(24), all), 0.5 * worst(fitted(6), all));
   EXPECT_EQ(fitted(24).force({0, 0, 0}), Eigen::Vector3d::Zero());
-  EXPECT_EQ(RadialBasis::bytes(24), 576);
-  EXPECT_THROW(fit_radial_basis({all[0]}, kDepth, kReach, 6, "test"), Error) << "one normal indentation";
+  EXPECT_EQ(verify::RadialBasis::bytes(24), 576);
+  EXPECT_THROW(verify::fit_radial_basis({all[0]}, kDepth, kReach, 6, "test"), Error) << "one normal indentation";
 }
 
 }  // namespace

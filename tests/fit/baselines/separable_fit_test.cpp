@@ -20,8 +20,7 @@ using test::samples_of;
 constexpr double Z = 0.005;
 
 /// Largest relative error of the normal force between `from` and 1 times `depth`.
-double worst_normal(const SeparableField& curves, const AnalyticPair& pair, double depth,
-                    double from) {
+double worst_normal(const verify::SeparableField& curves, const AnalyticPair& pair, double depth, double from) {
   double worst = 0;
   for (int k = 0; k <= 400; ++k) {
     const double z = depth * (from + (1 - from) * k / 400);
@@ -31,7 +30,7 @@ double worst_normal(const SeparableField& curves, const AnalyticPair& pair, doub
   return worst;
 }
 
-void expect_monotone(const SeparableField& curves) {
+void expect_monotone(const verify::SeparableField& curves) {
   EXPECT_EQ(curves.normal[0], 0.0);
   EXPECT_EQ(curves.normal[1], 0.0);
   for (Eigen::Index k = 1; k < curves.normal.size(); ++k) EXPECT_GE(curves.normal[k], curves.normal[k - 1]);
@@ -39,7 +38,7 @@ void expect_monotone(const SeparableField& curves) {
 
 TEST(SeparableFit, HertzDownToATwentiethOfTheDepth) {
   const AnalyticPair hertz = power_law(500.0, 1.5);
-  const SeparableField curves = fit_separable(samples_of(hertz, Z), Z, 0, "pair");
+  const verify::SeparableField curves = verify::fit_separable(samples_of(hertz, Z), Z, 0, "pair");
   const double worst = worst_normal(curves, hertz, Z, 0.05);
   RecordProperty("worst", std::to_string(worst));
   EXPECT_LT(worst, 0.005);
@@ -49,7 +48,7 @@ TEST(SeparableFit, HertzDownToATwentiethOfTheDepth) {
 
 TEST(SeparableFit, FlatPunch) {
   const AnalyticPair punch = power_law(200.0, 1.0);
-  const SeparableField curves = fit_separable(samples_of(punch, Z), Z, 0, "pair");
+  const verify::SeparableField curves = verify::fit_separable(samples_of(punch, Z), Z, 0, "pair");
   EXPECT_LT(worst_normal(curves, punch, Z, 0.05), 0.005);
   expect_monotone(curves);
 }
@@ -58,14 +57,14 @@ TEST(SeparableFit, StiffeningTissue) {
   // Hertz times an exponential: four times as stiff at full depth.
   AnalyticPair tissue;
   tissue.push = [](double z) { return Eigen::Vector3d(0, 0, 500 * std::pow(z, 1.5) * std::exp(1.4 * z / Z)); };
-  const SeparableField curves = fit_separable(samples_of(tissue, Z), Z, 0, "pair");
+  const verify::SeparableField curves = verify::fit_separable(samples_of(tissue, Z), Z, 0, "pair");
   EXPECT_LT(worst_normal(curves, tissue, Z, 0.05), 0.005);
 }
 
 TEST(SeparableFit, ShallowSiteGoesOnWithItsLastStiffness) {
   const AnalyticPair hertz = power_law(500.0, 1.5);
   for (const double depth : {0.2 * Z, 0.5 * Z, 0.99 * Z}) {
-    const SeparableField curves = fit_separable(samples_of(hertz, depth), Z, 0, "pair");
+    const verify::SeparableField curves = verify::fit_separable(samples_of(hertz, depth), Z, 0, "pair");
     EXPECT_LT(worst_normal(curves, hertz, depth, 0.05), 0.005) << depth;
     expect_monotone(curves);
     const double force = hertz.push(depth).z(), stiffness = 1.5 * force / depth;
@@ -79,7 +78,7 @@ TEST(SeparableFit, ShallowSiteGoesOnWithItsLastStiffness) {
 
 TEST(SeparableFit, FourPointsAreEnoughForHertz) {
   const AnalyticPair hertz = power_law(500.0, 1.5);
-  const SeparableField curves = fit_separable(samples_of(hertz, Z, 4), Z, 0, "pair");
+  const verify::SeparableField curves = verify::fit_separable(samples_of(hertz, Z, 4), Z, 0, "pair");
   EXPECT_LT(worst_normal(curves, hertz, Z, 0.05), 0.005);
 }
 
@@ -89,7 +88,7 @@ TEST(SeparableFit, NoiseIsNotAmplifiedAndStaysMonotone) {
   for (int trial = 0; trial < 50; ++trial) {
     std::vector<Sample> samples = samples_of(hertz, Z);
     for (Sample& s : samples) s.force *= 1 + 0.02 * (static_cast<double>(random()) / 4294967296.0 * 2 - 1);
-    const SeparableField curves = fit_separable(samples, Z, 0, "pair");
+    const verify::SeparableField curves = verify::fit_separable(samples, Z, 0, "pair");
     EXPECT_LT(worst_normal(curves, hertz, Z, 0.05), 0.03);
     expect_monotone(curves);
   }
@@ -99,7 +98,7 @@ TEST(SeparableFit, SofteningDataStillGiveAMonotoneCurve) {
   AnalyticPair snap;
   snap.push = [](double z) { return Eigen::Vector3d(0, 0, z < 0.6 * Z ? 100 * z : 60 * Z - 40 * (z - 0.6 * Z)); };
   const std::vector<Sample> samples = samples_of(snap, Z);
-  const SeparableField curves = fit_separable(samples, Z, 0, "pair");
+  const verify::SeparableField curves = verify::fit_separable(samples, Z, 0, "pair");
   expect_monotone(curves);
 }
 
@@ -108,7 +107,7 @@ TEST(SeparableFit, LateralForceOfANormalIndentation) {
   skewed.push = [](double z) -> Eigen::Vector3d {
     return Eigen::Vector3d(-0.05, 0.03, 1.0) * 500 * std::pow(z, 1.5) + Eigen::Vector3d(0, 0.2 * z, 0);
   };
-  const SeparableField curves = fit_separable(samples_of(skewed, Z), Z, 0, "pair");
+  const verify::SeparableField curves = verify::fit_separable(samples_of(skewed, Z), Z, 0, "pair");
   for (int k = 1; k <= 100; ++k) {
     const double z = Z * k / 100;
     const Eigen::Vector3d truth = skewed.push(z);
@@ -130,7 +129,7 @@ AnalyticPair skewed_tangential() {
 TEST(SeparableFit, SkewedTangentialResponse) {
   const AnalyticPair pair = skewed_tangential();
   const std::vector<Sample> samples = samples_of(pair, Z, 12, 3);
-  const SeparableField curves = fit_separable(samples, Z, 0.4 * Z, "pair");
+  const verify::SeparableField curves = verify::fit_separable(samples, Z, 0.4 * Z, "pair");
   for (const double z : {0.3 * Z, 0.6 * Z, Z}) {
     for (int k = -10; k <= 10; ++k) {
       for (const int axis : {0, 1}) {
@@ -154,7 +153,8 @@ TEST(SeparableFit, SkewedTangentialResponse) {
 
 TEST(SeparableFit, SameSamplesSameBits) {
   std::vector<Sample> samples = samples_of(skewed_tangential(), Z);
-  const SeparableField a = fit_separable(samples, Z, 0.4 * Z, "pair"), b = fit_separable(samples, Z, 0.4 * Z, "pair");
+  const verify::SeparableField a = verify::fit_separable(samples, Z, 0.4 * Z, "pair"),
+                               b = verify::fit_separable(samples, Z, 0.4 * Z, "pair");
   EXPECT_EQ(a.normal, b.normal);
   EXPECT_EQ(a.phi_x, b.phi_x);
   EXPECT_EQ(a.growth_y, b.growth_y);
@@ -163,7 +163,7 @@ TEST(SeparableFit, SameSamplesSameBits) {
 TEST(SeparableFit, BadSamplesNameThePair) {
   const auto message = [](const std::vector<Sample>& samples, double tangential) -> std::string {
     try {
-      fit_separable(samples, Z, tangential, "pair 17 (site 5)");
+      verify::fit_separable(samples, Z, tangential, "pair 17 (site 5)");
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ExitCode::numerical);
       return error.what();

@@ -69,7 +69,7 @@ std::vector<Sample> samples_of(const VectorXd& coefs, const ResponseScales& scal
   for (int number = 0; number < (paths ? 2 : 0); ++number) {  // deeper, and less deep, under side load
     const double from = number == 0 ? 0.25 * Z : Z, to = number == 0 ? Z : 0.5 * Z;
     const Vector2d side(0.3 * X * from / Z, 0.2 * X * from / Z);
-    const std::size_t first = std::size_t(number) * kPathStride;
+    const std::size_t first = std::size_t(number) * solve::kPathStride;
     add(SampleKind::path, first, {0, 0, from}, {0, 0});
     for (std::size_t k = 1; k <= 6; ++k) {
       const double share = static_cast<double>(k) / 6, way = std::max(0.0, 1.5 * share - 0.5);

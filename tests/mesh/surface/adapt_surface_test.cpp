@@ -11,7 +11,7 @@
 
 #include <limits>
 
-namespace palpate {
+namespace palpate::mesh {
 namespace {
 
 using Eigen::Vector3d;
@@ -32,7 +32,7 @@ std::pair<double, double> relative_edges(const Surface& s, const SizeField& size
 
 void expect_sound(const AdaptedSurface& adapted, const std::vector<Vector3d>& anchors) {
   EXPECT_TRUE(test::closed_and_oriented(adapted.surface));
-  EXPECT_FALSE(self_intersects(adapted.surface));
+  EXPECT_FALSE(geometry::self_intersects(adapted.surface));
   ASSERT_EQ(adapted.anchors.size(), anchors.size());
   for (std::size_t k = 0; k < anchors.size(); ++k) {
     EXPECT_EQ(adapted.surface.vertices[adapted.anchors[k]], anchors[k]);
@@ -129,8 +129,8 @@ TEST(AdaptSurface, SeveralAnchorsAllBecomeVertices) {
 
 // A coarse base cuts the margin of a lens off, so that a site on the margin lies outside of it.
 TEST(AdaptSurface, AnAnchorFarFromACoarseBaseMakesNoSpike) {
-  const Surface lens = ellipsoid({0, 0, 0}, {0.03, 0.03, 0.004}, 0.0008, "lens");
-  const SurfaceQuery query(lens);
+  const Surface lens = geometry::ellipsoid({0, 0, 0}, {0.03, 0.03, 0.004}, 0.0008, "lens");
+  const geometry::SurfaceQuery query(lens);
   const Surface base = remesh_uniform(lens, 0.006);
   for (const double angle : {0.1, 0.2, 0.3, 0.4, 0.5}) {
     const Vector3d site = query.closest({0.03 * std::cos(angle), 0.03 * std::sin(angle), 0}).point;
@@ -169,4 +169,4 @@ TEST(AdaptSurface, WrongInputsAreNamed) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::mesh

@@ -16,16 +16,16 @@
 #include <numbers>
 #include <set>
 
-namespace palpate {
+namespace palpate::mesh {
 namespace {
 
 using Eigen::Vector3d;
 
-HapticMesh haptic_mesh(const Surface& surface, double spacing) {
+sites::HapticMesh haptic_mesh(const Surface& surface, double spacing) {
   Scene scene;
   scene.sampling.spacing = spacing;
   scene.sampling.depth = spacing / 5;
-  return make_haptic_mesh(scene, test::body_of(surface, spacing / 2));
+  return sites::make_haptic_mesh(scene, test::body_of(surface, spacing / 2));
 }
 
 Surface surface_of(const ContactSurface& c) {
@@ -60,13 +60,13 @@ Surface ring(double radius, double thickness, int around, int across) {
 }
 
 // Properties of every contact surface that follows its body.
-void expect_sound(const ContactSurface& c, const Surface& body, const HapticMesh& mesh, double tolerance) {
+void expect_sound(const ContactSurface& c, const Surface& body, const sites::HapticMesh& mesh, double tolerance) {
   const Surface s = surface_of(c);
   EXPECT_TRUE(c.fault.empty()) << c.fault;
   EXPECT_TRUE(test::closed_and_oriented(s));
-  EXPECT_TRUE(crossing_triangles(s).empty());
+  EXPECT_TRUE(geometry::crossing_triangles(s).empty());
   EXPECT_LE(c.distance, tolerance);
-  const SurfaceQuery of_body(body), of_contact(s);
+  const geometry::SurfaceQuery of_body(body), of_contact(s);
   for (const Vector3d& v : body.vertices) EXPECT_LE(of_contact.closest(v).distance, tolerance);
   for (const Vector3d& v : s.vertices) EXPECT_LE(of_body.closest(v).distance, tolerance);
 
@@ -90,7 +90,7 @@ void expect_sound(const ContactSurface& c, const Surface& body, const HapticMesh
 }
 
 // Largest distance, in spacings, of a point from the blend of its patch's sites.
-double largest_offset(const ContactSurface& c, const HapticMesh& mesh, double spacing) {
+double largest_offset(const ContactSurface& c, const sites::HapticMesh& mesh, double spacing) {
   double largest = 0;
   for (const ContactTriangle& t : c.triangles) {
     const auto& patch = mesh.triangles[std::size_t(t.patch)];
@@ -105,7 +105,7 @@ double largest_offset(const ContactSurface& c, const HapticMesh& mesh, double sp
 
 TEST(ContactSurface, BallStaysWithinTheToleranceInFewTriangles) {
   const Surface ball = test::sphere_surface({0, 0, 0}, 0.05, 5);
-  const HapticMesh mesh = haptic_mesh(ball, 0.015);
+  const sites::HapticMesh mesh = haptic_mesh(ball, 0.015);
   const ContactSurface c = make_contact_surface(ball, mesh.points, mesh.triangles, 1e-4);
   expect_sound(c, ball, mesh, 1e-4);
   EXPECT_LT(c.triangles.size(), ball.triangles.size() / 5);
@@ -117,7 +117,7 @@ TEST(ContactSurface, BallStaysWithinTheToleranceInFewTriangles) {
 
 TEST(ContactSurface, BlockKeepsItsEdgesAndVolume) {
   const Surface block = test::box_surface({-0.025, -0.025, -0.025}, {0.025, 0.025, 0});
-  const HapticMesh mesh = haptic_mesh(block, 0.01);
+  const sites::HapticMesh mesh = haptic_mesh(block, 0.01);
   const ContactSurface c = make_contact_surface(block, mesh.points, mesh.triangles, 1e-4);
   expect_sound(c, block, mesh, 1e-4);
   EXPECT_NEAR(test::surface_volume(surface_of(c)) / (0.05 * 0.05 * 0.025), 1, 0.01);
@@ -127,14 +127,14 @@ TEST(ContactSurface, BlockKeepsItsEdgesAndVolume) {
 // Patches of a sharp margin lie across it. The surface does not fold there.
 TEST(ContactSurface, SharpMarginIsNotCutOff) {
   const Surface body = lens(0.05, 0.08);
-  const HapticMesh mesh = haptic_mesh(body, 0.015);
+  const sites::HapticMesh mesh = haptic_mesh(body, 0.015);
   const ContactSurface c = make_contact_surface(body, mesh.points, mesh.triangles, 1e-4);
   expect_sound(c, body, mesh, 1e-4);
 }
 
 TEST(ContactSurface, BodyWithAHoleHasPatchesToo) {
   const Surface body = ring(0.04, 0.015, 60, 24);
-  const HapticMesh mesh = haptic_mesh(body, 0.012);
+  const sites::HapticMesh mesh = haptic_mesh(body, 0.012);
   const ContactSurface c = make_contact_surface(body, mesh.points, mesh.triangles, 1e-4);
   expect_sound(c, body, mesh, 1e-4);
 }
@@ -146,7 +146,7 @@ TEST(ContactSurface, SeparatePartsAreAllThere) {
   both.vertices.insert(both.vertices.end(), wafer.vertices.begin(), wafer.vertices.end());
   for (const auto& t : wafer.triangles) both.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   test::set_one_part(both, "both");
-  const HapticMesh mesh = haptic_mesh(both, 0.012);
+  const sites::HapticMesh mesh = haptic_mesh(both, 0.012);
   const ContactSurface c = make_contact_surface(both, mesh.points, mesh.triangles, 1e-4);
   expect_sound(c, both, mesh, 1e-4);
 }
@@ -154,8 +154,8 @@ TEST(ContactSurface, SeparatePartsAreAllThere) {
 // A mesh of a ball's patches on a ring: no path goes round both ways.
 TEST(ContactSurface, PatchesOfAnotherTopologyStandForThemselves) {
   const Surface ball = test::sphere_surface({0, 0, 0}, 0.055, 4), body = ring(0.04, 0.015, 60, 24);
-  const HapticMesh mesh = haptic_mesh(ball, 0.02);
-  const SurfaceQuery query(body);
+  const sites::HapticMesh mesh = haptic_mesh(ball, 0.02);
+  const geometry::SurfaceQuery query(body);
   std::vector<Vector3d> sites;
   for (const Vector3d& p : mesh.points) sites.push_back(query.closest(p).point);
   try {
@@ -170,7 +170,7 @@ TEST(ContactSurface, PatchesOfAnotherTopologyStandForThemselves) {
 
 TEST(ContactSurface, SameSurfaceEveryTime) {
   const Surface ball = test::sphere_surface({0, 0, 0}, 0.05, 4);
-  const HapticMesh mesh = haptic_mesh(ball, 0.02);
+  const sites::HapticMesh mesh = haptic_mesh(ball, 0.02);
   const ContactSurface a = make_contact_surface(ball, mesh.points, mesh.triangles, 1e-4);
   const ContactSurface b = make_contact_surface(ball, mesh.points, mesh.triangles, 1e-4);
   EXPECT_EQ(a.points, b.points);
@@ -182,4 +182,4 @@ TEST(ContactSurface, SameSurfaceEveryTime) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::mesh

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace palpate {
+namespace palpate::mesh {
 namespace {
 
 using Eigen::Vector3d;
@@ -21,7 +21,7 @@ double length(const std::vector<Vector3d>& line) {
 }
 
 TEST(FeaturePolylines, BoxHasTwelve) {
-  const SurfaceQuery box(test::box_surface({0, 0, 0}, {1, 1, 1}, 3));
+  const geometry::SurfaceQuery box(test::box_surface({0, 0, 0}, {1, 1, 1}, 3));
   const auto lines = feature_polylines(box, {});
   ASSERT_EQ(lines.size(), 12u);
   for (const auto& line : lines) {
@@ -31,7 +31,7 @@ TEST(FeaturePolylines, BoxHasTwelve) {
 }
 
 TEST(FeaturePolylines, StopsCutALineAtTheirPoint) {
-  const SurfaceQuery box(test::box_surface({0, 0, 0}, {1, 1, 1}, 2));
+  const geometry::SurfaceQuery box(test::box_surface({0, 0, 0}, {1, 1, 1}, 2));
   EXPECT_EQ(feature_polylines(box, {{0.3, 0, 0}}).size(), 13u);
   EXPECT_EQ(feature_polylines(box, {{0.5, 0, 0}, {0.5, 0, 1}}).size(), 14u) << "at vertices of the surface";
   EXPECT_EQ(feature_polylines(box, {{0.5, 0.5, 0}, {0, 0, 0}}).size(), 12u) << "inside a face, at a corner";
@@ -57,7 +57,7 @@ TEST(FeaturePolylines, RimsOfADiscCloseOnThemselves) {
   }
   test::set_one_part(disc, "disc");
   ASSERT_TRUE(test::closed_and_oriented(disc));
-  const auto lines = feature_polylines(SurfaceQuery(disc), {});
+  const auto lines = feature_polylines(geometry::SurfaceQuery(disc), {});
   ASSERT_EQ(lines.size(), 2u);
   for (const auto& line : lines) {
     EXPECT_EQ(line.front(), line.back());
@@ -66,4 +66,4 @@ TEST(FeaturePolylines, RimsOfADiscCloseOnThemselves) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::mesh

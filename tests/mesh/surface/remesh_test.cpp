@@ -10,7 +10,7 @@
 
 #include <set>
 
-namespace palpate {
+namespace palpate::mesh {
 namespace {
 
 double mean_edge(const Surface& s) {
@@ -25,7 +25,7 @@ TEST(Remesh, BallKeepsVolumeAndGetsItsEdgeLength) {
   const Surface fine = test::sphere_surface({0.1, 0, 0}, 0.05, 5);
   const Surface coarse = remesh_uniform(fine, 0.006);
   EXPECT_TRUE(test::closed_and_oriented(coarse));
-  EXPECT_FALSE(self_intersects(coarse));
+  EXPECT_FALSE(geometry::self_intersects(coarse));
   EXPECT_NEAR(mean_edge(coarse) / 0.006, 1, 0.15);
   EXPECT_NEAR(test::surface_volume(coarse) / test::surface_volume(fine), 1, 0.01);
 }
@@ -55,7 +55,7 @@ TEST(Remesh, ThinPlateCoarserThanItsThicknessStaysWhole) {
   const Surface plate = test::box_surface({0, 0, 0}, {0.1, 0.1, 0.002}, 6);
   const Surface coarse = remesh_uniform(plate, 0.02);
   EXPECT_TRUE(test::closed_and_oriented(coarse));
-  EXPECT_FALSE(self_intersects(coarse));
+  EXPECT_FALSE(geometry::self_intersects(coarse));
   EXPECT_NEAR(test::surface_volume(coarse) / (0.1 * 0.1 * 0.002), 1, 1e-9);
 }
 
@@ -69,4 +69,4 @@ TEST(Remesh, BadInputIsRefused) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::mesh

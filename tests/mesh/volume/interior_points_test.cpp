@@ -19,10 +19,10 @@ using Eigen::Vector3d;
 TEST(InteriorPoints, FollowTheSizeFieldClearOfTheSurfaces) {
   const Surface block = box_surface({-0.04, -0.04, -0.04}, {0.04, 0.04, 0});
   const Surface hole = box_surface({-0.004, -0.004, -0.012}, {0.004, 0.004, -0.006});
-  const SizeField size = [](const Vector3d& p) { return 0.001 + 0.3 * p.norm(); };
-  const std::vector<Vector3d> points = interior_points({&block, &hole}, size);
+  const mesh::SizeField size = [](const Vector3d& p) { return 0.001 + 0.3 * p.norm(); };
+  const std::vector<Vector3d> points = mesh::interior_points({&block, &hole}, size);
   ASSERT_GT(points.size(), 50U);
-  const SurfaceQuery outer(block), inner(hole);
+  const geometry::SurfaceQuery outer(block), inner(hole);
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Vector3d& p = points[k];
     // They are shifted by up to 0.12 of a cell along each axis after their size was taken.
@@ -35,18 +35,18 @@ TEST(InteriorPoints, FollowTheSizeFieldClearOfTheSurfaces) {
     EXPECT_GT(nearest, 0.3 * size(p));
     EXPECT_LT(nearest, 2.0 * size(p));
   }
-  EXPECT_EQ(interior_points({&block, &hole}, size), points);
+  EXPECT_EQ(mesh::interior_points({&block, &hole}, size), points);
 }
 
 TEST(InteriorPoints, NoneWhereTheBodyIsThinnerThanItsElements) {
   const Surface sheet = box_surface({-0.04, -0.04, -0.001}, {0.04, 0.04, 0});
-  EXPECT_TRUE(interior_points({&sheet}, [](const Vector3d&) { return 0.002; }).empty());
+  EXPECT_TRUE(mesh::interior_points({&sheet}, [](const Vector3d&) { return 0.002; }).empty());
 }
 
 TEST(InteriorPoints, TooManyAreAnErrorAndNotAFullMemory) {
   const Surface block = box_surface({-0.04, -0.04, -0.04}, {0.04, 0.04, 0});
   try {
-    interior_points({&block}, [](const Vector3d&) { return 1e-5; });
+    mesh::interior_points({&block}, [](const Vector3d&) { return 1e-5; });
     FAIL() << "five hundred million points";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::numerical);

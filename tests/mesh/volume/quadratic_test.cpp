@@ -10,7 +10,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace palpate {
+namespace palpate::mesh {
 namespace {
 
 using Eigen::Vector3d;
@@ -133,4 +133,4 @@ TEST(Quadratic, NodesAreMiddlesAndFacesPointOut) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::mesh

@@ -16,7 +16,7 @@
 #include <limits>
 #include <thread>
 
-namespace palpate {
+namespace palpate::mesh {
 namespace {
 
 TetgenInput input_of(const Surface& s, double size) {
@@ -220,4 +220,4 @@ TEST(TetgenWorker, ManyAtOnce) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::mesh

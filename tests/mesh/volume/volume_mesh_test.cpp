@@ -10,7 +10,7 @@
 #include <cmath>
 #include <thread>
 
-namespace palpate {
+namespace palpate::mesh {
 namespace {
 
 using Eigen::Vector3d;
@@ -247,4 +247,4 @@ TEST(VolumeMesh, DemandThatNoMeshMeetsNamesTheAngle) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::mesh

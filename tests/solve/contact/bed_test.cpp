@@ -13,14 +13,14 @@
 
 #include <random>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 // Traction (Pa) along z on the faces in the plane z = 1.
-VectorXd top_load(const TetMesh& mesh, double traction) {
+VectorXd top_load(const mesh::TetMesh& mesh, double traction) {
   return test::face_loads(mesh, [&](const Vector3d& middle, const Vector3d&, const Vector3d&) {
     return Vector3d(0, 0, middle.z() > 1 - 1e-9 ? traction : 0);
   });
@@ -28,24 +28,24 @@ VectorXd top_load(const TetMesh& mesh, double traction) {
 
 class Beds : public ::testing::Test {
 protected:
-  TetMesh mesh = test::block_mesh({0, 0.4, 1}, {0, 0.6, 1}, {0, 0.5, 1});
+  mesh::TetMesh mesh = test::block_mesh({0, 0.4, 1}, {0, 0.6, 1}, {0, 0.5, 1});
   VectorXd rest = test::stacked(mesh);
   Body body;
 
-  ElasticEnergy elastic_energy() const {
-    return {mesh, {Material::neo_hookean(body.material.young, body.material.poisson)}};
+  fem::ElasticEnergy elastic_energy() const {
+    return {mesh, {fem::Material::neo_hookean(body.material.young, body.material.poisson)}};
   }
 
   VectorXd solve(const VectorXd& force) const {
-    const ElasticEnergy elastic = elastic_energy();
+    const fem::ElasticEnergy elastic = elastic_energy();
     const BedEnergy bed(body, mesh);
     const test::Loaded problem(elastic, force, &bed);
-    Minimiser minimiser(mesh, std::vector<char>(mesh.nodes.size(), 0));
+    fem::Minimiser minimiser(mesh, std::vector<char>(mesh.nodes.size(), 0));
     VectorXd x = rest;
-    MinimiserOptions options;
+    fem::MinimiserOptions options;
     options.energy_tolerance = 1e-12;
     options.residual_tolerance = 1e-6;
-    const MinimiserResult r = minimiser.minimise(problem, x, options);
+    const fem::MinimiserResult r = minimiser.minimise(problem, x, options);
     EXPECT_TRUE(r.converged) << r.cause;
     return x;
   }
@@ -56,7 +56,7 @@ TEST_F(Beds, DerivativesMatchDifferences) {
   body.supports = {test::half_space(SupportScene::Type::spring, {0, 0, 1e-6}, {0, 0, 1}),
                    test::half_space(SupportScene::Type::slider, {1e-6, 0, 0}, {1, 0, 0})};
   body.support_surfaces.resize(2);
-  const ElasticEnergy elastic = elastic_energy();
+  const fem::ElasticEnergy elastic = elastic_energy();
   const BedEnergy bed(body, mesh);
   const test::Loaded problem(elastic, VectorXd::Zero(rest.size()), &bed);
   std::mt19937 engine(5);
@@ -85,7 +85,7 @@ TEST_F(Beds, SlidersLeaveABarToUniaxialStress) {
     if (mesh.nodes[n].x() > 1 - 1e-9) side += x[k], ++sides;
   }
   const double a = top / tops, b = side / sides;
-  const Material m = Material::neo_hookean(5e3, 0.45);
+  const fem::Material m = fem::Material::neo_hookean(5e3, 0.45);
   EXPECT_NEAR((m.mu * a + m.volumetric_slope(a * b * b) * b * b) / -600, 1.0, 1e-3);
   EXPECT_NEAR((m.mu * b + m.volumetric_slope(a * b * b) * a * b) / 600, 0.0, 1e-3);
   EXPECT_LT(a, 0.92);
@@ -116,7 +116,7 @@ TEST(LooseSupports, AnswerMoreSoftly) {
     }
     Scene scene;
     scene.sampling.normal_points = 4;
-    const Tool tool = make_tool(ToolScene{});
+    const tool::Tool tool = tool::make_tool(ToolScene{});
     const PairResult r =
         solve_pair({block, tool, tool.vertices[0], ContactFrame{}}, bake_path(scene, 0.004), pair_options(scene));
     EXPECT_TRUE(r.outcome.accepted) << r.outcome.cause;
@@ -134,4 +134,4 @@ TEST(LooseSupports, AnswerMoreSoftly) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Vector3d;
@@ -29,8 +29,8 @@ Eigen::Isometry3d pose(const Vector3d& at, double turn) {
 class FrictionOfSlip : public ::testing::TestWithParam<double> {};
 
 TEST_P(FrictionOfSlip, DerivativesMatchDifferences) {
-  const TetMesh mesh = test::block_mesh({0, 0.5, 1}, {0, 0.5, 1}, {0, 1});
-  const auto sphere = make_sphere(0.5);
+  const mesh::TetMesh mesh = test::block_mesh({0, 0.5, 1}, {0, 0.5, 1}, {0, 1});
+  const auto sphere = tool::make_sphere(0.5);
   ContactEnergy contact(mesh, std::vector<char>(mesh.nodes.size(), 0), *sphere, pose({0.31, 0.42, 1.37}, 0.3));
   contact.set_penalty(1e4);
   VectorXd x = test::stacked(mesh);
@@ -67,9 +67,9 @@ class FrictionLaw : public ::testing::Test {
 protected:
   static constexpr double kPenalty = 1e4, kOverlap = 0.01, kStiffness = 2e4, kMu = 0.3;
   const double limit = kMu * kPenalty * kOverlap, elastic = limit / kStiffness;  // N on 1 m^2; m
-  const TetMesh mesh = test::block_mesh({0, 0.5, 1}, {0, 0.5, 1}, {0, 1});
+  const mesh::TetMesh mesh = test::block_mesh({0, 0.5, 1}, {0, 0.5, 1}, {0, 1});
   const VectorXd x = test::stacked(mesh);
-  const std::shared_ptr<const ToolShape> punch = make_punch(3.0, 0.3, 4.0);
+  const std::shared_ptr<const tool::ToolShape> punch = tool::make_punch(3.0, 0.3, 4.0);
   ContactEnergy contact{mesh, std::vector<char>(mesh.nodes.size(), 0), *punch, pose({0.5, 0.5, 1 - kOverlap}, 0)};
   FrictionEnergy friction{contact, kMu, kStiffness};
 
@@ -129,9 +129,9 @@ TEST_F(FrictionLaw, PointsLandHalfway) {
 
 // Turned about its own axis, a disc of uniform pressure answers with the moment 2/3 mu P R.
 TEST_F(FrictionLaw, TwistAnswersWithItsMoment) {
-  const TetMesh fine = test::block_mesh({0, 0.2, 0.4, 0.6, 0.8, 1}, {0, 0.2, 0.4, 0.6, 0.8, 1}, {0, 1});
+  const mesh::TetMesh fine = test::block_mesh({0, 0.2, 0.4, 0.6, 0.8, 1}, {0, 0.2, 0.4, 0.6, 0.8, 1}, {0, 1});
   const VectorXd rest = test::stacked(fine);
-  const auto disc = make_punch(0.4, 0.004, 4.0);
+  const auto disc = tool::make_punch(0.4, 0.004, 4.0);
   ContactEnergy top(fine, std::vector<char>(fine.nodes.size(), 0), *disc, pose({0.5, 0.5, 1 - kOverlap / 10}, 0));
   top.set_penalty(kPenalty);
   FrictionEnergy twist(top, kMu, 100 * kStiffness);
@@ -145,4 +145,4 @@ TEST_F(FrictionLaw, TwistAnswersWithItsMoment) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::solve

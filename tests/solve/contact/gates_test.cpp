@@ -7,7 +7,7 @@
 #include <functional>
 #include <limits>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 // 2 mm deep in 5 kPa tissue with a contact of 3 mm: figures of a valid push.
@@ -131,4 +131,4 @@ TEST(CheckGate, AForceFarFromThatOfTheFinerMeshIsRefused) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -14,7 +14,7 @@
 
 #include <cmath>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Vector3d;
@@ -23,12 +23,12 @@ using Eigen::VectorXd;
 // The unit cube on a mesh of its own; what holds it is added.
 class Cube : public ::testing::Test {
 protected:
-  TetMesh mesh = test::block_mesh({0, 0.4, 1}, {0, 0.6, 1}, {0, 0.3, 0.5, 0.8, 1});
+  mesh::TetMesh mesh = test::block_mesh({0, 0.4, 1}, {0, 0.6, 1}, {0, 0.3, 0.5, 0.8, 1});
   Body body = test::block_body(0.5, 5e3, 0.45);
   VectorXd x;
 
   Cube() {
-    body.query = std::make_shared<const SurfaceQuery>(test::box_surface({0, 0, 0}, {1, 1, 1}));
+    body.query = std::make_shared<const geometry::SurfaceQuery>(test::box_surface({0, 0, 0}, {1, 1, 1}));
     body.supports.clear();
     body.support_surfaces.clear();
   }
@@ -41,9 +41,9 @@ protected:
     hold(SupportScene::Type::slider, (at + side * 1e-6) * Vector3d::Unit(axis), side * Vector3d::Unit(axis));
   }
   Settled settle(BodyEnergy& energy) {
-    Minimiser minimiser(mesh, energy.fixed());
+    fem::Minimiser minimiser(mesh, energy.fixed());
     x = energy.rest();
-    return palpate::settle(energy, minimiser, x, 1e-12);
+    return solve::settle(energy, minimiser, x, 1e-12);
   }
 };
 
@@ -56,7 +56,7 @@ TEST_F(Cube, HangsUnderItsOwnWeight) {
     slide(axis, 1);
   }
   body.material.poisson = 0.3;
-  const Material m = Material::neo_hookean(5e3, 0.3);
+  const fem::Material m = fem::Material::neo_hookean(5e3, 0.3);
   const double modulus = m.mu + m.bulk;
   body.prestress.density = 1000;
   body.prestress.gravity = {0, 0, -0.6 * modulus / 1000};
@@ -90,7 +90,7 @@ TEST_F(Cube, StretchBetweenSlidersIsUniaxialStress) {
     least = std::min(least, x[k]);
     if (mesh.nodes[n].y() == 1) side += x[k + 1], ++count;
   }
-  const Material m = Material::neo_hookean(5e3, 0.45);
+  const fem::Material m = fem::Material::neo_hookean(5e3, 0.45);
   const double a = most - least, b = side / count;
   EXPECT_NEAR(a, 1.4, 1e-3);
   EXPECT_NEAR((most + least) / 2, 0.5, 1e-6);
@@ -167,10 +167,10 @@ double inflation(double mu, double inner) {
 // Settles a ball on elements of `edge` (m); the ratio of the void's volumes.
 Settled inflate(double young, double pressure, double edge, double& growth) {
   const Body body = hollow_ball(young, 0.4999, pressure);
-  const VolumeMeshResult made = mesh_volume(body, [=](const Vector3d&) { return edge; }, {});
+  const mesh::VolumeMeshResult made = mesh::mesh_volume(body, [=](const Vector3d&) { return edge; }, {});
   if (!made.usable) throw Error(ExitCode::numerical, made.cause);
   BodyEnergy energy(body, made.mesh);
-  Minimiser minimiser(made.mesh, energy.fixed());
+  fem::Minimiser minimiser(made.mesh, energy.fixed());
   VectorXd x = energy.rest();
   const Settled settled = settle(energy, minimiser, x, 1e-9);
   growth = energy.cavity_volume(x) / energy.cavity_volume(energy.rest());
@@ -217,7 +217,7 @@ struct Pressed {
 Pressed press(const Body& body, double radius, double depth, double mesh_size = 0.3) {
   ToolScene sphere;
   sphere.radius = radius;
-  const Tool tool = make_tool(sphere);
+  const tool::Tool tool = tool::make_tool(sphere);
   PairPath path;
   path.normal_depths = {0.25 * depth, 0.5 * depth, 0.75 * depth, depth};
   ContactFrame frame;
@@ -280,4 +280,4 @@ TEST(Prestress, ContactUnderWeightPassesTheGates) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::solve

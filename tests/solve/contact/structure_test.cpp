@@ -15,7 +15,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Vector3d;
@@ -32,8 +32,8 @@ Curves circle(int count, double radius) {
 }
 
 // A flat ring between two radii, `count` cells round, each of six tetrahedra.
-TetMesh ring(int count, double inner, double outer, double height) {
-  LinearTets linear;
+mesh::TetMesh ring(int count, double inner, double outer, double height) {
+  mesh::LinearTets linear;
   for (int k = 0; k < count; ++k) {
     const double a = 2 * std::numbers::pi * k / count;
     for (const double z : {0.0, height}) {
@@ -56,7 +56,7 @@ TetMesh ring(int count, double inner, double outer, double height) {
     } while (std::next_permutation(axes.begin(), axes.end()));
   }
   linear.regions.assign(linear.tets.size(), 0);
-  return make_quadratic(linear);
+  return mesh::make_quadratic(linear);
 }
 
 MaterialScene fibrous(const Vector3d& direction) {
@@ -78,13 +78,13 @@ TEST(Fibres, AlongACircleHaveTheEnergyOfTheirOwnStretches) {
   body.diagonal = 0.1;
   double error = 1;
   for (const int count : {24, 48}) {
-    const TetMesh mesh = ring(count, 0.018, 0.022, 0.004);
+    const mesh::TetMesh mesh = ring(count, 0.018, 0.022, 0.004);
     const VectorXd rest = test::stacked(mesh);
     VectorXd x = rest;
     for (Eigen::Index k = 0; k < x.size(); k += 3) x[k] *= stretch;
     body.fibres = nullptr;
     const double matrix = BodyEnergy(body, mesh).value(x);
-    body.fibres = std::make_shared<const CurveQuery>(circle(64, 0.02));
+    body.fibres = std::make_shared<const geometry::CurveQuery>(circle(64, 0.02));
     const double both = BodyEnergy(body, mesh).value(x);
     double mean = 0;
     constexpr int kSteps = 360;
@@ -180,4 +180,4 @@ TEST(Labels, ABallOfVoxelsAnswersAsTheBall) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Vector3d;
@@ -87,4 +87,4 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -15,7 +15,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace palpate::thick_sphere_test {
+namespace palpate::solve::thick_sphere_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -24,8 +24,8 @@ using Eigen::VectorXd;
 constexpr double kInner = 0.01, kOuter = 0.02, kYoung = 5e3;  // m, m, Pa
 
 // The octant's triangle cut into cells^2 on every sphere of corners; prisms between them, of three tetrahedra each.
-TetMesh octant(int cells, int layers) {
-  LinearTets linear;
+mesh::TetMesh octant(int cells, int layers) {
+  mesh::LinearTets linear;
   std::vector<std::array<std::int32_t, 3>> triangles;
   const auto number = [&](int i, int j) { return i * (cells + 1) - i * (i - 1) / 2 + j; };
   const int points = number(cells, 0) + 1;
@@ -57,7 +57,7 @@ TetMesh octant(int cells, int layers) {
     }
   }
   linear.regions.assign(linear.tets.size(), 0);
-  return make_quadratic(linear);
+  return mesh::make_quadratic(linear);
 }
 
 // Slides along the three planes of symmetry.
@@ -88,8 +88,8 @@ struct Hoop {
 // The facets leave the spheres, where there would be a pressure or none. Loaded by the closed form's own stress where
 // they stand, they have the closed form for their exact solution: no geometric error is left.
 template <class Stress>
-Walls inflate(int cells, const Material& material, Stress&& stress) {
-  const TetMesh mesh = octant(cells, std::max(2, cells / 2));
+Walls inflate(int cells, const fem::Material& material, Stress&& stress) {
+  const mesh::TetMesh mesh = octant(cells, std::max(2, cells / 2));
   const VectorXd force =
       test::face_loads(mesh, [&](const Vector3d& middle, const Vector3d& at, const Vector3d& normal) -> Vector3d {
         if (middle.minCoeff() < 1e-9) return {0, 0, 0};
@@ -97,15 +97,15 @@ Walls inflate(int cells, const Material& material, Stress&& stress) {
         const Vector3d out = at.normalized();
         return s.hoop * normal + (s.radial - s.hoop) * out.dot(normal) * out;
       });
-  const ElasticEnergy elastic(mesh, {material});
+  const fem::ElasticEnergy elastic(mesh, {material});
   const BedEnergy bed(cut(), mesh);
-  Minimiser minimiser(mesh, std::vector<char>(mesh.nodes.size(), 0));
+  fem::Minimiser minimiser(mesh, std::vector<char>(mesh.nodes.size(), 0));
   VectorXd x = test::stacked(mesh);
   const VectorXd rest = x;
-  MinimiserOptions options;
+  fem::MinimiserOptions options;
   options.energy_tolerance = 1e-8 * force.squaredNorm() / (kYoung * kInner);
   options.residual_tolerance = 1e-5;
-  const MinimiserResult r = minimiser.minimise(test::Loaded(elastic, force, &bed), x, options);
+  const fem::MinimiserResult r = minimiser.minimise(test::Loaded(elastic, force, &bed), x, options);
   EXPECT_TRUE(r.converged) << r.cause;
   Walls sum;
   int inner = 0, outer = 0;
@@ -136,7 +136,7 @@ TEST_P(Lame, DisplacementOfAThickWalledSphere) {
   scene.law = GetParam().law;
   scene.young = kYoung;
   scene.poisson = nu;
-  const Walls walls = inflate(6, make_material(scene), [&](double r) {
+  const Walls walls = inflate(6, fem::make_material(scene), [&](double r) {
     return Hoop{share * (1 - b3 / (r * r * r)), share * (1 + b3 / (2 * r * r * r))};
   });
   EXPECT_NEAR(walls.inner / exact(kInner), 1, 0.01);
@@ -155,7 +155,7 @@ TEST(NeoHookeanShell, InflationIsTheClosedForm) {
   const double mu = kYoung / 3, grown = (std::pow(1.3, 3) - 1) * std::pow(kInner, 3);
   const auto stretch = [&](double r) { return std::cbrt(1 + grown / (r * r * r)); };
   const auto primitive = [](double l) { return 1 / l + 1 / (4 * std::pow(l, 4)); };
-  const Material material = Material::neo_hookean(2 * mu * 1.4999, 0.4999);
+  const fem::Material material = fem::Material::neo_hookean(2 * mu * 1.4999, 0.4999);
   const Walls walls = inflate(6, material, [&](double r) {
     const double l = stretch(r), radial = 2 * mu * (primitive(l) - primitive(stretch(kOuter)));
     return Hoop{l * l * radial, (radial + mu * (l * l - std::pow(l, -4))) / l};
@@ -165,4 +165,4 @@ TEST(NeoHookeanShell, InflationIsTheClosedForm) {
 }
 
 }  // namespace
-}  // namespace palpate::thick_sphere_test
+}  // namespace palpate::solve::thick_sphere_test

@@ -10,7 +10,7 @@
 
 #include <cmath>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Vector3d;
@@ -22,25 +22,26 @@ protected:
     scene_.tools[0].shape = ToolScene::Shape::punch;
     scene_.tools[0].radius = radius_;
     scene_.tools[0].edge_radius = 0.1 * radius_;
-    tool_ = make_tool(scene_.tools[0]);
+    tool_ = tool::make_tool(scene_.tools[0]);
   }
 
   // Edge of the elements in contact radii of `radius`, at this share of it from the centre.
   double size_at(const Body& body, double radius, double share) const {
-    const SizeField size =
+    const mesh::SizeField size =
         contact_size({body, tool_, tool_.vertices[0], ContactFrame{}}, depth_, 1.0, pair_options(scene_));
     return size({share * radius, 0, 0}) / radius;
   }
 
   static constexpr double radius_ = 0.01, depth_ = 2.5e-4;  // m
   Scene scene_;
-  Tool tool_;
+  tool::Tool tool_;
 };
 
 TEST_F(FlatPunch, OnABallHasElementsOfTheSmallContact) {
   Body ball = test::block_body(radius_, 5e3, 0.49);
   const Vector3d centre(0, 0, -radius_);
-  ball.query = std::make_shared<const SurfaceQuery>(ellipsoid(centre, Vector3d::Constant(radius_), 4e-4, "ball"));
+  ball.query = std::make_shared<const geometry::SurfaceQuery>(
+      geometry::ellipsoid(centre, Vector3d::Constant(radius_), 4e-4, "ball"));
   const double overlap = std::sqrt(2 * radius_ * depth_);
   const double mesh_size = pair_options(scene_).mesh_size;
   EXPECT_LT(size_at(ball, overlap, 0.5), 1.2 * mesh_size);
@@ -56,4 +57,4 @@ TEST_F(FlatPunch, OnAPlaneHasElementsOfItsOwnRadius) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::solve

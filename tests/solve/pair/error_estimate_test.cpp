@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Vector3d;
@@ -78,4 +78,4 @@ TEST(MeshError, TheComparedPathHasOneShortTangentialMoveADepth) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace palpate::grasp_test {
+namespace palpate::solve::grasp_test {
 namespace {
 
 constexpr double kYoung = 5e3;
@@ -94,4 +94,4 @@ TEST(GraspedSphere, GoesOnFromThePushIntoAPull) {
 }
 
 }  // namespace
-}  // namespace palpate::grasp_test
+}  // namespace palpate::solve::grasp_test

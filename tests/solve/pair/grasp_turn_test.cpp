@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace palpate::grasp_turn_test {
+namespace palpate::solve::grasp_turn_test {
 namespace {
 
 constexpr double kYoung = 5e3, kPoisson = 0.49, kShear = kYoung / (2 * (1 + kPoisson));
@@ -129,4 +129,4 @@ TEST(TurnedSphere, ForceOfATurnIsTheTorqueOfAMove) {
 }
 
 }  // namespace
-}  // namespace palpate::grasp_turn_test
+}  // namespace palpate::solve::grasp_turn_test

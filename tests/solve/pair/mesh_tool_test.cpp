@@ -13,28 +13,29 @@
 #include <cmath>
 #include <numbers>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Vector3d;
 
 class MeshTools : public ::testing::Test {
 protected:
-  Tool tool_of(const Surface& surface, double edge_radius = 0) {
+  tool::Tool tool_of(const Surface& surface, double edge_radius = 0) {
     ToolScene scene;
     scene.shape = ToolScene::Shape::mesh;
     scene.surface.file = folder_.path() / "tool.ply";
     scene.edge_radius = edge_radius;
     write_surface(surface, scene.surface.file);
-    return make_tool(scene);
+    return tool::make_tool(scene);
   }
   // The vertex that faces downward most.
-  static const ToolVertex& lowest(const Tool& tool) {
+  static const tool::ToolVertex& lowest(const tool::Tool& tool) {
     return *std::min_element(tool.vertices.begin(), tool.vertices.end(),
                              [](const auto& a, const auto& b) { return a.normal.z() < b.normal.z(); });
   }
   // Straight in; with friction the contact sticks.
-  PairResult press(const Body& body, const Tool& tool, const ToolVertex& vertex, double depth, double friction = 0) {
+  PairResult press(const Body& body, const tool::Tool& tool, const tool::ToolVertex& vertex, double depth,
+                   double friction = 0) {
     scene_.sampling.normal_points = 6;
     scene_.friction = friction;
     PairPath path = bake_path(scene_, depth);
@@ -50,10 +51,10 @@ TEST_F(MeshTools, AFineBallAnswersAsTheBall) {
   const Body body = test::block_body(0.02, 5e3, 0.49);
   ToolScene sphere;
   sphere.radius = 0.005;
-  const Tool exact = make_tool(sphere);
-  Surface ball = geodesic_sphere(24, "ball");
+  const tool::Tool exact = tool::make_tool(sphere);
+  Surface ball = geometry::geodesic_sphere(24, "ball");
   for (Vector3d& v : ball.vertices) v *= sphere.radius;
-  const Tool mesh = tool_of(ball);
+  const tool::Tool mesh = tool_of(ball);
   scene_.solver.mesh_size = 0.5;
   const PairResult a = press(body, exact, exact.vertices[0], 0.002), b = press(body, mesh, lowest(mesh), 0.002);
   ASSERT_TRUE(a.outcome.accepted) << a.outcome.cause;
@@ -70,8 +71,8 @@ TEST_F(MeshTools, AFineBallAnswersAsTheBall) {
 TEST_F(MeshTools, ASquareBlockAnswersAsItsClosedForm) {
   constexpr double side = 0.008, young = 5e3, poisson = 0.3;
   const Body body = test::block_body(0.06, young, poisson);
-  const Tool square = tool_of(test::box_surface({-side / 2, -side / 2, 0}, {side / 2, side / 2, side}));
-  const ToolVertex face = mesh_vertex(square, {0, 0, 0});
+  const tool::Tool square = tool_of(test::box_surface({-side / 2, -side / 2, 0}, {side / 2, side / 2, side}));
+  const tool::ToolVertex face = tool::mesh_vertex(square, {0, 0, 0});
   EXPECT_NEAR(face.normal.z(), -1, 1e-6);
   EXPECT_GT(face.flat_radius, 0);
   const PairResult r = press(body, square, face, 0.0002);
@@ -91,8 +92,8 @@ TEST_F(MeshTools, HoweverTheFileIsTurnedTheAnswerIsTheSame) {
   const auto forces = [&](const Eigen::Matrix3d& turn) {
     Surface turned = block;
     for (Vector3d& v : turned.vertices) v = turn * v;
-    const Tool tool = tool_of(turned);
-    ToolVertex vertex = mesh_vertex(tool, turn * Vector3d(0.0007, -0.0004, 0));
+    const tool::Tool tool = tool_of(turned);
+    tool::ToolVertex vertex = tool::mesh_vertex(tool, turn * Vector3d(0.0007, -0.0004, 0));
     EXPECT_LT((vertex.normal + turn.col(2)).norm(), 0.05);
     vertex.normal = -turn.col(2);
     vertex.tangent = turn.col(0);
@@ -112,11 +113,12 @@ TEST_F(MeshTools, HoweverTheFileIsTurnedTheAnswerIsTheSame) {
 TEST_F(MeshTools, EdgesRefineTheMeshWhereTheyTouch) {
   constexpr double side = 0.008;
   const Body body = test::block_body(0.03, 5e3, 0.49);
-  const Tool tool = tool_of(test::box_surface({-side / 2, -side / 2, 0}, {side / 2, side / 2, side}));
+  const tool::Tool tool = tool_of(test::box_surface({-side / 2, -side / 2, 0}, {side / 2, side / 2, side}));
   const double edge = tool.scene.edge_radius;
   EXPECT_NEAR(edge, side / 20, 1e-9);  // the file has single precision
-  const SizeField size = contact_size({body, tool, lowest(tool), ContactFrame{}}, 0.001, 1.0, pair_options(scene_));
-  const Eigen::Isometry3d pose = touching_pose(lowest(tool), ContactFrame{});
+  const mesh::SizeField size =
+      contact_size({body, tool, lowest(tool), ContactFrame{}}, 0.001, 1.0, pair_options(scene_));
+  const Eigen::Isometry3d pose = tool::touching_pose(lowest(tool), ContactFrame{});
   for (const double at : {-1.0, -0.3, 0.4}) {
     EXPECT_LT(size(pose * Vector3d(side / 2, at * side / 2, 0)), 1.2 * edge);
     EXPECT_LT(size(pose * Vector3d(at * side / 2, -side / 2, 0)), 1.2 * edge);
@@ -127,16 +129,16 @@ TEST_F(MeshTools, EdgesRefineTheMeshWhereTheyTouch) {
   // at 2.5 times, round-off of the processor's kernels decides whether the ladder's first rung does (8 s) or all of it
   // (minutes).
   constexpr double depth = 0.0008;
-  const ToolVertex* on_edge = nullptr;
-  for (const ToolVertex& v : tool.vertices) {
+  const tool::ToolVertex* on_edge = nullptr;
+  for (const tool::ToolVertex& v : tool.vertices) {
     if (std::abs(v.normal.x()) > 0.6 && std::abs(v.normal.z() + std::abs(v.normal.x())) < 0.05) on_edge = &v;
   }
   ASSERT_NE(on_edge, nullptr);
   EXPECT_EQ(on_edge->flat_radius, 0);
-  EXPECT_LT(contact_radius(*on_edge, depth), 0.0015);
+  EXPECT_LT(tool::contact_radius(*on_edge, depth), 0.0015);
   const PairResult r = press(body, tool, *on_edge, depth);
   ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::solve

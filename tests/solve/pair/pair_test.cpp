@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 // The deepest normal indentation: the contact of a shallow one may be too small to resolve, and is then left out.
@@ -35,7 +35,7 @@ protected:
   PairResult solve(double friction, double depth) {
     scene.friction = friction;
     scene.sampling.normal_points = 6;
-    const Tool tool = make_tool(sphere);
+    const tool::Tool tool = tool::make_tool(sphere);
     return solve_pair({body, tool, tool.vertices[0], ContactFrame{}}, bake_path(scene, depth), pair_options(scene));
   }
 };
@@ -83,7 +83,7 @@ TEST_F(Pair, ErrorEstimatesHoldTheMeshsShare) {
     PairOptions options = pair_options(scene);
     options.growth = growth;
     options.mesh_errors = mesh_errors;
-    const Tool tool = make_tool(sphere);
+    const tool::Tool tool = tool::make_tool(sphere);
     return solve_pair({body, tool, tool.vertices[0], ContactFrame{}}, bake_path(scene, 0.004), options);
   };
   const PairResult alone = with(0.8, false), coarse = with(0.8, true), fine = with(0.4, true);
@@ -99,7 +99,7 @@ TEST_F(Pair, ErrorEstimatesHoldTheMeshsShare) {
 TEST_F(Pair, ManyThreadsGiveTheSameBits) {
   scene.solver.mesh_size = 0.8;  // bits are bits on any mesh
   scene.sampling.normal_points = 2;
-  const Tool tool = make_tool(sphere);
+  const tool::Tool tool = tool::make_tool(sphere);
   PairOptions options = pair_options(scene);
   without_limits(options);
   const auto once = [&] {
@@ -144,7 +144,7 @@ TEST_F(Pair, StickingPushIsStifferAndTangentialResponseIsSymmetric) {
 
 // Shear of the anchors in the normal indentation does not count as compliance of the tangential push that follows.
 TEST_F(Pair, TangentialStiffnessIsIndependentOfTheAnchors) {
-  const Tool tool = make_tool(sphere);
+  const tool::Tool tool = tool::make_tool(sphere);
   scene.friction = 0.3;
   scene.solver.mesh_size = 0.35;
   scene.sampling.normal_points = 4;
@@ -178,16 +178,16 @@ TEST_F(Pair, FrictionLimitIsTheCoefficientOnAFlatContactAndMoreOnADeepOne) {
 
 // A small body bends on its support: how much of the surface is held must not be a matter of the mesh.
 TEST_F(Pair, ABallOnItsSupportAnswersAlikeOnEveryMesh) {
-  const Surface ball = ellipsoid({0, 0, 0}, {0.006, 0.006, 0.006}, 0.0008, "ball");
-  body.query = std::make_shared<const SurfaceQuery>(ball);
+  const Surface ball = geometry::ellipsoid({0, 0, 0}, {0.006, 0.006, 0.006}, 0.0008, "ball");
+  body.query = std::make_shared<const geometry::SurfaceQuery>(ball);
   body.base_size = 0.001;
-  body.base = remesh_uniform(ball, body.base_size);
+  body.base = mesh::remesh_uniform(ball, body.base_size);
   body.diagonal = 0.012 * std::sqrt(3.0);
-  body.supports = {default_support(ball)};
-  body.support_rim = support_rim(body);
+  body.supports = {surface::default_support(ball)};
+  body.support_rim = surface::support_rim(body);
   sphere.radius = 0.002;
   scene.sampling.normal_points = 4;
-  const Tool tool = make_tool(sphere);
+  const tool::Tool tool = tool::make_tool(sphere);
   std::vector<double> forces;
   for (const double turn : {0.0, 0.5, 1.0}) {
     ContactFrame frame;
@@ -231,7 +231,7 @@ TEST_F(Pair, AToolThatCannotReachIsRefusedByName) {
   sphere.radius = 0.005;
   ContactFrame inside;
   inside.origin = {0, 0, -0.015};  // in the middle of the block: every way out is through tissue
-  const Tool tool = make_tool(sphere);
+  const tool::Tool tool = tool::make_tool(sphere);
   const PairResult r = solve_pair({body, tool, tool.vertices[0], inside}, bake_path(scene, 0.002), pair_options(scene));
   EXPECT_FALSE(r.outcome.accepted);
   EXPECT_NE(r.outcome.cause.find("first touch"), std::string::npos) << r.outcome.cause;
@@ -243,7 +243,7 @@ TEST_F(Pair, WhatLosesTooMuchIsGivenUp) {
   body = test::block_body(0.03, 5e3, 0.4999);
   scene.solver.mesh_size = 1.0;
   sphere.radius = 0.005;
-  const Tool tool = make_tool(sphere);
+  const tool::Tool tool = tool::make_tool(sphere);
   PairOptions options = pair_options(scene);
   options.most_lost = 1.0;
   PairPath path;
@@ -262,7 +262,7 @@ TEST_F(Pair, TooFewResolvedDepthsAreRefusedByName) {
   path.normal_depths = {3e-6, 3.6e-6, 4e-6, 0.002};
   PairOptions coarse = pair_options(scene);
   coarse.mesh_size = coarse.rim_size = 1.0;
-  const Tool tool = make_tool(sphere);
+  const tool::Tool tool = tool::make_tool(sphere);
   const PairResult r = solve_pair({body, tool, tool.vertices[0], ContactFrame{}}, path, coarse);
   EXPECT_FALSE(r.outcome.accepted);
   EXPECT_NE(r.outcome.cause.find("1 of 4 depths"), std::string::npos) << r.outcome.cause;
@@ -283,7 +283,7 @@ TEST_F(Pair, AToolThatReachesHeldSurfaceIsRefusedByName) {
   scene_tool.whole = true;
   scene.sampling.normal_points = 3;
   scene.solver.mesh_size = 0.9;
-  const Tool stem = make_tool(scene_tool);
+  const tool::Tool stem = tool::make_tool(scene_tool);
   const PairResult r = solve_pair({body, stem, stem.vertices[stem.vertices.size() - 2], ContactFrame{}},
                                   bake_path(scene, 0.002), pair_options(scene));
   EXPECT_FALSE(r.outcome.accepted);
@@ -306,7 +306,7 @@ TEST_F(Pair, PathsUnderSideLoadAreSolvedFromTheNormalIndentation) {
   const double side = path.tangential_reach * 0.25 * depth;
   path.tangential_reach = side / depth;  // straight down, then as far aside as the path was at a quarter of the depth
   path.side_paths = {{0.25 * depth, 0.0, {{side, 0.25 * depth}, {side, depth}}}};
-  const Tool tool = make_tool(sphere);
+  const tool::Tool tool = tool::make_tool(sphere);
   const PairResult r = solve_pair({body, tool, tool.vertices[0], ContactFrame{}}, path, pair_options(scene));
   ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
   EXPECT_EQ(r.outcome.cause, "");
@@ -327,4 +327,4 @@ TEST_F(Pair, PathsUnderSideLoadAreSolvedFromTheNormalIndentation) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -14,7 +14,7 @@
 #include <cmath>
 #include <string>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Isometry3d;
@@ -22,25 +22,26 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 struct Touching {
-  std::shared_ptr<const ToolShape> shape;
+  std::shared_ptr<const tool::ToolShape> shape;
   Vector3d at;  // in the top of the block
 };
 
 Touching touching(int k) {
   switch (k) {
     case 0:
-      return {make_sphere(0.5), {0.31, 0.42, 1.37}};
+      return {tool::make_sphere(0.5), {0.31, 0.42, 1.37}};
     case 1:
-      return {make_taper(0.05, 1.2, 0.6, 2.0), {0.33, 0.41, 0.95}};
+      return {tool::make_taper(0.05, 1.2, 0.6, 2.0), {0.33, 0.41, 0.95}};
     default:
-      return {std::make_shared<MeshShape>(test::box_surface({-0.4, -0.4, 0}, {0.4, 0.4, 0.8}), 0.1), {0.45, 0.52, 1.0}};
+      return {std::make_shared<tool::MeshShape>(test::box_surface({-0.4, -0.4, 0}, {0.4, 0.4, 0.8}), 0.1),
+              {0.45, 0.52, 1.0}};
   }
 }
 
 class RigidMotion : public ::testing::TestWithParam<int> {
 protected:
   const Touching tool_ = touching(GetParam());
-  const TetMesh mesh_ = test::block_mesh({0, 0.5, 1}, {0, 0.5, 1}, {0, 1});
+  const mesh::TetMesh mesh_ = test::block_mesh({0, 0.5, 1}, {0, 0.5, 1}, {0, 1});
   const VectorXd rest_ = test::stacked(mesh_);
   Isometry3d pose_ = Isometry3d::Identity(), motion_ = pose_;
 
@@ -166,4 +167,4 @@ INSTANTIATE_TEST_SUITE_P(Tools, RigidMotion, ::testing::Range(0, 3), [](const au
 });
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -14,7 +14,7 @@
 #include <ostream>
 #include <string>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using std::numbers::sqrt2;
@@ -32,7 +32,7 @@ class SelfConvergence : public ::testing::TestWithParam<Pushed> {
 protected:
   static constexpr double kRadius = 0.005, kDepth = 0.4 * kRadius;
   Body body_ = test::block_body(4 * kRadius, 5e3, 0.45);
-  Tool tool_;
+  tool::Tool tool_;
 
   void SetUp() override {
     body_.material = test::law_scene(GetParam().law, 0.45);
@@ -41,7 +41,7 @@ protected:
     tool.shape = GetParam().shape;
     tool.radius = kRadius;
     if (tool.shape == ToolScene::Shape::punch) tool.edge_radius = kRadius / 5;
-    tool_ = make_tool(tool);
+    tool_ = tool::make_tool(tool);
   }
 
   // N, with the settings' elements times `factor` in the whole body.
@@ -52,12 +52,12 @@ protected:
     options.max_size = longest_edge(body_, options) * std::sqrt(factor);  // contact_size takes the root as well
     PairPath path;
     path.normal_depths = {0.5 * kDepth, kDepth};
-    const ToolVertex& tip = tool_.vertices[0];
+    const tool::ToolVertex& tip = tool_.vertices[0];
     const PairResult r = solve_pair({body_, tool_, tip, ContactFrame{}}, path, options);
     EXPECT_TRUE(r.outcome.accepted) << r.outcome.cause;
     // Every way that a failed push is tried again has a finer mesh.
-    const SizeField size = contact_size({body_, tool_, tip, ContactFrame{}}, kDepth, factor, options);
-    EXPECT_EQ(r.outcome.nodes, mesh_volume(body_, size, {ContactFrame{}.origin}).mesh.nodes.size());
+    const mesh::SizeField size = contact_size({body_, tool_, tip, ContactFrame{}}, kDepth, factor, options);
+    EXPECT_EQ(r.outcome.nodes, mesh::mesh_volume(body_, size, {ContactFrame{}.origin}).mesh.nodes.size());
     return r.samples.size() == 2 ? force_at(r.samples[1], r.samples[0], kDepth).z() : std::nan("");
   }
 };
@@ -88,4 +88,4 @@ INSTANTIATE_TEST_SUITE_P(Long, SelfConvergence,
                          push_name);
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::solve

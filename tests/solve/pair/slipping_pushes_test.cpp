@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace palpate::slipping_pushes_test {
+namespace palpate::solve::slipping_pushes_test {
 namespace {
 
 constexpr double kYoung = 5e3, kPoisson = 0.49;
@@ -75,4 +75,4 @@ TEST(SlippingPushes, ASceneGetsItsFrictionLimitSolved) {
 }
 
 }  // namespace
-}  // namespace palpate::slipping_pushes_test
+}  // namespace palpate::solve::slipping_pushes_test

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <limits>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 TEST(ContactLaw, PressureAndStiffnessAreDerivatives) {
@@ -83,7 +83,7 @@ TEST_F(ContactMethods, MultipliersSolveWhatAPenaltyCannot) {
 }
 
 TEST_F(ContactMethods, ARefusalNamesEveryAttempt) {
-  options.materials = {Material::neo_hookean(5e3, 0.45)};
+  options.materials = {fem::Material::neo_hookean(5e3, 0.45)};
   options.materials[0].bulk = std::numeric_limits<double>::quiet_NaN();
   const PairResult r = press(ContactMethod::penalty);
   ASSERT_FALSE(r.outcome.accepted);
@@ -132,4 +132,4 @@ TEST(ErrorEstimate, GrowsWithEachOfItsSources) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::solve

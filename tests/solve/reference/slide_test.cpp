@@ -11,7 +11,7 @@
 #include <cmath>
 #include <limits>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 class Sliding : public ::testing::Test {
@@ -30,7 +30,7 @@ protected:
 
   SlideResult slide() const {
     const Body body = test::block_body(half, 5e3, 0.49);
-    const Tool tool = make_tool(sphere);
+    const tool::Tool tool = tool::make_tool(sphere);
     return solve_slide({body, tool, tool.vertices[0], ContactFrame{}}, path, options);
   }
 };
@@ -107,4 +107,4 @@ TEST_F(Sliding, AWayOfPartialSlipIsNotUsable) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <limits>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 using Eigen::Vector3d;
@@ -30,7 +30,7 @@ protected:
 
   StrokeResult stroke(const std::function<bool()>& stop = {}) const {
     const Body body = test::block_body(15 * radius, 5e3, 0.49);
-    const Tool tool = make_tool(sphere);
+    const tool::Tool tool = tool::make_tool(sphere);
     return solve_stroke({body, tool, tool.vertices[0], ContactFrame{}}, path, options, stop);
   }
 };
@@ -109,4 +109,4 @@ TEST_F(Stroking, WhatIsOutOfRangeOrHeldIsRefusedByName) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::solve

@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace palpate {
+namespace palpate::solve {
 namespace {
 
 ToolScene sphere_of_10_mm() {
@@ -33,7 +33,7 @@ TEST(Together, DifferenceToTheSumFallsWithTheDistance) {
   TogetherPath path = shallow_path(2, 2);
   const double a = kRadius, block = 30 * a;
   const Body body = test::block_body(block, 5e3, 0.49);
-  const Tool tool = make_tool(sphere_of_10_mm());
+  const tool::Tool tool = tool::make_tool(sphere_of_10_mm());
   PairOptions options;
   options.mesh_size = 0.5;
   double last = 0.5;  // two tips at one place are one
@@ -59,7 +59,7 @@ TEST(Together, MiddleOfThreeHasTheLeastForce) {
   const double a = kRadius;
   path.places[1].origin.x() = 3 * a;
   path.places[2].origin.x() = -3 * a;
-  const Tool tool = make_tool(sphere_of_10_mm());
+  const tool::Tool tool = tool::make_tool(sphere_of_10_mm());
   PairOptions options;
   options.mesh_size = 0.6;
   const TogetherResult r = solve_together(test::block_body(12 * a, 5e3, 0.49), tool, tool.vertices[0], path, options);
@@ -76,7 +76,7 @@ TEST(Together, ContactThatSticksResistsAWayAside) {
   path.sticking = true;
   path.aside = 0.1 * path.depth;
   const double a = kRadius;
-  const Tool tool = make_tool(sphere_of_10_mm());
+  const tool::Tool tool = tool::make_tool(sphere_of_10_mm());
   PairOptions options;
   options.mesh_size = 0.5;
   const TogetherResult r = solve_together(test::block_body(12 * a, 5e3, 0.49), tool, tool.vertices[0], path, options);
@@ -87,7 +87,7 @@ TEST(Together, ContactThatSticksResistsAWayAside) {
 
 TEST(Together, PathsOutOfRangeAreRefused) {
   const Body body = test::block_body(0.03, 5e3, 0.49);
-  const Tool tool = make_tool(ToolScene{});
+  const tool::Tool tool = tool::make_tool(ToolScene{});
   TogetherPath path;
   path.depth = 0.001;
   EXPECT_THROW(solve_together(body, tool, tool.vertices[0], path, {}), Error);
@@ -97,4 +97,4 @@ TEST(Together, PathsOutOfRangeAreRefused) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::solve

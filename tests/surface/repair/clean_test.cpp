@@ -48,11 +48,11 @@ TEST(Clean, EveryKindOfInput) {
   };
   for (const auto& e : all) {
     SCOPED_TRACE(e.name);
-    const auto cleaned = clean_surface(e.input, {}, "organ.ply");
+    const auto cleaned = surface::clean_surface(e.input, {}, "organ.ply");
     const auto& report = cleaned.report;
     const auto& surface = cleaned.query->surface();
-    EXPECT_EQ(report.action, e.action) << joined(report.findings);
-    EXPECT_TRUE(examine(surface).clean());
+    EXPECT_EQ(report.action, e.action) << surface::joined(report.findings);
+    EXPECT_TRUE(surface::examine(surface).clean());
     EXPECT_TRUE(closed_and_oriented(surface));
     EXPECT_NEAR(surface_volume(surface), e.volume, e.volume * e.volume_tolerance);
     EXPECT_NEAR(report.volume, surface_volume(surface), 1e-12);
@@ -68,12 +68,12 @@ TEST(Clean, EveryKindOfInput) {
 TEST(Clean, PartsStayWhereTheyWere) {
   const auto [box, lid] = cube_and_lid(0);
   for (const auto mode : {RepairMode::repair, RepairMode::wrap}) {
-    const auto cleaned = clean_surface(together(box, lid), {mode, 0, 0}, "organ.ply");
+    const auto cleaned = surface::clean_surface(together(box, lid), {mode, 0, 0}, "organ.ply");
     const auto& s = cleaned.query->surface();
     double lid_area = 0;
     for (std::size_t t = 0; t < s.triangles.size(); ++t) {
       if (s.part_names[std::size_t(s.parts[t])] != "lid") continue;
-      lid_area += triangle_normal(s, t).norm() / 2;
+      lid_area += geometry::triangle_normal(s, t).norm() / 2;
       EXPECT_GT(s.vertices[std::size_t(s.triangles[t][0])].z(), 0.18);
     }
     EXPECT_NEAR(lid_area, 0.04, mode == RepairMode::repair ? 1e-12 : 0.006);
@@ -81,10 +81,10 @@ TEST(Clean, PartsStayWhereTheyWere) {
 }
 
 TEST(Clean, SmallHolesAndFlatRimsAreClosed) {
-  const auto cleaned = clean_surface(small_hole(), {RepairMode::repair, 0, 0}, "organ.ply");
+  const auto cleaned = surface::clean_surface(small_hole(), {RepairMode::repair, 0, 0}, "organ.ply");
   EXPECT_NEAR(cleaned.report.volume, 0.008, 1e-15);
   EXPECT_NEAR(cleaned.report.area, 0.24, 1e-15);
-  const auto capped = clean_surface(cube_and_lid(0).first, {RepairMode::repair, 0, 0}, "organ.ply");
+  const auto capped = surface::clean_surface(cube_and_lid(0).first, {RepairMode::repair, 0, 0}, "organ.ply");
   EXPECT_NEAR(capped.report.volume, 0.008, 1e-12);
   ASSERT_EQ(capped.report.findings.size(), 2U);
   EXPECT_NE(capped.report.findings[1].find("closed a flat rim of 16 edges"), std::string::npos);
@@ -102,9 +102,9 @@ TEST(Clean, ARimInsideAnotherIsAHoleInTheCap) {
     for (const auto v : c) highest = std::max(highest, both.vertices[std::size_t(v)].z());
     keep[t] = highest < 1e-9;
   }
-  const Surface open = keep_triangles(both, keep);
-  ASSERT_GT(topology(open).boundary_edges, 0U);
-  const auto cleaned = clean_surface(open, {}, "organ.ply");
+  const Surface open = surface::keep_triangles(both, keep);
+  ASSERT_GT(geometry::topology(open).boundary_edges, 0U);
+  const auto cleaned = surface::clean_surface(open, {}, "organ.ply");
   EXPECT_EQ(cleaned.report.action, "repaired") << cleaned.report.findings.size();
   EXPECT_NEAR(cleaned.report.volume, 2.0 / 3 * std::numbers::pi * (1e-3 - 2.16e-4), 0.12e-3);  // its facets are coarse
 }
@@ -118,19 +118,20 @@ TEST(Clean, AnOpenSurfaceWithABentRimIsNoBag) {
     for (const auto v : ball.triangles[t]) middle += ball.vertices[std::size_t(v)] / 3;
     keep[t] = middle.z() < 0.03 + 0.04 * std::cos(2 * std::atan2(middle.y(), middle.x()));
   }
-  expect_error([&] { clean_surface(keep_triangles(ball, keep), {}, "organ.ply"); }, ExitCode::bad_input,
+  expect_error([&] { surface::clean_surface(surface::keep_triangles(ball, keep), {}, "organ.ply"); },
+               ExitCode::bad_input,
                {"organ.ply", "boundary edges in 1 loops", "no rim is flat enough", "Close its holes"});
 }
 
 // Two blocks share an edge; the shared edge comes apart, and nothing else moves.
 TEST(Clean, BlocksThatTouchInAnEdgeAreSplit) {
   const Surface blocks = together(box_surface({0, 0, 0}, {1, 1, 1}), box_surface({1, 1, 0}, {2, 2, 1}));
-  const auto cleaned = clean_surface(weld(blocks, 1e-9), {}, "organ.ply");
+  const auto cleaned = surface::clean_surface(surface::weld(blocks, 1e-9), {}, "organ.ply");
   EXPECT_EQ(cleaned.report.action, "repaired");
   EXPECT_NEAR(cleaned.report.volume, 2, 0.02);
   EXPECT_EQ(cleaned.report.findings[1].find("split where blocks touch in 1 edges"), 0U) << cleaned.report.findings[1];
   const Surface small = together(box_surface({0, 0, 0}, {1, 1, 1}), box_surface({1, 1, 0}, {1.2, 1.2, 1}));
-  const auto alone = clean_surface(weld(small, 1e-9), {}, "organ.ply");
+  const auto alone = surface::clean_surface(surface::weld(small, 1e-9), {}, "organ.ply");
   EXPECT_NEAR(alone.report.volume, 1, 0.01);
 }
 
@@ -138,11 +139,11 @@ TEST(Clean, ModeNoneNamesTheFault) {
   const auto refuse = [](const Surface& s, const std::string& piece) {
     expect_error(
         [&] {
-          clean_surface(s, {RepairMode::none, 0, 0}, "organ.ply");
+          surface::clean_surface(s, {RepairMode::none, 0, 0}, "organ.ply");
         },
         ExitCode::bad_input, {"organ.ply", "none", piece});
   };
-  EXPECT_EQ(clean_surface(cube(), {RepairMode::none, 0, 0}, "organ.ply").report.action, "used as it is");
+  EXPECT_EQ(surface::clean_surface(cube(), {RepairMode::none, 0, 0}, "organ.ply").report.action, "used as it is");
   refuse(small_hole(), "3 boundary edges in 1 loop");
   refuse(fin(), "more than two triangles");
   refuse(doubled_face(), "double another");
@@ -158,7 +159,7 @@ TEST(Clean, RepairAloneGivesUpWithTheReason) {
   for (const auto& s : {pierced(), overlapping()}) {
     expect_error(
         [&] {
-          clean_surface(s, {RepairMode::repair, 0, 0}, "organ.ply");
+          surface::clean_surface(s, {RepairMode::repair, 0, 0}, "organ.ply");
         },
         ExitCode::bad_input, {"organ.ply", "after repair", "wrap"});
   }
@@ -168,31 +169,32 @@ TEST(Clean, FlatAndUnusableInputIsRefused) {
   Surface flat = cube();
   for (auto& v : flat.vertices) v.z() = 0;
   for (const auto mode : {RepairMode::none, RepairMode::repair}) {
-    expect_error([&] { clean_surface(flat, {mode, 0, 0}, "organ.ply"); }, ExitCode::bad_input, {"organ.ply"});
+    expect_error([&] { surface::clean_surface(flat, {mode, 0, 0}, "organ.ply"); }, ExitCode::bad_input, {"organ.ply"});
   }
   Surface line = cube();
   for (auto& v : line.vertices) v = Eigen::Vector3d(v.x() + v.y() + v.z(), 0, 0);
   for (const auto mode : {RepairMode::automatic, RepairMode::none, RepairMode::repair, RepairMode::wrap}) {
-    expect_error([&] { clean_surface(line, {mode, 0, 0}, "organ.ply"); }, ExitCode::bad_input, {"organ.ply"});
+    expect_error([&] { surface::clean_surface(line, {mode, 0, 0}, "organ.ply"); }, ExitCode::bad_input, {"organ.ply"});
   }
-  expect_error([] { clean_surface(Surface{}, {}, "organ.ply"); }, ExitCode::bad_input, {"organ.ply", "no triangles"});
+  expect_error([] { surface::clean_surface(Surface{}, {}, "organ.ply"); }, ExitCode::bad_input,
+               {"organ.ply", "no triangles"});
 }
 
 TEST(Clean, SeparateComponents) {
   // Apart: kept, with a note. A cavity faces inward; a solid inside another is refused.
-  const auto apart = clean_surface(together(cube(), sphere_surface({0.5, 0.1, 0.1}, 0.05)), {}, "organ.ply");
+  const auto apart = surface::clean_surface(together(cube(), sphere_surface({0.5, 0.1, 0.1}, 0.05)), {}, "organ.ply");
   EXPECT_EQ(apart.report.action, "used as it is");
   EXPECT_EQ(apart.report.findings, std::vector<std::string>{"2 separate components"});
   const Surface ball = sphere_surface({0.1, 0.1, 0.1}, 0.05);
   Surface wall = ball;
   for (auto& t : wall.triangles) std::swap(t[1], t[2]);
-  const auto hollow = clean_surface(together(cube(), wall), {}, "organ.ply");
+  const auto hollow = surface::clean_surface(together(cube(), wall), {}, "organ.ply");
   EXPECT_EQ(hollow.report.action, "used as it is");
   EXPECT_NEAR(hollow.report.volume, 0.008 - surface_volume(sphere_surface({0, 0, 0}, 0.05)), 1e-12);
   for (const auto mode : {RepairMode::automatic, RepairMode::none, RepairMode::repair}) {
     expect_error(
         [&] {
-          clean_surface(together(cube(), ball), {mode, 0, 0}, "organ.ply");
+          surface::clean_surface(together(cube(), ball), {mode, 0, 0}, "organ.ply");
         },
         ExitCode::bad_input, {"organ.ply", "component 2 of 2", "faces outward", "[[region]]", "[[cavity]]"});
   }
@@ -201,13 +203,14 @@ TEST(Clean, SeparateComponents) {
 TEST(Clean, WrapTakesInnerMeshesIn) {
   // An open double-walled bag alone is a thin shell; with something in it that fills it, a solid.
   const auto bag = bowl(0.002);
-  const auto alone = clean_surface(bag, {RepairMode::wrap, 0, 0}, "organ.ply");
+  const auto alone = surface::clean_surface(bag, {RepairMode::wrap, 0, 0}, "organ.ply");
   EXPECT_TRUE(alone.report.thin_bag);
-  const auto filled = clean_surface(together(bag, named(sphere_surface({0, 0, 0}, 0.097), "inner")), {}, "organ.ply");
+  const auto filled =
+      surface::clean_surface(together(bag, named(sphere_surface({0, 0, 0}, 0.097), "inner")), {}, "organ.ply");
   EXPECT_FALSE(filled.report.thin_bag);
   EXPECT_EQ(filled.report.action, "used as it is") << "nested without contact: two components";
-  const auto wrapped = clean_surface(together(bag, named(sphere_surface({0, 0, 0}, 0.097), "inner")),
-                                     {RepairMode::wrap, 0, 0}, "organ.ply");
+  const auto wrapped = surface::clean_surface(together(bag, named(sphere_surface({0, 0, 0}, 0.097), "inner")),
+                                              {RepairMode::wrap, 0, 0}, "organ.ply");
   EXPECT_FALSE(wrapped.report.thin_bag);
   EXPECT_NEAR(wrapped.report.volume, 4.0 / 3 * std::numbers::pi * 1e-3, 3e-4);
 }
@@ -226,8 +229,8 @@ TEST(Clean, RandomSoups) {
     }
     set_one_part(s, "soup");
     try {
-      const auto result = clean_surface(s, {RepairMode::automatic, 1.0, 0.1}, "soup");
-      EXPECT_TRUE(examine(result.query->surface()).clean());
+      const auto result = surface::clean_surface(s, {RepairMode::automatic, 1.0, 0.1}, "soup");
+      EXPECT_TRUE(surface::examine(result.query->surface()).clean());
       EXPECT_TRUE(std::isfinite(result.report.largest_move) && std::isfinite(result.report.thickness_median));
       ++cleaned;
     } catch (const Error& error) {
@@ -248,9 +251,9 @@ TEST(Clean, SmoothingRoundsABallOff) {
     const auto& c = ball.triangles[t];
     ball.parts[t] = ball.vertices[c[0]].z() + ball.vertices[c[1]].z() + ball.vertices[c[2]].z() > 0 ? 1 : 0;
   }
-  CleanOptions options;
+  surface::CleanOptions options;
   options.smooth = 2;
-  const auto result = clean_surface(ball, options, "ball");
+  const auto result = surface::clean_surface(ball, options, "ball");
   const Surface& smooth = result.query->surface();
   EXPECT_EQ(result.report.action, "used as it is, smoothed");
   EXPECT_EQ(smooth.triangles.size(), 16 * ball.triangles.size());
@@ -277,11 +280,11 @@ TEST(Clean, SmoothingKeepsEdgesStraightWhereTheSurfaceWouldCrossItself) {
   for (auto& v : thin.vertices) {
     if (v.z() > 1e-4 && std::abs(v.x() - 0.02) < 1e-9 && std::abs(v.y() - 0.02) < 1e-9) v.z() = 0.02;
   }
-  CleanOptions options;
+  surface::CleanOptions options;
   options.smooth = 2;
-  const auto result = clean_surface(thin, options, "sheet");
+  const auto result = surface::clean_surface(thin, options, "sheet");
   const Surface& smooth = result.query->surface();
-  EXPECT_TRUE(examine(smooth).clean());
+  EXPECT_TRUE(surface::examine(smooth).clean());
   EXPECT_EQ(smooth.triangles.size(), 16 * thin.triangles.size());
   ASSERT_EQ(result.report.findings.size(), 1U);
   EXPECT_NE(result.report.findings[0].find("edges kept straight"), std::string::npos);
@@ -292,7 +295,7 @@ TEST(Clean, SmoothingKeepsEdgesStraightWhereTheSurfaceWouldCrossItself) {
 
 TEST(Clean, SameResultEveryTime) {
   for (const auto& s : {overlapping(), fin(), with_degenerate()}) {
-    const auto a = clean_surface(s, {}, "organ.ply"), b = clean_surface(s, {}, "organ.ply");
+    const auto a = surface::clean_surface(s, {}, "organ.ply"), b = surface::clean_surface(s, {}, "organ.ply");
     EXPECT_EQ(a.query->surface().vertices, b.query->surface().vertices);
     EXPECT_EQ(a.query->surface().triangles, b.query->surface().triangles);
     EXPECT_EQ(a.query->surface().parts, b.query->surface().parts);

@@ -10,7 +10,7 @@ namespace {
 
 SurfaceReport measured(const Surface& s) {
   SurfaceReport report;
-  measure(SurfaceQuery(s), report);
+  surface::measure(geometry::SurfaceQuery(s), report);
   return report;
 }
 
@@ -23,9 +23,9 @@ TEST(Report, FacetsOfABallAndOfABox) {
   }
   lacking /= double(ball.triangles.size());
   SurfaceReport report;
-  measure(SurfaceQuery(ball), report);
+  surface::measure(geometry::SurfaceQuery(ball), report);
   EXPECT_NEAR(report.facet_depth / lacking, 1, 0.1);
-  measure(SurfaceQuery(box_surface({0, 0, 0}, {0.1, 0.1, 0.1}, 3)), report);
+  surface::measure(geometry::SurfaceQuery(box_surface({0, 0, 0}, {0.1, 0.1, 0.1}, 3)), report);
   EXPECT_LT(report.facet_depth, 1e-12);
 }
 
@@ -62,7 +62,7 @@ TEST(Report, ThinBags) {
 
 TEST(Report, PointsAreSpreadByAreaAndAlwaysTheSame) {
   const Surface s = box_surface({0, 0, 0}, {1, 1, 3}, 3);
-  const auto points = spread_points(s, 1400);
+  const auto points = surface::spread_points(s, 1400);
   ASSERT_EQ(points.size(), 1400U);
   int top = 0, side = 0;
   Eigen::Vector3d mean(0, 0, 0);
@@ -76,7 +76,7 @@ TEST(Report, PointsAreSpreadByAreaAndAlwaysTheSame) {
   EXPECT_NEAR(top, 100, 2);
   EXPECT_NEAR(side, 300, 2);
   EXPECT_LE((mean - Eigen::Vector3d(0.5, 0.5, 1.5)).norm(), 0.03);
-  EXPECT_EQ(spread_points(s, 1400)[777].point, points[777].point);
+  EXPECT_EQ(surface::spread_points(s, 1400)[777].point, points[777].point);
 }
 
 TEST(Report, TextSaysWhatMatters) {
@@ -84,11 +84,11 @@ TEST(Report, TextSaysWhatMatters) {
   report.action = "wrapped";
   report.findings = {"open: 7 boundary edges in 1 loops"};
   report.largest_move = 0.0012;
-  const auto lines = text(report);
+  const auto lines = surface::text(report);
   for (const std::string piece : {"wrapped", "7 boundary edges", "1.2 mm", "mL", "median", "WARNING"}) {
     EXPECT_NE(lines.find(piece), std::string::npos) << piece << " in:\n" << lines;
   }
-  EXPECT_EQ(text(measured(cube())).find("WARNING"), std::string::npos);
+  EXPECT_EQ(surface::text(measured(cube())).find("WARNING"), std::string::npos);
 }
 
 }  // namespace

@@ -17,7 +17,7 @@
 #include <map>
 #include <set>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 TEST(StiffCells, CoverTheirRangesAndAreAllDifferent) {
@@ -134,12 +134,12 @@ TEST(SampleDifference, MatchesFromFullDepthAndByDirection) {
       sample(K::normal, 2, {0, 0, 1e-3}, {0, 0, 10}),         sample(K::tangential, 0, {1e-4, 0, 1e-3}, {-1, 0, 10}),
       sample(K::tangential, 1, {2e-4, 0, 1e-3}, {-2, 0, 10}), sample(K::tangential, 2, {0, 1e-4, 1e-3}, {0, -1, 10})};
   std::vector<Sample> other(reference.begin() + 1, reference.end());  // without the shallowest
-  EXPECT_EQ(sample_difference(other, reference).normal, 0);
-  EXPECT_EQ(sample_difference(other, reference).stiffness, 0);
+  EXPECT_EQ(solve::sample_difference(other, reference).normal, 0);
+  EXPECT_EQ(solve::sample_difference(other, reference).stiffness, 0);
   other[1].force = {0, 0, 10.2};
   for (std::size_t k = 2; k < other.size(); ++k) other[k].force.z() = 10.2;
   other[4].force.y() = -1.1;  // the push along y
-  const SampleDifference d = sample_difference(other, reference);
+  const solve::SampleDifference d = solve::sample_difference(other, reference);
   EXPECT_NEAR(d.normal, 0.02, 1e-12);
   EXPECT_NEAR(d.stiffness, 0.1, 1e-9);
   EXPECT_NEAR(d.tangential, std::hypot(0.1, 0.2) / std::hypot(1, 10), 1e-12);
@@ -156,7 +156,8 @@ TEST(SolverBench, RowsComeNearerToTheReference) {
   options.settings = {{0.9, 1.0}, {0.4, 0.6}};
   options.reference = {0.3, 0.5};
   options.repeats = 1;
-  const auto rows = bench_solver(cell.scene, body, make_tool(cell.scene.tools[0]), {{ContactFrame{}, 0.003}}, options);
+  const auto rows =
+      bench_solver(cell.scene, body, tool::make_tool(cell.scene.tools[0]), {{ContactFrame{}, 0.003}}, options);
   ASSERT_EQ(rows.size(), 2U);
   for (const SolverBenchRow& row : rows) {
     EXPECT_EQ(row.solved, 1U);
@@ -183,18 +184,18 @@ TEST(DrawShare, IsAShareOfDifferentNumbersBySeed) {
 
 TEST(ParallelFor, DoesEachPieceOnceAndStopsWhenAsked) {
   std::vector<std::atomic<int>> seen(1000);
-  EXPECT_TRUE(parallel_for(seen.size(), 4, {}, [&](std::size_t k) { ++seen[k]; }));
+  EXPECT_TRUE(bake::parallel_for(seen.size(), 4, {}, [&](std::size_t k) { ++seen[k]; }));
   for (const auto& count : seen) EXPECT_EQ(count, 1);
   std::atomic<int> asked{0}, worked{0};
-  EXPECT_FALSE(parallel_for(
+  EXPECT_FALSE(bake::parallel_for(
       1000, 4, [&] { return ++asked > 10; }, [&](std::size_t) { ++worked; }));
   EXPECT_LE(worked, 13);
-  EXPECT_THROW(parallel_for(10, 2, {},
-                            [](std::size_t k) {
-                              if (k == 3) throw std::runtime_error("piece 3");
-                            }),
+  EXPECT_THROW(bake::parallel_for(10, 2, {},
+                                  [](std::size_t k) {
+                                    if (k == 3) throw std::runtime_error("piece 3");
+                                  }),
                std::runtime_error);
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <map>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 double thickness(const BatteryCell& cell) {
@@ -103,4 +103,4 @@ TEST(RandomBattery, CheapContactsAreRightAndCovered) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::verify

@@ -16,22 +16,22 @@
 #include <numbers>
 #include <sstream>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 using Eigen::Vector3d;
 
-Tool tip(ToolScene::Shape shape) {
+tool::Tool tip(ToolScene::Shape shape) {
   ToolScene scene;
   scene.shape = shape;
   scene.radius = 0.005;
   scene.edge_radius = shape == ToolScene::Shape::punch ? 0.001 : 0.0;
-  return make_tool(scene);
+  return tool::make_tool(scene);
 }
 
 TEST(CcxTool, FacetsLieOnTheToolAndFaceOutward) {
   for (const auto shape : {ToolScene::Shape::sphere, ToolScene::Shape::punch}) {
-    const Tool tool = tip(shape);
+    const tool::Tool tool = tip(shape);
     const ToolFacets facets = tool_facets(tool, 0.001);
     for (const Vector3d& node : facets.nodes) EXPECT_LT(std::abs(tool.shape->distance(node).value), 1e-9);
     std::map<std::pair<int, int>, int> edges;
@@ -80,7 +80,7 @@ std::vector<double> numbers(const std::string& line) {
 }
 
 struct SmallPush {
-  TetMesh mesh = test::block_mesh({-0.01, 0, 0.01}, {-0.01, 0, 0.01}, {-0.01, 0});
+  mesh::TetMesh mesh = test::block_mesh({-0.01, 0, 0.01}, {-0.01, 0, 0.01}, {-0.01, 0});
   std::vector<char> held;
   ToolFacets facets = tool_facets(tip(ToolScene::Shape::sphere), 0.002);
   SmallPush() {
@@ -271,4 +271,4 @@ TEST(Ccx, ForcesAgreeOnTheSameMesh) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::verify

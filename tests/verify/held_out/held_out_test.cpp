@@ -14,7 +14,7 @@
 #include <atomic>
 #include <stdexcept>
 
-namespace palpate {
+namespace palpate::verify {
 namespace {
 
 // The box of the sample response files, soft, pressed in the middle of its top, solved as coarsely as is allowed.
@@ -23,9 +23,9 @@ protected:
   void SetUp() override {
     const double half = test::kBoxSize / 2, top = test::kBoxSize / 4;
     const Surface surface = test::box_surface({-half, -half, -top}, {half, half, top});
-    body_.query = std::make_shared<const SurfaceQuery>(surface);
+    body_.query = std::make_shared<const geometry::SurfaceQuery>(surface);
     body_.base_size = 0.008;
-    body_.base = remesh_uniform(surface, body_.base_size);
+    body_.base = mesh::remesh_uniform(surface, body_.base_size);
     body_.diagonal = 3 * half;
     SupportScene bottom;
     bottom.kind = SupportScene::Kind::half_space;
@@ -52,7 +52,7 @@ protected:
     tool.length = test::kStemLength;
     tool.grasp_depth = grasp_depth_;
     tool.grasp_turn = grasp_turn_;
-    return solve_held_out(opened.view, scene_, body_, {make_tool(tool)}, options_);
+    return solve_held_out(opened.view, scene_, body_, {tool::make_tool(tool)}, options_);
   }
 
   Body body_;
@@ -66,7 +66,7 @@ protected:
 TEST_F(HeldOutSolves, AToolThatMustKeepItsSpinIsPushedObliquely) {
   scene_.friction = 0.3;
   // A contact near the tip: the sample's tool has few patches, the first reaches from the tip to 45 degrees.
-  options_.touchable = [](const ContactCase& contact, double) {
+  options_.touchable = [](const solve::ContactCase& contact, double) {
     return contact.vertex.meridian < 0.9 * test::kTipRadius;
   };
   options_.count = 2;
@@ -146,4 +146,4 @@ TEST_F(HeldOutSolves, AStopLeavesTheRestUnsolved) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::verify
