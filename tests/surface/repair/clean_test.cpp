@@ -3,6 +3,7 @@
 #include "precompute/surface/repair/clean.hpp"
 
 #include "precompute/surface/repair/examine.hpp"
+#include "precompute/surface/repair/weld.hpp"
 #include "tests/surface/faulty_shapes.hpp"
 
 #include <cmath>
