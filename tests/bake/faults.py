@@ -39,7 +39,7 @@ class Bakes:
         self.run("synth", "slab", "--out", ".", "--scale", "0.5", "--friction", "0", "--tool-radius", "0.003",
                  "--depth", "0.001", "--spacing", "0.012")
         with open(self.folder / "scene.toml", "a") as scene:
-            scene.write("normal_points = 4\n[solver]\nmesh_size = 1\n")
+            scene.write("normal_points = 4\n[solver]\nmesh_size = 1\ngrowth = 1\nmax_size = 0.025\ncheck_share = 0\n")
         begin = time.monotonic()
         self.build("whole")
         self.seconds = time.monotonic() - begin

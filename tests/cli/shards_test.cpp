@@ -17,7 +17,8 @@ protected:
                    "--depth", "0.001", "--spacing", "0.02"})
                   .exit_code,
               0);
-    std::ofstream(folder() / "scene.toml", std::ios::app) << "normal_points = 4\n[solver]\nmesh_size = 1\n";
+    std::ofstream(folder() / "scene.toml", std::ios::app)
+        << "normal_points = 4\n[solver]\nmesh_size = 1\ngrowth = 1\nmax_size = 0.025\n";
   }
   RunResult done(Arguments arguments, RunOptions options = {}) const {
     arguments.insert(arguments.end(), {"--quiet", "--json"});

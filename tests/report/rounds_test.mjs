@@ -10,6 +10,9 @@ test("the report has the sites of the last round, and no hidden push among them"
   rmSync(at("rounds"), { recursive: true, force: true });
   mkdirSync(at("rounds"));
   const scene = readFileSync(at("scene.toml"), "utf8").replace(/^(margin_)?spacing = .*\n/gm, "")
+    // Fewer solves a site, on a coarser mesh.
+    .replace(/^friction = .*/m, "friction = 0").replace(/^normal_points = .*/m, "normal_points = 4")
+    .replace("growth = 1", "growth = 1\nmax_size = 0.03")
     .replace(/^surface = .*/m, `surface = "${fileURLToPath(new URL("../bakes/slab.obj", import.meta.url))}"`);  // fewer rounds than the groove
   writeFileSync(at("rounds/scene.toml"), scene.replace("[sampling]", "[sampling]\nmost_sites = 190"));
   try {
@@ -17,7 +20,7 @@ test("the report has the sites of the last round, and no hidden push among them"
   } catch (error) {
     assert.equal(error.status, 5, error.stderr);  // 190 sites are too few for 5 %
   }
-  palpate("report", "rounds/scene.toml", "--contacts", "2", "--quiet");
+  palpate("report", "rounds/scene.toml", "--quick", "--contacts", "2", "--quiet");
   const report = json("rounds/scene.report.json"), first = json("rounds/scene.work/manifest.json");
   const sites = report.organ.sites.position_m.length, solved = report.organ.tools[0].error_solve;
   const planned = new Set([...first.pairs.filter((pair) => pair.role !== "hidden"), ...first.skipped].map((pair) => pair.site));

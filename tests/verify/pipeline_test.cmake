@@ -19,9 +19,10 @@ set(common "[body]\nsurface = \"slab.obj\"\n[[tool]]\nname = \"tip\"\nradius = 0
 [[support]]\nhalf_space = { point = [0, 0, -0.0299], normal = [0, 0, 1] }\n\
 [sampling]\nspacing = 0.012\ndepth = 0.003\nnormal_points = 6\n\
 within_box = { min = [-0.015, -0.015, -0.001], max = [0.015, 0.015, 0.001] }\n\
-[solver]\nmax_size = 0.03\nmesh_size = 0.8\n")
+[solver]\nmax_size = 0.03\nmesh_size = 0.5\ngrowth = 1\n")
 file(WRITE ${FOLDER}/slab.toml "${common}")
-string(REPLACE "0.015" "0.012" few "${common}")  # a rough site takes many more solves
+# A rough site takes many more solves.
+string(REPLACE "0.015" "0.012" few "${common}check_share = 0\n")
 file(WRITE ${FOLDER}/rough.toml "${few}[contact]\nfriction = 0.3\n[response]\nsearch = \"none\"\n")
 
 # Frictionless: no tangential solve, and nothing in the file that the scene does not use.

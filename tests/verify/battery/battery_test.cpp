@@ -9,6 +9,7 @@
 #include "precompute/verify/battery/stiff_cells.hpp"
 #include "precompute/verify/solver_bench.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/verify/battery/thickness.hpp"
 
 #include <gtest/gtest.h>
 
@@ -58,8 +59,10 @@ TEST(Battery, ConvergesChecksAndRefusesByName) {
     if (cell.family == "size" && cells.empty()) cells.push_back(cell);
   }
   ASSERT_EQ(cells.size(), 1U);
-  cells[0].scene.sampling.normal_points = 4;
-  cells[0].scene.solver.mesh_size = 0.6;
+  cells[0].scene.sampling.normal_points = 3;
+  cells[0].scene.solver.mesh_size = 0.8;
+  cells[0].scene.solver.growth = 1;
+  cells[0].scene.solver.max_size = test::thickness(cells[0]);
   cells.push_back(cells[0]);
   cells[1].scene.supports[0].point = {0, 0, -100};
   cells.push_back(cells[0]);
@@ -101,7 +104,9 @@ TEST(Battery, ADrawnCellOfEveryFamilyConvergesOrSaysWhyNot) {
   for (const auto& [family, all] : families) {
     cells.push_back(all[random_subset(all.size(), 1e-6, 23).at(0)]);
     cells.back().scene.sampling.normal_points = 4;
-    cells.back().scene.solver.mesh_size = 0.45;
+    cells.back().scene.solver.mesh_size = 0.6;
+    cells.back().scene.solver.growth = 1;
+    cells.back().scene.solver.max_size = test::thickness(cells.back());
   }
   BatteryOptions options;
   options.verified_share = 0;

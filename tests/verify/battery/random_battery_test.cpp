@@ -4,6 +4,7 @@
 #include "precompute/verify/battery/random_cells.hpp"
 
 #include "tests/support/shapes.hpp"
+#include "tests/verify/battery/thickness.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,11 +14,7 @@
 namespace palpate::verify {
 namespace {
 
-double thickness(const BatteryCell& cell) {
-  double low = 1e99, high = -1e99;
-  for (const Eigen::Vector3d& v : cell.surface.vertices) low = std::min(low, v.z()), high = std::max(high, v.z());
-  return high - low;
-}
+using test::thickness;
 
 TEST(RandomCells, AreThoseOfTheirSeedAndSpanTheirRanges) {
   const auto cells = random_cells(3, 200), fewer = random_cells(3, 7), others = random_cells(4, 7);
