@@ -38,7 +38,7 @@ Surface surface_of(const ContactSurface& c) {
 
 // A ball that is flattened along z.
 Surface lens(double radius, double flattening) {
-  Surface s = test::sphere_surface({0, 0, 0}, radius, 5);
+  Surface s = test::sphere_surface({0, 0, 0}, radius, 4);
   for (Vector3d& v : s.vertices) v.z() *= flattening;
   return s;
 }
@@ -104,14 +104,14 @@ double largest_offset(const ContactSurface& c, const sites::HapticMesh& mesh, do
 }
 
 TEST(ContactSurface, BallStaysWithinTheToleranceInFewTriangles) {
-  const Surface ball = test::sphere_surface({0, 0, 0}, 0.05, 5);
+  const Surface ball = test::sphere_surface({0, 0, 0}, 0.05, 4);
   const sites::HapticMesh mesh = haptic_mesh(ball, 0.015);
-  const ContactSurface c = make_contact_surface(ball, mesh.points, mesh.triangles, 1e-4);
-  expect_sound(c, ball, mesh, 1e-4);
+  const ContactSurface c = make_contact_surface(ball, mesh.points, mesh.triangles, 4e-4);
+  expect_sound(c, ball, mesh, 4e-4);
   EXPECT_LT(c.triangles.size(), ball.triangles.size() / 5);
   EXPECT_LT(largest_offset(c, mesh, 0.015), 0.1);
-  const ContactSurface fine = make_contact_surface(ball, mesh.points, mesh.triangles, 2e-5);
-  expect_sound(fine, ball, mesh, 2e-5);
+  const ContactSurface fine = make_contact_surface(ball, mesh.points, mesh.triangles, 8e-5);
+  expect_sound(fine, ball, mesh, 8e-5);
   EXPECT_GT(fine.triangles.size(), 2 * c.triangles.size()) << "the number goes with the inverse of the tolerance";
 }
 
