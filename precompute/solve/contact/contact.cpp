@@ -36,8 +36,12 @@ const Weights kShape = make_weights();
 }  // namespace
 
 ContactEnergy::ContactEnergy(const mesh::TetMesh& mesh, const std::vector<char>& fixed, const tool::ToolShape& shape,
-                             const Eigen::Isometry3d& pose)
-    : shape_(shape), middle_(shape.bounds().center()), around_(0.5 * shape.bounds().diagonal().norm()), pose_(pose) {
+                             const Eigen::Isometry3d& pose, std::vector<Vector3d> offsets)
+    : offsets_(std::move(offsets)),
+      shape_(shape),
+      middle_(shape.bounds().center()),
+      around_(0.5 * shape.bounds().diagonal().norm()),
+      pose_(pose) {
   for (const auto& nodes : mesh.faces) {
     if (std::all_of(nodes.begin(), nodes.end(), [&](std::int32_t n) { return fixed[n] != 0; })) {
       held_.push_back(nodes);
@@ -62,7 +66,7 @@ void ContactEnergy::for_each_near(const VectorXd& x, Visit&& visit) const {
   for (std::size_t f = 0; f < faces_.size(); ++f) {
     const Face& face = faces_[f];
     Eigen::Matrix<double, 3, 6> p;
-    for (int n = 0; n < 6; ++n) p.col(n) = x.segment<3>(3 * face.nodes[n]);
+    for (int n = 0; n < 6; ++n) p.col(n) = on_surface(x, face.nodes[n]);
     const Vector3d centre = p.leftCols<3>().rowwise().mean();
     const double reach = 1.3 * std::sqrt((p.colwise() - centre).colwise().squaredNorm().maxCoeff()) + margin;
     const Hold* held = anchors_.held.data() + f * kPoints;
@@ -184,9 +188,7 @@ ContactReport ContactEnergy::report(const VectorXd& x) const {
   const Eigen::Isometry3d to_tool = pose_.inverse();
   for (const auto& nodes : held_) {
     for (const auto& w : kShape) {
-      Vector3d at = Vector3d::Zero();
-      for (int n = 0; n < 6; ++n) at += w[n] * x.segment<3>(3 * nodes[n]);
-      r.held_overlap = std::max(r.held_overlap, -shape_.distance(to_tool * at).value);
+      r.held_overlap = std::max(r.held_overlap, -shape_.distance(to_tool * position(nodes, w, x)).value);
     }
   }
   return r;
@@ -265,7 +267,7 @@ double ContactEnergy::gap(const VectorXd& x) const {
   const Matrix3d to_tool = pose_.linear().transpose();
   for (const Face& face : faces_) {
     Eigen::Matrix<double, 3, 6> p;
-    for (int n = 0; n < 6; ++n) p.col(n) = to_tool * (x.segment<3>(3 * face.nodes[n]) - pose_.translation());
+    for (int n = 0; n < 6; ++n) p.col(n) = to_tool * (on_surface(x, face.nodes[n]) - pose_.translation());
     const Vector3d centre = p.leftCols<3>().rowwise().mean();
     const double reach = 1.3 * (p.colwise() - centre).colwise().norm().maxCoeff();
     if (shape_.lower_bound(centre) - reach > smallest) continue;

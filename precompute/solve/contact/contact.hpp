@@ -41,15 +41,16 @@ struct ContactPoint {
 class ContactEnergy final : public EnergyTerm {
 public:
   /// Faces with all nodes fixed take no part; the report shows when the tool reaches them. `pose` carries the tool
-  /// frame into the body's.
+  /// frame into the body's. `offsets` (m, a node; none: all zero) are added to the nodes of faces, see surface_offsets.
   ContactEnergy(const mesh::TetMesh& mesh, const std::vector<char>& fixed, const tool::ToolShape& shape,
-                const Eigen::Isometry3d& pose);
+                const Eigen::Isometry3d& pose, std::vector<Eigen::Vector3d> offsets = {});
 
   void set_translation(const Eigen::Vector3d& translation) { pose_.translation() = translation; }
   [[nodiscard]] const Eigen::Vector3d translation() const { return pose_.translation(); }
   void set_rotation(const Eigen::Matrix3d& rotation) { pose_.linear() = rotation; }
   [[nodiscard]] const Eigen::Isometry3d& pose() const { return pose_; }
   [[nodiscard]] const tool::ToolShape& shape() const { return shape_; }
+  [[nodiscard]] const std::vector<Eigen::Vector3d>& offsets() const { return offsets_; }
   /// Pressure per overlap (Pa/m) of the normal penalty.
   void set_penalty(double stiffness) { law_.penalty = stiffness; }
   [[nodiscard]] double penalty() const { return law_.penalty; }
@@ -83,6 +84,13 @@ public:
   /// gap as it does an overlap, and is not released. Bonds use a penalty alone, without multipliers or barrier.
   void bond(const Eigen::VectorXd& x);
 
+  /// The place (m, body frame) of the point of a face with these shape values.
+  [[nodiscard]] Eigen::Vector3d position(const std::array<std::int32_t, 6>& nodes, const std::array<double, 6>& shape,
+                                         const Eigen::VectorXd& x) const {
+    Eigen::Vector3d at = Eigen::Vector3d::Zero();
+    for (int n = 0; n < 6; ++n) at += shape[n] * on_surface(x, nodes[n]);
+    return at;
+  }
   /// The points that overlap the tool, by index.
   [[nodiscard]] std::vector<ContactPoint> touching(const Eigen::VectorXd& x) const;
 
@@ -106,6 +114,11 @@ private:
   };
   /// Elongation of an anchor along the tool's surface (m, tool frame); `at` is the position of its point.
   [[nodiscard]] Eigen::Vector3d slip(std::size_t point, const Eigen::Vector3d& at) const;
+  /// The place (m) of a node of a face for the contact.
+  [[nodiscard]] Eigen::Vector3d on_surface(const Eigen::VectorXd& x, std::int32_t node) const {
+    const Eigen::Vector3d at = x.segment<3>(3 * node);
+    return offsets_.empty() ? at : Eigen::Vector3d(at + offsets_[static_cast<std::size_t>(node)]);
+  }
   template <class Visit>
   void for_each_near(const Eigen::VectorXd& x, Visit&& visit) const;
   [[nodiscard]] bool anchored(std::size_t point) const { return anchors_.held[point] != Hold::none; }
@@ -117,6 +130,7 @@ private:
 
   std::vector<Face> faces_;
   std::vector<std::array<std::int32_t, 6>> held_;  // faces that take no part
+  std::vector<Eigen::Vector3d> offsets_;           // m, of the nodes
   const tool::ToolShape& shape_;
   Eigen::Vector3d middle_;  // of the tool in its own frame
   double around_;           // m, radius of the ball about it that holds the tool

@@ -17,12 +17,6 @@ using Eigen::VectorXd;
 // from its middle.
 constexpr double kRim = 0.8;
 
-Vector3d place(const std::array<std::int32_t, 6>& nodes, const std::array<double, 6>& shape, const VectorXd& x) {
-  Vector3d at = Vector3d::Zero();
-  for (int n = 0; n < 6; ++n) at += shape[n] * x.segment<3>(3 * nodes[n]);
-  return at;
-}
-
 }  // namespace
 
 double FrictionEnergy::limit(const ContactPoint& point) const {
@@ -37,7 +31,7 @@ const FrictionEnergy::Anchor* FrictionEnergy::anchor(std::size_t index) const {
 
 // Halfway: gaps say little of where a point met the tool, since they grow much faster than the penalty's overlap.
 Vector3d FrictionEnergy::landing(const ContactPoint& point) const {
-  return 0.5 * (point.at + start_pose_.inverse() * place(point.nodes, point.shape, start_));
+  return 0.5 * (point.at + start_pose_.inverse() * contact_.position(point.nodes, point.shape, start_));
 }
 
 void FrictionEnergy::set_anchors(std::vector<Anchor> anchors) {
@@ -101,8 +95,8 @@ void FrictionEnergy::hold(const VectorXd& x, double share) {
 
 // By a point that left halfway since the start: the traction fell from the limit to nothing.
 double FrictionEnergy::lost_by(const Point& point, const VectorXd& x) const {
-  const Vector3d from = start_pose_.inverse() * place(point.nodes, point.shape, start_);
-  const Vector3d to = contact_.pose().inverse() * place(point.nodes, point.shape, x);
+  const Vector3d from = start_pose_.inverse() * contact_.position(point.nodes, point.shape, start_);
+  const Vector3d to = contact_.pose().inverse() * contact_.position(point.nodes, point.shape, x);
   Vector3d slip = 0.5 * (from + to) - point.anchor;
   slip -= slip.dot(point.normal) * point.normal;
   return kRim * point.limit * std::max(slip.norm() - point.limit / point.stiffness, 0.0);
@@ -118,7 +112,7 @@ double FrictionEnergy::settle(const VectorXd& x) {
   std::vector<Anchor> next;
   const Eigen::Isometry3d to_tool = contact_.pose().inverse();
   for (Point& p : points_) {
-    const Vector3d at = to_tool * place(p.nodes, p.shape, x), s = slip(p, x);
+    const Vector3d at = to_tool * contact_.position(p.nodes, p.shape, x), s = slip(p, x);
     const double elastic = p.limit / p.stiffness, length = s.norm();
     if (length > elastic) {
       // The traction went along the limit, from the one before the step to that at its end.
@@ -133,9 +127,9 @@ double FrictionEnergy::settle(const VectorXd& x) {
 }
 
 Vector3d FrictionEnergy::slip(const Point& point, const VectorXd& x) const {
-  const Vector3d from =
-      contact_.pose().linear().transpose() * (place(point.nodes, point.shape, x) - contact_.pose().translation()) -
-      point.anchor;
+  const Vector3d from = contact_.pose().linear().transpose() *
+                            (contact_.position(point.nodes, point.shape, x) - contact_.pose().translation()) -
+                        point.anchor;
   return from - from.dot(point.normal) * point.normal;
 }
 
@@ -200,7 +194,7 @@ FrictionReport FrictionEnergy::report(const VectorXd& x) const {
 Vector3d FrictionEnergy::moment(const VectorXd& x, const Vector3d& about) const {
   Vector3d sum = Vector3d::Zero();
   for (const Point& p : points_) {
-    const Vector3d s = slip(p, x), arm = place(p.nodes, p.shape, x) - about;
+    const Vector3d s = slip(p, x), arm = contact_.position(p.nodes, p.shape, x) - about;
     const double length = s.norm(), force = std::min(p.stiffness * length, p.limit);
     if (length > 0) sum += arm.cross(contact_.pose().linear() * (force / length * s));
   }

@@ -2,6 +2,8 @@
 // Stepping with extrapolation, halving on failure, and the sticking rule.
 #include "precompute/solve/push/push.hpp"
 
+#include "precompute/solve/contact/surface_offsets.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -25,7 +27,7 @@ Push::Push(const Body& body, const mesh::TetMesh& mesh, const tool::ToolShape& s
     : scale_(scale),
       body_(body, mesh, given),
       untouched_(body_.rest()),
-      contact_(mesh, body_.fixed(), shape, pose),
+      contact_(mesh, body_.fixed(), shape, pose, surface_offsets(mesh, *body.query)),
       minimiser_(mesh, body_.fixed(), scale.limits) {
   state_.x = untouched_;
   state_.anchors = contact_.anchors();

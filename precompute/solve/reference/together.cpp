@@ -49,7 +49,8 @@ public:
     push.set_anchor_stiffness(anchors);
     std::list<ContactEnergy> others;
     for (std::size_t k = 1; k < places.size(); ++k) {
-      others.emplace_back(mesh_, push.fixed(), *tool_.shape, tool::touching_pose(vertex_, place(places, k)));
+      others.emplace_back(mesh_, push.fixed(), *tool_.shape, tool::touching_pose(vertex_, place(places, k)),
+                          push.contact().offsets());
       others.back().set_anchor_stiffness(anchors);
       push.add(others.back());
     }
