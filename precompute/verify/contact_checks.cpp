@@ -18,7 +18,7 @@ template <class Work>
 void each(std::size_t count, const ContactCheckOptions& options, Work&& work) {
   std::size_t done = 0;
   std::mutex guard;
-  bake::parallel_for(count, options.threads, options.stop, [&](std::size_t k) {
+  bake::parallel_for(count, options.threads, [&](std::size_t k) {
     const auto start = std::chrono::steady_clock::now();
     auto& result = work(k);
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -62,8 +62,7 @@ std::vector<CheckedSlide> check_slides(const Scene& scene, const Body& body, con
     path.radii = options.radii;
     all[k].result = first_free(all[k].angle, "path:", [&](double angle) {
       path.angle = angle;
-      return solve::solve_slide({body, tool, tool.vertices.at(0), contacts[k].frame}, path, solve::pair_options(scene),
-                                options.stop);
+      return solve::solve_slide({body, tool, tool.vertices.at(0), contacts[k].frame}, path, solve::pair_options(scene));
     });
     return all[k];
   });
@@ -87,7 +86,7 @@ std::vector<CheckedStroke> check_strokes(const Scene& scene, const Body& body, c
       scale.angle = angle;
       NamedStroke named = standard_strokes(scale).at(k % kinds);
       stroke.name = named.name;
-      return solve::solve_stroke({body, tool, tool.vertices.at(0), contact.frame}, named.path, solver, options.stop);
+      return solve::solve_stroke({body, tool, tool.vertices.at(0), contact.frame}, named.path, solver);
     });
     return stroke;
   });

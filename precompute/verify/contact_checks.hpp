@@ -24,7 +24,6 @@ struct ContactCheckOptions {
   double stroke_depth = 0.9;                 ///< of a contact's own, (0, 1]
   double stroke_refine = 0.7;                ///< elements of a stroke's mesh, of the scene's
   unsigned threads = 1;
-  std::function<bool()> stop;  ///< polled between steps and solves; fewer results then
   std::function<void(std::size_t done, std::size_t total)> progress;
 };
 

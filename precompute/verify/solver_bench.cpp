@@ -57,7 +57,6 @@ void compare(const std::vector<PairResult>& solved, const std::vector<PairResult
 
 std::vector<SolverBenchRow> bench_solver(const Scene& scene, const Body& body, const tool::Tool& tool,
                                          const std::vector<BenchContact>& contacts, const SolverBenchOptions& options) {
-  const auto stopped = [&] { return options.stop && options.stop(); };
   std::vector<SolverBenchRow> rows;
   std::vector<std::vector<PairResult>> solved;
   for (const MeshSetting& setting : options.settings) {
@@ -66,7 +65,6 @@ std::vector<SolverBenchRow> bench_solver(const Scene& scene, const Body& body, c
     solved.emplace_back();
     std::size_t accepted = 0;
     for (const BenchContact& contact : contacts) {
-      if (stopped()) return {};
       PairResult result;
       std::vector<double> seconds;
       for (int k = 0; k < options.repeats; ++k) {
@@ -90,7 +88,6 @@ std::vector<SolverBenchRow> bench_solver(const Scene& scene, const Body& body, c
   }
   std::vector<PairResult> references;
   for (const BenchContact& contact : contacts) {
-    if (stopped()) return {};
     references.push_back(solve(scene, body, tool, contact, options.reference));
   }
   for (std::size_t k = 0; k < rows.size(); ++k) compare(solved[k], references, rows[k]);

@@ -5,7 +5,6 @@
 #include "precompute/solve/pair/pair.hpp"
 #include "precompute/solve/pair/sample_difference.hpp"
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -36,7 +35,6 @@ struct SolverBenchOptions {
                                     {0.35, 0.7, 0.0}, {0.25, 0.5, 0.125}, {0.18, 0.4, 0.125}};
   int repeats = 3;  ///< of each contact; the time is their median
   MeshSetting reference{0.12, 0.3, 0.125};
-  std::function<bool()> stop;  ///< polled between solves; a stopped bench has fewer rows
 };
 
 /// Solves every contact by the bake's own entry point and path, on one thread; the reference last, so that the peaks of

@@ -43,12 +43,15 @@ TEST_F(Interrupt, ABakeStopsAndGoesOn) {
   EXPECT_LT(report.at("pairs_resumed"), report.at("pairs_planned"));
 }
 
-TEST_F(Interrupt, WhatDoesNotPollIsEndedByTheSignal) {
+TEST_F(Interrupt, CommandsThatKeepNoSolvesEndAtOnce) {
   write_response_file(folder() / "ball.palp", encode(ball_content()));
-  const RunResult result = run({"bench", "ball.palp", "--contacts", "1000", "--seconds", "10"},
-                               {.time_limit = 60, .interrupt = std::chrono::milliseconds(1000)});
-  EXPECT_FALSE(result.timed_out) << "Ctrl-C did nothing";
-  EXPECT_EQ(result.signal, SIGINT) << result.error;
+  const std::vector<std::string> commands[] = {{"bench", "ball.palp", "--contacts", "1000", "--seconds", "10"},
+                                               {"verify", "--battery", "random", "--count", "1"}};
+  for (const auto& command : commands) {
+    const RunResult result = run(command, {.time_limit = 8, .interrupt = std::chrono::milliseconds(1000)});
+    EXPECT_FALSE(result.timed_out) << command[0] << ": Ctrl-C did nothing";
+    EXPECT_EQ(result.signal, SIGINT) << result.error;
+  }
 }
 
 }  // namespace

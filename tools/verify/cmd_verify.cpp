@@ -9,7 +9,6 @@
 #include "tools/bench/tick_bench.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/commands.hpp"
-#include "tools/cli/interrupt.hpp"
 #include "tools/cli/output.hpp"
 #include "tools/cli/response_input.hpp"
 #include "tools/cli/verify_checks.hpp"
@@ -138,7 +137,6 @@ verify::HeldOutSet solve_contacts(const VerifyArguments& options, const Globals&
   held.count = options.count;
   held.seed = options.seed;
   held.threads = static_cast<unsigned>(globals.threads);
-  held.stop = [] { return interrupted(); };
   held.touchable = [](const solve::ContactCase& contact, double depth) {
     return !bake::reaches_support(contact, depth) && bake::can_touch_first(contact);
   };
@@ -147,9 +145,7 @@ verify::HeldOutSet solve_contacts(const VerifyArguments& options, const Globals&
       note(globals, "held-out solves: " + std::to_string(done) + " of " + std::to_string(total));
     }
   };
-  const InterruptPolling polling;
   verify::HeldOutSet set = verify::solve_held_out(view, p.scene, p.body, p.tools, held);
-  if (set.stopped) throw Interrupted("held-out solves are not kept; run the command again");
   return set;
 }
 

@@ -5,7 +5,6 @@
 #include "precompute/verify/battery/battery.hpp"
 #include "precompute/verify/battery/stiff_cells.hpp"
 #include "tools/bench/tick_bench.hpp"
-#include "tools/cli/interrupt.hpp"
 #include "tools/cli/output.hpp"
 #include "tools/cli/verify_checks.hpp"
 
@@ -94,14 +93,11 @@ void run_battery_command(const BatteryCommand& command, const Globals& globals) 
   verify::BatteryOptions options;
   options.seed = command.seed;
   options.threads = static_cast<unsigned>(globals.threads);
-  options.stop = [] { return interrupted(); };
   options.progress = [&](std::size_t done, std::size_t total) {
     if (done == total || done % 10 == 0)
       note(globals, "cells: " + std::to_string(done) + " of " + std::to_string(total));
   };
-  const InterruptPolling polling;
   const verify::BatteryResult result = verify::run_battery(cells, options);
-  if (result.stopped) throw Interrupted("cells are not kept; run the command again");
 
   const verify::BatteryFigures all = verify::battery_figures(cells, result, options.tolerance);
   Json json{{"battery", "stiff"},   {"machine", machine_name()},

@@ -4,7 +4,6 @@
 #include "formats/io/error.hpp"
 #include "precompute/bake/parallel.hpp"
 #include "precompute/verify/closed_forms.hpp"
-#include "tools/cli/interrupt.hpp"
 #include "tools/cli/output.hpp"
 #include "tools/cli/verify_checks.hpp"
 
@@ -63,11 +62,8 @@ void run_closed_forms(const ClosedFormsCommand& command, const Globals& globals)
   const std::vector<verify::ClosedForm> forms = verify::closed_forms();
   std::vector<verify::LawCheck> checks(forms.size());
   note(globals, "solving " + std::to_string(forms.size()) + " laws on bodies of two sizes");
-  const InterruptPolling polling;
-  const bool all = bake::parallel_for(
-      forms.size(), static_cast<unsigned>(globals.threads), [] { return interrupted(); },
-      [&](std::size_t k) { checks[k] = verify::check(forms[k]); });
-  if (!all) throw Interrupted("nothing is kept; run the command again");
+  bake::parallel_for(forms.size(), static_cast<unsigned>(globals.threads),
+                     [&](std::size_t k) { checks[k] = verify::check(forms[k]); });
   std::string text =
       "solved over law: least and most of its values on a small and on a large body, and on an endless one as these "
       "two "

@@ -12,8 +12,7 @@ struct ClosedFormsCommand {
   std::string report;  ///< JSON file; empty: none
 };
 
-/// Solves every law on bodies of two sizes and prints solved over law. Throws Error(tolerance) where one does not hold,
-/// Interrupted when it is stopped.
+/// Solves every law on bodies of two sizes and prints solved over law. Throws Error(tolerance) where one does not hold.
 void run_closed_forms(const ClosedFormsCommand& command, const Globals& globals);
 
 }  // namespace palpate::cli

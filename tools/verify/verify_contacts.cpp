@@ -7,7 +7,6 @@
 #include "precompute/verify/contact_checks.hpp"
 #include "tools/bench/tick_bench.hpp"
 #include "tools/cli/contact_case.hpp"
-#include "tools/cli/interrupt.hpp"
 #include "tools/cli/output.hpp"
 #include "tools/cli/verify_checks.hpp"
 
@@ -33,7 +32,6 @@ verify::ContactCheckOptions options_of(const ContactsCommand& command, const Glo
   verify::ContactCheckOptions options;
   options.radii = command.radii;
   options.threads = static_cast<unsigned>(globals.threads);
-  options.stop = [] { return interrupted(); };
   options.progress = [&globals](std::size_t done, std::size_t total) {
     note(globals, "solved: " + std::to_string(done) + " of " + std::to_string(total));
   };
@@ -105,10 +103,8 @@ void run_slide(const ContactsCommand& command, const Globals& globals) {
   const ContactCase c = contacts_of(command);
   const double mu = c.scene.friction;
   if (!(mu > 0)) throw Error(ExitCode::usage, "--slide: the scene has no friction");
-  const InterruptPolling polling;
   const std::vector<verify::CheckedSlide> slides =
       verify::check_slides(c.scene, c.body, c.tool, c.contacts, options_of(command, globals));
-  if (interrupted()) throw Interrupted("slides are not kept; run the command again");
 
   Json json{{"slide", c.name},
             {"machine", machine_name()},
@@ -144,10 +140,8 @@ void run_slide(const ContactsCommand& command, const Globals& globals) {
 
 void run_two_tips(const ContactsCommand& command, const Globals& globals) {
   const ContactCase c = contacts_of(command);
-  const InterruptPolling polling;
   const std::vector<verify::CheckedTogether> all =
       verify::check_together(c.scene, c.body, c.tool, c.contacts, options_of(command, globals));
-  if (interrupted()) throw Interrupted("solves are not kept; run the command again");
 
   Json json{{"two_tips", c.name}, {"machine", machine_name()}, {"contacts", Json::array()}};
   std::string text =

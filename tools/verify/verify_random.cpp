@@ -4,7 +4,6 @@
 #include "precompute/verify/battery/random_battery.hpp"
 #include "precompute/verify/battery/random_cells.hpp"
 #include "tools/bench/tick_bench.hpp"
-#include "tools/cli/interrupt.hpp"
 #include "tools/cli/output.hpp"
 #include "tools/verify/verify_battery.hpp"
 
@@ -126,8 +125,6 @@ void run_random_command(const BatteryCommand& command, const Globals& globals) {
   if (!command.report.empty()) lines.open(command.report);
   verify::RandomBatteryOptions options;
   options.threads = static_cast<unsigned>(globals.threads);
-  options.stop = [] { return interrupted(); };
-  const InterruptPolling polling;
   std::vector<verify::JudgedCell> judged(cells.size());
   std::size_t done = 0;
   verify::run_random_battery(cells, options, [&](std::size_t k, const verify::JudgedCell& cell) {
@@ -135,7 +132,6 @@ void run_random_command(const BatteryCommand& command, const Globals& globals) {
     if (lines.is_open()) lines << to_json(cells[k], cell, command.seed).dump() << std::endl;
     note(globals, fmt::format("{} of {}: {}", ++done, cells.size(), verify::verdict_name(cell.verdict)));
   });
-  if (done < cells.size()) throw Interrupted("the report keeps the cells that were judged");
   if (lines.is_open() && !lines) throw Error(ExitCode::io, command.report + ": cannot be written");
 
   const verify::RandomFigures f = verify::random_figures(judged);

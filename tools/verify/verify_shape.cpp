@@ -6,7 +6,6 @@
 #include "palpate/format/open.hpp"
 #include "palpate/shared/dent.hpp"
 #include "tools/bench/tick_bench.hpp"
-#include "tools/cli/interrupt.hpp"
 #include "tools/cli/output.hpp"
 #include "tools/cli/verify_checks.hpp"
 #include "tools/verify/press_together.hpp"
@@ -107,7 +106,6 @@ void run_shape(const ShapeCommand& command, const Globals& globals) {
   }
   const ContactCase c = command.scene.empty() ? block_contact(kBlockHalf, kBlockRadius, kBlockDepth, 0)
                                               : scene_contacts(command.scene, command.contacts);
-  const InterruptPolling polling;
   std::optional<BlockResponse> block;
   Json json{{"shape", c.name}, {"machine", machine_name()}, {"tools", Json::array()}};
   std::string text = c.name +
@@ -123,7 +121,6 @@ void run_shape(const ShapeCommand& command, const Globals& globals) {
     options.spacings = count == 1 ? std::vector<double>{1} : std::vector<double>{2, 4};
     options.sticking = c.scene.friction > 0;
     options.threads = static_cast<unsigned>(globals.threads);
-    options.stop = [] { return interrupted(); };
     ShapeErrors all;
     std::size_t solves = 0, nodes = 0;
     for (const verify::CheckedTogether& solved : verify::check_together(c.scene, c.body, c.tool, c.contacts, options)) {
@@ -143,7 +140,6 @@ void run_shape(const ShapeCommand& command, const Globals& globals) {
       all.add(shape_errors(view, c, solved));
       ++solves;
     }
-    if (interrupted()) throw Interrupted("solves are not kept; run the command again");
     for (const auto& band : all.band) nodes += band.size();
     usable += solves;
     every.add(all);

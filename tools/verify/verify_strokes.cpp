@@ -8,7 +8,6 @@
 #include "precompute/verify/held_out/statistics.hpp"
 #include "tools/bench/tick_bench.hpp"
 #include "tools/cli/contact_case.hpp"
-#include "tools/cli/interrupt.hpp"
 #include "tools/cli/output.hpp"
 #include "tools/cli/response_input.hpp"
 #include "tools/cli/verify_checks.hpp"
@@ -175,14 +174,11 @@ void run_strokes(const StrokesCommand& command, const Globals& globals) {
   const ContactCase c = plan_contacts(p, command.scene, command.contacts);
   verify::ContactCheckOptions options;
   options.threads = static_cast<unsigned>(globals.threads);
-  options.stop = [] { return interrupted(); };
   options.progress = [&](std::size_t done, std::size_t total) {
     note(globals, "strokes solved: " + std::to_string(done) + " of " + std::to_string(total));
   };
-  const InterruptPolling polling;
   const std::vector<verify::CheckedStroke> strokes =
       verify::check_strokes(c.scene, c.body, c.tool, c.contacts, options);
-  if (interrupted()) throw Interrupted("strokes are not kept; run the command again");
 
   Json json{{"strokes", command.scene},
             {"file", p.paths.response.string()},

@@ -5,7 +5,6 @@
 #include "formats/io/same_file.hpp"
 #include "palpate/format/open.hpp"
 #include "tools/bench/tick_bench.hpp"
-#include "tools/cli/interrupt.hpp"
 #include "tools/cli/output.hpp"
 #include "tools/cli/verify_checks.hpp"
 #include "tools/verify/press_together.hpp"
@@ -209,7 +208,6 @@ void run_together(const TogetherCommand& command, const Globals& globals) {
   const verify::Layout layout = *verify::layout_of(command.layout);
   std::unique_ptr<ResponseInput> input;
   if (!command.scene.empty()) input = response_with_compliance(command.scene, command.response);
-  const InterruptPolling polling;
   TogetherTable table(command);
   for (const ContactCase& c : cases_of(command, layout)) {
     verify::ContactCheckOptions options;
@@ -219,12 +217,10 @@ void run_together(const TogetherCommand& command, const Globals& globals) {
     options.sticking = c.scene.friction > 0;
     options.aside = command.aside;
     options.threads = static_cast<unsigned>(globals.threads);
-    options.stop = [] { return interrupted(); };
     options.progress = [&globals](std::size_t done, std::size_t total) {
       note(globals, "solved: " + std::to_string(done) + " of " + std::to_string(total));
     };
     const auto all = verify::check_together(c.scene, c.body, c.tool, c.contacts, options);
-    if (interrupted()) throw Interrupted("solves are not kept; run the command again");
     table.add(c, all, input ? &input->view() : nullptr);
   }
   table.publish(globals);

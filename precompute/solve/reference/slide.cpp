@@ -45,7 +45,7 @@ public:
     result_.contact_radius = radius_;
   }
 
-  SlideResult run(const std::function<bool()>& stop) {
+  SlideResult run() {
     if (contact_.body.prestress.any()) return refuse("prestress: slides are solved of bodies without prestress only");
     const std::vector<Vector3d> places = places_on_the_way();
     if (!result_.cause.empty()) return result_;
@@ -61,7 +61,7 @@ public:
       friction.coefficient = path_.friction;
       friction.stiffness = options_.penalty * contact_.body.material.young / radius_;
       CoulombPush slip(push, friction);
-      if (press(push, slip) && slide(push, slip, stop)) judge();
+      if (press(push, slip) && slide(push, slip)) judge();
       result_.factorisations = push.factorisations();
     } catch (const Error& e) {
       return refuse(e.what());
@@ -130,10 +130,9 @@ private:
     return accept(push, slip, 0.0, 0);
   }
 
-  bool slide(Push& push, CoulombPush& slip, const std::function<bool()>& stop) {
+  bool slide(Push& push, CoulombPush& slip) {
     const Vector3d start = push.state().translation;
     for (const double travelled : stations()) {
-      if (stop && stop()) return refuse("stopped"), false;
       const auto where = " after " + std::to_string(1e3 * travelled) + " mm of the way";
       Vector3d over = start + travelled * way_;
       over += contact_.frame.n.dot(push.state().translation - over) * contact_.frame.n;
@@ -222,10 +221,9 @@ private:
 
 }  // namespace
 
-SlideResult solve_slide(const ContactCase& contact, const SlidePath& path, const PairOptions& options,
-                        const std::function<bool()>& stop) {
+SlideResult solve_slide(const ContactCase& contact, const SlidePath& path, const PairOptions& options) {
   check(path);
-  return Slide(contact, path, options).run(stop);
+  return Slide(contact, path, options).run();
 }
 
 }  // namespace palpate::solve

@@ -9,7 +9,6 @@
 #include "precompute/tool/tool.hpp"
 
 #include <Eigen/Core>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -56,8 +55,7 @@ struct SlideResult {
 
 /// Presses the tool on the body, in from the side where the path says so, and slides. Usable where every
 /// step passed its gates and the whole contact slipped over the last half of the way. Throws Error(usage) for a path
-/// out of its ranges, never for a numerical failure. `stop` (may be empty) is polled between steps: the way then ends.
-SlideResult solve_slide(const ContactCase& contact, const SlidePath& path, const PairOptions& options,
-                        const std::function<bool()>& stop = {});
+/// out of its ranges, never for a numerical failure.
+SlideResult solve_slide(const ContactCase& contact, const SlidePath& path, const PairOptions& options);
 
 }  // namespace palpate::solve

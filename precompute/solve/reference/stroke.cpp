@@ -43,7 +43,7 @@ public:
     result_.contact_radius = radius_;
   }
 
-  StrokeResult run(const std::function<bool()>& stop) {
+  StrokeResult run() {
     if (contact_.body.prestress.any()) return refuse("prestress: strokes are solved of bodies without prestress only");
     const std::vector<Vector3d> places = pressed_places();
     if (!result_.cause.empty()) return result_;
@@ -63,7 +63,7 @@ public:
       friction.coefficient = path_.friction;
       friction.stiffness = options_.penalty * contact_.body.material.young / radius_;
       CoulombPush slip(push, friction);
-      result_.usable = draw(push, slip, *touch, stop);
+      result_.usable = draw(push, slip, *touch);
       result_.factorisations = push.factorisations();
     } catch (const Error& e) {
       return refuse(e.what());
@@ -99,9 +99,8 @@ private:
     return places;
   }
 
-  bool draw(Push& push, CoulombPush& slip, const Vector3d& touch, const std::function<bool()>& stop) {
+  bool draw(Push& push, CoulombPush& slip, const Vector3d& touch) {
     for (const Vector3d& station : path_.stations) {
-      if (stop && stop()) return refuse("stopped"), false;
       const auto where = " at station " + std::to_string(result_.steps.size());
       const Vector3d target = touch + contact_.frame.to_world(station);
       const double overlap = -push.rest_gap(target), depth = std::max(overlap, kShallowest * depth_);
@@ -158,9 +157,8 @@ private:
 
 }  // namespace
 
-StrokeResult solve_stroke(const ContactCase& contact, const StrokePath& path, const PairOptions& options,
-                          const std::function<bool()>& stop) {
-  return Stroke(contact, path, options).run(stop);
+StrokeResult solve_stroke(const ContactCase& contact, const StrokePath& path, const PairOptions& options) {
+  return Stroke(contact, path, options).run();
 }
 
 }  // namespace palpate::solve

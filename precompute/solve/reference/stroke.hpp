@@ -9,7 +9,6 @@
 #include "precompute/tool/tool.hpp"
 
 #include <Eigen/Core>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -43,9 +42,7 @@ struct StrokeResult {
 };
 
 /// Draws the tool past the body, on a mesh that is refined wherever the stroke presses. Throws
-/// Error(usage) for a path out of its ranges, never for a numerical failure. `stop` (may be empty) is polled between
-/// stations: the stroke then ends.
-StrokeResult solve_stroke(const ContactCase& contact, const StrokePath& path, const PairOptions& options,
-                          const std::function<bool()>& stop = {});
+/// Error(usage) for a path out of its ranges, never for a numerical failure.
+StrokeResult solve_stroke(const ContactCase& contact, const StrokePath& path, const PairOptions& options);
 
 }  // namespace palpate::solve

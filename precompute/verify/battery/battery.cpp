@@ -102,16 +102,15 @@ BatteryResult run_battery(const std::vector<BatteryCell>& cells, const BatteryOp
     ++done;
     if (options.progress) options.progress(done, total);
   };
-  result.stopped = !bake::parallel_for(cells.size(), options.threads, options.stop, [&](std::size_t k) {
+  bake::parallel_for(cells.size(), options.threads, [&](std::size_t k) {
     static_cast<CellSolve&>(result.cells[k]) = solve_cell(cells[k]);
     report(cells.size());
   });
-  if (result.stopped) return result;
   Draws draws(cells, result, options);
   std::size_t total = cells.size();
-  for (auto drawn = draws.next(result); !drawn.empty() && !result.stopped; drawn = draws.next(result)) {
+  for (auto drawn = draws.next(result); !drawn.empty(); drawn = draws.next(result)) {
     total += drawn.size();
-    result.stopped = !bake::parallel_for(drawn.size(), options.threads, options.stop, [&](std::size_t k) {
+    bake::parallel_for(drawn.size(), options.threads, [&](std::size_t k) {
       check(cells[drawn[k]], result.cells[drawn[k]]);
       report(total);
     });

@@ -18,7 +18,6 @@ struct BatteryOptions {
   double tolerance = 0.05;      ///< largest relative difference to the check, over the deeper half of the curve
   double limit = 600.0;         ///< s that a cell may take; one that takes longer is an error of the solver
   unsigned threads = 1;
-  std::function<bool()> stop;  ///< polled between cells
   std::function<void(std::size_t done, std::size_t total)> progress;
 };
 
@@ -32,7 +31,6 @@ struct CellResult : CellSolve {
 
 struct BatteryResult {
   std::vector<CellResult> cells;  ///< as many as were given
-  bool stopped = false;
 };
 
 /// solve_cell for every cell; the check has elements at most 0.6 times as large that grow

@@ -87,7 +87,7 @@ JudgedCell judge_cell(const BatteryCell& cell, const RandomBatteryOptions& optio
 void run_random_battery(const std::vector<BatteryCell>& cells, const RandomBatteryOptions& options,
                         const std::function<void(std::size_t number, const JudgedCell& judged)>& done) {
   std::mutex guard;
-  bake::parallel_for(cells.size(), options.threads, options.stop, [&](std::size_t k) {
+  bake::parallel_for(cells.size(), options.threads, [&](std::size_t k) {
     const JudgedCell judged = judge_cell(cells[k], options);
     const std::lock_guard lock(guard);
     done(k, judged);

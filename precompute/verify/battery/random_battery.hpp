@@ -17,7 +17,6 @@ struct RandomBatteryOptions {
   double estimates = 2.0;   ///< errors up to this many of their estimates are right, too
   double refine = 0.5;      ///< factor of edges and growth of the finer mesh, (0, 1)
   unsigned threads = 1;
-  std::function<bool()> stop;  ///< polled between cells
 };
 
 /// right: accepted, every force within the options' bounds. wrong: accepted, a force beyond them. refused: both meshes

@@ -324,7 +324,7 @@ HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const B
   std::size_t done = 0;
   bool telling = false;
   std::mutex guard;  // of the two and the progress
-  set.stopped = !bake::parallel_for(set.contacts.size(), options.threads, options.stop, [&](std::size_t k) {
+  bake::parallel_for(set.contacts.size(), options.threads, [&](std::size_t k) {
     solve(scene, body, tools[set.contacts[k].tool], set.contacts[k], starts[k]);
     const std::lock_guard lock(guard);
     // A callback that threw is not called again by the other threads.

@@ -71,14 +71,12 @@ struct HeldOutOptions {
   std::uint64_t seed = 1;
   unsigned threads = 1;  ///< [1, 1024]
   std::function<bool(const solve::ContactCase&, double depth)> touchable;  ///< empty: everywhere
-  std::function<bool()> stop;  ///< polled between solves
   std::function<void(std::size_t done, std::size_t total)> progress;
 };
 
 struct HeldOutSet {
   std::vector<HeldOut> contacts;
   double untouchable_share = 0.0;  ///< of the drawn points: on or too near a support, or outside the sampled box
-  bool stopped = false;
 };
 
 /// Draws the contacts (uniform over the body's area; uniform over the length or area of the tool's patches; uniform

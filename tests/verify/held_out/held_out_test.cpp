@@ -132,18 +132,5 @@ TEST_F(HeldOutSolves, AnExceptionEndsEveryThreadAndIsRethrown) {
   EXPECT_EQ(told, 1);
 }
 
-TEST_F(HeldOutSolves, AStopLeavesTheRestUnsolved) {
-  options_.count = 24;
-  options_.threads = 2;
-  std::atomic<int> asked{0};
-  options_.stop = [&] { return ++asked > 2; };
-  const HeldOutSet set = solve(ToolScene::Shape::sphere, test::ResponseSampleOptions::Tools::sphere);
-  EXPECT_TRUE(set.stopped);
-  const auto solved = std::count_if(set.contacts.begin(), set.contacts.end(),
-                                    [](const HeldOut& c) { return c.accepted || !c.cause.empty(); });
-  EXPECT_LE(solved, 2);
-  EXPECT_LE(asked, 4);  // one flag: a thread that saw the stop ends the other one
-}
-
 }  // namespace
 }  // namespace palpate::verify
