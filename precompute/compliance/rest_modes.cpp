@@ -25,7 +25,7 @@ namespace {
 // Orthonormal basis of the first `count` left singular vectors of `values`. Right singular vectors are those of the
 // Gram matrix, so that singular values below 1e-8 of the largest are noise: far below a tolerance of percents.
 MatrixXd leading_basis(const MatrixXd& values, Index count) {
-  const Spectrum<Eigen::Dynamic> gram = spectrum<Eigen::Dynamic>(values.transpose() * values);
+  const algebra::Spectrum<Eigen::Dynamic> gram = algebra::spectrum<Eigen::Dynamic>(values.transpose() * values);
   return (values * gram.vectors.rightCols(count)).colPivHouseholderQr().householderQ() *
          MatrixXd::Identity(values.rows(), count);
 }
@@ -43,7 +43,7 @@ SignedModes rest_modes(const MatrixXd& values, const std::vector<Index>& known, 
   // M at_known^T = Q^T values
   const MatrixXd projected = q.transpose() * values;
   const MatrixXd m = at_known.completeOrthogonalDecomposition().solve(projected.transpose()).transpose();
-  const Spectrum<Eigen::Dynamic> middle = spectrum<Eigen::Dynamic>(0.5 * (m + m.transpose()));
+  const algebra::Spectrum<Eigen::Dynamic> middle = algebra::spectrum<Eigen::Dynamic>(0.5 * (m + m.transpose()));
   std::vector<Index> order(static_cast<std::size_t>(count));
   std::iota(order.begin(), order.end(), Index{0});
   std::stable_partition(order.begin(), order.end(), [&](Index k) { return middle.values[k] >= 0; });

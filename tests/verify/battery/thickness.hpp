@@ -9,7 +9,7 @@
 namespace palpate::test {
 
 /// Extent of a cell's body along z (m): the thickness of a block on its support.
-inline double thickness(const BatteryCell& cell) {
+inline double thickness(const verify::BatteryCell& cell) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const Eigen::Vector3d& v : cell.surface.vertices) low = std::min(low, v.z()), high = std::max(high, v.z());
   return high - low;
