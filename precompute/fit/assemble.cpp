@@ -155,8 +155,9 @@ std::string provenance(const Scene& scene, const bake::Plan& plan, const Hash128
   if (report.left_out.samples > 0) json["fit"]["carried_tangential"] = figures(report.left_out);
   if (report.sampling) {
     const bake::SamplingEstimate& s = *report.sampling;
-    json["sampling"]["hidden"] = {{"rounds", s.rounds}, {"places", s.places}, {"median", s.median},
-                                  {"p95", s.p95},       {"worst", s.worst},   {"worst_at", to_triple(s.worst_at)}};
+    json["sampling"]["hidden"] = {{"rounds", s.rounds},  {"places", s.places}, {"median", s.median},
+                                  {"p95", s.hidden_p95}, {"worst", s.worst},   {"worst_at", to_triple(s.worst_at)}};
+    json["sampling"]["edges_p95"] = s.edges_p95;
     json["sampling"]["expected_p95"] = expected_p95(report);
   }
   const HeldOutFigures& held = report.held_out;

@@ -78,7 +78,8 @@ void check_external(const bake::Plan& plan, const PairSources& sources, bool fri
 /// are fitted with many coefficients and sampled from that fit, because rows left out would measure their noise. At
 /// most a dozen of each are used, so that many solved pairs do not outvote few recordings. Throws as fit_external.
 DegreeChoice choose_degrees(const bake::Plan& plan, const PairSources& sources,
-                            const std::vector<const std::vector<Sample>*>& exact, const ResponseScales& scales,
+                            const std::vector<const std::vector<Sample>*>& exact,
+                            const std::vector<const std::vector<Sample>*>& pushes, const ResponseScales& scales,
                             bool bias, const FitSettings& settings);
 
 /// Fits a pair of them and adds its figures to `report`, the errors of a closed form to `laws`. Throws as

@@ -144,9 +144,9 @@ public:
 private:
   [[nodiscard]] std::uint32_t row_of(const PairPlan& pair) const { return first_[pair.tool] + pair.tool_vertex; }
 
-  /// Scales and degrees, from the pairs that were solved in full or have external samples.
+  /// Scales and degrees, from the pairs that were solved in full or have external samples, and normal indentations.
   void choose_law() {
-    std::vector<const std::vector<Sample>*> all, exact;
+    std::vector<const std::vector<Sample>*> all, exact, pushes;
     for (std::uint32_t pair = 0; pair < plan_.pairs.size(); ++pair) {
       if (plan_.pairs[pair].role == PairRole::hidden) continue;
       const std::vector<Sample>* samples = samples_of(pair, journal_, sources_);
@@ -156,14 +156,17 @@ private:
       report_.bias = report_.bias || (noisy ? has_steady_bias(*samples, settings_.bias_threshold)
                                             : has_bias(*samples, settings_.bias_threshold));
       const bool solved = external == sources_.external.end();
-      if (solved && (plan_.pairs[pair].role == PairRole::normal || normal_alone(*samples))) continue;
+      if (solved && (plan_.pairs[pair].role == PairRole::normal || normal_alone(*samples))) {
+        pushes.push_back(samples);
+        continue;
+      }
       all.push_back(samples);
       if (!noisy) exact.push_back(samples);
     }
     if (all.empty()) refuse_all();
     result_.scales = make_scales(all, settings_);
     if (result_.scales.friction() != settings_.friction) refuse_all();
-    const DegreeChoice choice = choose_degrees(plan_, sources_, exact, result_.scales, report_.bias, settings_);
+    const DegreeChoice choice = choose_degrees(plan_, sources_, exact, pushes, result_.scales, report_.bias, settings_);
     result_.scales.degrees = choice.degrees;
     result_.scales.bits = choice.bits;
     report_.bias = choice.degrees.bias > 0;
@@ -470,7 +473,7 @@ ErrorFigures error_figures(const std::vector<std::pair<double, std::uint32_t>>& 
 
 double expected_p95(const FitReport& report) {
   if (!report.sampling) return 0.0;
-  return std::hypot(report.sampling->p95, report.normal.p95);
+  return std::hypot(report.sampling->p95(), report.normal.p95);
 }
 
 FittedResponses fit_responses(const bake::Plan& plan, const std::vector<std::array<std::int32_t, 3>>& triangles,

@@ -199,9 +199,11 @@ bool resume(Pipeline& p) {
       if (at == journal.pairs.end() || !at->second.outcome) return true;
     }
     const int rounds = p.sampling ? p.sampling->rounds + 1 : 1;
-    p.sampling = judge(sampled, p.mesh, p.plan, journal);
+    const RoundErrors errors = round_errors(sampled, p.mesh, p.plan, journal);
+    p.sampling = errors.estimate;
     p.sampling->rounds = rounds;
-    if (p.sampling->met || rounds >= RoundLimits{}.rounds || !add_round(sampled, journal, p.mesh, p.plan)) break;
+    if (p.sampling->met || rounds >= RoundLimits{}.rounds || !add_round(sampled, journal, errors, p.mesh, p.plan))
+      break;
   }
   p.ended = true;
   return false;

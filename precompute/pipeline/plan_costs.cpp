@@ -66,7 +66,7 @@ PlanCosts cost_plan(const Pipeline& p, unsigned threads) {
     if (at == journal.pairs.end() || !at->second.outcome) ++costs.roles[role].open;
   }
   const bake::PairSolver solver = contact_solver(p);
-  for (std::size_t role = 0; role < 2; ++role) {
+  for (std::size_t role = 0; role < pairs.size(); ++role) {
     if (pairs[role].empty()) continue;
     const std::size_t timed = std::min(kTimed, pairs[role].size());
     const double before = processor_seconds();
@@ -75,7 +75,6 @@ PlanCosts cost_plan(const Pipeline& p, unsigned threads) {
     });
     costs.roles[role].seconds = (processor_seconds() - before) / static_cast<double>(timed);
   }
-  costs.roles[2].seconds = costs.roles[1].seconds;
   for (const RoleCost& role : costs.roles) costs.processor_seconds += static_cast<double>(role.open) * role.seconds;
   costs.peak_bytes = peak_bytes();
   costs.file_bytes = file_bytes(p);

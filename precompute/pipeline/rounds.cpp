@@ -29,186 +29,11 @@ double smallest_radius(const Scene& scene) {
   return radius;
 }
 
-const JournalPair* accepted(const JournalContent& journal, std::uint32_t pair) {
-  const auto at = journal.pairs.find(pair);
-  if (at == journal.pairs.end() || !at->second.outcome || !at->second.outcome->accepted) return nullptr;
-  return &at->second;
-}
-
-std::map<std::uint32_t, fit::NormalCurve> curves_of(const bake::Plan& plan, const JournalContent& journal,
-                                                    const Row& row) {
-  std::map<std::uint32_t, fit::NormalCurve> curves;
-  for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
-    const PairPlan& p = plan.pairs[pair];
-    if (p.role != PairRole::normal || Row(p.tool, p.tool_vertex) != row) continue;
-    if (const JournalPair* solved = accepted(journal, pair)) curves.emplace(p.site, solved->samples);
-  }
-  return curves;
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-/// A hidden push: its place in the mesh, and how far off the prediction was at each depth.
-struct HiddenError {
-  std::int32_t patch = 0;
-  Vector3d at{0, 0, 0}, weights{0, 0, 0};
-  std::vector<double> errors;
-  [[nodiscard]] double mean() const {
-    return std::accumulate(errors.begin(), errors.end(), 0.0) / static_cast<double>(errors.size());
-  }
-  [[nodiscard]] double worst() const { return *std::max_element(errors.begin(), errors.end()); }
-};
-
-/// A plan with its outcomes, as the next round is made from it.
-class SolvedRound {
-public:
-  SolvedRound(const Sampled& sampled, const sites::HapticMesh& mesh, const bake::Plan& plan,
-              const JournalContent& journal)
-      : sampled_(sampled), mesh_(mesh), plan_(plan), graph_(fit::site_graph(plan.sites.size(), mesh.triangles)) {
-    for (std::uint32_t tool = 0; tool < sampled.tools.size(); ++tool) {
-      for (std::uint32_t vertex = 0; vertex < sampled.tools[tool].vertices.size(); ++vertex) {
-        const Row row(tool, vertex);
-        fields_.emplace(row, fit::PushField(plan.sites, graph_, curves_of(plan, journal, row)));
-      }
-    }
-    compare(journal);
-  }
-
-  [[nodiscard]] bake::SamplingEstimate estimate() const {
-    bake::SamplingEstimate result;
-    std::vector<double> errors;
-    for (const HiddenError& h : hidden_) {
-      errors.insert(errors.end(), h.errors.begin(), h.errors.end());
-      if (h.worst() < result.worst) continue;
-      result.worst = h.worst();
-      result.worst_at = h.at;
-    }
-    result.places = hidden_.size();
-    if (errors.empty()) return result;
-    std::sort(errors.begin(), errors.end());
-    result.median = errors[(errors.size() - 1) / 2];
-    result.p95 = errors[(95 * errors.size() + 99) / 100 - 1];
-    result.met = result.p95 <= kLimits.aim * sampled_.scene.response.tolerance;
-    return result;
-  }
-
-  /// Relative errors in the middle of edges predicted by their sites, and of patches that missed a hidden push.
-  [[nodiscard]] std::map<sites::SiteEdge, double> edge_errors() const {
-    std::map<sites::SiteEdge, double> errors;
-    for (const auto& [row, field] : fields_) add_edges(field, errors);
-    // The predicted ones are differences of differences: hidden pushes say how large they are. Medians are not moved by
-    // a fold, which is wrong by far more in a few patches alone.
-    std::vector<double> estimated, measured;
-    for (const HiddenError& h : hidden_) {
-      estimated.push_back(in_patch(errors, h));
-      measured.push_back(h.mean());
-    }
-    const double predicted = median(std::move(estimated));
-    const double scale = predicted > 0 ? std::clamp(median(std::move(measured)) / predicted, 0.5, 4.0) : 1.0;
-    for (auto& [edge, error] : errors) error *= scale;
-    for (const HiddenError& h : hidden_) {
-      if (h.worst() < sampled_.scene.response.tolerance) continue;
-      for (int k = 0; k < 3; ++k) {
-        double& error = errors[edge(h.patch, k)];
-        error = std::max(error, h.worst());
-      }
-    }
-    return errors;
-  }
-
-private:
-  [[nodiscard]] sites::SiteEdge edge(std::int32_t patch, int k) const {
-    const auto& t = mesh_.triangles[patch];
-    return {std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])};
-  }
-
-  /// Error of linear interpolation in a patch, from those in the middle of its edges: sum of 4 w_a w_b e_ab.
-  [[nodiscard]] double in_patch(const std::map<sites::SiteEdge, double>& errors, const HiddenError& h) const {
-    double sum = 0;
-    for (int k = 0; k < 3; ++k) {
-      const auto at = errors.find(edge(h.patch, k));
-      if (at != errors.end()) sum += 4 * h.weights[k] * h.weights[(k + 1) % 3] * at->second;
-    }
-    return sum;
-  }
-
-  void compare(const JournalContent& journal) {
-    Surface coarse;
-    coarse.vertices = mesh_.points;
-    coarse.triangles = mesh_.triangles;
-    coarse.parts.assign(coarse.triangles.size(), 0);
-    coarse.part_names = {"patches"};
-    const geometry::SurfaceQuery query(coarse);
-    for (std::uint32_t pair = 0; pair < plan_.pairs.size(); ++pair) {
-      const PairPlan& p = plan_.pairs[pair];
-      const JournalPair* solved = p.role == PairRole::hidden ? accepted(journal, pair) : nullptr;
-      if (solved == nullptr) continue;
-      HiddenError h;
-      h.at = p.frame.origin;
-      h.patch = query.closest(h.at).triangle;
-      const auto& t = mesh_.triangles[h.patch];
-      h.weights =
-          geometry::closest_on_triangle(h.at, mesh_.points[t[0]], mesh_.points[t[1]], mesh_.points[t[2]]).weights;
-      const fit::PushField& field = fields_.at({p.tool, p.tool_vertex});
-      if (!(field.known(t[0]) && field.known(t[1]) && field.known(t[2]))) continue;
-      double peak = 0;
-      for (const Sample& s : solved->samples) peak = std::max(peak, s.force.norm());
-      const double least = std::max(0.02 * peak, sampled_.scene.response.floor);
-      for (const Sample& s : solved->samples) {
-        Vector3d predicted = Vector3d::Zero();
-        for (int c = 0; c < 3; ++c) predicted += h.weights[c] * field.force(t[c], s.deflection.z(), p.frame);
-        h.errors.push_back((predicted - s.force).norm() / std::max(s.force.norm(), least));
-      }
-      hidden_.push_back(std::move(h));
-    }
-  }
-
-  /// At the least depth of the sites round it.
-  [[nodiscard]] Vector3d slope(const fit::PushField& field, std::uint32_t site) const {
-    double depth = plan_.sites[site].depth;
-    for (const std::uint32_t near : graph_[site]) depth = std::min(depth, plan_.sites[near].depth);
-    return field.slope(site, depth);
-  }
-
-  void add_edges(const fit::PushField& field, std::map<sites::SiteEdge, double>& errors) const {
-    std::vector<Vector3d> slopes(plan_.sites.size(), Vector3d::Zero());
-    for (std::uint32_t site = 0; site < slopes.size(); ++site) {
-      if (field.solved(site)) slopes[site] = slope(field, site);
-    }
-    for (std::uint32_t a = 0; a < graph_.size(); ++a) {
-      for (const std::uint32_t b : graph_[a]) {
-        if (b < a || (!field.solved(a) && !field.solved(b)) || !plan_.sites[a].selected || !plan_.sites[b].selected) {
-          continue;
-        }
-        const Vector3d d = plan_.sites[b].frame.origin - plan_.sites[a].frame.origin;
-        const double first = slopes[a].dot(d), last = slopes[b].dot(d);
-        // A cubic with these slopes is as far from the line between its ends. The slope of an end that was extrapolated
-        // is not known: that of the other may change by a quarter.
-        const double error = std::abs(field.solved(a) && field.solved(b) ? last - first : (first + last) / 4) / 8;
-        double& known = errors[{static_cast<std::int32_t>(a), static_cast<std::int32_t>(b)}];
-        known = std::max(known, error);
-      }
-    }
-  }
-
-  const Sampled& sampled_;
-  const sites::HapticMesh& mesh_;
-  const bake::Plan& plan_;
-  fit::SiteGraph graph_;
-  std::map<Row, fit::PushField> fields_;
-  std::vector<HiddenError> hidden_;
-};
-
-/// Edges to split at most, over the number of sites. The error of linear interpolation goes as one over that number, and
-/// twice the missing sites are added, because not every one falls where it is needed.
+/// Edges to split at most, over the number of sites. The error of linear interpolation goes as one over that number,
+/// and twice the missing sites are added, because not every one falls where it is needed.
 double growth(const bake::SamplingEstimate& estimate, double aim) {
   if (estimate.places == 0) return kLimits.growth;
-  return std::clamp(2 * (estimate.p95 / aim - 1), kLimits.least_growth, kLimits.growth);
+  return std::clamp(2 * (estimate.p95() / aim - 1), kLimits.least_growth, kLimits.growth);
 }
 
 /// Pairs in full at sites as far from one another as can be, until their share is reached. `pushed` sites may be taken.
@@ -320,18 +145,13 @@ bake::Plan first_round(const Sampled& sampled, const sites::HapticMesh& mesh) {
   return plan;
 }
 
-bake::SamplingEstimate judge(const Sampled& sampled, const sites::HapticMesh& mesh, const bake::Plan& plan,
-                             const JournalContent& journal) {
-  return SolvedRound(sampled, mesh, plan, journal).estimate();
-}
-
-bool add_round(const Sampled& sampled, const JournalContent& journal, sites::HapticMesh& mesh, bake::Plan& plan) {
+bool add_round(const Sampled& sampled, const JournalContent& journal, const RoundErrors& errors,
+               sites::HapticMesh& mesh, bake::Plan& plan) {
   const auto most = static_cast<std::size_t>(sampled.scene.sampling.most_sites);
   if (mesh.points.size() >= most) return false;
   const double least = kLimits.least_edge * smallest_radius(sampled.scene);
-  const SolvedRound round(sampled, mesh, plan, journal);
   std::vector<std::pair<double, sites::SiteEdge>> worst;
-  for (const auto& [edge, error] : round.edge_errors()) {
+  for (const auto& [edge, error] : errors.edges) {
     if ((mesh.points[edge[0]] - mesh.points[edge[1]]).norm() > 2 * least) worst.emplace_back(error, edge);
   }
   std::sort(worst.begin(), worst.end(), std::greater<>());
@@ -340,7 +160,7 @@ bool add_round(const Sampled& sampled, const JournalContent& journal, sites::Hap
       std::find_if(worst.begin(), worst.end(), [&](const auto& w) { return w.first < tolerance; }) - worst.begin());
   // A round that found its percentile missed and no edge to blame splits the worst tenth.
   std::size_t count = std::max(above, worst.size() / 10);
-  const double share = growth(round.estimate(), tolerance);
+  const double share = growth(errors.estimate, tolerance);
   count = std::min({count, static_cast<std::size_t>(share * static_cast<double>(mesh.points.size())),
                     most - mesh.points.size(), worst.size()});
   if (count == 0) return false;

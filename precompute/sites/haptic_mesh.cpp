@@ -237,6 +237,7 @@ void split_edges(const Scene& scene, const Body& body, const std::vector<SiteEdg
     const double reach = 0.5 * (mesh.points[edge[0]] - mesh.points[edge[1]]).norm();
     site = static_cast<std::int32_t>(mesh.points.size());
     add_site(scene, body, body.query->closest(place(body, flat, normal, reach)).point, mesh);
+    mesh.split.emplace(site, edge);
   }
   std::vector<std::array<std::int32_t, 3>> patches;
   for (const auto& patch : mesh.triangles) split_patch(mesh, patch, middles, patches);

@@ -8,9 +8,13 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <map>
 #include <vector>
 
 namespace palpate::sites {
+
+/// Two sites of a patch, the lower first.
+using SiteEdge = std::array<std::int32_t, 2>;
 
 struct EdgeLengths {
   double shortest = 0.0, median = 0.0, mean = 0.0, longest = 0.0;  ///< m
@@ -28,6 +32,7 @@ struct HapticMesh {
   std::vector<std::uint8_t> selected;     ///< of sampling.sites, or inside its within_box (or no box given); not in a
                                           ///< cavity
   std::vector<std::array<std::int32_t, 3>> triangles;
+  std::map<std::int32_t, SiteEdge> split;  ///< by the site in its middle: the edges that were split
 
   EdgeLengths edges;  ///< of the coarse mesh
 };
@@ -41,9 +46,6 @@ double normal_radius(const Scene& scene);
 /// Throws Error(bad_input) where one of sampling.sites is more than the depth away from the surface, and where the
 /// spacing leaves fewer than four sites or needs more triangles than adapt_surface makes, Error(numerical) as that.
 HapticMesh make_haptic_mesh(const Scene& scene, const Body& body);
-
-/// Two sites of a patch, the lower first.
-using SiteEdge = std::array<std::int32_t, 2>;
 
 /// Puts a site on the body at the middle of each edge, and of the longest edge of every patch that one of them belongs
 /// to, and splits the patches there, so that the mesh stays conforming and no angle shrinks beyond half. Earlier sites

@@ -83,13 +83,14 @@ std::string to_text(const compliance::ComplianceReport& report) {
 }  // namespace
 
 std::string sampling_text(const bake::SamplingEstimate& estimate, double tolerance) {
-  char text[240];
-  std::snprintf(text, sizeof text,
-                "round %d: %zu hidden pushes are missed by %.2f %% at the median, %.2f %% at the 95th percentile (aim "
-                "%.2f %%), %.1f %% at worst at (%.4g, %.4g, %.4g) m",
-                estimate.rounds, estimate.places, 100 * estimate.median, 100 * estimate.p95,
-                100 * pipeline::RoundLimits{}.aim * tolerance, 100 * estimate.worst, estimate.worst_at.x(),
-                estimate.worst_at.y(), estimate.worst_at.z());
+  char text[320];
+  std::snprintf(
+      text, sizeof text,
+      "round %d: 95th percentile %.2f %% (aim %.2f %%), the mean of %.2f %% at %zu hidden pushes and of %.2f %% "
+      "predicted from the sites; hidden pushes: median %.2f %%, worst %.1f %% at (%.4g, %.4g, %.4g) m",
+      estimate.rounds, 100 * estimate.p95(), 100 * pipeline::RoundLimits{}.aim * tolerance, 100 * estimate.hidden_p95,
+      estimate.places, 100 * estimate.edges_p95, 100 * estimate.median, 100 * estimate.worst, estimate.worst_at.x(),
+      estimate.worst_at.y(), estimate.worst_at.z());
   return text;
 }
 

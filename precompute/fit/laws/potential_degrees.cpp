@@ -10,7 +10,9 @@
 namespace palpate::fit {
 namespace {
 
-constexpr std::size_t kMostPairs = 24;
+using Pairs = std::vector<const std::vector<Sample>*>;
+
+constexpr std::size_t kMostPairs = 24, kMostPushes = 240;
 constexpr int kLeaveEvery = 5;
 constexpr double kRounding = 0.1;  // share of the tolerance that rounding the coefficients may take
 
@@ -36,7 +38,7 @@ std::vector<response::Degrees> candidates(bool bias, bool friction) {
 }
 
 // Degrees of a scene with too few samples to leave any out. Throws when no pair can be fitted.
-DegreeChoice usual_degrees(const std::vector<const std::vector<Sample>*>& pairs, ResponseScales scales, bool bias) {
+DegreeChoice usual_degrees(const Pairs& pairs, ResponseScales scales, bool bias) {
   scales.degrees = scales.friction() ? response::Degrees{5, bias ? 4 : 0, 3, 3, true}
                                      : response::Degrees{4, bias ? 3 : 0, 0, 0, false};
   std::string cause = "there is none";
@@ -64,6 +66,13 @@ HeldOutFigures figures(std::vector<double> errors) {
   return f;
 }
 
+Pairs drawn(const Pairs& pairs, std::size_t most) {
+  Pairs result;
+  const std::size_t count = std::min(most, pairs.size());
+  for (std::size_t k = 0; k < count; ++k) result.push_back(pairs[k * pairs.size() / count]);
+  return result;
+}
+
 }  // namespace
 
 SampleSplit split_samples(const std::vector<Sample>& samples) {
@@ -84,7 +93,7 @@ SampleSplit split_samples(const std::vector<Sample>& samples) {
   return split;
 }
 
-HeldOutFigures held_out_figures(const std::vector<const std::vector<Sample>*>& pairs, const LawFitter& fit) {
+HeldOutFigures held_out_figures(const Pairs& pairs, const LawFitter& fit) {
   std::vector<double> errors;
   for (const auto* samples : pairs) {
     const SampleSplit split = split_samples(*samples);
@@ -100,7 +109,7 @@ HeldOutFigures held_out_figures(const std::vector<const std::vector<Sample>*>& p
   return figures(std::move(errors));
 }
 
-HeldOutFigures held_out_figures(const std::vector<const std::vector<Sample>*>& pairs, const ResponseScales& scales) {
+HeldOutFigures held_out_figures(const Pairs& pairs, const ResponseScales& scales) {
   return held_out_figures(pairs, [&](const std::vector<Sample>& samples) -> ForceLaw {
     return [law = Potential(fit_pair(samples, scales, "held out").coefs, scales)](const Eigen::Vector3d& deflection) {
       return law.force(deflection);
@@ -108,26 +117,32 @@ HeldOutFigures held_out_figures(const std::vector<const std::vector<Sample>*>& p
   });
 }
 
-DegreeChoice choose_degrees(const std::vector<const std::vector<Sample>*>& pairs, ResponseScales scales, bool bias,
+DegreeChoice choose_degrees(const Pairs& pairs, const Pairs& pushes, ResponseScales scales, bool bias,
                             double tolerance) {
-  std::vector<const std::vector<Sample>*> drawn;
-  const std::size_t count = std::min(kMostPairs, pairs.size());
-  for (std::size_t k = 0; k < count; ++k) drawn.push_back(pairs[k * pairs.size() / count]);
+  const Pairs some = drawn(pairs, kMostPairs), some_pushes = drawn(pushes, kMostPushes);
+  const auto errors = [&] {
+    const HeldOutFigures all = held_out_figures(some, scales);
+    ResponseScales normal = scales;
+    normal.tangential = 0;
+    normal.degrees = {scales.degrees.normal, scales.degrees.bias, 0, 0, false};
+    const HeldOutFigures alone = held_out_figures(some_pushes, normal);
+    return all.samples > 0 && alone.samples > 0 && alone.p95 > all.p95 ? alone : all;
+  };
   DegreeChoice best;
   best.held_out.p95 = HUGE_VAL;
   for (const response::Degrees& degrees : candidates(bias, scales.friction())) {
     scales.degrees = degrees;
-    const HeldOutFigures f = held_out_figures(drawn, scales);
+    const HeldOutFigures f = errors();
     if (f.samples == 0 || !(f.p95 < best.held_out.p95)) continue;
     best = {degrees, 16, f, f.p95 <= tolerance};
     if (best.met) break;
   }
-  if (best.held_out.samples == 0) return usual_degrees(drawn, scales, bias);
+  if (best.held_out.samples == 0) return usual_degrees(some, scales, bias);
   scales.degrees = best.degrees;
   for (scales.bits = 8; scales.bits < 16; scales.bits += 4) {
-    const HeldOutFigures f = held_out_figures(drawn, scales);
+    const HeldOutFigures f = errors();
     const double most = std::max(best.held_out.p95, std::min(tolerance, best.held_out.p95 + kRounding * tolerance));
-    if (!(f.samples == best.held_out.samples && f.p95 <= most)) continue;
+    if (!(f.samples > 0 && f.p95 <= most)) continue;
     best.bits = scales.bits;
     best.held_out = f;
     break;

@@ -23,10 +23,12 @@ struct DegreeChoice {
 };
 
 /// Fits every candidate to four fifths of the samples of up to 24 pairs, drawn evenly, and compares it with the rest.
-/// `scales`: Z and X. `bias`: normal indentations have a tangential force that the responses must hold. `tolerance`: of
-/// the 95th percentile of the relative error. Pairs with too few samples to leave any out get usual degrees, 16 bits and
-/// no figures. Throws Error(numerical) when no pair can be fitted.
-DegreeChoice choose_degrees(const std::vector<const std::vector<Sample>*>& pairs, ResponseScales scales, bool bias,
+/// Its normal part is fitted alone to `pushes`, up to 240 pairs of a normal indentation alone: where they are missed by
+/// more, theirs is the candidate's error. `scales`: Z and X. `bias`: normal indentations have a tangential force that
+/// the responses must hold. `tolerance`: of the 95th percentile of the relative error. Pairs with too few samples to
+/// leave any out get usual degrees, 16 bits and no figures. Throws Error(numerical) when no pair can be fitted.
+DegreeChoice choose_degrees(const std::vector<const std::vector<Sample>*>& pairs,
+                            const std::vector<const std::vector<Sample>*>& pushes, ResponseScales scales, bool bias,
                             double tolerance);
 
 /// Samples of a pair in two parts, the same for every model: those that a fit reads, and every fifth of the others.

@@ -17,10 +17,10 @@
 namespace palpate::fit {
 namespace {
 
-using response::Degrees;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
+using response::Degrees;
 
 constexpr double Z = 0.004, X = 0.0014;
 
@@ -209,7 +209,7 @@ TEST(PotentialDegrees, AreTheFewestThatMeetTheTolerance) {
   const auto choose = [&](const Degrees& truth, double tolerance) {
     const ResponseScales scales{Z, X, truth, 16};
     const std::vector<Sample> samples = samples_of(known(truth), scales);
-    return choose_degrees({&samples}, scales, truth.bias > 0, tolerance);
+    return choose_degrees({&samples}, {}, scales, truth.bias > 0, tolerance);
   };
   const DegreeChoice plain = choose({4, 0, 2, 3, true}, 0.01);
   EXPECT_TRUE(plain.met);
@@ -222,9 +222,23 @@ TEST(PotentialDegrees, AreTheFewestThatMeetTheTolerance) {
   const ResponseScales scales{Z, X, kinds[0], 16};
   std::vector<Sample> odd = samples_of(known(kinds[0]), scales);
   for (Sample& s : odd) s.force *= 1 + 0.02 * std::sin(37.0 * s.index);
-  const DegreeChoice impossible = choose_degrees({&odd}, scales, false, 1e-4);
+  const DegreeChoice impossible = choose_degrees({&odd}, {}, scales, false, 1e-4);
   EXPECT_FALSE(impossible.met);
   EXPECT_LT(impossible.held_out.p95, 0.1);
+  // Normal indentations of other sites need a higher degree than the pair in full.
+  const ResponseScales low{Z, X, {4, 0, 2, 3, true}, 16};
+  const std::vector<Sample> samples = samples_of(known(low.degrees), low);
+  std::vector<Sample> steep;
+  double peak = 0;
+  for (const Sample& s : samples) peak = std::max(peak, s.force.norm());
+  for (const Sample& s : samples) {
+    if (s.kind != SampleKind::normal) continue;
+    steep.push_back(s);
+    steep.back().force.z() += std::pow(s.deflection.z() / Z, 6) * peak;
+  }
+  const DegreeChoice smooth = choose_degrees({&samples}, {}, low, false, 0.01);
+  const DegreeChoice both = choose_degrees({&samples}, {&steep}, low, false, 0.01);
+  EXPECT_GT(both.degrees.normal, smooth.degrees.normal);
 }
 
 }  // namespace
