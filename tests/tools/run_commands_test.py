@@ -64,7 +64,7 @@ SHORTER = [
 # Commands that take longer or need more, and the test that runs them on inputs of its own.
 ELSEWHERE = [
     (r"palpate build study\.toml", "StudyBuild"),
-    (r"palpate verify (ball/)?scene\.toml( --count 10| --report verify\.json)?", "Pipeline.SlabEndToEnd"),
+    (r"palpate verify (ball/)?scene\.toml( --count \d+| --report verify\.json)?", "Pipeline.SlabEndToEnd"),
     (r"palpate verify scene\.palp --samples report\.json --max-p95 0\.12", "Pipeline.SlabEndToEnd"),
     (r"palpate_add_force_test\(.*\)", "Pipeline.SlabEndToEnd"),
     (r"palpate report (liver/)?scene\.toml --verify verify\.json( --battery battery\.json)?", "ReportBuild"),
