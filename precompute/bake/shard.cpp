@@ -44,8 +44,11 @@ JournalContent read_shards(const std::filesystem::path& folder, const Hash128& m
 }
 
 PairSolver recorded_solver(const std::vector<PairPlan>& pairs, const JournalContent& content) {
-  std::map<std::array<std::uint32_t, 3>, const JournalPair*> by_name;
-  const auto name = [](const PairPlan& p) { return std::array{p.site, p.tool, p.tool_vertex}; };
+  // Pairs of several roles share the number of a site, and hidden places have numbers of their own.
+  std::map<std::array<std::uint32_t, 4>, const JournalPair*> by_name;
+  const auto name = [](const PairPlan& p) {
+    return std::array{static_cast<std::uint32_t>(p.role), p.site, p.tool, p.tool_vertex};
+  };
   for (const auto& [pair, recorded] : content.pairs) {
     if (pair < pairs.size()) by_name.emplace(name(pairs[pair]), &recorded);
   }

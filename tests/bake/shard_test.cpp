@@ -101,6 +101,21 @@ TEST_F(Shards, MergedHoldWhatOneBakeHolds) {
   EXPECT_EQ(std::filesystem::file_size(folder_.path() / "samples.journal"), size);
 }
 
+TEST_F(Shards, PairsOfSeveralRolesAtOneSiteAreNotConfused) {
+  for (std::uint32_t k = kPairs / 2; k < kPairs; ++k) {
+    pairs_[k].site = k - kPairs / 2;
+    pairs_[k].role = k % 2 == 0 ? PairRole::normal : PairRole::hidden;
+  }
+  const FakeSolver solver;
+  {
+    Journal journal(folder_.path() / "whole", manifest_);
+    bake::bake_pairs(pairs_, std::cref(solver), journal);
+  }
+  for (const std::uint32_t index : {1U, 2U}) bake({index, 2}, solver);
+  merge(shards());
+  expect_same(content("whole"), content("samples.journal"));
+}
+
 TEST_F(Shards, APairWithoutAnOutcomeIsNotMerged) {
   bake({1, 1}, FakeSolver{});
   const auto file = folder_.path() / "shards" / "1-of-1.journal";

@@ -130,7 +130,7 @@ submit() { "$palpate" submit "$folder/scene.toml" --shards 8 --work "$folder/wor
 start_cluster
 "$palpate" synth slab --out "$folder" --scale 0.5 --friction 0 --tool-radius 0.003 --depth 0.001 \
   --spacing "${2:-0.008}" --quiet
-printf 'normal_points = 4\n[solver]\nmesh_size = 1\n[response]\ntolerance = 0.02\n' >>"$folder/scene.toml"
+printf 'normal_points = 4\n[solver]\nmesh_size = 1\n[response]\ntolerance = 0.016\n' >>"$folder/scene.toml"
 SECONDS=0
 "$palpate" build "$folder/scene.toml" --work "$folder/single" -o "$folder/single.palp" --quiet --threads 2
 limit=$((60 + 5 * SECONDS))
