@@ -32,6 +32,12 @@ struct JournalContent {
     const auto at = pairs.find(pair);
     return at != pairs.end() && at->second.outcome.has_value();
   }
+
+  /// The pair if it was accepted, else null.
+  [[nodiscard]] const JournalPair* accepted(std::uint32_t pair) const {
+    const auto at = pairs.find(pair);
+    return at != pairs.end() && at->second.outcome && at->second.outcome->accepted ? &at->second : nullptr;
+  }
 };
 
 /// True when two samples, two checks agree in every bit.

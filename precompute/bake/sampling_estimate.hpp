@@ -16,8 +16,9 @@ struct SamplingEstimate {
   double edges_p95 = 0.0;             ///< of the same over the area, predicted from the sites
   bool met = false;                   ///< p95() is within the aim of the rounds
 
-  /// Their mean: hidden pushes are a fair sample, but a small one; edges are many, but their errors are predicted.
-  [[nodiscard]] double p95() const { return (hidden_p95 + edges_p95) / 2; }
+  /// Their mean: hidden pushes are a fair sample, but a small one; edges are many, but their errors are predicted. The
+  /// latter alone where no hidden push was solved.
+  [[nodiscard]] double p95() const { return places > 0 ? (hidden_p95 + edges_p95) / 2 : edges_p95; }
 };
 
 }  // namespace palpate::bake

@@ -9,6 +9,7 @@
 
 #include "precompute/fit/push_field.hpp"
 #include "precompute/geometry/feature_normals.hpp"
+#include "precompute/pipeline/round_limits.hpp"
 
 namespace palpate::pipeline {
 namespace {
@@ -24,7 +25,7 @@ std::map<std::uint32_t, fit::NormalCurve> curves_of(const bake::Plan& plan, cons
   for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
     const PairPlan& p = plan.pairs[pair];
     if (p.role != PairRole::normal || Row(p.tool, p.tool_vertex) != row) continue;
-    if (const JournalPair* solved = accepted(journal, pair)) curves.emplace(p.site, solved->samples);
+    if (const JournalPair* solved = journal.accepted(pair)) curves.emplace(p.site, solved->samples);
   }
   return curves;
 }
@@ -162,7 +163,7 @@ private:
     const geometry::SurfaceQuery query(coarse);
     for (std::uint32_t pair = 0; pair < plan_.pairs.size(); ++pair) {
       const PairPlan& p = plan_.pairs[pair];
-      const JournalPair* solved = p.role == PairRole::hidden ? accepted(journal, pair) : nullptr;
+      const JournalPair* solved = p.role == PairRole::hidden ? journal.accepted(pair) : nullptr;
       if (solved == nullptr) continue;
       HiddenError h;
       h.at = p.frame.origin;
@@ -207,7 +208,7 @@ private:
       if (p.role != PairRole::normal || at == mesh_.split.end()) continue;
       const sites::SiteEdge& edge = at->second;
       const fit::PushField& field = fields_.at({p.tool, p.tool_vertex});
-      const JournalPair* solved = accepted(journal, pair);
+      const JournalPair* solved = journal.accepted(pair);
       if (solved == nullptr || !field.known(edge[0]) || !field.known(edge[1])) continue;
       const double error =
           mean(interpolation_errors(field, p.frame, {edge[0], edge[1]}, {0.5, 0.5, 0}, solved->samples));
@@ -265,12 +266,6 @@ private:
 };
 
 }  // namespace
-
-const JournalPair* accepted(const JournalContent& journal, std::uint32_t pair) {
-  const auto at = journal.pairs.find(pair);
-  if (at == journal.pairs.end() || !at->second.outcome || !at->second.outcome->accepted) return nullptr;
-  return &at->second;
-}
 
 RoundErrors round_errors(const Sampled& sampled, const sites::HapticMesh& mesh, const bake::Plan& plan,
                          const JournalContent& journal) {

@@ -21,25 +21,6 @@ struct Sampled {
   const std::vector<tool::Tool>& tools;
 };
 
-/// Numbers of automatic sampling.
-struct RoundLimits {
-  double first_sites = 60;     ///< in the first round, on a body without margins or thin walls
-  double least_edge = 0.2;     ///< of the smallest tool's radius: shorter edges are not split
-  double full_share = 0.1;     ///< of the sites, that are solved in full
-  std::size_t least_full = 8;  ///< sites solved in full
-  std::size_t hidden = 40;     ///< hidden places of the first round
-  std::size_t more = 8;        ///< of every later one
-  double growth = 0.6;         ///< most edges split in a round, over the number of sites, far from the aim
-  double least_growth = 0.1;   ///< the same, near it
-  double aim = 0.8;            ///< of the tolerance: the 95th percentile between sites that ends the rounds
-  double law = 0.5;            ///< of the tolerance: what responses may miss of the samples that they are fitted to;
-                               ///< both together are 0.94 of it
-  int rounds = 12;             ///< at most
-};
-
-/// The samples of a pair that was accepted; null for any other.
-const JournalPair* accepted(const JournalContent& journal, std::uint32_t pair);
-
 /// Forces between sites are interpolated linearly; errors are |interpolated - solved| over the largest of the solved
 /// force, 2 % of the largest of its push, and response.floor.
 struct RoundErrors {

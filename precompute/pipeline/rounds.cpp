@@ -169,7 +169,7 @@ bool add_round(const Sampled& sampled, const JournalContent& journal, const Roun
   sites::split_edges(sampled.scene, sampled.body, edges, mesh);
   std::set<std::uint32_t> pushed;
   for (std::uint32_t pair = 0; pair < plan.pairs.size(); ++pair) {
-    if (plan.pairs[pair].role == PairRole::normal && accepted(journal, pair)) pushed.insert(plan.pairs[pair].site);
+    if (plan.pairs[pair].role == PairRole::normal && journal.accepted(pair)) pushed.insert(plan.pairs[pair].site);
   }
   bake::add_sites(plan, sampled.body, mesh, sampled.tools, PairRole::normal);
   add_full(sampled, pushed, plan);

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "precompute/pipeline/round_errors.hpp"
+#include "precompute/pipeline/round_limits.hpp"
 
 namespace palpate::pipeline {
 

@@ -127,7 +127,7 @@ TEST_F(BallRounds, SitesGatherWhereTheForceCurvesUntilTheToleranceHolds) {
   EXPECT_LT(s.mesh.points.size(), 600U);
 }
 
-TEST_F(BallRounds, KinksBetweenSitesAreFoundAndTheErrorIsForetold) {
+TEST_F(BallRounds, KinksBetweenSitesAreFoundAndCountInTheEstimate) {
   stiffness_ = groove;
   scene_.response.tolerance = 0.08;
   const Sites s = sampled();

@@ -121,12 +121,15 @@ DegreeChoice choose_degrees(const Pairs& pairs, const Pairs& pushes, ResponseSca
                             double tolerance) {
   const Pairs some = drawn(pairs, kMostPairs), some_pushes = drawn(pushes, kMostPushes);
   const auto errors = [&] {
-    const HeldOutFigures all = held_out_figures(some, scales);
+    const HeldOutFigures full = held_out_figures(some, scales);
     ResponseScales normal = scales;
     normal.tangential = 0;
     normal.degrees = {scales.degrees.normal, scales.degrees.bias, 0, 0, false};
     const HeldOutFigures alone = held_out_figures(some_pushes, normal);
-    return all.samples > 0 && alone.samples > 0 && alone.p95 > all.p95 ? alone : all;
+    if (full.samples == 0) return full;
+    HeldOutFigures larger = alone.p95 > full.p95 ? alone : full;
+    larger.samples = full.samples + alone.samples;
+    return larger;
   };
   DegreeChoice best;
   best.held_out.p95 = HUGE_VAL;
@@ -142,7 +145,7 @@ DegreeChoice choose_degrees(const Pairs& pairs, const Pairs& pushes, ResponseSca
   for (scales.bits = 8; scales.bits < 16; scales.bits += 4) {
     const HeldOutFigures f = errors();
     const double most = std::max(best.held_out.p95, std::min(tolerance, best.held_out.p95 + kRounding * tolerance));
-    if (!(f.samples > 0 && f.p95 <= most)) continue;
+    if (!(f.samples == best.held_out.samples && f.p95 <= most)) continue;
     best.bits = scales.bits;
     best.held_out = f;
     break;
