@@ -198,8 +198,9 @@ BakedCompliance bake_compliance(const Body& body, const ComplianceSites& sites, 
   options.validate();
   const std::vector<std::size_t> order = spread_out(sites);
   if (order.empty()) throw Error(ExitCode::bad_input, "compliance: no site can be touched");
-  const LinearBody linear(body, sites.places,
-                          {kMinSiteShare * median_edge(sites), options.contact_radius, options.solver});
+  // Sites of automatic sampling lie closer than the loads need elements.
+  const double edge = std::max(kMinSiteShare * median_edge(sites), options.contact_radius / LinearBody::kLoadEdges);
+  const LinearBody linear(body, sites.places, {edge, options.contact_radius, options.solver});
   BakedCompliance baked;
   ResponseCompliance& file = baked.file;
   ComplianceReport& report = baked.report;

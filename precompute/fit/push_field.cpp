@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "precompute/algebra/rotation_between.hpp"
 
 namespace palpate::fit {
 namespace {
@@ -21,7 +22,7 @@ double inverse_distance(const bake::PlanSite& a, const bake::PlanSite& b) {
 /// Components (x, y, n) in another frame of a force that turns with the normal.
 Eigen::Vector3d turned(const Eigen::Vector3d& force, const ContactFrame& from, const ContactFrame& to) {
   const Eigen::Vector3d tangential = force.x() * from.x + force.y() * from.y;
-  const Eigen::Vector3d there = Eigen::Quaterniond::FromTwoVectors(from.n, to.n) * tangential;
+  const Eigen::Vector3d there = algebra::rotation_between(from.n, to.n) * tangential;
   return {there.dot(to.x), there.dot(to.y), force.z()};
 }
 
