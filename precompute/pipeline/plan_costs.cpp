@@ -14,7 +14,9 @@ namespace {
 
 constexpr double kResponseBytes = 64;  // of 24 coefficients of 16 bits with their head
 constexpr double kProvenance = 4096;
-constexpr std::size_t kTimed = 8;  // pairs of a role: one in ten takes several times as long as the others
+// Pairs of a role that are timed: a quarter of them, within these limits. One in ten takes several times as long as the
+// others.
+constexpr std::size_t kLeastTimed = 2, kMostTimed = 16;
 
 /// Processor time of this process and of the children that it waited for.
 double processor_seconds() {
@@ -68,7 +70,7 @@ PlanCosts cost_plan(const Pipeline& p, unsigned threads) {
   const bake::PairSolver solver = contact_solver(p);
   for (std::size_t role = 0; role < pairs.size(); ++role) {
     if (pairs[role].empty()) continue;
-    const std::size_t timed = std::min(kTimed, pairs[role].size());
+    const std::size_t timed = std::min(std::clamp(pairs[role].size() / 4, kLeastTimed, kMostTimed), pairs[role].size());
     const double before = processor_seconds();
     bake::parallel_for(timed, threads, {}, [&](std::size_t k) {
       solver(p.plan.pairs[pairs[role][(2 * k + 1) * pairs[role].size() / (2 * timed)]], {});

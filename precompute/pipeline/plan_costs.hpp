@@ -23,7 +23,7 @@ struct PlanCosts {
   double file_bytes = 0.0;         ///< of the response file with the sites of this round
 };
 
-/// Solves eight pairs in full and eight normal indentations, evenly spaced in the plan (nothing is kept), on as many
+/// Solves a quarter of the pairs of each role, 2 to 16 of them, evenly spaced in the plan (nothing is kept), on as many
 /// `threads` as will bake, because threads that share a core are slower, and multiplies. Needs plan().
 PlanCosts cost_plan(const Pipeline& pipeline, unsigned threads);
 
