@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "precompute/fit/push_field.hpp"
 
-#include <Eigen/Dense>
+#include "precompute/algebra/rotation_between.hpp"
+
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-
-#include "precompute/algebra/rotation_between.hpp"
 
 namespace palpate::fit {
 namespace {
