@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <vector>
 
 namespace palpate::fem {
@@ -16,6 +17,12 @@ namespace palpate::fem {
 /// Which second derivative: exact, or without the indefinite geometric part of the volume term and with the positive
 /// part of the laws' tangents (then it is positive definite whatever the state).
 enum class HessianKind { exact, convex };
+
+/// Errors of an energy and its derivative by rounding.
+struct Rounding {
+  double energy = 0.0;  ///< J
+  double force = 0.0;   ///< N, norm of the derivative's error
+};
 
 class ElasticEnergy {
 public:
@@ -31,9 +38,9 @@ public:
   double gradient(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) const;
   /// Adds the second derivative (N/m).
   void hessian(const Eigen::VectorXd& x, HessianKind kind, BlockMatrix& matrix) const;
-  /// J: what value() may be off by rounding. Every element's energy is a difference of terms of its shear modulus times
-  /// its volume (invariants less their values at rest), however little it is strained.
-  [[nodiscard]] double rounding() const { return rounding_; }
+  /// The rounding of value() and gradient() near rest: strains are off by the last bits of positions over the element's
+  /// height, and energies with laws are differences of terms of their shear modulus besides.
+  [[nodiscard]] Rounding rounding() const { return {energy_rounding_, std::sqrt(force_rounding_)}; }
   /// Smallest det F over all quadrature points.
   [[nodiscard]] double min_jacobian(const Eigen::VectorXd& x) const;
 
@@ -46,13 +53,15 @@ private:
     double local = 0.0;                  // Pa, see Material
     std::int32_t material = 0;
   };
+  static void set_lane(const Element& e, const Material& material, int lane, ElementBatch& batch);
   void make_batches();
   [[nodiscard]] static Shape shape_gradients(const Element& e, int point);
 
   std::vector<Material> materials_;  // of the regions, then of elements whose fibres have a direction of their own
   std::vector<Element> elements_;
   std::vector<ElementBatch> batches_;  // of the same elements
-  double rounding_ = 0.0;              // J
+  double energy_rounding_ = 0.0;       // J
+  double force_rounding_ = 0.0;        // N^2
 };
 
 }  // namespace palpate::fem

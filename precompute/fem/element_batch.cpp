@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The gradient of a quadratic tetrahedron is linear in barycentric coordinates, so that of position needs sums of
-// nodes alone, shared by the four points.
+// nodes alone, shared by the four points. Energies and stresses are written in H = F - I: with terms of the size of the
+// moduli that cancel at rest, the energy of a contact far smaller than the body would be rounding.
 #include "precompute/fem/element_batch.hpp"
 
 #include "precompute/fem/matrix/registers.hpp"
@@ -53,8 +54,9 @@ struct Part {
 
 template <int Width>
 struct Deformation {
-  typename Part<Width>::Matrix f[kPoints], cofactor[kPoints];
-  typename Part<Width>::Lanes det[kPoints];
+  typename Part<Width>::Matrix h[kPoints];         // F - I
+  typename Part<Width>::Matrix cofactor[kPoints];  // of F, less I
+  typename Part<Width>::Lanes dilation[kPoints];   // det F - 1
 };
 
 template <class Matrix>
@@ -91,26 +93,36 @@ template <int Width>
       unrolled<kPoints>([&](auto q) __attribute__((always_inline)) {
         const Lanes along = sum + kExtra * p[kEdgeNode[k][q]][i];  // dx_i by the barycentric coordinate k at point q
         for (int j = 0; j < 3; ++j) {
-          Lanes& f = d.f[q][3 * j + i];
-          f = k == 0 ? along * slopes[j] : f + along * slopes[j];
+          Lanes& h = d.h[q][3 * j + i];
+          h = k == 0 ? along * slopes[j] : h + along * slopes[j];
         }
       });
     }
   });
   for (int q = 0; q < kPoints; ++q) {
-    set_cofactor(d.f[q], d.cofactor[q]);
-    d.det[q] = d.f[q][0] * d.cofactor[q][0] + d.f[q][1] * d.cofactor[q][1] + d.f[q][2] * d.cofactor[q][2];
+    auto &h = d.h[q], &cofactor = d.cofactor[q];
+    for (int i = 0; i < 3; ++i) h[4 * i] -= 1.0;
+    typename Part<Width>::Matrix minors;
+    set_cofactor(h, minors);
+    const Lanes trace = h[0] + h[4] + h[8];
+    d.dilation[q] =
+        trace + (minors[0] + minors[4] + minors[8]) + (h[0] * minors[0] + h[1] * minors[1] + h[2] * minors[2]);
+    // cof(I + H) = (1 + tr H) I - H^T + cof H
+    for (int j = 0; j < 3; ++j) {
+      for (int i = 0; i < 3; ++i) cofactor[3 * j + i] = minors[3 * j + i] - h[3 * i + j];
+      cofactor[4 * j] += trace;
+    }
   }
 }
 
 // Adds the energy of everything but the volume term, lane by lane, for batches with laws; sets the stress.
 template <int Width>
-[[gnu::always_inline]] inline void add_laws(const Part<Width>& part, const typename Part<Width>::Matrix& f,
+[[gnu::always_inline]] inline void add_laws(const Part<Width>& part, const typename Part<Width>::Matrix& h,
                                             typename Part<Width>::Lanes& energy, typename Part<Width>::Matrix* stress) {
   for (int lane = 0; lane < Width && part.first + lane < part.batch.count; ++lane) {
     const Material& law = *part.batch.laws[part.first + lane];
     Matrix3d deformation, p;
-    for (int k = 0; k < 9; ++k) deformation.data()[k] = f[k][lane];
+    for (int k = 0; k < 9; ++k) deformation.data()[k] = h[k][lane] + (k % 4 == 0 ? 1.0 : 0.0);
     if (stress == nullptr) {
       energy[lane] += law.deviatoric(deformation);
       continue;
@@ -120,7 +132,8 @@ template <int Width>
   }
 }
 
-// Energy a volume of everything but the volume term, and the mean dilatation that this one needs.
+// Energy a volume of everything but the volume term (see ElementBatch::slope), and the mean dilatation, det F - 1, that
+// this one needs.
 template <int Width>
 [[gnu::always_inline]] inline void distortion(const Part<Width>& part, const Deformation<Width>& d,
                                               typename Part<Width>::Lanes& energy,
@@ -131,17 +144,18 @@ template <int Width>
   Lanes mu;
   part.read(part.batch.mu, mu);
   for (int q = 0; q < kPoints; ++q) {
-    dilatation += d.det[q];
+    dilatation += d.dilation[q];
     if (part.batch.laws[0] != nullptr) {
       if (stress != nullptr) std::fill_n(stress[q], 9, Lanes{});
-      add_laws(part, d.f[q], energy, stress != nullptr ? stress + q : nullptr);
+      add_laws(part, d.h[q], energy, stress != nullptr ? stress + q : nullptr);
       continue;
     }
+    const auto& h = d.h[q];
     Lanes square{};
-    for (int k = 0; k < 9; ++k) square += d.f[q][k] * d.f[q][k];
-    energy += 0.5 * mu * (square - 3.0);
+    for (int k = 0; k < 9; ++k) square += h[k] * h[k];
+    energy += mu * (0.5 * square + (h[0] + h[4] + h[8]) - d.dilation[q]);
     if (stress == nullptr) continue;
-    for (int k = 0; k < 9; ++k) stress[q][k] = mu * d.f[q][k];
+    for (int k = 0; k < 9; ++k) stress[q][k] = mu * (h[k] - d.cofactor[q][k]);
   }
   energy /= double(kPoints);
   dilatation /= double(kPoints);
@@ -158,9 +172,9 @@ template <int Width>
   part.read(part.batch.slope, slope);
   part.read(part.batch.bulk, bulk);
   part.read(part.batch.local, local);
-  const Lanes change = dilatation - 1.0;
-  for (const Lanes& det : d.det) variance += (det - dilatation) * (det - dilatation);
-  const Lanes all = volume * (energy + (slope + 0.5 * bulk * change) * change + local * variance * (0.5 / kPoints));
+  for (const Lanes& own : d.dilation) variance += (own - dilatation) * (own - dilatation);
+  const Lanes all =
+      volume * (energy + (slope + 0.5 * bulk * dilatation) * dilatation + local * variance * (0.5 / kPoints));
   for (int lane = 0; lane < Width && part.first + lane < part.batch.count; ++lane) sum += all[lane];
 }
 
@@ -176,9 +190,10 @@ template <int Width>
   part.read(part.batch.bulk, bulk);
   part.read(part.batch.local, local);
   scale /= double(kPoints);
-  const Lanes push = slope + bulk * (dilatation - 1.0);
+  const Lanes push = slope + bulk * dilatation;
   for (int q = 0; q < kPoints; ++q) {
-    const Lanes pressure = push + local * (d.det[q] - dilatation);
+    const Lanes pressure = push + local * (d.dilation[q] - dilatation);
+    for (int i = 0; i < 3; ++i) stress[q][4 * i] += pressure;
     for (int k = 0; k < 9; ++k) stress[q][k] = scale * (stress[q][k] + pressure * d.cofactor[q][k]);
   }
   for (int i = 0; i < 3; ++i) {
@@ -259,8 +274,8 @@ double batch_min_jacobian(const std::vector<ElementBatch>& batches, const Vector
   for (const ElementBatch& batch : batches) {
     Deformation<kLanes> d;
     deform(Part<kLanes>{batch, 0}, x.data(), d);
-    for (const auto& det : d.det) {
-      for (int lane = 0; lane < batch.count; ++lane) smallest = std::min(smallest, det[lane]);
+    for (const auto& dilation : d.dilation) {
+      for (int lane = 0; lane < batch.count; ++lane) smallest = std::min(smallest, 1 + dilation[lane]);
     }
   }
   return smallest;

@@ -26,7 +26,9 @@ struct ElementBatch {
   std::array<std::array<std::int32_t, kLanes>, 10> nodes;
   Lanes slopes[4][3];                          ///< gradients of the barycentric coordinates, 1/m
   Lanes volume;                                ///< m^3
-  Lanes mu, slope, bulk, local;                ///< Pa, see Material
+  Lanes mu, bulk, local;                       ///< Pa, see Material
+  Lanes slope;                                 ///< Pa; without laws less that of mu (J - 1), which goes with the other
+                                               ///< terms of mu: the material's slope plus mu
   std::array<const Material*, kLanes> laws{};  ///< materials with laws to be evaluated at every point; null: none
   int count = 0;                               ///< lanes in use; what is in the others is finite and ignored
 };

@@ -84,6 +84,9 @@ MinimiserResult Minimiser::minimise(const EnergyProblem& problem, VectorXd& x, c
   };
   // Over the load, which costs a pass over the contact.
   const auto residual = [&] { return result.residual = g.norm() / std::max(problem.load(x), 1e-300); };
+  const auto balanced = [&] {
+    return residual() <= options.residual_tolerance || g.norm() <= problem.rounding().force;
+  };
   const auto fail = [&](const std::string& cause) {
     result.cause = cause;
     result.energy = energy;
@@ -117,14 +120,14 @@ MinimiserResult Minimiser::minimise(const EnergyProblem& problem, VectorXd& x, c
       if (!fresh_factor()) return fail("the Hessian could not be factorised");
       continue;
     }
-    if (0.5 * result.decrement <= options.energy_tolerance && residual() <= options.residual_tolerance) {
+    if (0.5 * result.decrement <= options.energy_tolerance && balanced()) {
       result.converged = true;
       break;
     }
 
     // Armijo, or (near the end, where energies no longer resolve) a smaller slope at an energy no higher but for
     // rounding (Hager and Zhang 2005, section 2: the approximate Wolfe conditions).
-    const double rounding = problem.rounding() + 1e-11 * std::abs(energy);
+    const double rounding = problem.rounding().energy + 1e-11 * std::abs(energy);
     double t = 1.0, next = 0.0;
     VectorXd g_next;
     bool accepted = false;
@@ -145,7 +148,7 @@ MinimiserResult Minimiser::minimise(const EnergyProblem& problem, VectorXd& x, c
       if (on_factor == 0) {
         // Round-off floor: the step is too small to change the energy.
         if (0.5 * result.decrement <= 1e-13 * std::abs(energy) + options.energy_tolerance) {
-          result.converged = residual() <= options.residual_tolerance;
+          result.converged = balanced();
           if (result.converged) break;
         }
         return fail("the line search found no decrease (residual " + std::to_string(residual()) + ")");

@@ -24,13 +24,13 @@ public:
   virtual void hessian(const Eigen::VectorXd& x, HessianKind kind, BlockMatrix& matrix) const = 0;
   /// Size of the loads at x (N): what residuals are compared with.
   [[nodiscard]] virtual double load(const Eigen::VectorXd& x) const = 0;
-  /// J: differences of energy below this are rounding.
-  [[nodiscard]] virtual double rounding() const { return 0.0; }
+  /// Smaller differences of energies and smaller residuals say nothing.
+  [[nodiscard]] virtual Rounding rounding() const { return {}; }
 };
 
 struct MinimiserOptions {
   double energy_tolerance = 1e-12;   ///< J; converged when half the Newton decrement squared is below it ...
-  double residual_tolerance = 2e-3;  ///< ... and the residual's norm is below this share of the load
+  double residual_tolerance = 2e-3;  ///< ... and the residual's norm is below this share of the load, or rounding
   int refresh = 30;                  ///< L-BFGS iterations of one call before a new factor is made
   int newton_after = 2;              ///< beyond this many new factors in one call every iteration is a Newton one
   int max_iterations = 100;

@@ -41,8 +41,7 @@ Material Material::of(double mu, std::vector<std::shared_ptr<const Law>> laws, d
   const double shear = m.shear_modulus();
   if (!(shear > 0) || !std::isfinite(shear)) throw std::invalid_argument("the shear modulus at rest is not positive");
   const double wanted = 2 * shear * (1 + poisson) / (3 * (1 - 2 * poisson));
-  // Of F = (1 + e) I the second derivative of psi is 9 times the bulk modulus, j'' = 6 and j' = 3.
-  const double missing = (6 * pressure - curvature_at_rest(m, Matrix3d::Identity())) / 9;
+  const double missing = -m.bulk_modulus();
   m.bulk = wanted + missing;
   m.local = std::max(missing, 0.0);
   return m;
@@ -60,6 +59,11 @@ double Material::shear_modulus() const {
   Matrix3d d = Matrix3d::Zero();
   d(0, 1) = d(1, 0) = 1;
   return 0.25 * curvature_at_rest(*this, d) - 0.5 * slope;
+}
+
+double Material::bulk_modulus() const {
+  // Of F = (1 + e) I the second derivative of psi is 9 times the bulk modulus, j'' = 6 and j' = 3.
+  return (curvature_at_rest(*this, Matrix3d::Identity()) + 6 * slope) / 9 + bulk;
 }
 
 double Material::deviatoric(const Matrix3d& f) const {

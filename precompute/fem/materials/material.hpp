@@ -37,8 +37,9 @@ struct Material {
   /// The same with the volume term at the quadrature points, in no mean: the plain element of general packages.
   [[nodiscard]] Material plain() const;
 
-  /// Small-strain shear modulus without fibres (Pa).
+  /// Small-strain moduli without fibres (Pa).
   [[nodiscard]] double shear_modulus() const;
+  [[nodiscard]] double bulk_modulus() const;
 
   [[nodiscard]] double deviatoric(const Eigen::Matrix3d& f) const;
   /// Energy; sets the stress dW/dF (Pa) of everything but the volume term.

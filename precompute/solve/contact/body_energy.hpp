@@ -51,7 +51,7 @@ public:
   void hessian(const Eigen::VectorXd& x, fem::HessianKind kind, fem::BlockMatrix& matrix) const override;
   /// N: norm of the body's nodal forces, which loads and supports balance.
   [[nodiscard]] double load(const Eigen::VectorXd& x) const override;
-  [[nodiscard]] double rounding() const override { return elastic_.rounding(); }
+  [[nodiscard]] fem::Rounding rounding() const override { return elastic_.rounding(); }
 
 private:
   Eigen::VectorXd rest_;

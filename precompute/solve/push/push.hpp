@@ -91,7 +91,7 @@ public:
   double gradient(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) const override;
   void hessian(const Eigen::VectorXd& x, fem::HessianKind kind, fem::BlockMatrix& matrix) const override;
   [[nodiscard]] double load(const Eigen::VectorXd& x) const override;
-  [[nodiscard]] double rounding() const override { return body_.rounding(); }
+  [[nodiscard]] fem::Rounding rounding() const override { return body_.rounding(); }
 
 private:
   StepResult step(const Eigen::Vector3d& target, double contact_radius, double work_scale, bool sticking,

@@ -30,11 +30,13 @@ protected:
   ToolScene sphere;
   Scene scene;
 
-  Pair() { scene.solver.mesh_size = 0.5; }  // enough for what is compared here
+  Pair() {
+    scene.solver.mesh_size = 0.5;  // enough for what is compared here
+    scene.sampling.normal_points = 6;
+  }
 
   PairResult solve(double friction, double depth) {
     scene.friction = friction;
-    scene.sampling.normal_points = 6;
     const tool::Tool tool = tool::make_tool(sphere);
     return solve_pair({body, tool, tool.vertices[0], ContactFrame{}}, bake_path(scene, depth), pair_options(scene));
   }
@@ -74,6 +76,20 @@ TEST_F(Pair, LimitsEndItWithTheirCause) {
   r = solve(0.0, 0.004);
   EXPECT_FALSE(r.outcome.accepted);
   EXPECT_NE(r.outcome.cause.find("MB, allowed 0 MB"), std::string::npos) << r.outcome.cause;
+}
+
+// The body's forces are then rounding, more of it than the load at the first depths.
+TEST_F(Pair, ATipOfATenThousandthOfTheBodyHasHertzForce) {
+  body = test::block_body(0.03, 5e3, 0.499);
+  sphere.radius = 3e-6;
+  scene.sampling.normal_points = 4;
+  const double depth = 0.1 * sphere.radius, modulus = 5e3 / (1 - 0.499 * 0.499);
+  const PairResult r = solve(0.0, depth);
+  ASSERT_TRUE(r.outcome.accepted) << r.outcome.cause;
+  for (const Sample& s : r.samples) {
+    const double hertz = 4.0 / 3 * modulus * std::sqrt(sphere.radius) * std::pow(s.deflection.z(), 1.5);
+    EXPECT_NEAR(s.force.z() / hertz, 1, 0.04) << s.deflection.z() / depth;
+  }
 }
 
 // More on a coarse mesh, and enough for the difference to a fine one.
@@ -298,8 +314,9 @@ TEST_F(Pair, PathsUnderSideLoadAreSolvedFromTheNormalIndentation) {
   scene.sampling.normal_points = 4;
   const double depth = 0.004;
   PairPath path = bake_path(scene, depth);
-  EXPECT_EQ(path.tangential_depths.size() * static_cast<std::size_t>(path.tangential_directions * path.tangential_points),
-            36u);
+  EXPECT_EQ(
+      path.tangential_depths.size() * static_cast<std::size_t>(path.tangential_directions * path.tangential_points),
+      36u);
   path.tangential_depths = {depth};
   path.tangential_directions = 1;
   path.tangential_points = 1;
