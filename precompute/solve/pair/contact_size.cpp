@@ -17,7 +17,8 @@ using Eigen::Vector3d;
 // the depth this leaves 3 % of scatter with the mesh where 1 leaves 10 %, for a tenth more nodes.
 constexpr double kTouch = 0.15;
 constexpr double kWalls = 2.0;  // edges over the wall
-constexpr double kGrid = 0.25;  // contact radii between the points of a footprint
+constexpr double kGrid = 0.25;  // contact radii between the points of a footprint, or more where
+constexpr int kSteps = 40;      // so many would not reach across it
 // The overlap of curved surfaces is wider than the contact they make (by sqrt 2 in Hertz' limit).
 constexpr double kShrink = 0.75;
 constexpr double kLeastTouched = 1e-3;  // of the tool's contact on a plane: narrower overlaps are not resolved
@@ -40,37 +41,33 @@ struct Source {
 std::vector<Vector3d> footprint(const Body& body, const tool::Tool& tool, const Eigen::Isometry3d& deepest,
                                 const ContactFrame& frame, double radius) {
   const Eigen::AlignedBox3d box = tool.shape->bounds();
-  double lo[2] = {0, 0}, hi[2] = {0, 0};
+  const auto plane = [&](const Vector3d& p) -> Eigen::Vector2d { return frame.to_local(p - frame.origin).head<2>(); };
+  Eigen::AlignedBox2d bounds(Eigen::Vector2d::Zero());
   for (int corner = 0; corner < 8; ++corner) {
-    const Vector3d local =
-        frame.to_local(deepest * box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)) - frame.origin);
-    for (int k = 0; k < 2; ++k) {
-      lo[k] = std::min(lo[k], local[k]);
-      hi[k] = std::max(hi[k], local[k]);
-    }
+    bounds.extend(plane(deepest * box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner))));
   }
-  std::vector<Vector3d> points;
-  // The tool's box may be far wider than what it covers: a coarse pass bounds the footprint for the fine one.
-  for (const bool fine : {false, true}) {
-    const double step = std::max(kGrid * radius, std::max(hi[0] - lo[0], hi[1] - lo[1]) / 40);
-    double next_lo[2] = {0, 0}, next_hi[2] = {0, 0};
-    for (int i = static_cast<int>(std::floor(lo[0] / step)); (i - 1) * step <= hi[0]; ++i) {
-      for (int j = static_cast<int>(std::floor(lo[1] / step)); (j - 1) * step <= hi[1]; ++j) {
-        const Vector3d over = frame.origin + i * step * frame.x + j * step * frame.y;
-        const Vector3d on = body.query->closest(over).point;
-        const double inside = tool.shape->distance(deepest.inverse() * on).value;
-        if (inside >= (fine ? 0.0 : step)) continue;
-        if (fine) points.push_back(on);
-        const double at[2] = {i * step, j * step};
-        for (int k = 0; k < 2; ++k) {
-          next_lo[k] = std::min(next_lo[k], at[k] - step);
-          next_hi[k] = std::max(next_hi[k], at[k] + step);
-        }
+  const auto step_in = [&](const Eigen::AlignedBox2d& area) {
+    return std::max(kGrid * radius, area.sizes().maxCoeff() / kSteps);
+  };
+  // Points under a grid within `bounds` that the tool covers, or is nearer to than `reach`.
+  const auto covered = [&](double step, double reach) {
+    std::vector<Vector3d> points;
+    for (int i = static_cast<int>(std::floor(bounds.min().x() / step)); (i - 1) * step <= bounds.max().x(); ++i) {
+      for (int j = static_cast<int>(std::floor(bounds.min().y() / step)); (j - 1) * step <= bounds.max().y(); ++j) {
+        const Vector3d on = body.query->closest(frame.origin + i * step * frame.x + j * step * frame.y).point;
+        if (tool.shape->distance(deepest.inverse() * on).value < reach) points.push_back(on);
       }
     }
-    std::copy_n(next_lo, 2, lo);
-    std::copy_n(next_hi, 2, hi);
+    return points;
+  };
+  // The tool's box may be far wider than what it covers: coarse passes narrow it for the fine one.
+  for (double step = step_in(bounds), last = HUGE_VAL; step < last / 2; step = step_in(bounds)) {
+    Eigen::AlignedBox2d area(Eigen::Vector2d::Zero());
+    for (const Vector3d& p : covered(step, step)) area.extend(plane(p));
+    bounds = {area.min().array() - step, area.max().array() + step};
+    last = step;
   }
+  std::vector<Vector3d> points = covered(step_in(bounds), 0.0);
   points.push_back(frame.origin);
   return points;
 }

@@ -56,5 +56,22 @@ TEST_F(FlatPunch, OnAPlaneHasElementsOfItsOwnRadius) {
   EXPECT_NEAR(size_at(block, flat, 0.0), mesh_size, 0.2 * mesh_size);
 }
 
+// Its box is wider than the body, and twenty thousand times as wide as what it covers.
+TEST(Cone, HasElementsOfItsContactHoweverLongItIs) {
+  ToolScene scene;
+  scene.shape = ToolScene::Shape::cone;
+  scene.radius = 1e-5;
+  scene.half_angle = 1.2;
+  scene.length = 0.1;
+  const tool::Tool cone = tool::make_tool(scene);
+  const Body block = test::block_body(0.03, 5e3, 0.49);
+  const double depth = 5e-6, radius = tool::contact_radius(cone.vertices[0], depth);
+  const PairOptions options = pair_options(Scene{});
+  const mesh::SizeField size = contact_size({block, cone, cone.vertices[0], ContactFrame{}}, depth, 1.0, options);
+  for (const double share : {0.4, 0.8}) {
+    EXPECT_NEAR(size({share * radius, 0, 0}) / (options.mesh_size * radius), 1, 0.3) << share;
+  }
+}
+
 }  // namespace
 }  // namespace palpate::solve
