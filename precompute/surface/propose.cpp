@@ -28,11 +28,10 @@ namespace {
 using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 
-constexpr std::size_t kMostRegions = 16;   // tried, the largest first
-constexpr double kSmallestShare = 1e-4;    // of the body's volume: smaller things are not felt
-constexpr double kSpacingShare = 1.0 / 7;  // of the body's diagonal: some forty sites
-constexpr double kDepthShare = 0.03;       // of the diagonal
-constexpr double kHeldShare = 0.1;         // of the extent
+constexpr std::size_t kMostRegions = 16;  // tried, the largest first
+constexpr double kSmallestShare = 1e-4;   // of the body's volume: smaller things are not felt
+constexpr double kDepthShare = 0.03;      // of the diagonal
+constexpr double kHeldShare = 0.1;        // of the extent
 
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
@@ -433,8 +432,8 @@ private:
     out += support_text(body.box);
     const double size = body.box.diagonal().norm();
     out += fmt::format("\n[[tool]]\nshape = \"sphere\"\nradius = {:.2g}  # m\n", std::min(0.005, size / 15));
-    out += fmt::format("\n[sampling]\nspacing = {:.2g}  # m; less for more sites\ndepth = {:.2g}  # m\n",
-                       kSpacingShare * size, std::min(0.005, kDepthShare * size));
+    out += fmt::format("\n[sampling]\ndepth = {:.2g}  # m\n", std::min(0.005, kDepthShare * size));
+    out += "\n[response]\ntolerance = 0.05  # of normal forces; sites are added until it is met\n";
     std::string rest;
     for (std::size_t k = 0; k < things_.size(); ++k) {
       if (roles_[k] != "left out") continue;

@@ -40,7 +40,7 @@ using Json = nlohmann::ordered_json;
 
 struct VerifyArguments {
   std::string input, work, response, report, plot, samples, battery, family, other, cases, paper, device;
-  std::uint32_t count = 40;
+  std::uint32_t first = 1, count = 40;
   std::uint64_t seed = 1;
   bool closed_forms = false, loops = false, slide = false, strokes = false, two_tips = false, shape = false;
   int contacts = 3, together = 0;
@@ -340,7 +340,8 @@ void run_verify(const VerifyArguments& options, const Globals& globals) {
   }
   if (!options.battery.empty())
     return run_battery_command(
-        {options.battery, options.report, options.family, options.cases, options.seed, options.count}, globals);
+        {options.battery, options.report, options.family, options.cases, options.seed, options.first, options.count},
+        globals);
   if (options.closed_forms) return run_closed_forms({options.report}, globals);
   if (!options.other.empty()) return run_ccx_command({options.report, options.cases}, globals);
   if (!options.paper.empty()) return run_paper_command({options.paper, options.report}, globals);
@@ -420,6 +421,9 @@ void add_verify(CLI::App& app, Globals& globals) {
   command.option("--paper", options->paper,
                  "Instead of a scene: figures 2 and 4 of Hayward and Mahvash (2004); scenes and plots (SVG) go to "
                  "this folder");
+  command.option("--first", options->first, "Of --battery random, the first contact, to go on from an earlier run")
+      .check(whole_in(1, 100000))
+      .shows_default();
   command.option("--count", options->count, "Held-out contacts, or contacts of --battery random")
       .check(whole_in(1, 100000))
       .shows_default();

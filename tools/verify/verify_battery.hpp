@@ -16,6 +16,7 @@ struct BatteryCommand {
   std::string family;        ///< only this one; empty: all
   std::string cells;         ///< only those with this in their name; empty: all
   std::uint64_t seed = 1;    ///< stiff: of the checked share; random: of the scenes
+  std::uint32_t first = 1;   ///< random: number of the first scene of the draw
   std::uint32_t count = 40;  ///< random: scenes
 };
 
