@@ -2,6 +2,7 @@
 #include "precompute/verify/contact_checks.hpp"
 
 #include "precompute/bake/parallel.hpp"
+#include "precompute/sites/haptic_mesh.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -108,6 +109,7 @@ std::vector<CheckedTogether> check_together(const Scene& scene, const Body& body
     layout.layout = options.layout;
     layout.count = options.count;
     layout.aside = radius;
+    layout.normal_radius = sites::normal_radius(scene);
     layout.spacing = radius * options.spacings.at(random ? 0 : k % layouts);
     if (random) {
       const auto [least, most] = std::minmax_element(options.spacings.begin(), options.spacings.end());

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "precompute/verify/layouts.hpp"
 
+#include "precompute/algebra/rotation_between.hpp"
+
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -50,8 +52,7 @@ std::optional<Layout> layout_of(const std::string& name) {
 
 Places lay_out(const Body& body, const ContactFrame& frame, const LayoutOptions& options) {
   Places places{{frame}, {}};
-  const auto add = [&](const Vector3d& wanted, const ContactFrame& axes) {
-    ContactFrame next = axes;
+  const auto add = [&](const Vector3d& wanted, ContactFrame next) {
     next.origin = body.query->closest(wanted).point;
     const std::string where = std::to_string(1e3 * (wanted - frame.origin).norm()) + " mm";
     if ((next.origin - wanted).cross(frame.n).norm() > options.aside) {
@@ -70,7 +71,14 @@ Places lay_out(const Body& body, const ContactFrame& frame, const LayoutOptions&
     }
   }
   for (const Vector2d& at : beside(options)) {
-    if (places.cause.empty()) add(frame.origin + at.x() * frame.x + at.y() * frame.y, frame);
+    if (!places.cause.empty()) break;
+    add(frame.origin + at.x() * frame.x + at.y() * frame.y, frame);
+    ContactFrame& next = places.frames.back();
+    const Vector3d n = body.query->normal(next.origin, options.normal_radius);
+    const Eigen::Quaterniond turn = algebra::rotation_between(frame.n, n);
+    next.n = n;
+    next.x = turn * frame.x;
+    next.y = turn * frame.y;
   }
   const auto wanted = options.layout == Layout::pinch ? std::size_t{2} : static_cast<std::size_t>(options.count);
   if (places.cause.empty() && places.frames.size() < wanted) places.cause = "place: no room for so many tools";

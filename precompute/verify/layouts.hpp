@@ -24,17 +24,20 @@ std::optional<Layout> layout_of(const std::string& name);
 
 struct LayoutOptions {
   Layout layout = Layout::line;
-  int count = 2;           ///< tools, [1, 5]; of pinch 2
-  double spacing = 0.0;    ///< m, > 0
-  double farthest = 0.0;   ///< m, of random, at least `spacing`
-  double angle = 0.0;      ///< rad, of the direction from the frame's x to its y; not of random
-  double aside = 0.0;      ///< m, by which a place may lie off the frame's normal
-  std::uint32_t seed = 1;  ///< of random
+  int count = 2;               ///< tools, [1, 5]; of pinch 2
+  double spacing = 0.0;        ///< m, > 0
+  double farthest = 0.0;       ///< m, of random, at least `spacing`
+  double angle = 0.0;          ///< rad, of the direction from the frame's x to its y; not of random
+  double aside = 0.0;          ///< m, by which a place may lie off the frame's normal
+  double normal_radius = 0.0;  ///< m, over which the normals of places are averaged; not of pinch
+  std::uint32_t seed = 1;      ///< of random
 };
 
 struct Places {
-  std::vector<ContactFrame> frames;  ///< the given one first; all have its axes, of pinch with n and y reversed
-  std::string cause;                 ///< why there are none: it begins with "place"
+  /// The given one first. A pinch's second one has its axes with n and y reversed. In the other layouts each has the
+  /// surface's normal, and the first one's axes turned to it on the shortest way.
+  std::vector<ContactFrame> frames;
+  std::string cause;  ///< why there are none: it begins with "place"
 };
 
 /// Puts tools beside the one at `frame` on the body's surface. A place is refused where the surface bends away, ends or

@@ -2,6 +2,7 @@
 // Layouts of tools on a block, and the places that are refused.
 #include "precompute/verify/layouts.hpp"
 
+#include "precompute/geometry/solids.hpp"
 #include "tests/support/bodies.hpp"
 
 #include <gtest/gtest.h>
@@ -47,6 +48,24 @@ TEST_F(Layouts, RingHasItsNeighboursOneSpacingApart) {
     EXPECT_NEAR(apart(places, k, (k + 1) % 5), 0.003, 1e-9);
     EXPECT_GT(apart(places, k, (k + 2) % 5), 0.0045);
   }
+}
+
+TEST_F(Layouts, ToolsOnARoundBodyPressAlongItsNormals) {
+  Body ball = test::block_body(0.03, 5e3, 0.49);
+  const Eigen::Vector3d centre(0, 0, -0.03);
+  ball.query = std::make_shared<const geometry::SurfaceQuery>(
+      geometry::ellipsoid(centre, Vector3d::Constant(0.03), 4e-4, "ball"));
+  LayoutOptions o = options(Layout::line, 3);
+  o.aside = 1e-3;
+  o.normal_radius = 1e-3;
+  const Places places = lay_out(ball, ContactFrame{}, o);
+  ASSERT_TRUE(places.cause.empty()) << places.cause;
+  for (const ContactFrame& f : places.frames) {
+    EXPECT_GT(f.n.dot((f.origin - centre).normalized()), std::cos(0.02));
+    EXPECT_NEAR(f.n.dot(f.x.cross(f.y)), 1, 1e-9);
+    EXPECT_NEAR(f.n.dot(f.x), 0, 1e-9);
+  }
+  EXPECT_GT(apart(places, 0, 2), 0.005);
 }
 
 TEST_F(Layouts, RandomPlacesKeepTheirDistanceAndDifferBySeed) {
