@@ -49,6 +49,11 @@ Json to_json(const verify::BatteryCell& cell, const verify::JudgedCell& judged, 
     json["errors"].push_back(s.error);
     json["estimates"].push_back(s.estimate);
   }
+  for (const Sample& s : judged.reference) {
+    json["reference"].push_back({{"kind", static_cast<int>(s.kind)},
+                                 {"deflection", {s.deflection.x(), s.deflection.y(), s.deflection.z()}},
+                                 {"force", {s.force.x(), s.force.y(), s.force.z()}}});
+  }
   return json;
 }
 

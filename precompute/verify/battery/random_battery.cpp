@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <utility>
 
 namespace palpate::verify {
 namespace {
@@ -60,11 +61,17 @@ const char* verdict_name(Verdict verdict) {
 }
 
 JudgedCell judge_cell(const BatteryCell& cell, const RandomBatteryOptions& options) {
-  JudgedCell judged;
-  judged.solve = solve_cell(cell);
+  CellSolve solve = solve_cell(cell);
   const CellSolve reference = solve_cell(cell, [&](solve::PairOptions& pair, solve::PairPath& path, const Body&) {
     much_finer(pair, path, options.refine);
   });
+  return judge(std::move(solve), reference, options);
+}
+
+JudgedCell judge(CellSolve solve, const CellSolve& reference, const RandomBatteryOptions& options) {
+  JudgedCell judged;
+  judged.solve = std::move(solve);
+  judged.reference = reference.samples;
   judged.reference_cause = reference.accepted ? "" : reference.cause;
   judged.reference_seconds = reference.processor;
   judged.reference_nodes = reference.nodes;

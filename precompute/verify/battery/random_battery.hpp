@@ -35,12 +35,16 @@ struct JudgedCell {
   Verdict verdict = Verdict::open;
   std::vector<JudgedSample> samples;  ///< of an accepted cell, those that the finer mesh has
   double excess = 0.0;                ///< largest error over what is allowed; wrong: > 1
-  std::string reference_cause;        ///< why the finer mesh has no answer
+  std::vector<Sample> reference;      ///< of the finer mesh
+  std::string reference_cause;        ///< why it has no answer
   double reference_seconds = 0.0;     ///< of processor time
   std::uint32_t reference_nodes = 0;
 };
 
 JudgedCell judge_cell(const BatteryCell& cell, const RandomBatteryOptions& options);
+
+/// The same by solves that are there.
+JudgedCell judge(CellSolve solve, const CellSolve& reference, const RandomBatteryOptions& options);
 
 /// Judges all; `done` is called with every judged cell's number as it is there, by one thread at a time. Stopped: fewer
 /// calls. Throws as solve_cell does.
