@@ -85,6 +85,7 @@ ElasticEnergy::ElasticEnergy(const mesh::TetMesh& mesh, std::vector<Material> ma
     shear.push_back(m.shear_modulus());
     moduli.push_back(shear.back() + m.bulk_modulus());
   }
+  double square_force = 0;  // N^2, of rounding
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
     Element e;
     e.nodes = mesh.tets[t];
@@ -103,15 +104,13 @@ ElasticEnergy::ElasticEnergy(const mesh::TetMesh& mesh, std::vector<Material> ma
     const auto region = static_cast<std::size_t>(e.material);
     if (region >= shear.size()) throw std::out_of_range("region " + std::to_string(region) + " has no material");
     const Material& material = materials_[region];
-    if (material.bulk > 0) {
-      e.local = std::min(material.local + spans(normals, e.nodes) * kSpanning * shear[region],
-                         std::max(material.local, material.bulk));
-    }
+    e.local = std::min(material.local + spans(normals, e.nodes) * kSpanning * shear[region],
+                       std::max(material.local, material.bulk));
     // A strain's; energies of laws are differences of invariants and their values at rest besides.
     const double rounding = kLastBits * kEpsilon * mesh.nodes[e.nodes[0]].norm() * e.slopes.norm();
-    energy_rounding_ +=
+    rounding_.energy +=
         (moduli[region] * rounding * rounding + (material.laws.empty() ? 0.0 : kEpsilon * shear[region])) * e.volume;
-    force_rounding_ += std::pow(moduli[region] * rounding * e.volume * e.slopes.norm(), 2);
+    square_force += std::pow(moduli[region] * rounding * e.volume * e.slopes.norm(), 2);
     if (material.fibre_at) {
       Material own = material;
       own.fibre = own.fibre_at(mesh.nodes[e.nodes[0]] + edges.rowwise().sum() / 4);
@@ -121,6 +120,7 @@ ElasticEnergy::ElasticEnergy(const mesh::TetMesh& mesh, std::vector<Material> ma
     }
     elements_.push_back(e);
   }
+  rounding_.force = std::sqrt(square_force);
   make_batches();
 }
 

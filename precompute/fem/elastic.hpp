@@ -9,7 +9,6 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <cmath>
 #include <vector>
 
 namespace palpate::fem {
@@ -40,7 +39,7 @@ public:
   void hessian(const Eigen::VectorXd& x, HessianKind kind, BlockMatrix& matrix) const;
   /// The rounding of value() and gradient() near rest: strains are off by the last bits of positions over the element's
   /// height, and energies with laws are differences of terms of their shear modulus besides.
-  [[nodiscard]] Rounding rounding() const { return {energy_rounding_, std::sqrt(force_rounding_)}; }
+  [[nodiscard]] const Rounding& rounding() const { return rounding_; }
   /// Smallest det F over all quadrature points.
   [[nodiscard]] double min_jacobian(const Eigen::VectorXd& x) const;
 
@@ -60,8 +59,7 @@ private:
   std::vector<Material> materials_;  // of the regions, then of elements whose fibres have a direction of their own
   std::vector<Element> elements_;
   std::vector<ElementBatch> batches_;  // of the same elements
-  double energy_rounding_ = 0.0;       // J
-  double force_rounding_ = 0.0;        // N^2
+  Rounding rounding_;
 };
 
 }  // namespace palpate::fem

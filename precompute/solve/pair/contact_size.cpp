@@ -17,8 +17,8 @@ using Eigen::Vector3d;
 // the depth this leaves 3 % of scatter with the mesh where 1 leaves 10 %, for a tenth more nodes.
 constexpr double kTouch = 0.15;
 constexpr double kWalls = 2.0;  // edges over the wall
-constexpr double kGrid = 0.25;  // contact radii between the points of a footprint, or more where
-constexpr int kSteps = 40;      // so many would not reach across it
+constexpr double kGrid = 0.25;  // contact radii between the points of a footprint
+constexpr int kSteps = 40;      // most points across it
 // The overlap of curved surfaces is wider than the contact they make (by sqrt 2 in Hertz' limit).
 constexpr double kShrink = 0.75;
 constexpr double kLeastTouched = 1e-3;  // of the tool's contact on a plane: narrower overlaps are not resolved

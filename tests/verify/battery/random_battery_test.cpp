@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The random battery: its draw, its verdicts, and forty of its contacts beside the finer meshes' forces of an earlier run
-// (random_contacts.md). All: palpate verify --battery random.
+// The random battery: its draw, its verdicts, and forty of its contacts beside the finer meshes' forces of an earlier
+// run (random_contacts.md). All: palpate verify --battery random.
 #include "precompute/verify/battery/random_battery.hpp"
 #include "precompute/verify/battery/random_cells.hpp"
 
@@ -74,6 +74,34 @@ TEST(RandomBattery, FiguresCountVerdictsAndCoverage) {
   EXPECT_EQ(f.error.worst, 0.1);
   EXPECT_EQ(f.ratio.worst, 4);  // an error of 0 counts as the solver's tolerance
   EXPECT_EQ(f.seconds.worst, 5);
+}
+
+// The cheap ones on coarse meshes: none is accepted and wrong, most are right, and estimates cover the errors.
+TEST(RandomBattery, CheapContactsAreRightAndCovered) {
+  std::vector<BatteryCell> cells;
+  for (BatteryCell& cell : random_cells(47, 400)) {
+    const bool small = cell.scene.tools[0].radius < 0.05 * thickness(cell);
+    if (cell.family != "block" || small || cell.scene.friction > 0 || !cell.scene.regions.empty()) continue;
+    if (cells.size() == 10) break;
+    cell.scene.sampling.normal_points = 3;
+    cell.scene.solver.mesh_size = 0.5;
+    cell.scene.solver.growth = 0.8;
+    cell.scene.solver.max_size = 0.5 * thickness(cell);
+    cells.push_back(std::move(cell));
+  }
+  ASSERT_EQ(cells.size(), 10U);
+  std::vector<JudgedCell> judged(cells.size());
+  RandomBatteryOptions options;
+  options.refine = 0.75;
+  run_random_battery(cells, options, [&](std::size_t k, const JudgedCell& cell) { judged[k] = cell; });
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    EXPECT_NE(judged[k].verdict, Verdict::wrong) << cells[k].name << ": " << judged[k].excess;
+    EXPECT_NE(judged[k].verdict, Verdict::refused_sound) << cells[k].name << ": " << judged[k].solve.cause;
+    EXPECT_GT(judged[k].solve.processor, 0);
+  }
+  const RandomFigures f = random_figures(judged);
+  EXPECT_GE(f.verdicts.at(Verdict::right), 8U);
+  EXPECT_GE(f.coverage(), 0.9);
 }
 
 // A contact of a battery's draw, and the forces of its finer mesh: a line of its report.
