@@ -94,13 +94,13 @@ void expect_agreement(const CcxCase& c, double size, std::size_t depths, double 
              ours.seconds, theirs.seconds);
 }
 
-// One law on a mesh so coarse (341 nodes) that how contact is integrated over its faces matters: 1.0 % measured, 0.3 %
-// on 823 nodes.
+// One law on a coarse mesh. On meshes of 300 to 450 nodes how contact is integrated over their faces matters: they are
+// 0.8 to 2.8 % apart, those of more than 640 nodes 0.1 to 0.8 %.
 TEST(Getfem, ForcesAgreeOnTheSameMesh) {
   if (!has_getfem()) GTEST_SKIP() << "no module getfem (Debian package python3-getfem)";
   CcxCase c = with_law(ccx_cases(2).at(3), 0.3);
   ASSERT_EQ(c.name, "sphere, Mooney-Rivlin, nu 0.45");
-  expect_agreement(c, 2, 2, 0.02);
+  expect_agreement(c, 1.6, 2, 0.01);
 }
 
 TEST(GetfemLong, ForcesOfEveryTipAndLawAgreeOnTheSameMesh) {

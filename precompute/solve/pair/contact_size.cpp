@@ -13,9 +13,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Elements where a curved tool first touches, in those of the deep contact. On an organ, of the force at a twentieth of
-// the depth this leaves 3 % of scatter with the mesh where 1 leaves 10 %, for a tenth more nodes.
-constexpr double kTouch = 0.15;
+// Elements where a curved tool first touches, in those of the deep contact. The shallowest force of forty random
+// contacts is off by 1.6 % (root mean square) with it and by 2.0 % with 0.15; on an organ three times as much with 1.
+constexpr double kTouch = 0.1;
 constexpr double kWalls = 2.0;  // edges over the wall
 constexpr double kGrid = 0.25;  // contact radii between the points of a footprint
 constexpr int kSteps = 40;      // most points across it

@@ -77,7 +77,7 @@ std::vector<SidePath> test_paths(const PairPath& path, double angle);
 struct PairOptions {
   double refine = 1.0;      ///< factor of every element size, the tools' edges and the supports' rim included
   double mesh_size = 0.35;  ///< see SolverScene
-  double growth = 0.7;
+  double growth = 0.65;
   double max_size = 0.0;  ///< m; 0: see longest_edge (contact_size.hpp)
   double rim_size = 0.0;  ///< element edge at the rim of the deepest contact, in contact radii; 0: no ring of its own.
                           ///< The traction of a contact that is sheared after it stuck is singular there
@@ -115,7 +115,7 @@ using SampleSink = std::function<void(const Sample&)>;
 
 /// Part of a plan's identity: raise it whenever the same inputs give other samples, so that a journal never mixes
 /// solves of two programs.
-inline constexpr int kSolverRevision = 21;
+inline constexpr int kSolverRevision = 22;
 
 /// Solves a contact along `path`. A solve that fails a gate or finds no equilibrium is tried again on finer meshes,
 /// then on the finest with a stiffer penalty, with multipliers and with a log barrier, until one reaches no deeper than

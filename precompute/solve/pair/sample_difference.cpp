@@ -12,14 +12,20 @@ using Eigen::Vector3d;
 // Deflections of one solve's samples on two meshes differ by the penalties' give, a few per cent.
 constexpr double kSame = 0.15;
 
-// The sample of the same kind that is nearest; null where that is another point of the path.
+// The sample of the same kind that is nearest; null where that is another point of the path. A push sideways is far
+// shorter than it is deep where friction is low: each part of the deflection is compared with its own length.
 const Sample* partner(const Sample& of, const std::vector<Sample>& reference) {
+  const double depth = std::abs(of.deflection.z()), sideways = of.deflection.head<2>().norm();
+  const auto away = [&](const Sample& s) {
+    const Vector3d d = s.deflection - of.deflection;
+    const double along = std::abs(d.z()) / depth;
+    return of.kind == SampleKind::normal ? along : std::max(along, d.head<2>().norm() / sideways);
+  };
   const Sample* nearest = nullptr;
-  const auto away = [&](const Sample& s) { return (s.deflection - of.deflection).norm(); };
   for (const Sample& s : reference) {
     if (s.kind == of.kind && (nearest == nullptr || away(s) < away(*nearest))) nearest = &s;
   }
-  return nearest != nullptr && away(*nearest) <= kSame * of.deflection.norm() ? nearest : nullptr;
+  return nearest != nullptr && away(*nearest) <= kSame ? nearest : nullptr;
 }
 
 std::vector<const Sample*> normal_samples(const std::vector<Sample>& samples) {

@@ -2,6 +2,8 @@
 // Error estimates from two meshes: which samples get which difference.
 #include "precompute/solve/pair/error_estimate.hpp"
 
+#include "precompute/solve/pair/sample_difference.hpp"
+
 #include <gtest/gtest.h>
 
 namespace palpate::solve {
@@ -49,6 +51,15 @@ TEST(MeshError, TangentialPushesAddTheirShareOfTheTangentialDifference) {
   EXPECT_NEAR(samples[2].error_estimate, 0.001, 1e-12);
   EXPECT_NEAR(samples[3].error_estimate, 0.001 + 0.25 * 1 / std::hypot(1, 4), 1e-12);
   EXPECT_NEAR(samples[4].error_estimate, 0.001 + 0.25 * 3 / 5, 1e-12);
+}
+
+// With little friction a tool is moved aside by far less than it is deep.
+TEST(SampleDifference, APushAsideHasNoPartnerInOneTheOtherWay) {
+  const Sample right = sample(SampleKind::tangential, 0, {1e-4, 0, 4e-3}, {-0.3, 0, 4});
+  const Sample left = sample(SampleKind::tangential, 1, {-1e-4, 0, 4e-3}, {0.3, 0, 4});
+  const Sample nearly = sample(SampleKind::tangential, 0, {1.1e-4, 0, 4.1e-3}, {-0.3, 0, 4});
+  EXPECT_EQ(sample_difference({right}, {left}).compared, 0U);
+  EXPECT_EQ(sample_difference({right}, {left, nearly}).samples.at(0).other, 1U);
 }
 
 TEST(MeshError, NothingIsAddedWhereNoDepthIsSolvedOnBoth) {

@@ -275,7 +275,7 @@ TEST_F(Pair, WhatLosesTooMuchIsGivenUp) {
 // A curve that only its deepest points resolve is no curve: a finer mesh is tried, then the pair is refused.
 TEST_F(Pair, TooFewResolvedDepthsAreRefusedByName) {
   PairPath path;
-  path.normal_depths = {3e-6, 3.6e-6, 4e-6, 0.002};
+  path.normal_depths = {1e-6, 1.2e-6, 1.4e-6, 0.002};
   PairOptions coarse = pair_options(scene);
   coarse.mesh_size = coarse.rim_size = 1.0;
   const tool::Tool tool = tool::make_tool(sphere);

@@ -53,6 +53,7 @@ TEST(SlippingPushes, ASceneGetsItsFrictionLimitSolved) {
   scene.friction = 0.3;
   scene.sampling.normal_points = 6;
   scene.sampling.friction_limit = SamplingScene::FrictionLimit::solved;
+  scene.solver.mesh_size = 0.25;  // by 0.35 the limit scatters by 4 % with the mesh
   PairPath path = bake_path(scene, 0.005);
   path.tangential_depths = {path.tangential_depths.back()};
   path.tangential_points = 1;
