@@ -1,47 +1,57 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A rigid tip pressed into a hyperelastic block, by GetFEM (python3-getfem 5.4): forces to compare with ours.
+"""A rigid tip pressed into a hyperelastic body, by GetFEM (python3-getfem 5.4): forces to compare with ours.
 
     getfem_contact.py PROBLEM
 
 PROBLEM is text, lengths in mm and stresses in kPa (forces: mN), a keyword a line:
-    law MU C01 NU      W = MU/2 (F:F - 3) + C01 (|cof F|^2 - 3) + slope (J - 1) + bulk/2 (J - 1)^2
+    energy REGION W    in GetFEM's language, of {f} the deformation's gradient F, {i1} and {i2} the invariants of F'F, {j} det F,
+                       and positive[X] the positive part
     sphere R | punch A EDGE
     stiffness P [P...] pressure over overlap (kPa/mm), one solve after the other at every depth; the last counts
     depths D [D...]    increasing
     nodes N            then N lines X Y Z
-    tets M             then M lines of four nodes each
-The tip touches the block's top (z = 0) at the origin; the lower face is held. Plain quadratic tetrahedra, the volume term at
-the integration points. Prints "DEPTH FORCE" for each depth; exit status 1 where Newton's method fails.
+    tets M             then M lines of four nodes and a region each
+    held K             then K lines X Y Z of nodes and middles of edges that are held
+The tip touches the body at the origin and is pushed along -z. Plain quadratic tetrahedra, the volume term at the integration points. Prints "DEPTH FORCE" for each depth; exit status
+1 where Newton's method fails.
 """
+import re
 import sys
 
 import getfem as gf
 import numpy as np
 
 
+STEPS = 4  # from one depth to the next
+
+
 def read(file):
     problem, lines = {}, iter(open(file))
     for line in lines:
         key, *values = line.split()
-        if key in ("nodes", "tets"):
+        if key in ("nodes", "tets", "held"):
             rows = [next(lines).split() for _ in range(int(values[0]))]
-            problem[key] = np.array(rows, dtype=float if key == "nodes" else int)
+            problem[key] = np.array(rows, dtype=int if key == "tets" else float)
+        elif key == "energy":
+            problem.setdefault(key, []).append((int(values[0]), values[1]))
         else:
             problem[key] = [float(v) for v in values]
     return problem
 
 
-def energy(mu, c01, poisson):
-    """Slope and bulk follow from W's stress at F = I, which is none, and its bulk modulus at small strain."""
-    shear = mu + 2 * c01
-    compression = 2 * shear * (1 + poisson) / (3 * (1 - 2 * poisson))
-    slope = -(mu + 4 * c01)
-    bulk = compression - (3 * mu + 36 * c01 + 6 * slope) / 9
+def energy(template):
     f = "(Id(3)+Grad_u)"
     i1, j = f"Norm_sqr({f})", f"Det({f})"
     i2 = f"(0.5*(sqr({i1})-Norm_sqr({f}'*{f})))"
-    return f"{mu / 2!r}*({i1}-3)+{c01!r}*({i2}-3)+{slope!r}*({j}-1)+{bulk / 2!r}*sqr({j}-1)"
+    invariants = {"f": f, "i1": i1, "i2": i2, "j": j}
+    fibres = re.sub(r"positive\[(.*?)\]", lambda m: positive(f"({m[1]})"), template)
+    return fibres.format(**invariants)
+
+
+def positive(x):
+    """The positive part, rounded so that it has two derivatives."""
+    return f"(0.5*({x}+sqrt(sqr({x})+1e-12)))"
 
 
 def gap(problem):
@@ -51,17 +61,23 @@ def gap(problem):
         return f"(Norm(X+u-[0;0;{radius!r}])-{radius!r})"
     radius, edge = problem["punch"]
     rho = "sqrt(sqr((X+u)(1))+sqr((X+u)(2))+1e-12)"
-    return f"(Norm([pos_part({rho}-{radius - edge!r});pos_part({edge!r}-(X+u)(3))])-{edge!r})"
+    return f"(Norm([{positive(f'{rho}-{radius - edge!r}')};{positive(f'{edge!r}-(X+u)(3)')}])-{edge!r})"
+
+
+def held_unknowns(elements, points):
+    """Numbers of the displacements x, y, z of each point."""
+    places = {tuple(np.round(x, 6)): n for n, x in enumerate(elements.basic_dof_nodes().T[::3])}
+    return np.array([[3 * places[tuple(np.round(x, 6))] + k for k in range(3)] for x in points]).ravel()
 
 
 def solve(problem):
-    nodes, tets = problem["nodes"], problem["tets"]
+    nodes, tets, regions = problem["nodes"], problem["tets"][:, :4], problem["tets"][:, 4]
     mesh = gf.Mesh("empty", 3)
     mesh.add_convex(gf.GeoTrans("GT_PK(3,1)"), nodes[tets].transpose(2, 1, 0))
-    faces = mesh.outer_faces()
-    normals = mesh.normal_of_faces(faces)
-    mesh.set_region(1, faces[:, normals[2] > 0.999])
-    mesh.set_region(2, faces[:, normals[2] < -0.999])
+    mesh.set_region(1, mesh.outer_faces())
+    for region, _ in problem["energy"]:
+        inside_it = np.flatnonzero(regions == region)
+        mesh.set_region(10 + region, np.array([inside_it, np.full_like(inside_it, -1)]))
 
     quadratic = gf.MeshFem(mesh, 3)
     quadratic.set_fem(gf.Fem("FEM_PK(3,2)"))
@@ -69,22 +85,30 @@ def solve(problem):
     on_top = gf.MeshIm(mesh, gf.Integ("IM_STRUCTURED_COMPOSITE(IM_TETRAHEDRON(6),2)"))
     model = gf.Model("real")
     model.add_fem_variable("u", quadratic)
-    model.add_nonlinear_term(inside, energy(*problem["law"]))
-    # The tip stays and the block is lifted against it; what holds its lower face is the force.
-    model.add_initialized_data("lift", [0, 0, 0])
-    model.add_filtered_fem_variable("hold", quadratic, 2)
-    model.add_linear_term(inside, "-hold.Test_u-(u-lift).Test_hold", 2)
+    for region, template in problem["energy"]:
+        model.add_nonlinear_term(inside, energy(template), 10 + region)
+    # The tip stays and the body is lifted against it; what holds it is the force.
+    held = held_unknowns(quadratic, problem["held"])
+    pick = gf.Spmat("empty", len(held), quadratic.nbdof())
+    for row, unknown in enumerate(held):
+        pick.add(row, int(unknown), 1.0)
+    upward = np.arange(len(held)) % 3 == 2
+    model.add_variable("hold", len(held))
+    hold = model.add_constraint_with_multipliers("u", "hold", pick, np.zeros(len(held)))
     model.add_initialized_data("stiffness", [0])
     model.add_nonlinear_term(on_top, f"0.5*stiffness*sqr(neg_part({gap(problem)}))", 1)
+    before = 0.0
     for depth in problem["depths"]:
-        model.set_variable("lift", [0, 0, depth])
-        for stiffness in problem["stiffness"]:
+        # Steps with the softest contact lead to it.
+        steps = [(before + k / STEPS * (depth - before), problem["stiffness"][0]) for k in range(1, STEPS)]
+        before = depth
+        for lift, stiffness in steps + [(depth, stiffness) for stiffness in problem["stiffness"]]:
+            model.set_private_rhs(hold, lift * upward)
             model.set_variable("stiffness", [stiffness])
-            iterations, converged = model.solve("max_res", 1e-7, "max_iter", 60, "lsolver", "mumps")
+            iterations, converged = model.solve("max_res", 1e-7, "max_iter", 40, "lsolver", "mumps")
             if not converged:
-                sys.exit(f"getfem_contact.py: no equilibrium at depth {depth} in {iterations} iterations")
-        force = gf.asm_generic(inside, 0, "hold", 2, model)
-        print(depth, repr(float(force[2])), flush=True)
+                sys.exit(f"getfem_contact.py: no equilibrium at depth {lift} in {iterations} iterations")
+        print(depth, repr(float(-model.variable("hold")[upward].sum())), flush=True)
 
 
 if __name__ == "__main__":
