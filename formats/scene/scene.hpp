@@ -56,17 +56,17 @@ struct MaterialScene {
   enum class Volumetric { coupled, isochoric };
   Law law = Law::neo_hookean;
   Volumetric volumetric = Volumetric::coupled;  ///< isochoric: the law sees J^(-1/3) F; not linear, not st_venant
-  std::string tissue;                           ///< neo_hookean: what young was taken from; empty: the scene says it
-  double young = 5e3;                           ///< Pa at small strain (of the matrix, where there are fibres), > 0
-  double poisson = 0.49;                        ///< at small strain, [0, 0.4999]; linear and St. Venant: [0, 0.45]
-  double c10 = 0.0, c01 = 0.0;                  ///< Pa; mooney_rivlin
-  std::vector<OgdenTerm> terms;                 ///< ogden
-  double c1 = 0.0, beta = 0.0;                  ///< Pa, 1; veronda_westmann
-  std::optional<double> c2;                     ///< Pa; veronda_westmann; none: -c1 beta / 2
-  double k1 = 0.0, k2 = 1.0;                    ///< Pa, 1; holzapfel
-  double dispersion = 0.0;                      ///< holzapfel: [0, 1/3], from aligned fibres to none
-  Eigen::Vector3d fibre{0, 0, 0};               ///< holzapfel: unit direction, where there is no centreline
-  SurfaceSource centreline;                     ///< holzapfel: curves that the fibres run along; without a file: none
+  std::string tissue;              ///< neo_hookean: what young was taken from; empty: the scene says it
+  double young = 5e3;              ///< Pa at small strain (of the matrix, where there are fibres), > 0
+  double poisson = 0.49;           ///< at small strain, [0, 0.4999]; linear and St. Venant: [0, 0.45]
+  double c10 = 0.0, c01 = 0.0;     ///< Pa; mooney_rivlin
+  std::vector<OgdenTerm> terms;    ///< ogden
+  double c1 = 0.0, beta = 0.0;     ///< Pa, 1; veronda_westmann
+  std::optional<double> c2;        ///< Pa; veronda_westmann; none: -c1 beta / 2
+  double k1 = 0.0, k2 = 1.0;       ///< Pa, 1; holzapfel
+  double dispersion = 0.0;         ///< holzapfel: [0, 1/3], from aligned fibres to none
+  Eigen::Vector3d fibre{0, 0, 0};  ///< holzapfel: unit direction, where there is no centreline
+  SurfaceSource centreline;        ///< holzapfel: curves that the fibres run along; without a file: none
 };
 
 /// Young's modulus at small strain (Pa): of the law's own moduli, or `young` where it has none.
@@ -136,14 +136,14 @@ struct ToolScene {
 struct SamplingScene {
   enum class FrictionLimit { estimated, solved };
   double spacing = 0.0;  ///< m; edge length of the body patches; 0: sites are added until response.tolerance holds
-  double margin_spacing = 0.0;         ///< m; edge length at sharp margins; 0 chooses spacing / 2; = spacing: uniform
+  double margin_spacing = 0.0;    ///< m; edge length at sharp margins; 0 chooses spacing / 2; = spacing: uniform
   std::vector<Eigen::Vector3d> sites;  ///< m; places that are sampled beside those of the spacing, all of `depth` deep
-  double depth = 0.005;                ///< m; deepest push, > 0
-  double depth_fraction = 0.6;         ///< of the local thickness, (0, 0.8]
-  int normal_points = 12;              ///< points of a normal curve, [4, 64]
-  int tangential_depths = 3;           ///< [2, 8], at most normal_points
-  int tangential_directions = 4;       ///< [4, 16], even
-  int tangential_points = 3;           ///< points of one tangential push, [2, 16]
+  double depth = 0.005;           ///< m; deepest push, > 0
+  double depth_fraction = 0.6;    ///< of the local thickness, (0, 0.8]
+  int normal_points = 12;         ///< points of a normal curve, [4, 64]
+  int tangential_depths = 3;      ///< [2, 8], at most normal_points
+  int tangential_directions = 4;  ///< [4, 16], even
+  int tangential_points = 3;      ///< points of one tangential push, [2, 16]
   /// mu(depth): predicted from the slopes of the contact, or solved by drawing the tool aside until all of it slips.
   FrictionLimit friction_limit = FrictionLimit::estimated;
   int most_sites = 2000;      ///< where sites are added: beyond it no more are, [8, 1000000]
@@ -164,11 +164,11 @@ struct ResponseScene {
 };
 
 struct SolverScene {
-  double mesh_size = 0.35;     ///< element edge at the contact over the contact radius at full depth, [0.05, 1]
-  double growth = 0.65;        ///< growth of the edge length per distance from the contact, (0, 1]
-  double max_size = 0.0;       ///< m; longest edge far away; 0: 1/8 of the box's diagonal, or twice the median wall
-  double rim_size = 0.0;       ///< element edge at the rim of the deepest contact, in contact radii, [0, 1]; 0: no ring
-  double time_limit = 30;      ///< s of processor time for one pair; what was solved until then is kept
+  double mesh_size = 0.35;  ///< element edge at the contact over the contact radius at full depth, [0.05, 1]
+  double growth = 0.65;     ///< growth of the edge length per distance from the contact, (0, 1]
+  double max_size = 0.0;    ///< m; longest edge far away; 0: 1/8 of the box's diagonal, or twice the median wall
+  double rim_size = 0.0;    ///< element edge at the rim of the deepest contact, in contact radii, [0, 1]; 0: no ring
+  double time_limit = 30;   ///< s of processor time for one pair; what was solved until then is kept
   double memory_limit = 1000;  ///< MB of a pair's Cholesky factor; a mesh that needs more is refused
   /// Share of the pairs, at least one, whose normal indentation is also solved on a finer mesh, [0, 1]; 0: none.
   double check_share = 0.01;

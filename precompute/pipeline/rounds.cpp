@@ -159,7 +159,7 @@ bool add_round(const Sampled& sampled, const JournalContent& journal, const Roun
   const auto above = static_cast<std::size_t>(
       std::find_if(worst.begin(), worst.end(), [&](const auto& w) { return w.first < tolerance; }) - worst.begin());
   // A round that found its percentile missed and no edge to blame splits the worst tenth.
-  std::size_t count = std::max(above, worst.size() / 10);
+  std::size_t count = std::max(above, (worst.size() + 9) / 10);
   const double share = growth(errors.estimate, tolerance);
   count = std::min({count, static_cast<std::size_t>(share * static_cast<double>(mesh.points.size())),
                     most - mesh.points.size(), worst.size()});

@@ -11,7 +11,7 @@
 namespace palpate::pipeline {
 
 /// Part of a plan's identity: raise it whenever the same outcomes give another next round.
-inline constexpr int kRoundsRevision = 8;
+inline constexpr int kRoundsRevision = 9;
 
 /// Edge length (m) with which the first round begins: for `first_sites` on the area of the body, no smaller than half
 /// of the smallest tool's radius.

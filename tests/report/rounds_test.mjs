@@ -12,13 +12,13 @@ test("the report has the sites of the last round, and no hidden push among them"
   const scene = readFileSync(at("scene.toml"), "utf8").replace(/^(margin_)?spacing = .*\n/gm, "")
     // Fewer solves a site, on a coarser mesh.
     .replace(/^friction = .*/m, "friction = 0").replace(/^normal_points = .*/m, "normal_points = 4")
-    .replace("growth = 1", "growth = 1\nmax_size = 0.03").replace("path_share = 0", "path_share = 0\ntolerance = 0.002")
+    .replace("growth = 1", "growth = 1\nmax_size = 0.03").replace("path_share = 0", "path_share = 0\ntolerance = 0.01")
     .replace(/^surface = .*/m, `surface = "${fileURLToPath(new URL("../bakes/slab.obj", import.meta.url))}"`);  // fewer rounds than the groove
   writeFileSync(at("rounds/scene.toml"), scene.replace("[sampling]", "[sampling]\nmost_sites = 190"));
   try {
     palpate("build", "rounds/scene.toml", "--quiet");
   } catch (error) {
-    assert.equal(error.status, 5, error.stderr);  // 190 sites are too few for 0.2 %
+    assert.equal(error.status, 5, error.stderr);  // 190 sites are too few for 1 %
   }
   palpate("report", "rounds/scene.toml", "--quick", "--contacts", "2", "--quiet");
   const report = json("rounds/scene.report.json"), first = json("rounds/scene.work/manifest.json");

@@ -13,15 +13,14 @@ PROBLEM is text, lengths in mm and stresses in kPa (forces: mN), a keyword a lin
     nodes N            then N lines X Y Z
     tets M             then M lines of four nodes and a region each
     held K             then K lines X Y Z of nodes and middles of edges that are held
-The tip touches the body at the origin and is pushed along -z. Plain quadratic tetrahedra, the volume term at the integration points. Prints "DEPTH FORCE" for each depth; exit status
-1 where Newton's method fails.
+The tip touches the body at the origin and is pushed along -z. Plain quadratic tetrahedra, the volume term at the integration
+points. Prints "DEPTH FORCE" for each depth; exit status 1 where Newton's method fails.
 """
 import re
 import sys
 
 import getfem as gf
 import numpy as np
-
 
 STEPS = 4  # from one depth to the next
 
@@ -41,12 +40,12 @@ def read(file):
 
 
 def energy(template):
+    """The terms of a problem's energy in GetFEM's variables."""
     f = "(Id(3)+Grad_u)"
     i1, j = f"Norm_sqr({f})", f"Det({f})"
     i2 = f"(0.5*(sqr({i1})-Norm_sqr({f}'*{f})))"
-    invariants = {"f": f, "i1": i1, "i2": i2, "j": j}
-    fibres = re.sub(r"positive\[(.*?)\]", lambda m: positive(f"({m[1]})"), template)
-    return fibres.format(**invariants)
+    template = re.sub(r"positive\[(.*?)\]", lambda part: positive(f"({part[1]})"), template)
+    return template.format(f=f, i1=i1, i2=i2, j=j)
 
 
 def positive(x):
@@ -76,8 +75,8 @@ def solve(problem):
     mesh.add_convex(gf.GeoTrans("GT_PK(3,1)"), nodes[tets].transpose(2, 1, 0))
     mesh.set_region(1, mesh.outer_faces())
     for region, _ in problem["energy"]:
-        inside_it = np.flatnonzero(regions == region)
-        mesh.set_region(10 + region, np.array([inside_it, np.full_like(inside_it, -1)]))
+        members = np.flatnonzero(regions == region)
+        mesh.set_region(10 + region, np.array([members, np.full_like(members, -1)]))  # -1: no face, the whole
 
     quadratic = gf.MeshFem(mesh, 3)
     quadratic.set_fem(gf.Fem("FEM_PK(3,2)"))

@@ -63,7 +63,7 @@ MaterialScene material(Law law, double poisson) {
 }
 
 GetfemCase case_of(std::string name, const MaterialScene& material, Surface surface, double held_below, double depth,
-                   int depths = 3) {
+                   int depths = 4) {
   GetfemCase c;
   c.name = std::move(name);
   c.scene.material = material;
@@ -266,11 +266,14 @@ std::vector<GetfemCase> getfem_cases() {
   const double thick = 4 * kRadius, deep = 0.4 * kRadius;
   std::vector<GetfemCase> cases;
   const auto soft = material(Law::neo_hookean, 0.3), wet = material(Law::neo_hookean, 0.45);
-  cases.push_back(block("neo_Hookean_nu_030", soft, thick, deep));
-  cases.push_back(block("neo_Hookean_nu_045", wet, thick, deep));
-  cases.push_back(punch(block("neo_Hookean_punch", wet, thick, deep)));
-  cases.push_back(block("Mooney_Rivlin_nu_030", material(Law::mooney_rivlin, 0.3), thick, deep));
-  cases.push_back(punch(block("Mooney_Rivlin_punch", material(Law::mooney_rivlin, 0.45), thick, deep)));
+  for (const Law law : {Law::neo_hookean, Law::mooney_rivlin}) {
+    for (const double poisson : {0.3, 0.45}) {
+      const std::string name =
+          fmt::format("{}_nu_{:03.0f}", law == Law::neo_hookean ? "neo_Hookean" : "Mooney_Rivlin", 100 * poisson);
+      cases.push_back(block(name, material(law, poisson), thick, deep));
+      cases.push_back(punch(block("punch_" + name, material(law, poisson), thick, deep)));
+    }
+  }
   cases.push_back(block("Veronda_Westmann", material(Law::veronda_westmann, 0.45), thick, deep));
   cases.push_back(block("Ogden", material(Law::ogden, 0.45), thick, deep));
   cases.push_back(block("Holzapfel", material(Law::holzapfel, 0.45), thick, deep));
