@@ -104,7 +104,7 @@ def solve(problem):
         for lift, stiffness in steps + [(depth, stiffness) for stiffness in problem["stiffness"]]:
             model.set_private_rhs(hold, lift * upward)
             model.set_variable("stiffness", [stiffness])
-            iterations, converged = model.solve("max_res", 1e-7, "max_iter", 40, "lsolver", "mumps")
+            iterations, converged = model.solve("max_res", 1e-7, "max_iter", 60, "lsolver", "mumps")
             if not converged:
                 sys.exit(f"getfem_contact.py: no equilibrium at depth {lift} in {iterations} iterations")
         print(depth, repr(float(-model.variable("hold")[upward].sum())), flush=True)
