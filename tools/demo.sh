@@ -13,6 +13,7 @@ palpate=$palpate_root/build/release/bin/palpate
 
 # A small liver as stiff as a cirrhotic one, sampled until the scene's tolerance of 5 % holds: five minutes on two cores.
 "$palpate" synth liver --out "$folder" --seed 1 --scale 0.6 --young 25000 --tool-radius 0.006 --depth 0.004 --spacing 0
+printf '\n[response]\nsurface_tolerance = 0.0001\n' >> "$folder/scene.toml"
 "$palpate" build "$folder/scene.toml"
 "$palpate" verify "$folder/scene.toml" --count 20 --report "$folder/verify.json"
 "$palpate" play "$folder/scene.palp" "$folder/motion.csv" --out "$folder/forces.csv" --plot "$folder/forces.svg"

@@ -87,11 +87,11 @@ std::vector<layout::ToolPatch> patch_records(const std::vector<std::array<std::u
   return records;
 }
 
+template <class Index>
 void add_body(Sections& sections, const ResponseFileContent& c) {
   std::vector<layout::Site> sites;
   for (const ResponseSite& s : c.sites) {
     layout::Site record{};
-    put(record.position, s.position);
     put(record.normal, s.normal);
     put(record.tangent, s.tangent);
     record.depth_limit = static_cast<float>(s.depth_limit);
@@ -101,22 +101,28 @@ void add_body(Sections& sections, const ResponseFileContent& c) {
   std::vector<layout::Point> points(c.surface_vertices.size());
   for (std::size_t i = 0; i < points.size(); ++i) put(points[i].xyz, c.surface_vertices[i]);
   const auto across = detail::neighbours(c);
-  std::vector<layout::SurfaceTriangle> triangles;
+  const std::size_t triangle = layout::triangle_size(sizeof(Index)), patch = layout::patch_size(sizeof(Index));
+  std::vector<unsigned char> triangles(triangle * c.surface_triangles.size()), patches(patch * c.patches.size());
   for (std::size_t i = 0; i < c.surface_triangles.size(); ++i) {
     const ResponseTriangle& t = c.surface_triangles[i];
     layout::SurfaceTriangle record{};
     for (int k = 0; k < 3; ++k) {
       record.vertex[k] = t.vertices[k];
       record.neighbour[k] = across[i][k];
-      record.site[k] = c.patches[t.patch][k];
       record.grid[k][0] = t.grid[k][0];
       record.grid[k][1] = t.grid[k][1];
     }
-    triangles.push_back(record);
+    record.patch = t.patch;
+    layout::pack_triangle<Index>(record, triangles.data() + i * triangle);
+  }
+  for (std::size_t i = 0; i < c.patches.size(); ++i) {
+    const std::uint32_t sites_of_patch[] = {c.patches[i][0], c.patches[i][1], c.patches[i][2]};
+    layout::pack_patch<Index>(sites_of_patch, patches.data() + i * patch);
   }
   sections.add(Section::sites, sites);
   sections.add(Section::surface_vertices, points);
-  sections.add(Section::surface_triangles, triangles);
+  sections.add(Section::surface_triangles, triangles.data(), triangle, c.surface_triangles.size());
+  sections.add(Section::surface_patches, patches.data(), patch, c.patches.size());
   sections.add(Section::search, c.search);
 }
 
@@ -272,14 +278,17 @@ std::vector<std::byte> encode(const ResponseFileContent& c) {
   meta.site_count = static_cast<std::uint32_t>(c.sites.size());
   meta.vertex_count = static_cast<std::uint32_t>(c.surface_vertices.size());
   meta.triangle_count = static_cast<std::uint32_t>(c.surface_triangles.size());
+  meta.patch_count = static_cast<std::uint32_t>(c.patches.size());
+  meta.index_bytes = layout::index_bytes(meta);
   meta.response_count = static_cast<std::uint32_t>(c.responses.size());
   meta.subdivision = c.subdivision;
   meta.bonded_coefs = c.bonded_coefs;
   meta.search_nodes = static_cast<std::uint32_t>(c.search.size());
+  if (!c.search.empty()) meta.search_grid = c.search_grid;
   meta.softening_count = c.slip_softening ? 1 : 0;
 
   Sections sections;
-  add_body(sections, c);
+  meta.index_bytes == 2 ? add_body<std::uint16_t>(sections, c) : add_body<std::uint32_t>(sections, c);
   add_tools(sections, c, meta);
   add_responses(sections, c, meta);
   if (c.compliance) add_compliance(sections, *c.compliance);

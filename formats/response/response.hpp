@@ -22,9 +22,8 @@ Triple to_triple(const Vector& v) {
   return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
 }
 
-/// A vertex of the haptic mesh: where responses live.
+/// A vertex of the haptic mesh: where responses live. It lies at the surface vertex of the same index.
 struct ResponseSite {
-  Triple position{0, 0, 0};  ///< m
   Triple normal{0, 0, 1};    ///< outward unit
   Triple tangent{1, 0, 0};   ///< unit, orthogonal to normal: the responses' x axis (ContactFrame::x)
   double depth_limit = 0.0;  ///< m, > 0, at most depth_scale
@@ -35,7 +34,7 @@ struct ResponseSite {
 struct ResponseTriangle {
   std::array<std::uint32_t, 3> vertices{};  ///< counter-clockwise seen from outside
   std::uint32_t patch = 0;
-  std::array<std::array<std::uint16_t, 2>, 3> grid{};
+  std::array<std::array<std::uint8_t, 2>, 3> grid{};
 };
 
 struct ResponseToolVertex {
@@ -99,20 +98,22 @@ struct ResponseFileContent {
   std::vector<ResponseSite> sites;
   std::vector<std::array<std::uint32_t, 3>> patches;  ///< of the haptic mesh; corners index sites
   std::uint32_t subdivision = 1;                      ///< k: weights of sites are multiples of 1 / k
-  std::vector<Triple> surface_vertices;               ///< contact surface, closed and manifold
+  std::vector<Triple> surface_vertices;  ///< m, contact surface, closed and manifold; those of the sites come first
   std::vector<ResponseTriangle> surface_triangles;
   std::vector<ResponseTool> tools;
   std::vector<Response> responses;         ///< index = site * tool_vertex_count() + tool vertex over all tools
   std::vector<layout::SearchNode> search;  ///< filled by add_search
+  layout::SearchGrid search_grid{};        ///< filled by add_search
   std::optional<ResponseCompliance> compliance;
   std::string provenance = "{}";  ///< a JSON object, UTF-8: inputs' hashes, settings, errors, units; no clock time
 
   [[nodiscard]] std::uint32_t tool_vertex_count() const;
 };
 
-/// A triangle grid over each patch with `k` steps a side, shared along edges: returns, for every new vertex,
-/// its weights of sites, so that the caller can place it on the true surface. Sets subdivision, triangles and
-/// (flat, on the patches) vertices. Throws Error(bad_input) where k is outside [1, 1024].
+/// A triangle grid over each patch with `k` steps a side, shared along edges. `content.surface_vertices` holds those of
+/// the sites; the others are added, flat on the patches. Returns, for every vertex, its weights of sites, so that the
+/// caller can place it on the true surface. Sets subdivision and triangles too. Throws Error(bad_input) where k is
+/// outside [1, 255].
 struct GridVertex {
   std::array<std::uint32_t, 3> sites{};
   std::array<double, 3> weights{};

@@ -81,10 +81,16 @@ void check_content(const ResponseFileContent& c) {
           "have " + std::to_string(c.coef_bits) + " bits, allowed 8, 12 or 16");
   require(!c.has_bonded_torque || c.bonded_coefs > 0, "torques of bonded contacts",
           "need curves of bonded contacts, the file has none");
+  require(c.surface_vertices.size() >= c.sites.size(), "contact surface",
+          "has " + std::to_string(c.surface_vertices.size()) + " vertices for " + std::to_string(c.sites.size()) +
+              " sites");
   for (std::size_t i = 0; i < c.surface_triangles.size(); ++i) {
     const std::uint32_t patch = c.surface_triangles[i].patch;
     require(patch < c.patches.size(), at("contact surface triangle", i), "no patch " + std::to_string(patch));
   }
+  require(
+      std::max(c.search.size(), c.search.empty() ? 0 : c.surface_triangles.size()) < layout::SearchNode::kMaxTreeCount,
+      "search tree", "has more nodes or triangles than it can count");
   if (c.compliance) {
     const ResponseCompliance& shared = *c.compliance;
     require(shared.shear.size() == c.sites.size() && shared.values.size() == 3 * shared.modes * c.sites.size(),

@@ -61,10 +61,23 @@ struct Box {
 
 // A search measures two triangles in the time of two boxes.
 constexpr std::uint32_t kLeafTriangles = 6;
+static_assert(kLeafTriangles <= layout::SearchNode::kMaxLeaf);
 
 class TreeBuilder {
 public:
-  explicit TreeBuilder(const ResponseFileContent& c) : left_(c.surface_triangles.size()) {
+  explicit TreeBuilder(const ResponseFileContent& c)
+      : triangles_(c.surface_triangles), left_(c.surface_triangles.size()) {
+    // Boxes are of the vertices as they are stored, as floats.
+    float lower[3] = {HUGE_VALF, HUGE_VALF, HUGE_VALF}, upper[3] = {-HUGE_VALF, -HUGE_VALF, -HUGE_VALF};
+    for (const Triple& p : c.surface_vertices) {
+      layout::Point& point = points_.emplace_back();
+      for (int k = 0; k < 3; ++k) {
+        point.xyz[k] = static_cast<float>(p[k]);
+        lower[k] = std::min(lower[k], point.xyz[k]);
+        upper[k] = std::max(upper[k], point.xyz[k]);
+      }
+    }
+    grid = layout::grid_over(lower, upper);
     std::vector<Triple> centres;
     for (const ResponseTriangle& t : c.surface_triangles) {
       Triple centre{0, 0, 0};
@@ -90,6 +103,7 @@ public:
   }
 
   std::vector<layout::SearchNode> nodes;
+  layout::SearchGrid grid{};
   [[nodiscard]] const std::vector<std::uint32_t>& order() const { return orders_[0]; }
 
 private:
@@ -99,16 +113,13 @@ private:
   };
 
   void build(std::uint32_t node, std::uint32_t begin, std::uint32_t end) {
-    Box box;
-    for (std::uint32_t i = begin; i < end; ++i) box.add(boxes_[orders_[0][i]]);
-    for (int k = 0; k < 3; ++k) {
-      // Vertices are stored as floats: their box is taken after the same rounding.
-      nodes[node].lower[k] = static_cast<float>(box.lower[k]);
-      nodes[node].upper[k] = static_cast<float>(box.upper[k]);
+    layout::SearchNode& box = nodes[node];
+    box = layout::kEmptyNode;
+    for (std::uint32_t i = begin; i < end; ++i) {
+      for (const std::uint32_t v : triangles_[orders_[0][i]].vertices) layout::hold_point(grid, points_[v].xyz, box);
     }
     if (end - begin <= kLeafTriangles) {
-      nodes[node].first = begin;
-      nodes[node].count = end - begin;
+      box.set(begin, end - begin);
       return;
     }
     const Split split = best_split(begin, end);
@@ -117,8 +128,7 @@ private:
       std::stable_partition(order.begin() + begin, order.begin() + end, [&](std::uint32_t t) { return left_[t]; });
     }
     const auto left = static_cast<std::uint32_t>(nodes.size());
-    nodes[node].first = left;
-    nodes[node].count = 0;
+    nodes[node].set(left, 0);
     nodes.resize(nodes.size() + 2);
     build(left, begin, split.middle);
     build(left + 1, split.middle, end);
@@ -151,6 +161,8 @@ private:
     return best;
   }
 
+  const std::vector<ResponseTriangle>& triangles_;
+  std::vector<layout::Point> points_;
   std::vector<Box> boxes_;
   std::array<std::vector<std::uint32_t>, 3> orders_;  // by their centres' coordinates
   std::vector<char> left_;
@@ -166,12 +178,13 @@ std::vector<GridVertex> subdivide_surface(ResponseFileContent& c, std::uint32_t 
   }
   c.subdivision = k;
   c.surface_triangles.clear();
-  c.surface_vertices.clear();
+  c.surface_vertices.resize(c.sites.size());
   c.search.clear();
   GridNumbers numbers;
+  for (std::uint32_t site = 0; site < c.sites.size(); ++site) numbers.number({site, site, site}, {k, 0, 0});
   for (std::uint32_t patch = 0; patch < c.patches.size(); ++patch) {
     const auto corner = [&](ResponseTriangle& t, int i, std::uint32_t a, std::uint32_t b) {
-      t.grid[i] = {static_cast<std::uint16_t>(a), static_cast<std::uint16_t>(b)};
+      t.grid[i] = {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
       t.vertices[i] = numbers.number(c.patches[patch], {a, b, k - a - b});
     };
     for (std::uint32_t a = 0; a < k; ++a) {
@@ -193,10 +206,12 @@ std::vector<GridVertex> subdivide_surface(ResponseFileContent& c, std::uint32_t 
     }
   }
   std::vector<GridVertex> vertices = numbers.vertices(k);
-  for (const GridVertex& v : vertices) {
+  for (std::size_t n = c.sites.size(); n < vertices.size(); ++n) {
     Triple p{0, 0, 0};
     for (int i = 0; i < 3; ++i) {
-      for (int axis = 0; axis < 3; ++axis) p[axis] += v.weights[i] * c.sites[v.sites[i]].position[axis];
+      for (int axis = 0; axis < 3; ++axis) {
+        p[axis] += vertices[n].weights[i] * c.surface_vertices[vertices[n].sites[i]][axis];
+      }
     }
     c.surface_vertices.push_back(p);
   }
@@ -211,6 +226,7 @@ void add_search(ResponseFileContent& c) {
   for (const std::uint32_t t : tree.order()) sorted.push_back(c.surface_triangles[t]);
   c.surface_triangles = std::move(sorted);
   c.search = std::move(tree.nodes);
+  c.search_grid = tree.grid;
 }
 
 }  // namespace palpate

@@ -43,7 +43,6 @@ void add_body(ResponseFileContent& content, const mesh::ContactSurface& contact,
   for (std::size_t k = 0; k < plan.sites.size(); ++k) {
     const bake::PlanSite& site = plan.sites[k];
     ResponseSite out;
-    out.position = to_triple(site.frame.origin);
     out.normal = to_triple(site.frame.n);
     out.tangent = to_triple(site.frame.x);
     out.depth_limit = site.depth;

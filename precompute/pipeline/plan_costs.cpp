@@ -49,7 +49,8 @@ double file_bytes(const Pipeline& p) {
          static_cast<double>(p.mesh.points.size()) *
              (sizeof(layout::Site) + kResponseBytes * static_cast<double>(vertices)) +
          static_cast<double>(contact.points.size()) * sizeof(layout::Point) +
-         static_cast<double>(contact.triangles.size()) * sizeof(layout::SurfaceTriangle);
+         static_cast<double>(contact.triangles.size()) * layout::triangle_size(2) +
+         static_cast<double>(contact.patches.size()) * layout::patch_size(2);
 }
 
 }  // namespace

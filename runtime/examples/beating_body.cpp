@@ -19,12 +19,12 @@ int main(int argc, char** argv) {
   std::vector<double> memory(DeformingSurface::bytes(view) / sizeof(double) + 1);
   DeformingSurface surface(view, memory.data());
   Contact contact(view, 0);
-  const Vec3 up = to_vec(view.sites[0].normal), c = to_vec(view.sites[0].position);
+  const Vec3 up = to_vec(view.sites[0].normal), c = vertex(view, 0);
   const Pose tool{{1, 0, 0, 0, 1, 0, 0, 0, 1}, c + (view.tools[0].probe_radius + 1e-3) * up};  // 1 mm above it at rest
   std::vector<Vec3> sites(view.meta->site_count);
   for (int tick = 0; tick <= 1000; ++tick, surface.advance(1e-3)) {  // 1 kHz: a beat of a second
     const double size = 1 + 0.05 * (1 - std::cos(6.283185307179586e-3 * tick));
-    for (std::uint32_t i = 0; i < sites.size(); ++i) sites[i] = size * to_vec(view.sites[i].position);
+    for (std::uint32_t i = 0; i < sites.size(); ++i) sites[i] = size * vertex(view, i);
     const auto count = static_cast<std::uint32_t>(sites.size());
     if (tick % 16 == 0) {  // a host's own thread may do this
       if (const ShapeResult set = surface.set(sites.data(), count, 0.016); !set) return std::puts(set.error), 3;

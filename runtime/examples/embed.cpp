@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
   std::uint32_t site = 0;  // the first that was solved: others were filled from neighbours
   const auto head = [&] { return view.response_head(response_index(*view.meta, site, 0)); };
   while (head().flags == palpate::layout::response_filled && site + 1 < view.meta->site_count) ++site;
-  const Vec3 up = to_vec(view.sites[site].normal), c = to_vec(view.sites[site].position);
+  const Vec3 up = to_vec(view.sites[site].normal), c = vertex(view, site);
   Pose pose = Pose::from_axis(c, up);  // the tool's handle points along the normal
   pose.translation = c - search(view, 0, pose).touch.clearance * up;  // the tool just touches
   Contact contact(view, 0);

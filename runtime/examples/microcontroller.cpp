@@ -16,7 +16,7 @@ int main() {
   const View& view = opened.view;
   static Contact contact(view, 0);
   static Search latest;
-  const Vec3 up = to_vec(view.sites[0].normal), aside = any_orthogonal(up), c = to_vec(view.sites[0].position);
+  const Vec3 up = to_vec(view.sites[0].normal), aside = any_orthogonal(up), c = vertex(view, 0);
   Pose pose = Pose::from_axis(c, up);  // the tool's handle points along the normal
   for (int tick = 0; tick <= 1000; ++tick) {
     const double depth = tick < 500 ? 4e-6 * tick - 2e-4 : 1.8e-3, way = tick < 500 ? 0 : 4e-6 * (tick - 500);  // m

@@ -15,7 +15,7 @@ int main(int argc, char** argv) {
   if (!opened) return std::fprintf(stderr, "%s: %s\n", argv[1], opened.error), 2;
 
   const View& view = opened.view;
-  const Vec3 up = to_vec(view.sites[0].normal), c = to_vec(view.sites[0].position);
+  const Vec3 up = to_vec(view.sites[0].normal), c = vertex(view, 0);
   const Pose tool = Pose::from_axis(c + (view.tools[0].probe_radius + 1e-3) * up, up);  // 1 mm above the body at rest
   Contact contact(view, 0);
   for (int tick = 0; tick <= 4000; ++tick) {                                    // 1 kHz: one breath of 4 s

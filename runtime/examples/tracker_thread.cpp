@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
   if (!opened) return std::fprintf(stderr, "%s: %s\n", argv[1], opened.error), 2;
 
   const View& view = opened.view;
-  const Vec3 up = to_vec(view.sites[0].normal), c = to_vec(view.sites[0].position);
+  const Vec3 up = to_vec(view.sites[0].normal), c = vertex(view, 0);
   Pose pose = Pose::from_axis(c, up);  // the tool's handle points along the normal
   TripleBuffer<Pose> poses;            // to the tracker
   TripleBuffer<Search> searches;       // and back

@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
   const View& view = opened.view;
   const std::array<std::uint32_t, 2> tools{0, view.meta->tool_count - 1};
   ToolSet<2> hands(view, tools);  // each has its own contact
-  const Vec3 c = to_vec(view.sites[0].position), aside = any_orthogonal(to_vec(view.sites[0].normal));
+  const Vec3 c = vertex(view, 0), aside = any_orthogonal(to_vec(view.sites[0].normal));
   // 1 kHz: one second.
   for (int ms = 0; ms <= 1000; ++ms) {
     const double scale = view.meta->depth_scale, from_c[2] = {0, (5 - 0.004 * ms) * scale};  // m

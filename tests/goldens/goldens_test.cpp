@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Frozen files of version 3: they open, their answers are the frozen ones, and their content gives the same bytes.
+// Frozen files of version 4: they open, their answers are the frozen ones, and their content gives the same bytes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -104,20 +104,25 @@ ResponseFileContent content(const View& v) {
   c.has_bonded_torque = v.bonded_torque != nullptr;
   for (std::uint32_t i = 0; i < m.site_count; ++i) {
     const layout::Site& s = v.sites[i];
-    c.sites.push_back({triple(s.position), triple(s.normal), triple(s.tangent), s.depth_limit, s.flags});
+    c.sites.push_back({triple(s.normal), triple(s.tangent), s.depth_limit, s.flags});
   }
   c.subdivision = m.subdivision;
+  for (std::uint32_t i = 0; i < m.patch_count; ++i) {
+    std::uint32_t site[3];
+    v.patch_sites(i, site);
+    c.patches.push_back({site[0], site[1], site[2]});
+  }
   for (std::uint32_t i = 0; i < m.vertex_count; ++i) c.surface_vertices.push_back(triple(v.vertices[i].xyz));
   for (std::uint32_t i = 0; i < m.triangle_count; ++i) {
-    const layout::SurfaceTriangle& t = v.triangles[i];
-    ResponseTriangle to{{t.vertex[0], t.vertex[1], t.vertex[2]}, i, {}};
-    c.patches.push_back({t.site[0], t.site[1], t.site[2]});
+    const layout::SurfaceTriangle t = v.triangle(i);
+    ResponseTriangle to{{t.vertex[0], t.vertex[1], t.vertex[2]}, t.patch, {}};
     for (std::size_t k = 0; k < 3; ++k) to.grid[k] = {t.grid[k][0], t.grid[k][1]};
     c.surface_triangles.push_back(to);
   }
   for (std::uint32_t i = 0; i < m.tool_count; ++i) c.tools.push_back(tool(v, v.tools[i]));
   for (std::uint64_t i = 0; i < m.response_count; ++i) c.responses.push_back(read_response(v, i));
   c.search.assign(v.search, v.search + m.search_nodes);
+  c.search_grid = m.search_grid;
   c.provenance.assign(v.provenance, v.provenance_size);
   if (v.compliance != nullptr) {
     ResponseCompliance shared{
@@ -168,7 +173,7 @@ TEST_P(Golden, GivesTheFrozenAnswers) {
 
 TEST_P(Golden, ContentGivesTheSameBytes) { EXPECT_EQ(encode(content(view_)), bytes_); }
 
-INSTANTIATE_TEST_SUITE_P(Version3, Golden, testing::ValuesIn(names()), [](const auto& golden) { return golden.param; });
+INSTANTIATE_TEST_SUITE_P(Version4, Golden, testing::ValuesIn(names()), [](const auto& golden) { return golden.param; });
 
 TEST(Goldens, EveryFeatureIsInOneAndLeftOutOfAnother) {
   std::uint32_t with = 0, without = 0;
@@ -176,7 +181,7 @@ TEST(Goldens, EveryFeatureIsInOneAndLeftOutOfAnother) {
     const std::vector<std::byte> bytes = read_bytes(kFolder / (name + ".palp"));
     const runtime::OpenResult opened = View::open(bytes.data(), bytes.size());
     ASSERT_TRUE(opened) << name << ": " << opened.error;
-    EXPECT_EQ(opened.view.header().version, 3U);
+    EXPECT_EQ(opened.view.header().version, 4U);
     with |= opened.view.features;
     without |= ~opened.view.features;
   }

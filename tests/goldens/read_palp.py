@@ -98,7 +98,7 @@ class File:
         need(len(data) >= 64, "shorter than a header")
         magic, version, count, size, checksum, self.features = struct.unpack_from("<8s2I2QI", data)
         need(magic == b"PALPATE\0", "magic bytes")
-        need(version == 3, "version")
+        need(version == 4, "version")
         need(size == len(data) and size % 64 == 0, "size")
         need(xxh64(data[:24] + bytes(8) + data[32:]) == checksum, "checksum")
         need(count <= 32 and not any(data[36:64]) and self.features < 512, "header")
@@ -108,7 +108,7 @@ class File:
         last, end = 0, 64 + 32 * count
         for i in range(count):
             number, element, offset, size, elements = struct.unpack_from("<2I3Q", data, 64 + 32 * i)
-            need(number > last and number < 16, "section ids")
+            need(number > last and number < 17, "section ids")
             need(offset % 64 == 0 and offset >= end and offset + size <= len(data), "section place")
             need(1 <= elements < 1 << 31 and size == elements * element, "section size")
             self.sections[number] = (element, elements, data[offset:offset + size])
@@ -139,13 +139,17 @@ class File:
         return list(struct.iter_unpack(layout, self.section(number, struct.calcsize(layout), count)))
 
     def read_meta(self):
-        meta = struct.unpack("<2d16I48s", self.section(1, 128, 1))
+        meta = struct.unpack("<2d18I4f24s", self.section(1, 128, 1))
         self.Z, self.X = meta[:2]
         (self.site_count, self.vertex_count, self.triangle_count, self.tool_count, self.tool_vertex_count,
          self.tool_patch_count, self.response_count, self.k, self.bonded_coefs, self.search_nodes) = meta[2:12]
         self.degrees = normal, bias, stiffness, friction = meta[12:16]
-        self.bits, self.softenings = meta[16:18]
-        need(not any(meta[18]), "META: zero bytes")
+        self.bits, self.softenings, self.patch_count, self.index_bytes = meta[16:20]
+        self.origin, self.unit = meta[20:23], meta[23]
+        need(not any(meta[24]), "META: zero bytes")
+        most = max(self.site_count, self.vertex_count, self.triangle_count, self.patch_count)
+        need(self.index_bytes == (2 if most <= 65536 else 4), "META: bytes of an index")
+        need(self.vertex_count >= self.site_count, "META: vertices")
         need(1e-9 <= self.Z < 1000 and (self.X == 0 or 1e-9 <= self.X < 1000), "META: scales")
         self.friction_families = self.X > 0
         need(2 <= normal <= 6 and (bias == 0 or 2 <= bias <= 6), "META: degrees")
@@ -156,7 +160,7 @@ class File:
         need(self.bits in (8, 12, 16), "META: bits")
         need(self.bonded_coefs == 0 or 4 <= self.bonded_coefs <= 32, "META: coefficients of a bonded curve")
         need(self.softenings <= self.friction_families, "META: softenings")
-        need(1 <= self.k <= 1024, "META: subdivision")
+        need(1 <= self.k <= 255, "META: subdivision")
         need(self.response_count == self.site_count * self.tool_vertex_count, "META: responses")
         need(self.features == (BIAS * (bias > 0) | FRICTION * self.friction_families
                                | TOOL_PATCHES * bool(self.tool_patch_count) | SEARCH * bool(self.search_nodes)
@@ -169,20 +173,25 @@ class File:
 
     def read_body(self):
         self.sites = []
-        for r in self.records(2, "<10f2I", self.site_count):
-            site = {"position": r[:3], "normal": r[3:6], "tangent": r[6:9], "depth_limit": r[9], "flags": r[10]}
-            need(all(abs(x) < 1e5 for x in r[:3]) and is_unit(r[3:6]) and is_unit(r[6:9])
-                 and abs(dot(r[3:6], r[6:9])) < 1e-3 and self.is_limit(r[9]) and r[10] < 4 and r[11] == 0, "SITES")
+        for r in self.records(2, "<7fI", self.site_count):
+            site = {"normal": r[:3], "tangent": r[3:6], "depth_limit": r[6], "flags": r[7]}
+            need(is_unit(r[:3]) and is_unit(r[3:6]) and abs(dot(r[:3], r[3:6])) < 1e-3 and self.is_limit(r[6])
+                 and r[7] < 4, "SITES")
             self.sites.append(site)
         self.vertices = self.records(3, "<3f", self.vertex_count)
         need(all(abs(x) < 1e5 for v in self.vertices for x in v), "SURFACE_VERTICES")
+        index = "H" if self.index_bytes == 2 else "I"
+        patches = self.records(16, "<3" + index, self.patch_count)
+        need(all(len(set(p)) == 3 and max(p) < self.site_count for p in patches), "SURFACE_PATCHES")
         self.triangles = []
-        for r in self.records(4, "<9I6H", self.triangle_count):
-            grid = [(r[9 + 2 * i], r[10 + 2 * i], self.k - r[9 + 2 * i] - r[10 + 2 * i]) for i in range(3)]
-            self.triangles.append({"vertex": r[:3], "neighbour": r[3:6], "site": r[6:9], "grid": grid})
+        for r in self.records(4, "<7%s6B" % index, self.triangle_count):
+            grid = [(r[7 + 2 * i], r[8 + 2 * i], self.k - r[7 + 2 * i] - r[8 + 2 * i]) for i in range(3)]
             need(len(set(r[:3])) == 3 and max(r[:3]) < self.vertex_count and max(r[3:6]) < self.triangle_count
-                 and len(set(r[6:9])) == 3 and max(r[6:9]) < self.site_count and min(map(min, grid)) >= 0,
-                 "SURFACE_TRIANGLES")
+                 and r[6] < self.patch_count and min(map(min, grid)) >= 0, "SURFACE_TRIANGLES")
+            self.triangles.append({"vertex": r[:3], "neighbour": r[3:6], "site": patches[r[6]], "grid": grid})
+            for vertex, weights in zip(r[:3], grid):
+                at = [site for site, weight in zip(patches[r[6]], weights) if weight == self.k]
+                need(at == [vertex] if at else vertex >= self.site_count, "SURFACE_TRIANGLES: corner at a site")
         for number, t in enumerate(self.triangles):
             for i in range(3):
                 a, b = (i + 1) % 3, (i + 2) % 3
@@ -378,9 +387,12 @@ class File:
     def read_search(self):
         self.search = []
         if not self.search_nodes:
+            need(not any(self.origin) and self.unit == 0, "META: a search grid without SEARCH")
             return
-        for r in self.records(12, "<3fI3fI", self.search_nodes):
-            self.search.append({"lower": r[:3], "first": r[3], "upper": r[4:7], "count": r[7]})
+        need(all(abs(x) < 1e5 for x in self.origin) and 0 < self.unit < 1e5, "META: search grid")
+        at = lambda box: tuple(o + self.unit * c for o, c in zip(self.origin, box))
+        for r in self.records(12, "<6HI", self.search_nodes):
+            self.search.append({"lower": at(r[:3]), "upper": at(r[3:6]), "first": r[6] % 2 ** 27, "count": r[6] >> 27})
         holds = lambda node, p: all(l <= x <= u for l, x, u in zip(node["lower"], p, node["upper"]))
         visited, next_triangle, open_nodes = set(), 0, [(0, 1)]
         while open_nodes:

@@ -42,15 +42,15 @@ TEST(ResponseFile, ReadsBackWhatWasWritten) {
   EXPECT_EQ(response::degrees(*v.meta), content.degrees);
   ASSERT_EQ(v.meta->site_count, content.sites.size());
   for (std::size_t i = 0; i < content.sites.size(); ++i) {
-    expect_close(v.sites[i].position, content.sites[i].position);
+    expect_close(v.vertices[i].xyz, content.surface_vertices[i]);
     expect_close(v.sites[i].tangent, content.sites[i].tangent);
   }
   ASSERT_EQ(v.meta->triangle_count, content.surface_triangles.size());
-  for (std::size_t i = 0; i < content.surface_triangles.size(); ++i) {
+  for (std::uint32_t i = 0; i < content.surface_triangles.size(); ++i) {
     const ResponseTriangle& t = content.surface_triangles[i];
     for (std::size_t k = 0; k < 3; ++k) {
-      EXPECT_EQ(v.triangles[i].vertex[k], t.vertices[k]);
-      EXPECT_EQ(v.triangles[i].site[k], content.patches[t.patch][k]);
+      EXPECT_EQ(v.triangle(i).vertex[k], t.vertices[k]);
+      EXPECT_EQ(v.triangle(i).site[k], content.patches[t.patch][k]);
     }
   }
   ASSERT_EQ(v.meta->tool_count, 3U);
@@ -111,7 +111,7 @@ TEST(ResponseFile, FrictionlessOneTipFlatFileHasNoSectionItDoesNotUse) {
         Section::bonded_torque, Section::compliance, Section::compliance_sites}) {
     EXPECT_EQ(opened.view.section_bytes(absent), 0U);
   }
-  EXPECT_EQ(opened.view.header().section_count, 7U);
+  EXPECT_EQ(opened.view.header().section_count, 8U);
   EXPECT_EQ(opened.view.response_size, 8U + 4U + 2U * 4U) << "head, unit, four coefficients of F";
 }
 
@@ -159,22 +159,23 @@ TEST(ResponseFile, WrongContentIsRefusedByName) {
           {"torques of bonded contacts: need curves", [](auto& c) { c.has_bonded_torque = true; }},
           {"response 1: has a slip softening", [](auto& c) { c.responses[1].softening = 0.1F; }},
           {"contact surface triangle 0: no patch 0", [](auto& c) { c.patches.clear(); }},
-          {"site 2: position", [](auto& c) { c.sites[2].position[1] = NAN; }},
-          {"site 2: position", [](auto& c) { c.sites[2].position[1] = 2e5; }},
+          {"vertex 2 is not finite", [](auto& c) { c.surface_vertices[2][1] = NAN; }},
+          {"vertex 2 is not finite", [](auto& c) { c.surface_vertices[2][1] = 2e5; }},
           {"site 3: frame",
            [](auto& c) {
              c.sites[3].normal = Triple{0, 0, 2};
            }},
           {"site 4: frame", [](auto& c) { c.sites[4].tangent = c.sites[4].normal; }},
           {"site 5: depth limit", [](auto& c) { c.sites[5].depth_limit = 1; }},
-          {"its patch must have three different sites", [](auto& c) { c.patches[1][0] = 9999; }},
+          {"SURFACE_PATCHES: patch 1: must have three different sites", [](auto& c) { c.patches[1][0] = 9999; }},
           {"SURFACE_VERTICES: vertex 7", [](auto& c) { c.surface_vertices[7][2] = 2e5; }},
           {"contact surface triangle 0: no patch 9999", [](auto& c) { c.surface_triangles[0].patch = 9999; }},
           {"grid",
            [](auto& c) {
-             c.surface_triangles[0].grid[0] = std::array<std::uint16_t, 2>{1, 1};
+             c.surface_triangles[0].grid[0] = std::array<std::uint8_t, 2>{1, 1};
            }},
-          {"disagree on the weights", [](auto& c) { std::swap(c.patches[0][0], c.patches[0][1]); }},
+          {"a corner at a site must have its vertex", [](auto& c) { std::swap(c.patches[0][0], c.patches[0][1]); }},
+          {"vertices for", [](auto& c) { c.surface_vertices.resize(3); }},
           {"not closed", [](auto& c) { c.surface_triangles.pop_back(); }},
           {"oriented",
            [](auto& c) { std::swap(c.surface_triangles[0].vertices[0], c.surface_triangles[0].vertices[1]); }},
@@ -189,6 +190,44 @@ TEST(ResponseFile, WrongContentIsRefusedByName) {
           {"response 2: coefficient 0 is -32768", [](auto& c) { c.responses[2].coefficients[0] = -32768; }},
           {"PROVENANCE", [](auto& c) { c.provenance = "no"; }},
       });
+}
+
+TEST(ResponseFile, NeighboursThatDisagreeOnTheWeightsOfACornerAreRefused) {
+  Options options;
+  options.subdivision = 3;
+  expect_refused(test::box_content(options), ExitCode::bad_input,
+                 {{"disagree on the weights", [](auto& c) {
+                     for (ResponseTriangle& t : c.surface_triangles) {
+                       for (int k = 0; k < 3; ++k) {
+                         if (t.vertices[k] < c.sites.size() || t.grid[k][0] == t.grid[k][1]) continue;
+                         std::swap(t.grid[k][0], t.grid[k][1]);
+                         return;
+                       }
+                     }
+                   }}});
+}
+
+// More than 65536 triangles: indices of four bytes.
+TEST(ResponseFile, ALargeSurfaceHasWideIndices) {
+  Options options;
+  options.subdivision = 23;
+  options.search = true;
+  const ResponseFileContent content = test::ball_content(options);
+  ASSERT_GT(content.surface_triangles.size(), 65536U);
+  const std::vector<std::byte> bytes = encode(content);
+  const runtime::OpenResult opened = View::open(bytes.data(), bytes.size());
+  ASSERT_TRUE(opened) << opened.error;
+  EXPECT_EQ(opened.view.meta->index_bytes, 4U);
+  const auto last = static_cast<std::uint32_t>(content.surface_triangles.size() - 1);
+  const ResponseTriangle& written = content.surface_triangles.back();
+  const layout::SurfaceTriangle read = opened.view.triangle(last);
+  EXPECT_EQ(read.patch, written.patch);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_EQ(read.vertex[k], written.vertices[k]);
+    EXPECT_EQ(read.site[k], content.patches[written.patch][k]);
+    EXPECT_EQ(read.grid[k][0], written.grid[k][0]);
+    EXPECT_EQ(read.grid[k][1], written.grid[k][1]);
+  }
 }
 
 TEST(ResponseFile, WrongResponsesAreANumericalFailure) {

@@ -116,12 +116,12 @@ TEST(Damage, AnotherVersionIsRefusedByItsNumber) {
     mend(bytes);
     return View::open(bytes.data(), bytes.size()).error;
   };
-  EXPECT_EQ(message(2),
-            "version 2; this reader reads version 3: fit it again from its journal with `palpate fit SCENE`");
+  EXPECT_EQ(message(3),
+            "version 3; this reader reads version 4: fit it again from its journal with `palpate fit SCENE`");
   EXPECT_EQ(message(1),
-            "version 1; this reader reads version 3: fit it again from its journal with `palpate fit SCENE`");
-  EXPECT_EQ(message(4), "version 4; this reader reads version 3: a newer Palpate wrote it");
-  EXPECT_EQ(message(3), "");
+            "version 1; this reader reads version 4: fit it again from its journal with `palpate fit SCENE`");
+  EXPECT_EQ(message(5), "version 5; this reader reads version 4: a newer Palpate wrote it");
+  EXPECT_EQ(message(4), "");
 }
 
 TEST(Damage, TheOtherByteOrderIsRefusedByItsName) {
@@ -315,7 +315,9 @@ TEST(Damage, MetaOutOfRangeIsRefused) {
   EXPECT_EQ(message(&m.friction_degree, 0xffffffffU),
             degrees("5, 4, 3, 4294967295", "friction_degree must be 0 to 6"));
   EXPECT_EQ(message(&m.bonded_coefs, 3U), "META: 3 coefficients of a curve of BONDED, allowed 4 to 32 or 0");
-  EXPECT_EQ(message(&m.subdivision, 0U), "META: subdivision 0, allowed 1 to 1024");
+  EXPECT_EQ(message(&m.subdivision, 0U), "META: subdivision 0, allowed 1 to 255");
+  EXPECT_EQ(message(&m.index_bytes, 4U), "META: indices of 4 bytes, the counts need 2");
+  EXPECT_EQ(message(&m.vertex_count, 1U).find("META: 1 vertices for "), 0U);
   EXPECT_NE(message(&m.response_count, 1U).find("META: response count 1 is not "), std::string::npos);
 }
 

@@ -69,7 +69,7 @@ EveryTick every_tick(const void* bytes, std::size_t size, int ticks, void (*half
       searches.read(latest);
       if (i % 100 == 0) scales.set(static_cast<std::uint32_t>(i / 100) % view.meta->site_count, 0.5f);
       for (std::uint32_t k = 0; k < view.meta->site_count && i % 16 == 0; ++k) {
-        sites[k] = (1 + 0.1 * std::sin(0.006 * i)) * to_vec(view.sites[k].position);
+        sites[k] = (1 + 0.1 * std::sin(0.006 * i)) * vertex(view, k);
       }
       if (i % 16 == 0) sum.finite = surface.set(sites, view.meta->site_count, 0.016) && sum.finite;
       surface.advance(1e-3);

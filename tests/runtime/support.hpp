@@ -98,11 +98,11 @@ inline Vec3 random_direction(std::mt19937& random) {
 
 /// The same point of an edge as a point of the triangle across it.
 inline runtime::BodyPoint across_edge(const runtime::View& view, const runtime::BodyPoint& at, int corner) {
-  const layout::SurfaceTriangle& here = view.triangles[at.triangle];
+  const layout::SurfaceTriangle here = view.triangle(at.triangle);
   runtime::BodyPoint there{here.neighbour[corner], {0, 0, 0}};
   for (int k = 0; k < 3; ++k) {
     for (int j = 0; j < 3; ++j) {
-      if (view.triangles[there.triangle].vertex[j] == here.vertex[k] && k != corner) there.bary[j] = at.bary[k];
+      if (view.triangle(there.triangle).vertex[j] == here.vertex[k] && k != corner) there.bary[j] = at.bary[k];
     }
   }
   return there;

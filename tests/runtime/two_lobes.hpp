@@ -18,19 +18,26 @@ inline ResponseFileContent two_lobes(Options options) {
   const auto sites = static_cast<std::uint32_t>(one.sites.size());
   const auto vertices = static_cast<std::uint32_t>(one.surface_vertices.size());
   const auto patches = static_cast<std::uint32_t>(one.patches.size());
-  for (ResponseSite& s : content.sites) s.position[0] -= kApart;
-  for (Triple& v : content.surface_vertices) v[0] -= kApart;
-  for (ResponseSite s : one.sites) {
-    s.position[0] += kApart;
-    content.sites.push_back(s);
+  // The vertices of both lobes' sites come first.
+  const auto number = [&](std::uint32_t v, std::uint32_t lobe) {
+    return v < sites ? lobe * sites + v : sites + lobe * (vertices - sites) + v;
+  };
+  content.sites.insert(content.sites.end(), one.sites.begin(), one.sites.end());
+  content.surface_vertices.resize(2 * std::size_t{vertices});
+  content.surface_triangles.clear();
+  for (std::uint32_t lobe = 0; lobe < 2; ++lobe) {
+    const double aside = lobe == 0 ? -kApart : kApart;
+    for (std::uint32_t v = 0; v < vertices; ++v) {
+      const Triple& from = one.surface_vertices[v];
+      content.surface_vertices[number(v, lobe)] = {from[0] + aside, from[1], from[2]};
+    }
+    for (ResponseTriangle t : one.surface_triangles) {
+      t.patch += lobe * patches;
+      for (std::uint32_t& v : t.vertices) v = number(v, lobe);
+      content.surface_triangles.push_back(t);
+    }
   }
-  for (Triple v : one.surface_vertices) content.surface_vertices.push_back({v[0] + kApart, v[1], v[2]});
   for (auto p : one.patches) content.patches.push_back({p[0] + sites, p[1] + sites, p[2] + sites});
-  for (ResponseTriangle t : one.surface_triangles) {
-    t.patch += patches;
-    for (std::uint32_t& v : t.vertices) v += vertices;
-    content.surface_triangles.push_back(t);
-  }
   content.responses.insert(content.responses.end(), one.responses.begin(), one.responses.end());
   add_search(content);
   return content;

@@ -149,7 +149,7 @@ inline ResponseFileContent concave_content(const ConcaveShape& shape, const Resp
   }
   for (std::size_t i = 0; i < shape.points.size(); ++i) {
     ResponseSite s;
-    s.position = shape.points[i];
+    content.surface_vertices.push_back(shape.points[i]);
     s.normal = normalised(normals[i]);
     s.tangent = tangent_of(s.normal, options.uniform ? 0 : 0.5 * static_cast<double>(i));
     s.depth_limit = kDepthScale;

@@ -228,11 +228,11 @@ inline void add_compliance(ResponseFileContent& content, int modes) {
   c.negative = c.modes / 4;
   c.poisson = 0.49;
   c.rounding = 1e-3;
-  for (const ResponseSite& site : content.sites) {
+  for (std::size_t site = 0; site < content.sites.size(); ++site) {
     c.shear.push_back(kSampleShear);
     for (int m = 0; m < modes; ++m) {
       for (int k = 0; k < 3; ++k) {
-        c.values.push_back(3e-3 / (m + 1) * std::cos(30.0 * (m + 1) * site.position[(k + m) % 3] + k));
+        c.values.push_back(3e-3 / (m + 1) * std::cos(30.0 * (m + 1) * content.surface_vertices[site][(k + m) % 3] + k));
       }
     }
   }
@@ -262,8 +262,10 @@ inline ResponseFileContent box_content(const ResponseSampleOptions& options = {}
     const auto [at, fresh] = numbers.try_emplace(cell, static_cast<std::uint32_t>(numbers.size()));
     if (fresh) {
       ResponseSite s;
+      Triple position;
       for (int k = 0; k < 3; ++k)
-        s.position[k] = kBoxSize * (k == 2 ? 0.5 : 1) * (cell[k] / static_cast<double>(n) - 0.5);
+        position[k] = kBoxSize * (k == 2 ? 0.5 : 1) * (cell[k] / static_cast<double>(n) - 0.5);
+      content.surface_vertices.push_back(position);
       s.depth_limit = kDepthScale;
       content.sites.push_back(s);
       sums.push_back({0, 0, 0});
@@ -331,7 +333,7 @@ inline ResponseFileContent ball_content(const ResponseSampleOptions& options = {
   for (std::size_t i = 0; i < points.size(); ++i) {
     ResponseSite s;
     s.normal = points[i];
-    s.position = scaled(points[i], kBallRadius);
+    content.surface_vertices.push_back(scaled(points[i], kBallRadius));
     s.tangent = tangent_of(s.normal, options.uniform ? 0 : 0.7 * static_cast<double>(i));
     s.depth_limit = kDepthScale;
     content.sites.push_back(s);

@@ -33,8 +33,7 @@ private:
     nodes_[at] = view_.search[0];
     const auto next = static_cast<std::uint32_t>(nodes_.size());
     if (end - begin > 1) {
-      nodes_[at].first = next;
-      nodes_[at].count = 0;
+      nodes_[at].set(next, 0);
       nodes_.resize(next + 2);
       const std::uint32_t middle = begin + (end - begin) / 2;
       build(next, begin, middle);
@@ -43,34 +42,92 @@ private:
     }
     const std::uint32_t triangles = begin * view_.meta->triangle_count;
     // The copy's other nodes follow here: its node 1 becomes `next`.
-    nodes_[at].first += nodes_[at].count > 0 ? triangles : next - 1;
+    nodes_[at] = moved(nodes_[at], triangles, next - 1);
     for (std::uint32_t i = 1; i < view_.meta->search_nodes; ++i) {
-      layout::SearchNode node = view_.search[i];
-      node.first += node.count > 0 ? triangles : next - 1;
-      nodes_.push_back(node);
+      nodes_.push_back(moved(view_.search[i], triangles, next - 1));
     }
+  }
+
+  /// A node whose triangles or children have moved on by so many.
+  static layout::SearchNode moved(layout::SearchNode node, std::uint32_t triangles, std::uint32_t children) {
+    node.set(node.first() + (node.count() > 0 ? triangles : children), node.count());
+    return node;
   }
 
   const runtime::View& view_;
   std::vector<layout::SearchNode> nodes_;
 };
 
-/// One a site, a point or a triangle of the body, or a response.
+/// One a site, a point, a triangle or a patch of the body, or a response.
 bool of_the_body(const layout::SectionEntry& e) {
   const auto id = static_cast<Section>(e.id);
-  return (id >= Section::sites && id <= Section::surface_triangles) ||
+  return (id >= Section::sites && id <= Section::surface_triangles) || id == Section::surface_patches ||
          (id >= Section::responses && id <= Section::bonded_torque);
 }
 
-/// The indices of one copy's elements, moved on to that copy's.
-void shift(const layout::Meta& m, Section id, std::byte* data, std::uint32_t copy) {
-  if (id != Section::surface_triangles) return;
-  auto* triangles = reinterpret_cast<layout::SurfaceTriangle*>(data);
-  for (std::uint32_t i = 0; i < m.triangle_count; ++i) {
-    for (std::uint32_t& vertex : triangles[i].vertex) vertex += copy * m.vertex_count;
-    for (std::uint32_t& neighbour : triangles[i].neighbour) neighbour += copy * m.triangle_count;
-    for (std::uint32_t& site : triangles[i].site) site += copy * m.site_count;
+/// The contact surface of one copy, its indices moved on among those of all copies.
+class SurfaceCopy {
+public:
+  SurfaceCopy(const runtime::View& view, std::uint32_t copy, std::uint32_t copies)
+      : view_(view), m_(*view.meta), copy_(copy), copies_(copies) {}
+
+  /// The vertices of all sites come first.
+  [[nodiscard]] std::uint32_t vertex(std::uint32_t index) const {
+    const std::uint32_t sites = m_.site_count;
+    return index < sites ? copy_ * sites + index : copies_ * sites + copy_ * (m_.vertex_count - sites) + index - sites;
   }
+
+  void put_vertices(layout::Point* to) const {
+    for (std::uint32_t i = 0; i < m_.vertex_count; ++i) to[vertex(i)] = view_.vertices[i];
+  }
+
+  template <class Index>
+  void put_triangles(unsigned char* to) const {
+    to += std::size_t{copy_} * m_.triangle_count * layout::triangle_size(sizeof(Index));
+    for (std::uint32_t i = 0; i < m_.triangle_count; ++i, to += layout::triangle_size(sizeof(Index))) {
+      layout::SurfaceTriangle t = view_.bare_triangle(i);
+      for (std::uint32_t& v : t.vertex) v = vertex(v);
+      for (std::uint32_t& neighbour : t.neighbour) neighbour += copy_ * m_.triangle_count;
+      t.patch += copy_ * m_.patch_count;
+      layout::pack_triangle<Index>(t, to);
+    }
+  }
+
+  template <class Index>
+  void put_patches(unsigned char* to) const {
+    to += std::size_t{copy_} * m_.patch_count * layout::patch_size(sizeof(Index));
+    for (std::uint32_t i = 0; i < m_.patch_count; ++i, to += layout::patch_size(sizeof(Index))) {
+      std::uint32_t site[3];
+      view_.patch_sites(i, site);
+      for (std::uint32_t& s : site) s += copy_ * m_.site_count;
+      layout::pack_patch<Index>(site, to);
+    }
+  }
+
+private:
+  const runtime::View& view_;
+  const layout::Meta& m_;
+  std::uint32_t copy_, copies_;
+};
+
+/// True where the section is one of the contact surface's, which it then writes.
+bool put_surface(const runtime::View& view, Section id, const layout::Meta& meta, std::uint32_t copies,
+                 std::byte* data) {
+  auto* const to = reinterpret_cast<unsigned char*>(data);
+  const bool small = meta.index_bytes == 2;
+  for (std::uint32_t copy = 0; copy < copies; ++copy) {
+    const SurfaceCopy surface(view, copy, copies);
+    if (id == Section::surface_vertices) {
+      surface.put_vertices(reinterpret_cast<layout::Point*>(data));
+    } else if (id == Section::surface_triangles) {
+      small ? surface.put_triangles<std::uint16_t>(to) : surface.put_triangles<std::uint32_t>(to);
+    } else if (id == Section::surface_patches) {
+      small ? surface.put_patches<std::uint16_t>(to) : surface.put_patches<std::uint32_t>(to);
+    } else {
+      return false;
+    }
+  }
+  return true;
 }
 
 /// Processor time of this thread, the system's work for it included: other programs must not count.
@@ -104,11 +161,23 @@ std::vector<std::byte> repeat_body(const runtime::View& view, const RepeatedSize
   std::vector<layout::SearchNode> nodes;
   if (view.search != nullptr) nodes = Forest(view, count).nodes();
 
+  layout::Meta meta = m;
+  for (std::uint32_t* n :
+       {&meta.site_count, &meta.vertex_count, &meta.triangle_count, &meta.patch_count, &meta.response_count}) {
+    *n *= count;
+  }
+  if (view.search != nullptr) meta.search_nodes = static_cast<std::uint32_t>(nodes.size());
+  meta.index_bytes = layout::index_bytes(meta);
+
   std::vector<layout::SectionEntry> table(view.sections(), view.sections() + sections);
   std::uint64_t end = aligned(sizeof(layout::FileHeader) + sections * sizeof(layout::SectionEntry));
   for (layout::SectionEntry& e : table) {
     e.offset = end;
     if (of_the_body(e)) e.count *= count;
+    if (e.id == static_cast<std::uint32_t>(Section::surface_triangles))
+      e.element_size = layout::triangle_size(meta.index_bytes);
+    if (e.id == static_cast<std::uint32_t>(Section::surface_patches))
+      e.element_size = layout::patch_size(meta.index_bytes);
     if (e.id == static_cast<std::uint32_t>(Section::search)) e.count = nodes.size();
     e.size = e.count * e.element_size;
     end = aligned(end + e.size);
@@ -122,15 +191,11 @@ std::vector<std::byte> repeat_body(const runtime::View& view, const RepeatedSize
       std::memcpy(data, nodes.data(), to.size);
       continue;
     }
-    for (std::uint32_t copy = 0; copy < to.count / from.count; ++copy, data += from.size) {
-      std::memcpy(data, view.bytes + from.offset, from.size);
-      shift(m, id, data, copy);
+    if (put_surface(view, id, meta, count, data)) continue;
+    for (std::uint64_t copy = 0; copy < to.count / from.count; ++copy) {
+      std::memcpy(data + copy * from.size, view.bytes + from.offset, from.size);
     }
-    if (id != Section::meta) continue;
-    auto* meta = reinterpret_cast<layout::Meta*>(file.data() + to.offset);
-    for (std::uint32_t* n : {&meta->site_count, &meta->vertex_count, &meta->triangle_count, &meta->response_count})
-      *n *= count;
-    if (view.search != nullptr) meta->search_nodes = static_cast<std::uint32_t>(nodes.size());
+    if (id == Section::meta) std::memcpy(data, &meta, sizeof meta);
   }
   layout::FileHeader header = view.header();
   header.file_size = end;

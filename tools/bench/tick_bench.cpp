@@ -159,9 +159,9 @@ public:
   Plain(const View& view, std::uint32_t tool, const BodyPoint& at, const ToolPoint& on) {
     double body[3];
     runtime::site_weights(view, at, body);
-    const auto& sites = view.triangles[at.triangle].site;
+    const auto& sites = view.triangle(at.triangle).site;
     for (int k = 0; k < 3; ++k) {
-      const BodyPoint site = closest_point(view, runtime::to_vec(view.sites[sites[k]].position)).at;
+      const BodyPoint site = closest_point(view, vertex(view, sites[k])).at;
       for (int l = 0; l < 3; ++l) {
         if (!(on.weights[l] > 0)) continue;
         ToolPoint vertex = on;

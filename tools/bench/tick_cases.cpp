@@ -89,7 +89,7 @@ void RandomPoints::sum_areas(int least) {
   double sum = 0;
   for (std::uint32_t t = 0; t < view_.meta->triangle_count; ++t) {
     int sampled = 0;
-    for (const std::uint32_t site : view_.triangles[t].site) {
+    for (const std::uint32_t site : view_.triangle(t).site) {
       sampled += (view_.sites[site].flags & layout::site_outside) == 0 ? 1 : 0;
     }
     if (sampled >= least) sum += length(runtime::face_normal(view_, t));

@@ -37,7 +37,7 @@ Vec3 top_of(const runtime::View& view, std::uint32_t tool, const Vec3& up) {
     double highest = -HUGE_VAL;
     Vec3 top;
     for (std::uint32_t i = 0; i < view.meta->site_count; ++i) {
-      const Vec3 at = runtime::to_vec(view.sites[i].position);
+      const Vec3 at = runtime::vertex(view, i);
       const bool fits = dot(runtime::to_vec(view.sites[i].normal), up) > kSteep && has_own_response(view, tool, i);
       if ((any || fits) && dot(at, up) > highest) {
         highest = dot(at, up);

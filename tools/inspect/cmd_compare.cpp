@@ -40,7 +40,7 @@ std::vector<Site> own_sites(const runtime::View& view, std::uint32_t tool) {
   for (std::uint32_t k = 0; k < view.meta->site_count; ++k) {
     const auto& head = view.response_head(layout::response_index(*view.meta, k, view.tools[tool].first_vertex));
     if ((head.flags & layout::response_filled) != 0) continue;
-    sites.push_back({k, runtime::to_vec(view.sites[k].position), head.depth_limit});
+    sites.push_back({k, runtime::vertex(view, k), head.depth_limit});
   }
   return sites;
 }

@@ -6,7 +6,6 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <string>
 
 #include "tools/cli/command.hpp"
@@ -68,15 +67,6 @@ ToolPoints count_points(const runtime::View& v, const layout::ToolRecord& tool) 
   return counted;
 }
 
-std::size_t count_patches(const runtime::View& v) {
-  std::set<std::array<std::uint32_t, 3>> patches;
-  for (std::uint32_t t = 0; t < v.meta->triangle_count; ++t) {
-    const auto& site = v.triangles[t].site;
-    patches.insert({site[0], site[1], site[2]});
-  }
-  return patches.size();
-}
-
 Json tools_json(const runtime::View& v) {
   Json tools = Json::array();
   for (std::uint32_t i = 0; i < v.meta->tool_count; ++i) {
@@ -125,7 +115,7 @@ Json contents_of(const runtime::View& v, const std::string& file) {
   json["sites"] = m.site_count;
   json["sites_held"] = s.held;
   json["sites_outside"] = s.outside;
-  json["patches"] = count_patches(v);
+  json["patches"] = m.patch_count;
   json["weight_steps"] = m.subdivision;
   json["surface_vertices"] = m.vertex_count;
   json["surface_triangles"] = m.triangle_count;

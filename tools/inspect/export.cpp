@@ -138,7 +138,7 @@ SurfaceFields body_fields(const runtime::View& view, const BodyFieldOptions& opt
   for (std::uint32_t t = 0; t < view.meta->triangle_count; ++t) {
     std::array<std::uint32_t, 3> corners{};
     for (int k = 0; k < 3; ++k) {
-      std::uint32_t& number = numbers[view.triangles[t].vertex[k]];
+      std::uint32_t& number = numbers[view.triangle(t).vertex[k]];
       if (number == kNew) {
         number = static_cast<std::uint32_t>(surface.points.size());
         add(t, k);

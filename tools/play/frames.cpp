@@ -45,7 +45,7 @@ Drawn contact_surface(const runtime::View& view, std::size_t most) {
   for (std::uint32_t v = 0; v < view.meta->vertex_count; ++v) drawn.points.push_back(runtime::vertex(view, v));
   double longest = 0;
   for (std::uint32_t t = 0; t < view.meta->triangle_count; ++t) {
-    const auto& v = view.triangles[t].vertex;
+    const auto& v = view.triangle(t).vertex;
     drawn.triangles.push_back({v[0], v[1], v[2]});
     for (int k = 0; k < 3; ++k) {
       longest = std::max(longest, length(drawn.points[v[k]] - drawn.points[v[(k + 1) % 3]]));

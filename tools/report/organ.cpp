@@ -25,8 +25,9 @@ Json rounded_list(const std::vector<double>& values) {
 /// Sites that share a patch with each site.
 std::vector<std::set<std::uint32_t>> neighbours(const runtime::View& view) {
   std::vector<std::set<std::uint32_t>> near(view.meta->site_count);
-  for (std::uint32_t t = 0; t < view.meta->triangle_count; ++t) {
-    const auto& site = view.triangles[t].site;
+  for (std::uint32_t patch = 0; patch < view.meta->patch_count; ++patch) {
+    std::uint32_t site[3];
+    view.patch_sites(patch, site);
     for (int k = 0; k < 3; ++k) {
       near[site[k]].insert(site[(k + 1) % 3]);
       near[site[k]].insert(site[(k + 2) % 3]);
@@ -48,8 +49,7 @@ std::vector<double> neighbour_errors(const runtime::View& view, const std::vecto
     double sum = 0, weight = 0;
     for (const std::uint32_t other : near[site]) {
       if (filled(other)) continue;
-      const double away =
-          length(runtime::to_vec(view.sites[other].position) - runtime::to_vec(view.sites[site].position));
+      const double away = length(runtime::vertex(view, other) - runtime::vertex(view, site));
       if (!(away > 0)) continue;
       sum += stiffness[other] / away;
       weight += 1 / away;
@@ -92,7 +92,7 @@ Json organ_of_file(const runtime::View& view) {
   Json& sites = organ["sites"];
   for (std::uint32_t k = 0; k < m.site_count; ++k) {
     const layout::Site& site = view.sites[k];
-    sites["position_m"].push_back(triple(site.position));
+    sites["position_m"].push_back(triple(view.vertices[k].xyz));
     sites["tangent"].push_back(triple(site.tangent));
     sites["normal"].push_back(triple(site.normal));
     sites["depth_m"].push_back(rounded(double{site.depth_limit}));

@@ -19,7 +19,7 @@ namespace {
 using Eigen::Vector3d;
 using Corners = std::array<std::int32_t, 3>;
 
-constexpr int kWeightSteps = 1024;  // the most that a response file allows
+constexpr int kWeightSteps = 255;   // the most that a response file allows
 constexpr int kAttempts = 12;       // of decimation; each keeps what crossed in the last one
 
 Surface surface_of(const std::vector<Vector3d>& points, const std::vector<Corners>& triangles) {
@@ -107,7 +107,7 @@ ContactSurface with_weights(const PatchLayout& layout, const std::vector<Vector3
     for (int k = 0; k < 3; ++k) {
       const Vector3d weights = weights_at(layout, sites, patches[std::size_t(triangle.patch)], triangle.vertices[k]);
       const std::array<int, 3> whole = rounded(weights, result.weight_steps);
-      triangle.grid[k] = {static_cast<std::uint16_t>(whole[0]), static_cast<std::uint16_t>(whole[1])};
+      triangle.grid[k] = {static_cast<std::uint8_t>(whole[0]), static_cast<std::uint8_t>(whole[1])};
     }
     result.triangles.push_back(triangle);
   }

@@ -16,7 +16,7 @@ namespace palpate::mesh {
 struct ContactTriangle {
   std::array<std::int32_t, 3> vertices{};              ///< of ContactSurface::points, counter-clockwise from outside
   std::int32_t patch = 0;                              ///< of the haptic mesh
-  std::array<std::array<std::uint16_t, 2>, 3> grid{};  ///< per corner: weight_steps times its weights of the patch's
+  std::array<std::array<std::uint8_t, 2>, 3> grid{};   ///< per corner: weight_steps times its weights of the patch's
                                                        ///< first two sites
 };
 
@@ -25,7 +25,7 @@ struct ContactSurface {
   std::vector<Eigen::Vector3d> points;  ///< m; the sites come first
   std::vector<ContactTriangle> triangles;
   std::vector<std::array<std::int32_t, 3>> patches;  ///< of the haptic mesh: sites
-  std::int32_t weight_steps = 1;                     ///< weights are multiples of 1 / weight_steps, [1, 1024]
+  std::int32_t weight_steps = 1;                     ///< weights are multiples of 1 / weight_steps, [1, 255]
   double distance = 0.0;  ///< m, largest found between this surface and the body's, in either direction
   std::string fault;      ///< why the patches themselves stand for the body's surface; empty: they do not
 };

@@ -28,6 +28,9 @@ constexpr double kLeastShape = 0.1;   // of a new triangle, 1 where it is equila
 constexpr double kLeastCosine = 0.3;  // between the normals of a new triangle and of the body there
 constexpr double kStiffness = 1e-3;   // of the pull to the edge's middle, where planes leave a point free
 constexpr double kSidePull = 0.1;     // of a path to its side, beside that of a triangle to its plane
+// Places that are tried one after the other, along the normal, of the tolerance. The quadric is of the triangles'
+// planes, and with triangles on both sides of the surface each may be larger.
+constexpr double kShifts[] = {0, 0.4, -0.4, 0.8, -0.8};
 
 // Squared distances to planes, weighted by area: p.A p + 2 b.p + c.
 struct Quadric {
@@ -174,11 +177,25 @@ private:
     return n.dot(m) >= kLeastCosine * n.norm() * m.norm();
   }
 
+  // The collapse of `h` to the first place where the new triangles are as good as they must be; false where none is.
+  [[nodiscard]] bool find(Halfedge h, Collapse& found) const {
+    const Vertex to = mesh_.to_vertex_handle(h);
+    Vector3d normal = normals_[std::size_t(to.idx())];
+    if (place(to).site < 0) normal = (normal + normals_[std::size_t(mesh_.from_vertex_handle(h).idx())]).normalized();
+    const Vector3d first = target(h);
+    for (const double shift : kShifts) {
+      if (kept(to) && shift != 0) break;
+      found = {};
+      found.target = first + shift * tolerance_ * normal;
+      if (check(h, found)) return true;
+    }
+    return false;
+  }
+
   // True where the new triangles are as good as they must be.
   [[nodiscard]] bool check(Halfedge h, Collapse& c) const {
     const Vertex from = mesh_.from_vertex_handle(h), to = mesh_.to_vertex_handle(h);
     const Face gone[] = {mesh_.face_handle(h), mesh_.opposite_face_handle(h)};
-    c.target = target(h);
     double worst = 1;
     std::vector<Vector3d> samples, ring;
     for (const Face f : gone) {
@@ -272,7 +289,7 @@ private:
       if (stamp(mesh_.from_vertex_handle(h)) != best.from_stamp || stamp(to) != best.to_stamp) continue;
       if (!is_allowed(h)) continue;
       Collapse collapse;
-      if (!check(h, collapse)) continue;
+      if (!find(h, collapse)) continue;
       perform(h, collapse);
       any = true;
       for (const Halfedge next : mesh_.voh_range(to)) {

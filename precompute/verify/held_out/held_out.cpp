@@ -81,7 +81,7 @@ ContactFrame frame_at(const runtime::View& view, const runtime::BodyPoint& at, c
   frame.n = to_eigen(runtime::smooth_normal(view, at));
   double weights[3];
   runtime::site_weights(view, at, weights);
-  const auto& sites = view.triangles[at.triangle].site;
+  const auto& sites = view.triangle(at.triangle).site;
   Vector3d tangent = Vector3d::Zero();
   for (int k = 0; k < 3; ++k) {
     const layout::Site& site = view.sites[sites[k]];
@@ -273,7 +273,7 @@ void draw_spins(const runtime::View& view, const Scene& scene, const Body& body,
     const double start = 2 * std::numbers::pi * uniform(engine);
     const tool::Tool& tool = tools[pair.tool];
     if (!corner_of(tool, static_cast<std::int32_t>(pair.vertex), contact) ||
-        !place(view, scene, body, tool, options, runtime::to_vec(view.sites[pair.site].position), contact)) {
+        !place(view, scene, body, tool, options, runtime::vertex(view, pair.site), contact)) {
       continue;
     }
     contacts.push_back(contact);

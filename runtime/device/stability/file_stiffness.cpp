@@ -27,7 +27,7 @@ std::vector<std::pair<std::uint32_t, BodyPoint>> site_points(const View& view) {
       double weights[3];
       site_weights(view, at, weights);
       for (int j = 0; j < 3; ++j) {
-        const std::uint32_t site = view.triangles[t].site[j];
+        const std::uint32_t site = view.triangle(t).site[j];
         if (weights[j] < 1 - 1e-9 || seen[site]) continue;
         seen[site] = true;
         points.emplace_back(site, at);

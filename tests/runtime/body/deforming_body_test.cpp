@@ -33,7 +33,7 @@ struct Deformed {
     for (std::uint32_t i = 0; i < body.view.meta->site_count; ++i) sites.push_back(map(site(i)));
     return surface.set(sites.data(), body.view.meta->site_count, seconds);
   }
-  [[nodiscard]] Vec3 site(std::uint32_t i) const { return runtime::to_vec(body.view.sites[i].position); }
+  [[nodiscard]] Vec3 site(std::uint32_t i) const { return runtime::vertex(body.view, i); }
 
   Opened body;
   std::vector<double> memory;
@@ -120,7 +120,7 @@ TEST(DeformingSurface, ImpossibleShapeIsRefusedByNameAndTheLastOneStays) {
                  "the body is inside out, or without volume");
   expect_refused(box.set([](const Vec3&) { return Vec3{}; }), "the body is inside out, or without volume");
   // One site of a patch put where its mirror image is.
-  const auto& patch = box.body.view.triangles[0].site;
+  const auto& patch = box.body.view.triangle(0).site;
   const Vec3 a = box.site(patch[0]), b = box.site(patch[1]), c = box.site(patch[2]);
   const Vec3 along = unit(b - a, {}), mirrored = c - 2 * tangential(c - a, along);
   expect_refused(box.set([&](const Vec3& x) { return distance(x, c) > 0 ? x : mirrored; }), "the patch of sites *");

@@ -66,11 +66,11 @@ BodyPoint on_top(const runtime::View& view, std::mt19937& random) {
 
 // The same point of an edge, in the triangle on the other side.
 BodyPoint across_edge(const runtime::View& view, const BodyPoint& here, int corner) {
-  const auto& from = view.triangles[here.triangle];
+  const auto& from = view.triangle(here.triangle);
   BodyPoint there{from.neighbour[corner], {0, 0, 0}};
   for (int k = 0; k < 3; ++k) {
     for (int j = 0; j < 3; ++j) {
-      if (view.triangles[there.triangle].vertex[j] == from.vertex[k] && k != corner) there.bary[j] = here.bary[k];
+      if (view.triangle(there.triangle).vertex[j] == from.vertex[k] && k != corner) there.bary[j] = here.bary[k];
     }
   }
   return there;

@@ -23,7 +23,7 @@ ResponseFileContent graded_box(const Factor& factor, bool friction = false) {
   options.cells = 12;
   ResponseFileContent content = box_content(options);
   for (std::size_t i = 0; i < content.sites.size(); ++i) {
-    content.responses[i].unit *= static_cast<float>(factor(content.sites[i].position[0]));
+    content.responses[i].unit *= static_cast<float>(factor(content.surface_vertices[i][0]));
   }
   return content;
 }

@@ -52,7 +52,7 @@ double plain_distance(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c
 double brute_force(const View& view, const Vec3& p) {
   double least = HUGE_VAL;
   for (std::uint32_t t = 0; t < view.meta->triangle_count; ++t) {
-    const auto& v = view.triangles[t].vertex;
+    const auto& v = view.triangle(t).vertex;
     least = std::min(least, plain_distance(p, vertex(view, v[0]), vertex(view, v[1]), vertex(view, v[2])));
   }
   return least;
@@ -62,7 +62,7 @@ double brute_force(const View& view, const Vec3& p) {
 double winding_number(const View& view, const Vec3& p) {
   double sum = 0;
   for (std::uint32_t t = 0; t < view.meta->triangle_count; ++t) {
-    const auto& v = view.triangles[t].vertex;
+    const auto& v = view.triangle(t).vertex;
     const Vec3 a = vertex(view, v[0]) - p, b = vertex(view, v[1]) - p, c = vertex(view, v[2]) - p;
     const double la = length(a), lb = length(b), lc = length(c);
     sum += 2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);

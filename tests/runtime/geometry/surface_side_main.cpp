@@ -32,7 +32,7 @@ struct Sides {
 double winding_number(const View& view, const Vec3& p) {
   double sum = 0;
   for (std::uint32_t t = 0; t < view.meta->triangle_count; ++t) {
-    const auto& corner = view.triangles[t].vertex;
+    const auto& corner = view.triangle(t).vertex;
     const Vec3 a = runtime::vertex(view, corner[0]) - p, b = runtime::vertex(view, corner[1]) - p,
                c = runtime::vertex(view, corner[2]) - p;
     const double la = length(a), lb = length(b), lc = length(c);

@@ -44,7 +44,7 @@ struct Animation {
     const double phase = 6.283185307179586 / 60 * ++given, a = 0.2 * lively;
     const Pose turned = rotation_of({0.5 * lively * std::sin(phase), 0.3 * lively * std::sin(0.7 * phase), 0});
     for (std::uint32_t i = 0; i < view.meta->site_count; ++i) {
-      const Vec3 x = runtime::to_vec(view.sites[i].position);
+      const Vec3 x = runtime::vertex(view, i);
       const double beat = a * std::sin(phase + 20 * x.x);
       sites[i] = turned.apply({(1 + beat) * x.x + 0.5 * a * std::sin(phase) * x.y, (1 - beat) * x.y,
                                (1 + a * std::sin(1.3 * phase)) * x.z + 2 * a * x.x * x.y});

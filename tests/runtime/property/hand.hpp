@@ -57,7 +57,8 @@ inline BodyPoint sharpest_of(const View& view, Random& random) {
   for (int i = 0; i < 40; ++i) {
     BodyPoint at{random.below(view.meta->triangle_count), {0, 0, 0}};
     const int corner = static_cast<int>(random.below(3));
-    const Vec3 a = runtime::face_normal(view, at.triangle), b = runtime::face_normal(view, view.triangles[at.triangle].neighbour[corner]);
+    const Vec3 a = runtime::face_normal(view, at.triangle),
+               b = runtime::face_normal(view, view.triangle(at.triangle).neighbour[corner]);
     const double cosine = dot(a, b) / std::max(1e-300, length(a) * length(b));
     if (cosine >= least) continue;
     least = cosine;

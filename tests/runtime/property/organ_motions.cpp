@@ -118,7 +118,7 @@ std::vector<Vec3> way_round(const View& view, double radius, std::uint32_t site,
   constexpr double kFree = 2e-3;  // m
   const double overlap = options.overlap * view.meta->depth_scale;
   const Vec3 up = runtime::to_vec(view.sites[site].normal);
-  Vec3 heading = across(random, up), p = runtime::to_vec(view.sites[site].position) + (radius + kFree) * up;
+  Vec3 heading = across(random, up), p = runtime::vertex(view, site) + (radius + kFree) * up;
   std::vector<Vec3> way;
   Location on = closest_point(view, p);
   for (int k = 0; k < kInTicks; ++k) {
@@ -185,7 +185,7 @@ OrganResult press_sites(const View& view, std::uint32_t tool, const PressOptions
   const double radius = view.tools[tool].probe_radius;
   for (std::uint32_t site = 0; site < view.meta->site_count; ++site) {
     if (!own_response(view, tool, site)) continue;
-    const Vec3 up = runtime::to_vec(view.sites[site].normal), c = runtime::to_vec(view.sites[site].position);
+    const Vec3 up = runtime::to_vec(view.sites[site].normal), c = runtime::vertex(view, site);
     const Vec3 touch = c + (2 * radius - closest_point(view, c + radius * up).signed_distance) * up;
     if (closest_point(view, touch + kAbove * up).signed_distance - radius < 0.5 * kAbove) continue;
     for (int k = 0; k < (options.aside > 0 ? options.repeats : 1); ++k) {

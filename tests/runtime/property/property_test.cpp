@@ -90,7 +90,7 @@ double least_share(bool friction) {
   options.cells = 12;
   ResponseFileContent content = box_content(options);
   for (std::size_t i = 0; i < content.sites.size(); ++i) {
-    const double share = std::clamp((content.sites[i].position[0] + 0.005) / 0.01, 0.0, 1.0);
+    const double share = std::clamp((content.surface_vertices[i][0] + 0.005) / 0.01, 0.0, 1.0);
     content.responses[i].unit *= static_cast<float>(1 + share);
   }
   const Opened box(std::move(content));

@@ -144,7 +144,7 @@ TEST(Interpolation, FilledShareAndDepthLimitAreThoseOfTheSites) {
     for (int k = 0; k < 3; ++k) {
       BodyPoint at{t, {0, 0, 0}};
       at.bary[k] = 1;
-      const std::uint32_t site = ball.view.triangles[t].site[k];
+      const std::uint32_t site = ball.view.triangle(t).site[k];
       const BlendedResponse<> response = blend(ball.view, at);
       EXPECT_EQ(response.filled_share(), site % 7 == 3 ? 1 : 0);
       EXPECT_FLOAT_EQ(static_cast<float>(response.depth_limit()), ball.view.response_head(site).depth_limit);
@@ -159,7 +159,7 @@ TEST(Interpolation, SofteningIsBlendedByTheSitesWeights) {
   for (std::uint32_t t = 0; t < 20; ++t) {
     const BodyPoint at{t, {0.2, 0.3, 0.5}};
     double expected = 0;
-    for (int k = 0; k < 3; ++k) expected += at.bary[k] * ball.view.softening(ball.view.triangles[t].site[k]);
+    for (int k = 0; k < 3; ++k) expected += at.bary[k] * ball.view.softening(ball.view.triangle(t).site[k]);
     EXPECT_NEAR(blend(ball.view, at).softening(), expected, 1e-9);
   }
 }

@@ -87,7 +87,7 @@ TEST(Orientation, SampledSpinHasItsOwnResponse) {
   for (const SpunVertex& v : spun_vertices(ball.view)) {
     for (std::uint32_t triangle = 0; triangle < 40; triangle += 7) {
       const BodyPoint at{triangle, {1, 0, 0}};
-      const std::uint32_t site = ball.view.triangles[triangle].site[0];
+      const std::uint32_t site = ball.view.triangle(triangle).site[0];
       const Vec3 n = smooth_normal(ball.view, at);
       const Vec3 x = rotated(vec(ball.view.sites[site].tangent), vec(ball.view.sites[site].normal), n), y = cross(n, x);
       for (std::uint32_t k = 0; k < 5; ++k) {

@@ -145,7 +145,7 @@ struct Trap {
   runtime::View view;
   layout::SearchNode leaf{};
   explicit Trap(const runtime::View& good) : view(good) {
-    leaf.count = 1;
+    leaf.set(0, 1);
     view.search = &leaf;
   }
   Trap(const Trap&) = delete;
@@ -285,7 +285,7 @@ TEST(TwoRates, ThreadSetsShapesWhileAnotherMakesForces) {
     std::vector<Vec3> sites(ball.view.meta->site_count);
     for (int shape = 0; !stop.load(std::memory_order_relaxed); ++shape) {
       const double size = 1 + 0.05 * std::sin(0.2 * shape);
-      for (std::uint32_t i = 0; i < sites.size(); ++i) sites[i] = size * runtime::to_vec(ball.view.sites[i].position);
+      for (std::uint32_t i = 0; i < sites.size(); ++i) sites[i] = size * runtime::vertex(ball.view, i);
       refused += !surface.set(sites.data(), ball.view.meta->site_count, 5 * kTick);
       std::this_thread::yield();
     }

@@ -57,7 +57,7 @@ void for_each_vertex(Function&& function) {
   std::vector<bool> seen(view.meta->vertex_count);
   for (std::uint32_t t = 0; t < view.meta->triangle_count; ++t) {
     for (int k = 0; k < 3; ++k) {
-      const std::uint32_t v = view.triangles[t].vertex[k];
+      const std::uint32_t v = view.triangle(t).vertex[k];
       if (seen[v]) continue;
       seen[v] = true;
       runtime::BodyPoint at{t, {0, 0, 0}};
@@ -111,7 +111,7 @@ const float* PALPATE_EXPORT(normals)() {
 const std::uint32_t* PALPATE_EXPORT(triangles)() {
   indices.clear();
   for (std::uint32_t t = 0; t < opened.view.meta->triangle_count; ++t) {
-    for (const std::uint32_t v : opened.view.triangles[t].vertex) indices.push_back(v);
+    for (const std::uint32_t v : opened.view.triangle(t).vertex) indices.push_back(v);
   }
   return indices.data();
 }
@@ -120,7 +120,7 @@ const std::uint32_t* PALPATE_EXPORT(triangles)() {
 const std::uint32_t* PALPATE_EXPORT(vertex_sites)() {
   indices.assign(3 * std::size_t{opened.view.meta->vertex_count}, 0);
   for_each_vertex([](std::uint32_t v, const runtime::BodyPoint& at) {
-    for (std::size_t k = 0; k < 3; ++k) indices[3 * v + k] = opened.view.triangles[at.triangle].site[k];
+    for (std::size_t k = 0; k < 3; ++k) indices[3 * v + k] = opened.view.triangle(at.triangle).site[k];
   });
   return indices.data();
 }

@@ -92,7 +92,7 @@ inline bool check_meta(const layout::Meta& m, Fault& fault) {
     return fault.fail("META: % coefficients of a curve of BONDED, allowed 4 to 32 or 0", m.bonded_coefs);
   }
   if (m.subdivision < 1 || m.subdivision > layout::kMaxSubdivision) {
-    return fault.fail("META: subdivision %, allowed 1 to 1024", m.subdivision);
+    return fault.fail("META: subdivision %, allowed 1 to 255", m.subdivision);
   }
   if (m.response_count != std::uint64_t{m.site_count} * m.tool_vertex_count) {
     return fault.fail("META: response count % is not % sites times % tool vertices", m.response_count, m.site_count,
@@ -100,6 +100,16 @@ inline bool check_meta(const layout::Meta& m, Fault& fault) {
   }
   if (m.softening_count > (friction ? 1u : 0u)) {
     return fault.fail("META: softening_count %, allowed 0 or 1 with friction, 0 without", m.softening_count);
+  }
+  if (m.vertex_count < m.site_count) return fault.fail("META: % vertices for % sites", m.vertex_count, m.site_count);
+  if (m.index_bytes != layout::index_bytes(m)) {
+    return fault.fail("META: indices of % bytes, the counts need %", m.index_bytes, layout::index_bytes(m));
+  }
+  const float(&origin)[3] = m.search_grid.origin;
+  const bool grid = in_range(origin) && m.search_grid.unit > 0 && m.search_grid.unit < 1e5f;
+  const bool no_grid = origin[0] == 0 && origin[1] == 0 && origin[2] == 0 && m.search_grid.unit == 0;
+  if (!(m.search_nodes > 0 ? grid : no_grid)) {
+    return fault.fail("META: the search grid is out of range, or there without a search tree");
   }
   for (const std::uint32_t r : m.reserved) {
     if (r != 0) return fault.fail("META: reserved bytes are not zero");
@@ -158,7 +168,8 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
   } expected[] = {{Section::meta, sizeof(layout::Meta), 1},
                   {Section::sites, sizeof(layout::Site), m.site_count},
                   {Section::surface_vertices, sizeof(layout::Point), m.vertex_count},
-                  {Section::surface_triangles, sizeof(layout::SurfaceTriangle), m.triangle_count},
+                  {Section::surface_triangles, layout::triangle_size(m.index_bytes), m.triangle_count},
+                  {Section::surface_patches, layout::patch_size(m.index_bytes), m.patch_count},
                   {Section::tools, sizeof(layout::ToolRecord), m.tool_count},
                   {Section::tool_vertices, sizeof(layout::ToolVertexRecord), patched ? m.tool_vertex_count : 0},
                   {Section::tool_patches, sizeof(layout::ToolPatch), m.tool_patch_count},
@@ -187,8 +198,8 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
   if (text == nullptr || text->element_size != 1) return fault.fail("section PROVENANCE is missing");
   const std::uint32_t features = implied_features(v);
   if (features != v.features) return fault.fail("feature bits %, the sections and META imply %", Bits{v.features}, Bits{features});
-  for (const Section id :
-       {Section::sites, Section::surface_vertices, Section::surface_triangles, Section::tools, Section::responses}) {
+  for (const Section id : {Section::sites, Section::surface_vertices, Section::surface_triangles,
+                           Section::surface_patches, Section::tools, Section::responses}) {
     if (at[static_cast<std::uint32_t>(id)] == nullptr) {
       return fault.fail("META: sites, surface, tools and responses must not be empty");
     }
@@ -199,6 +210,8 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
   bind(v.sites, Section::sites);
   bind(v.vertices, Section::surface_vertices);
   bind(v.triangles, Section::surface_triangles);
+  bind(v.patches, Section::surface_patches);
+  v.small_indices = m.index_bytes == 2;
   bind(v.tools, Section::tools);
   bind(v.tool_vertices, Section::tool_vertices);
   bind(v.tool_patches, Section::tool_patches);
@@ -207,6 +220,7 @@ inline bool bind_sections(View& v, const layout::SectionEntry* const (&entry)[la
   bind(v.bonded, Section::bonded);
   bind(v.bonded_torque, Section::bonded_torque);
   bind(v.search, Section::search);
+  v.search_grid = m.search_grid;
   bind(v.compliance, Section::compliance);
   bind(v.compliance_sites, Section::compliance_sites);
   v.response_size = layout::response_size(m);

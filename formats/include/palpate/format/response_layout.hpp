@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The bytes of a .palp response file, version 3. formats/response/response-file.md is the specification in prose.
+// The bytes of a .palp response file, version 4. formats/response/response-file.md is the specification in prose.
 #pragma once
 
 #include "palpate/format/response_coefficients.hpp"
@@ -15,21 +15,21 @@
 namespace palpate::layout {
 
 inline constexpr unsigned char kMagic[8] = {'P', 'A', 'L', 'P', 'A', 'T', 'E', 0};
-inline constexpr std::uint32_t kVersion = 3;
+inline constexpr std::uint32_t kVersion = 4;
 inline constexpr std::uint64_t kAlignment = 64;
 inline constexpr std::uint32_t kMinCoefs = 4;   ///< of a curve of BONDED: a cubic needs four
 inline constexpr std::uint32_t kMaxCoefs = 32;  ///< of a curve of BONDED: a blend fits a fixed buffer
 inline constexpr std::uint32_t kMaxSections = 32;
 inline constexpr std::uint32_t kMaxSearchDepth = 48;
-inline constexpr std::uint32_t kMaxSubdivision = 1024;
+inline constexpr std::uint32_t kMaxSubdivision = 255;
 inline constexpr std::uint32_t kMaxCount = 0x7fffffff;  ///< of anything
 inline constexpr std::uint32_t kMaxSpins = 64;          ///< of one point of a tool
 
 enum class Section : std::uint32_t {
   meta = 1,               ///< one Meta
   sites = 2,              ///< Site
-  surface_vertices = 3,   ///< Point: contact surface
-  surface_triangles = 4,  ///< SurfaceTriangle
+  surface_vertices = 3,   ///< Point: contact surface; those of the sites come first
+  surface_triangles = 4,  ///< packed SurfaceTriangle
   tools = 5,              ///< ToolRecord
   tool_vertices = 6,      ///< ToolVertexRecord; absent when every tool has one vertex
   tool_patches = 7,       ///< ToolPatch; absent with tool_vertices
@@ -40,10 +40,11 @@ enum class Section : std::uint32_t {
   search = 12,            ///< SearchNode; absent when the scene leaves the search tree out
   provenance = 13,        ///< UTF-8 JSON text
   compliance = 14,        ///< one ComplianceHead; absent when the scene has no [compliance]
-  compliance_sites = 15   ///< ComplianceSite, int16[3 * modes]; absent with compliance
+  compliance_sites = 15,  ///< ComplianceSite, int16[3 * modes]; absent with compliance
+  surface_patches = 16    ///< three indices of sites
 };
 
-inline constexpr std::uint32_t kSectionIds = 16;  ///< ids are below this
+inline constexpr std::uint32_t kSectionIds = 17;  ///< ids are below this
 
 /// The section's name as the specification spells it. "?" stands for an unknown id.
 inline constexpr const char* section_name(std::uint32_t id) {
@@ -62,7 +63,8 @@ inline constexpr const char* section_name(std::uint32_t id) {
                                                "SEARCH",
                                                "PROVENANCE",
                                                "COMPLIANCE",
-                                               "COMPLIANCE_SITES"};
+                                               "COMPLIANCE_SITES",
+                                               "SURFACE_PATCHES"};
   return id < kSectionIds ? kNames[id] : kNames[0];
 }
 
@@ -145,6 +147,12 @@ struct SectionEntry {
   std::uint64_t count;         ///< elements, at least 1
 };
 
+/// Grid of the boxes of SEARCH: a coordinate c of a box means origin + c unit.
+struct SearchGrid {
+  float origin[3];  ///< m
+  float unit;       ///< m
+};
+
 struct Meta {
   double depth_scale;       ///< Z (m)
   double tangential_scale;  ///< X (m); 0 in a frictionless file
@@ -157,27 +165,31 @@ struct Meta {
   std::uint32_t normal_degree, bias_degree, stiffness_degree, friction_degree;  ///< response::Degrees
   std::uint32_t coef_bits;        ///< of a coefficient, those of mu excepted: 8, 12 or 16
   std::uint32_t softening_count;  ///< floats of slip softening a response: 1, or 0 when no response softens
-  std::uint32_t reserved[12];
+  std::uint32_t patch_count;
+  std::uint32_t index_bytes;  ///< of an index in SURFACE_TRIANGLES and SURFACE_PATCHES: index_bytes()
+  SearchGrid search_grid;     ///< zero without SEARCH
+  std::uint32_t reserved[6];
 };
 
+/// Lies at the surface vertex of the same index.
 struct Site {
-  float position[3];
   float normal[3];    ///< outward unit
   float tangent[3];   ///< unit, orthogonal to normal: the x axis of the responses; y = normal cross tangent
   float depth_limit;  ///< m, how deep this site was sampled
   std::uint32_t flags;
-  std::uint32_t reserved;
 };
 
 struct Point {
   float xyz[3];
 };
 
+/// A triangle as View::triangle() unpacks it.
 struct SurfaceTriangle {
   std::uint32_t vertex[3];     ///< counter-clockwise seen from outside
   std::uint32_t neighbour[3];  ///< triangle across the edge opposite each corner
-  std::uint32_t site[3];       ///< of its patch: the triangle of sites whose responses are blended on it
-  std::uint16_t grid[3][2];    ///< per corner: k times its weights of the patch's first two sites
+  std::uint32_t patch;         ///< the triangle of sites whose responses are blended on it
+  std::uint32_t site[3];       ///< of its patch
+  std::uint8_t grid[3][2];     ///< per corner: k times its weights of the patch's first two sites
 };
 
 struct ToolRecord {
@@ -234,27 +246,129 @@ struct ComplianceSite {
   float unit;   ///< sqrt(m/N) of one unit of a mode's value
 };
 
-/// Box over the triangles below a node. count 0: children are nodes `first` and `first + 1`.
+/// Box over the triangles below a node, in steps of the SearchGrid. count() 0: its children are the nodes first() and
+/// first() + 1; else a leaf: triangles first() to first() + count() - 1.
 struct SearchNode {
-  float lower[3];
-  std::uint32_t first;
-  float upper[3];
-  std::uint32_t count;  ///< leaf: triangles first .. first + count - 1
+  std::uint16_t lower[3], upper[3];
+  std::uint32_t place;  ///< first() + 2^27 count()
+
+  [[nodiscard]] constexpr std::uint32_t first() const { return place & (kMaxTreeCount - 1); }
+  [[nodiscard]] constexpr std::uint32_t count() const { return place / kMaxTreeCount; }
+  constexpr void set(std::uint32_t first, std::uint32_t count) { place = first + count * kMaxTreeCount; }
+  static constexpr std::uint32_t kMaxTreeCount = 1u << 27;  ///< of nodes, and of triangles, of a tree
+  static constexpr std::uint32_t kMaxLeaf = 31;             ///< triangles of a leaf
 };
+
+/// m, of a coordinate of a box along an axis.
+inline constexpr double grid_position(const SearchGrid& grid, int axis, std::uint32_t coordinate) {
+  return double{grid.origin[axis]} + double{grid.unit} * coordinate;
+}
+
+/// The finest grid over a box (m).
+inline SearchGrid grid_over(const float (&lower)[3], const float (&upper)[3]) {
+  constexpr double kSteps = 65533;  // of 65535: rounding must not lead beyond the last
+  SearchGrid grid{{lower[0], lower[1], lower[2]}, 1e-30f};
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto unit = static_cast<float>((double{upper[axis]} - double{lower[axis]}) / kSteps);
+    if (unit > grid.unit) grid.unit = unit;
+  }
+  return grid;
+}
+
+/// Makes a node's box hold a point (m) of the grid's box.
+inline void hold_point(const SearchGrid& grid, const float (&point)[3], SearchNode& node) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double steps = (double{point[axis]} - double{grid.origin[axis]}) / double{grid.unit};
+    auto low = static_cast<std::uint32_t>(steps > 0 ? (steps < 65535 ? steps : 65535) : 0), high = low;
+    while (low > 0 && grid_position(grid, axis, low) > double{point[axis]}) --low;
+    while (high < 65535 && grid_position(grid, axis, high) < double{point[axis]}) ++high;
+    if (low < node.lower[axis]) node.lower[axis] = static_cast<std::uint16_t>(low);
+    if (high > node.upper[axis]) node.upper[axis] = static_cast<std::uint16_t>(high);
+  }
+}
+
+/// Makes a node's box hold another node's.
+inline void hold_box(const SearchNode& inner, SearchNode& node) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (inner.lower[axis] < node.lower[axis]) node.lower[axis] = inner.lower[axis];
+    if (inner.upper[axis] > node.upper[axis]) node.upper[axis] = inner.upper[axis];
+  }
+}
+
+/// A node whose box holds nothing yet.
+inline constexpr SearchNode kEmptyNode{{65535, 65535, 65535}, {0, 0, 0}, 0};
 
 static_assert(sizeof(float) == 4 && sizeof(double) == 8);
 static_assert(sizeof(FileHeader) == 64 && offsetof(FileHeader, checksum) == 24 && offsetof(FileHeader, features) == 32);
 static_assert(sizeof(SectionEntry) == 32 && offsetof(SectionEntry, offset) == 8);
 static_assert(sizeof(Meta) == 128 && offsetof(Meta, site_count) == 16 && offsetof(Meta, coef_bits) == 72);
-static_assert(sizeof(Site) == 48 && sizeof(ToolPatch) == 12 && sizeof(Point) == 12);
-static_assert(sizeof(SurfaceTriangle) == 48 && sizeof(ToolRecord) == 64 && sizeof(ToolVertexRecord) == 64);
-static_assert(sizeof(ResponseHead) == 8 && sizeof(BondedHead) == 8 && sizeof(BondedTorqueHead) == 4 && sizeof(SearchNode) == 32);
+static_assert(sizeof(Site) == 32 && sizeof(ToolPatch) == 12 && sizeof(Point) == 12);
+static_assert(sizeof(ToolRecord) == 64 && sizeof(ToolVertexRecord) == 64);
+static_assert(sizeof(ResponseHead) == 8 && sizeof(BondedHead) == 8 && sizeof(BondedTorqueHead) == 4 &&
+              sizeof(SearchNode) == 16);
 static_assert(sizeof(ComplianceHead) == 64 && sizeof(ComplianceSite) == 8);
 static_assert(std::is_trivially_copyable_v<Meta> && std::is_trivially_copyable_v<ToolRecord>);
 
 /// Index of the response of (site, tool vertex); tool vertices are numbered over all tools.
 inline constexpr std::uint64_t response_index(const Meta& meta, std::uint32_t site, std::uint32_t tool_vertex) {
   return std::uint64_t{site} * meta.tool_vertex_count + tool_vertex;
+}
+
+/// Bytes of an index of a triangle, vertex, patch or site: 2 where that is enough, else 4.
+inline constexpr std::uint32_t index_bytes(const Meta& m) {
+  const bool small =
+      m.site_count <= 65536 && m.vertex_count <= 65536 && m.triangle_count <= 65536 && m.patch_count <= 65536;
+  return small ? 2 : 4;
+}
+
+/// Bytes of an element of SURFACE_TRIANGLES: Index vertex[3], neighbour[3], patch, then grid.
+inline constexpr std::uint32_t triangle_size(std::uint32_t index_bytes) { return 7 * index_bytes + 6; }
+/// Bytes of an element of SURFACE_PATCHES: Index site[3].
+inline constexpr std::uint32_t patch_size(std::uint32_t index_bytes) { return 3 * index_bytes; }
+
+/// Writes a triangle without its sites. Index: an unsigned integer of index_bytes.
+template <class Index>
+inline void pack_triangle(const SurfaceTriangle& from, unsigned char* to) {
+  Index index[7];
+  for (int k = 0; k < 3; ++k) {
+    index[k] = static_cast<Index>(from.vertex[k]);
+    index[3 + k] = static_cast<Index>(from.neighbour[k]);
+  }
+  index[6] = static_cast<Index>(from.patch);
+  std::memcpy(to, index, sizeof index);
+  std::memcpy(to + sizeof index, from.grid, sizeof from.grid);
+}
+
+template <class Index>
+inline void pack_patch(const std::uint32_t (&site)[3], unsigned char* to) {
+  const Index index[3] = {static_cast<Index>(site[0]), static_cast<Index>(site[1]), static_cast<Index>(site[2])};
+  std::memcpy(to, index, sizeof index);
+}
+
+/// The k-th index from there on. One at a time: the compiler then reads those alone that are used.
+template <class Index>
+inline std::uint32_t unpack_index(const unsigned char* from, int k) {
+  Index index;
+  std::memcpy(&index, from + std::size_t{sizeof index} * static_cast<std::size_t>(k), sizeof index);
+  return index;
+}
+
+template <class Index>
+inline void unpack_patch(const unsigned char* from, std::uint32_t (&site)[3]) {
+  for (int k = 0; k < 3; ++k) site[k] = unpack_index<Index>(from, k);
+}
+
+/// Reads a triangle without its sites.
+template <class Index>
+inline SurfaceTriangle unpack_triangle(const unsigned char* from) {
+  SurfaceTriangle to{};
+  for (int k = 0; k < 3; ++k) {
+    to.vertex[k] = unpack_index<Index>(from, k);
+    to.neighbour[k] = unpack_index<Index>(from, 3 + k);
+  }
+  to.patch = unpack_index<Index>(from, 6);
+  std::memcpy(to.grid, from + 7 * sizeof(Index), sizeof to.grid);
+  return to;
 }
 
 inline constexpr bool has_friction(const Meta& m) { return m.tangential_scale > 0; }

@@ -17,7 +17,7 @@ namespace detail {
 inline constexpr layout::ToolRecord kNoTool{};
 /// Records of a view that was not opened or was refused: it has no tool, and its surface is one point.
 inline constexpr layout::Meta kNoMeta{};
-inline constexpr layout::SurfaceTriangle kNoTriangle{};
+inline constexpr unsigned char kNoTriangle[layout::triangle_size(4)] = {};
 inline constexpr layout::Point kNoPoint{};
 
 }  // namespace detail
@@ -30,7 +30,9 @@ struct View {
   const layout::Meta* meta = &detail::kNoMeta;
   const layout::Site* sites = nullptr;
   const layout::Point* vertices = &detail::kNoPoint;
-  const layout::SurfaceTriangle* triangles = &detail::kNoTriangle;
+  const unsigned char* triangles = detail::kNoTriangle;
+  const unsigned char* patches = detail::kNoTriangle;
+  bool small_indices = false;  ///< of two bytes in triangles and patches, not four
   const layout::ToolRecord* tools = nullptr;
   const layout::ToolVertexRecord* tool_vertices = nullptr;  ///< null when every tool has one vertex
   const layout::ToolPatch* tool_patches = nullptr;          ///< null with tool_vertices
@@ -41,6 +43,7 @@ struct View {
   const unsigned char* bonded = nullptr;         ///< null when no tool bonds to the body
   const unsigned char* bonded_torque = nullptr;  ///< null when no bonded tool was rotated
   const layout::SearchNode* search = nullptr;
+  layout::SearchGrid search_grid{};                    ///< of its boxes
   const layout::ComplianceHead* compliance = nullptr;  ///< null when the scene has no [compliance]
   const unsigned char* compliance_sites = nullptr;     ///< null with compliance
   const char* provenance = nullptr;  ///< JSON text, not zero-terminated
@@ -67,6 +70,24 @@ struct View {
       if (sections()[i].id == static_cast<std::uint32_t>(id)) return sections()[i].size;
     }
     return 0;
+  }
+
+  /// A triangle of the contact surface.
+  [[nodiscard]] layout::SurfaceTriangle triangle(std::uint32_t index) const {
+    layout::SurfaceTriangle t = bare_triangle(index);
+    patch_sites(t.patch, t.site);
+    return t;
+  }
+  /// The same without its sites: its patch may be one that the file does not have.
+  [[nodiscard]] layout::SurfaceTriangle bare_triangle(std::uint32_t index) const {
+    return small_indices
+               ? layout::unpack_triangle<std::uint16_t>(triangles + std::size_t{index} * layout::triangle_size(2))
+               : layout::unpack_triangle<std::uint32_t>(triangles + std::size_t{index} * layout::triangle_size(4));
+  }
+  /// Writes the three sites of a patch to `site`.
+  void patch_sites(std::uint32_t patch, std::uint32_t (&site)[3]) const {
+    small_indices ? layout::unpack_patch<std::uint16_t>(patches + std::size_t{patch} * layout::patch_size(2), site)
+                  : layout::unpack_patch<std::uint32_t>(patches + std::size_t{patch} * layout::patch_size(4), site);
   }
 
   [[nodiscard]] const layout::ResponseHead& response_head(std::uint64_t index) const {

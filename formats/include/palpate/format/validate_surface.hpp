@@ -9,18 +9,15 @@ namespace palpate::runtime::detail {
 inline bool check_sites(const View& v, Fault& fault) {
   for (std::uint32_t i = 0; i < v.meta->site_count; ++i) {
     const layout::Site& s = v.sites[i];
-    if (!in_range(s.position)) return fault.fail("SITES: site %: position is not finite", i);
     if (!is_frame(s.normal, s.tangent)) return fault.fail("SITES: site %: frame is not orthonormal", i);
     if (!is_limit(s.depth_limit, v.meta->depth_scale)) return fault.fail("SITES: site %: depth limit out of range", i);
-    if ((s.flags & ~layout::site_all) != 0 || s.reserved != 0) return fault.fail("SITES: site %: unknown flags or reserved bytes that are not zero", i);
+    if ((s.flags & ~layout::site_all) != 0) return fault.fail("SITES: site %: unknown flags", i);
   }
   return true;
 }
 
-/// Writes the whole-number weights of the sites at corner `k` of triangle `t`.
-inline void site_weights(const View& v, std::uint32_t t, int k, std::uint32_t (&site)[3], std::uint32_t (&weight)[3]) {
-  const layout::SurfaceTriangle& triangle = v.triangles[t];
-  for (int i = 0; i < 3; ++i) site[i] = triangle.site[i];
+/// Writes the whole-number weights of the patch's sites at corner `k` of a triangle.
+inline void site_weights(const View& v, const layout::SurfaceTriangle& triangle, int k, std::uint32_t (&weight)[3]) {
   weight[0] = triangle.grid[k][0];
   weight[1] = triangle.grid[k][1];
   weight[2] = v.meta->subdivision - weight[0] - weight[1];
@@ -29,17 +26,16 @@ inline void site_weights(const View& v, std::uint32_t t, int k, std::uint32_t (&
 /// True when both corners give the same weights to the same sites. One direction is compared, because the weights of
 /// each corner sum to the subdivision.
 inline bool same_weights(const View& v, std::uint32_t t, int k, std::uint32_t other, int j) {
-  const layout::SurfaceTriangle &triangle = v.triangles[t], &neighbour = v.triangles[other];
-  const auto &own = triangle.site, &theirs = neighbour.site;
-  if (own[0] == theirs[0] && own[1] == theirs[1] && own[2] == theirs[2]) {  // three different ones, in one order
+  const layout::SurfaceTriangle triangle = v.triangle(t), neighbour = v.triangle(other);
+  if (triangle.patch == neighbour.patch) {
     return triangle.grid[k][0] == neighbour.grid[j][0] && triangle.grid[k][1] == neighbour.grid[j][1];
   }
-  std::uint32_t site_a[3], weight_a[3], site_b[3], weight_b[3];
-  site_weights(v, t, k, site_a, weight_a);
-  site_weights(v, other, j, site_b, weight_b);
+  std::uint32_t weight_a[3], weight_b[3];
+  site_weights(v, triangle, k, weight_a);
+  site_weights(v, neighbour, j, weight_b);
   for (int a = 0; a < 3; ++a) {
     bool found = weight_a[a] == 0;
-    for (int b = 0; b < 3; ++b) found = found || (site_a[a] == site_b[b] && weight_a[a] == weight_b[b]);
+    for (int b = 0; b < 3; ++b) found = found || (triangle.site[a] == neighbour.site[b] && weight_a[a] == weight_b[b]);
     if (!found) return false;
   }
   return true;
@@ -48,11 +44,11 @@ inline bool same_weights(const View& v, std::uint32_t t, int k, std::uint32_t ot
 /// Checks that neighbours run along their edge in opposite directions, name each other, and give the same weights at its
 /// ends. The weights of an edge are compared once, from the triangle of lower index.
 inline bool check_edge(const View& v, std::uint32_t t, int corner, Fault& fault) {
-  const layout::SurfaceTriangle& triangle = v.triangles[t];
+  const layout::SurfaceTriangle triangle = v.triangle(t);
   const std::uint32_t other = triangle.neighbour[corner];
   const int from = (corner + 1) % 3, to = (corner + 2) % 3;
   for (int j = 0; j < 3; ++j) {
-    const layout::SurfaceTriangle& n = v.triangles[other];
+    const layout::SurfaceTriangle n = v.triangle(other);
     const int their_from = (j + 1) % 3, their_to = (j + 2) % 3;
     if (n.neighbour[j] != t || n.vertex[their_from] != triangle.vertex[to] ||
         n.vertex[their_to] != triangle.vertex[from])
@@ -69,24 +65,53 @@ inline bool are_different(const std::uint32_t (&corner)[3], std::uint32_t count)
          corner[1] != corner[2] && corner[2] != corner[0];
 }
 
+/// Checks that a corner is at a site exactly where it is the site's vertex.
+inline bool check_corners(const View& v, std::uint32_t t, Fault& fault) {
+  const layout::SurfaceTriangle triangle = v.triangle(t);
+  for (int k = 0; k < 3; ++k) {
+    std::uint32_t weight[3], at = v.meta->site_count;
+    site_weights(v, triangle, k, weight);
+    for (int i = 0; i < 3; ++i) {
+      if (weight[i] == v.meta->subdivision) at = triangle.site[i];
+    }
+    if (at < v.meta->site_count ? triangle.vertex[k] != at : triangle.vertex[k] < v.meta->site_count) {
+      return fault.fail("SURFACE_TRIANGLES: triangle %: a corner at a site must have its vertex, any other must not",
+                        t);
+    }
+  }
+  return true;
+}
+
+inline bool check_triangle(const View& v, std::uint32_t t, Fault& fault) {
+  const layout::SurfaceTriangle triangle = v.bare_triangle(t);
+  if (!are_different(triangle.vertex, v.meta->vertex_count)) {
+    return fault.fail("SURFACE_TRIANGLES: triangle %: corners must be three different vertices", t);
+  }
+  if (triangle.patch >= v.meta->patch_count) {
+    return fault.fail("SURFACE_TRIANGLES: triangle %: no patch %", t, triangle.patch);
+  }
+  for (int k = 0; k < 3; ++k) {
+    if (std::uint32_t{triangle.grid[k][0]} + triangle.grid[k][1] > v.meta->subdivision ||
+        triangle.neighbour[k] >= v.meta->triangle_count) {
+      return fault.fail("SURFACE_TRIANGLES: triangle %: grid or neighbour out of range", t);
+    }
+  }
+  return check_corners(v, t, fault);
+}
+
 inline bool check_surface(const View& v, Fault& fault) {
   for (std::uint32_t i = 0; i < v.meta->vertex_count; ++i) {
     if (!in_range(v.vertices[i].xyz)) return fault.fail("SURFACE_VERTICES: vertex % is not finite", i);
   }
+  for (std::uint32_t i = 0; i < v.meta->patch_count; ++i) {
+    std::uint32_t site[3];
+    v.patch_sites(i, site);
+    if (!are_different(site, v.meta->site_count)) {
+      return fault.fail("SURFACE_PATCHES: patch %: must have three different sites", i);
+    }
+  }
   for (std::uint32_t i = 0; i < v.meta->triangle_count; ++i) {
-    const layout::SurfaceTriangle& t = v.triangles[i];
-    if (!are_different(t.vertex, v.meta->vertex_count)) {
-      return fault.fail("SURFACE_TRIANGLES: triangle %: corners must be three different vertices", i);
-    }
-    if (!are_different(t.site, v.meta->site_count)) {
-      return fault.fail("SURFACE_TRIANGLES: triangle %: its patch must have three different sites", i);
-    }
-    for (int k = 0; k < 3; ++k) {
-      if (std::uint32_t{t.grid[k][0]} + t.grid[k][1] > v.meta->subdivision ||
-          t.neighbour[k] >= v.meta->triangle_count) {
-        return fault.fail("SURFACE_TRIANGLES: triangle %: grid or neighbour out of range", i);
-      }
-    }
+    if (!check_triangle(v, i, fault)) return false;
   }
   for (std::uint32_t i = 0; i < v.meta->triangle_count; ++i) {
     for (int k = 0; k < 3; ++k) {
@@ -96,9 +121,19 @@ inline bool check_surface(const View& v, Fault& fault) {
   return true;
 }
 
-inline bool is_inside(const layout::SearchNode& box, const float (&p)[3]) {
+inline bool is_inside(const layout::SearchGrid& grid, const layout::SearchNode& box, const float (&p)[3]) {
   for (int k = 0; k < 3; ++k) {
-    if (!(p[k] >= box.lower[k] && p[k] <= box.upper[k])) return false;
+    const double x = double{p[k]};
+    if (!(x >= layout::grid_position(grid, k, box.lower[k]) && x <= layout::grid_position(grid, k, box.upper[k]))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+inline bool holds(const layout::SearchNode& box, const layout::SearchNode& inner) {
+  for (int k = 0; k < 3; ++k) {
+    if (inner.lower[k] < box.lower[k] || inner.upper[k] > box.upper[k]) return false;
   }
   return true;
 }
@@ -117,24 +152,26 @@ inline bool check_search(const View& v, Fault& fault) {
     const layout::SearchNode& n = v.search[at.node];
     if (++visited > v.meta->search_nodes || at.depth > layout::kMaxSearchDepth)
       return fault.fail("SEARCH: not a tree, or too deep");
-    if (n.count == 0) {
-      if (n.first <= at.node || n.first >= v.meta->search_nodes - 1)
+    const std::uint32_t first = n.first(), count = n.count();
+    if (count == 0) {
+      if (first <= at.node || first >= v.meta->search_nodes - 1)
         return fault.fail("SEARCH: node %: bad children", at.node);
-      for (std::uint32_t child = n.first; child < n.first + 2; ++child) {
-        if (!is_inside(n, v.search[child].lower) || !is_inside(n, v.search[child].upper)) {
+      for (std::uint32_t child = first; child < first + 2; ++child) {
+        if (!holds(n, v.search[child])) {
           return fault.fail("SEARCH: node % does not hold its children", at.node);
         }
       }
-      stack[top++] = {n.first + 1, at.depth + 1};
-      stack[top++] = {n.first, at.depth + 1};
+      stack[top++] = {first + 1, at.depth + 1};
+      stack[top++] = {first, at.depth + 1};
       continue;
     }
-    if (n.first != next || n.count > v.meta->triangle_count - next)
+    if (first != next || count > v.meta->triangle_count - next)
       return fault.fail("SEARCH: node %: bad triangles", at.node);
-    next += n.count;
-    for (std::uint32_t t = n.first; t < next; ++t) {
-      for (const std::uint32_t c : v.triangles[t].vertex) {
-        if (!is_inside(n, v.vertices[c].xyz)) return fault.fail("SEARCH: node % does not hold its triangles", at.node);
+    next += count;
+    for (std::uint32_t t = first; t < next; ++t) {
+      for (const std::uint32_t c : v.triangle(t).vertex) {
+        if (!is_inside(v.search_grid, n, v.vertices[c].xyz))
+          return fault.fail("SEARCH: node % does not hold its triangles", at.node);
       }
     }
   }

@@ -59,7 +59,8 @@ public:
     const std::uint8_t slot = exchange_.writing();
     const SkinnedPose& before = shapes_[newest_];
     const Arrays& arrays = arrays_[slot];
-    result = maker_.make(positions, before.rotations, arrays.rotations, arrays.vertices, arrays.nodes);
+    result = maker_.make(positions, before.rotations, arrays.rotations, arrays.vertices, arrays.nodes,
+                         shapes_[slot].view.search_grid);
     if (!result) return result;
     double most = 0;
     for (std::uint32_t i = 0; i < view_->meta->vertex_count; ++i) {

@@ -54,7 +54,7 @@ struct SkinnedPose {
 inline Quaternion rotation_at(const SkinnedPose& shape, const BodyPoint& at) {
   double weights[3];
   site_weights(shape.view, at, weights);
-  const auto& site = shape.view.triangles[at.triangle].site;
+  const auto& site = shape.view.triangle(at.triangle).site;
   const Quaternion& first = shape.rotations[site[0]];
   Quaternion sum{0, 0, 0, 0};
   for (int k = 0; k < 3; ++k) {
@@ -148,15 +148,16 @@ public:
   /// as there are sites.
   SkinnedPoseMaker(const View& view, std::uint32_t* owners, Work* work) : view_(&view), owners_(owners), work_(work) {
     for (std::uint32_t t = 0; t < view.meta->triangle_count; ++t) {
-      for (const std::uint32_t v : view.triangles[t].vertex) owners_[v] = t;
+      for (const std::uint32_t v : view.triangle(t).vertex) owners_[v] = t;
     }
     volume_ = volume([&](std::uint32_t i) { return baked(i); });
   }
 
-  /// Writes rotations, vertices and nodes of the shape in which the sites lie at `positions` (m). `before`: rotations of a
-  /// similar shape, to start from. The result names the reason where the positions are no shape of this body.
+  /// Writes rotations, vertices, nodes and grid of the shape in which the sites lie at `positions` (m). `before`:
+  /// rotations of a similar shape, to start from. The result names the reason where the positions are no shape of this
+  /// body.
   ShapeResult make(const Vec3* positions, const Quaternion* before, Quaternion* rotations, layout::Point* vertices,
-                   layout::SearchNode* nodes) {
+                   layout::SearchNode* nodes, layout::SearchGrid& grid) {
     ShapeResult result;
     detail::Fault fault(result.error, sizeof result.error);
     result.ok = check_positions(positions, fault) && check_volume(positions, fault);
@@ -165,30 +166,25 @@ public:
     result.ok = check_patches(positions, rotations, fault);
     if (!result.ok) return result;
     for (std::uint32_t v = 0; v < view_->meta->vertex_count; ++v) skin(v, vertices[v].xyz);
-    refit(vertices, nodes);
+    refit(vertices, nodes, grid);
     return result;
   }
 
 private:
   using Corners = std::uint32_t[3];
 
-  /// Calls each(sites) for every patch until it returns false; returns whether it never did. A patch is visited at the
-  /// triangle that has its first site and the side from there to its second.
+  /// Calls each(sites) for every patch until it returns false; returns whether it never did.
   template <class Each>
   bool each_patch(const Each& each) const {
-    for (std::uint32_t i = 0; i < view_->meta->triangle_count; ++i) {
-      const layout::SurfaceTriangle& t = view_->triangles[i];
-      for (int k = 0; k < 3; ++k) {
-        const std::uint32_t whole = view_->meta->subdivision;
-        const std::uint16_t(&next)[2] = t.grid[(k + 1) % 3];
-        const bool starts_side = t.grid[k][0] == whole && std::uint32_t{next[0]} + next[1] == whole;
-        if (starts_side && !each(t.site)) return false;
-      }
+    for (std::uint32_t i = 0; i < view_->meta->patch_count; ++i) {
+      Corners site;
+      view_->patch_sites(i, site);
+      if (!each(site)) return false;
     }
     return true;
   }
 
-  [[nodiscard]] Vec3 baked(std::uint32_t site) const { return to_vec(view_->sites[site].position); }
+  [[nodiscard]] Vec3 baked(std::uint32_t site) const { return vertex(*view_, site); }
 
   bool check_positions(const Vec3* positions, detail::Fault& fault) const {
     for (std::uint32_t i = 0; i < view_->meta->site_count; ++i) {
@@ -260,7 +256,7 @@ private:
   void skin(std::uint32_t index, float (&out)[3]) const {
     BodyPoint at;
     at.triangle = owners_[index];
-    const layout::SurfaceTriangle& t = view_->triangles[at.triangle];
+    const layout::SurfaceTriangle t = view_->triangle(at.triangle);
     for (int k = 0; k < 3; ++k) at.bary[k] = t.vertex[k] == index ? 1 : 0;
     double weights[3];
     site_weights(*view_, at, weights);
@@ -275,27 +271,28 @@ private:
     out[2] = static_cast<float>(now.z);
   }
 
-  /// The file's tree with boxes for these vertices. Children come after their parents, so boxes are made backwards.
-  void refit(const layout::Point* vertices, layout::SearchNode* nodes) const {
-    for (std::uint32_t i = view_->search != nullptr ? view_->meta->search_nodes : 0; i-- > 0;) {
-      layout::SearchNode& node = nodes[i];
-      node = view_->search[i];
+  /// The file's tree with a grid and boxes for these vertices. Children come after their parents, so boxes are made
+  /// backwards.
+  void refit(const layout::Point* vertices, layout::SearchNode* nodes, layout::SearchGrid& grid) const {
+    if (view_->search == nullptr) return;
+    float lower[3] = {HUGE_VALF, HUGE_VALF, HUGE_VALF}, upper[3] = {-HUGE_VALF, -HUGE_VALF, -HUGE_VALF};
+    for (std::uint32_t v = 0; v < view_->meta->vertex_count; ++v) {
       for (int k = 0; k < 3; ++k) {
-        node.lower[k] = HUGE_VALF;
-        node.upper[k] = -HUGE_VALF;
+        const float x = vertices[v].xyz[k];
+        lower[k] = x < lower[k] ? x : lower[k];
+        upper[k] = x > upper[k] ? x : upper[k];
       }
-      const auto hold = [&](const float(&lower)[3], const float(&upper)[3]) {
-        for (int k = 0; k < 3; ++k) {
-          node.lower[k] = lower[k] < node.lower[k] ? lower[k] : node.lower[k];
-          node.upper[k] = upper[k] > node.upper[k] ? upper[k] : node.upper[k];
-        }
-      };
-      for (std::uint32_t t = node.first; t < node.first + node.count; ++t) {
-        for (const std::uint32_t v : view_->triangles[t].vertex) hold(vertices[v].xyz, vertices[v].xyz);
+    }
+    grid = layout::grid_over(lower, upper);
+    for (std::uint32_t i = view_->meta->search_nodes; i-- > 0;) {
+      layout::SearchNode& node = nodes[i];
+      node = layout::kEmptyNode;
+      node.place = view_->search[i].place;
+      const std::uint32_t first = node.first(), count = node.count();
+      for (std::uint32_t t = first; t < first + count; ++t) {
+        for (const std::uint32_t v : view_->triangle(t).vertex) layout::hold_point(grid, vertices[v].xyz, node);
       }
-      for (std::uint32_t child = node.first; node.count == 0 && child < node.first + 2; ++child) {
-        hold(nodes[child].lower, nodes[child].upper);
-      }
+      for (std::uint32_t child = first; count == 0 && child < first + 2; ++child) layout::hold_box(nodes[child], node);
     }
   }
 

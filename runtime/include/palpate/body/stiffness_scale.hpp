@@ -35,7 +35,7 @@ public:
   [[nodiscard]] double at(const View& view, const BodyPoint& point) const {
     double weights[3], sum = 0;
     site_weights(view, point, weights);
-    for (int k = 0; k < 3; ++k) sum += weights[k] * double{at(view.triangles[point.triangle].site[k])};
+    for (int k = 0; k < 3; ++k) sum += weights[k] * double{at(view.triangle(point.triangle).site[k])};
     return sum;
   }
 

@@ -73,16 +73,27 @@ inline Closest closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, 
   return best;
 }
 
-/// Squared distance (m^2) from p to a node's box.
-inline double squared_distance(const layout::SearchNode& box, const Vec3& p) {
-  const double q[3] = {p.x, p.y, p.z};
-  double squared = 0;
-  for (int k = 0; k < 3; ++k) {
-    const double gap = larger(0.0, larger(box.lower[k] - q[k], q[k] - box.upper[k]));
-    squared += gap * gap;
+/// A point among the boxes of a search.
+class PointOnGrid {
+public:
+  PointOnGrid(const layout::SearchGrid& grid, const Vec3& p) : square_(double{grid.unit} * double{grid.unit}) {
+    const double q[3] = {p.x, p.y, p.z}, per_metre = 1 / double{grid.unit};
+    for (int k = 0; k < 3; ++k) steps_[k] = per_metre * (q[k] - double{grid.origin[k]});
   }
-  return squared;
-}
+
+  /// Squared distance (m^2) to a node's box.
+  [[nodiscard]] double squared_distance(const layout::SearchNode& box) const {
+    double squared = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double gap = larger(0.0, larger(box.lower[k] - steps_[k], steps_[k] - box.upper[k]));
+      squared += gap * gap;
+    }
+    return square_ * squared;
+  }
+
+private:
+  double steps_[3], square_;
+};
 
 /// Calls visit(triangle, bound) for the triangles whose boxes are nearer to p than the root of `bound` (m^2), nearer
 /// boxes first; `visit` may lower the bound. Without a tree it visits all triangles.
@@ -96,20 +107,22 @@ inline void visit_near(const View& view, const Vec3& p, double bound, const Visi
     std::uint32_t node;
     double distance;
   } stack[layout::kMaxSearchDepth + 1], next{0, 0};
+  const PointOnGrid at(view.search_grid, p);
   int top = 0;
   for (;;) {
     if (next.distance < bound) {
       const layout::SearchNode& n = view.search[next.node];
-      if (n.count == 0) {
-        Entry left{n.first, squared_distance(view.search[n.first], p)};
-        Entry right{n.first + 1, squared_distance(view.search[n.first + 1], p)};
+      const std::uint32_t first = n.first(), count = n.count();
+      if (count == 0) {
+        Entry left{first, at.squared_distance(view.search[first])};
+        Entry right{first + 1, at.squared_distance(view.search[first + 1])};
         const bool left_first = left.distance <= right.distance;
         const Entry& later = left_first ? right : left;
         if (later.distance < bound) stack[top++] = later;
         next = left_first ? left : right;
         continue;
       }
-      for (std::uint32_t t = n.first; t < n.first + n.count; ++t) visit(t, bound);
+      for (std::uint32_t t = first; t < first + count; ++t) visit(t, bound);
     }
     if (top == 0) return;
     next = stack[--top];
@@ -117,7 +130,7 @@ inline void visit_near(const View& view, const Vec3& p, double bound, const Visi
 }
 
 inline Closest closest_on_triangle(const View& view, std::uint32_t triangle, const Vec3& p, double most) {
-  const auto& v = view.triangles[triangle].vertex;
+  const auto& v = view.triangle(triangle).vertex;
   return closest_on_triangle(p, vertex(view, v[0]), vertex(view, v[1]), vertex(view, v[2]), most);
 }
 
@@ -127,9 +140,9 @@ inline Vec3 vertex_pseudonormal(const View& view, std::uint32_t triangle, int k)
   constexpr int kMostFaces = 512;  // of one fan
   Vec3 sum;
   std::uint32_t t = triangle;
-  const std::uint32_t centre = view.triangles[triangle].vertex[k];
+  const std::uint32_t centre = view.triangle(triangle).vertex[k];
   for (int step = 0; step < kMostFaces; ++step) {
-    const layout::SurfaceTriangle& face = view.triangles[t];
+    const layout::SurfaceTriangle face = view.triangle(t);
     const int j = face.vertex[0] == centre ? 0 : face.vertex[1] == centre ? 1 : 2;
     const Vec3 o = vertex(view, centre);
     const Vec3 a = vertex(view, face.vertex[(j + 1) % 3]) - o, b = vertex(view, face.vertex[(j + 2) % 3]) - o;
@@ -156,7 +169,7 @@ inline Vec3 pseudonormal(const View& view, const BodyPoint& at) {
   if (zeros >= 2) return vertex_pseudonormal(view, at.triangle, full);
   const Vec3 own = unit(face_normal(view, at.triangle), {});
   if (zeros == 0) return own;
-  return own + unit(face_normal(view, view.triangles[at.triangle].neighbour[zero]), {});
+  return own + unit(face_normal(view, view.triangle(at.triangle).neighbour[zero]), {});
 }
 
 inline Location unsigned_location(const View& view, std::uint32_t triangle, const Closest& closest) {
@@ -240,11 +253,11 @@ PALPATE_NOINLINE inline Location local_closest_point(const View& view, const Bod
       // On the edge opposite corner k, or at a corner: the neighbour, or the fan about the corner.
       const int corner = best.bary[(k + 1) % 3] > 0 ? (k + 1) % 3 : (k + 2) % 3;
       const bool edge = best.bary[3 - k - corner] > 0;
-      const std::uint32_t from = triangle, centre = view.triangles[from].vertex[corner];
-      std::uint32_t next = view.triangles[from].neighbour[edge ? k : (corner + 1) % 3];
+      const std::uint32_t from = triangle, centre = view.triangle(from).vertex[corner];
+      std::uint32_t next = view.triangle(from).neighbour[edge ? k : (corner + 1) % 3];
       for (int i = 0; i < (edge ? 1 : kMostFaces) && next != from; ++i) {
         if (improves(next)) return true;
-        const layout::SurfaceTriangle& face = view.triangles[next];
+        const layout::SurfaceTriangle face = view.triangle(next);
         const int j = face.vertex[0] == centre ? 0 : face.vertex[1] == centre ? 1 : 2;
         next = face.neighbour[(j + 1) % 3];
       }
@@ -308,7 +321,7 @@ private:
   }
 
   [[nodiscard]] static Kept keep(const View& view, std::uint32_t triangle) {
-    const auto& v = view.triangles[triangle].vertex;
+    const auto& v = view.triangle(triangle).vertex;
     Kept kept;
     kept.triangle = triangle;
     kept.corner = vertex(view, v[0]);

@@ -19,13 +19,13 @@ inline Vec3 vertex(const View& view, std::uint32_t index) { return to_vec(view.v
 
 /// Position (m) of a point of the surface.
 inline Vec3 position(const View& view, const BodyPoint& at) {
-  const auto& v = view.triangles[at.triangle].vertex;
+  const auto& v = view.triangle(at.triangle).vertex;
   return at.bary[0] * vertex(view, v[0]) + at.bary[1] * vertex(view, v[1]) + at.bary[2] * vertex(view, v[2]);
 }
 
 /// Weights (>= 0, summing to 1) of the three sites of the point's patch.
 inline void site_weights(const View& view, const BodyPoint& at, double (&weights)[3]) {
-  const layout::SurfaceTriangle& t = view.triangles[at.triangle];
+  const layout::SurfaceTriangle t = view.triangle(at.triangle);
   const double scale = 1.0 / view.meta->subdivision;
   weights[0] = weights[1] = 0;
   for (int k = 0; k < 3; ++k) {
@@ -38,14 +38,14 @@ inline void site_weights(const View& view, const BodyPoint& at, double (&weights
 
 /// Normal of a triangle (m^2): outward, its length is twice the triangle's area.
 inline Vec3 face_normal(const View& view, std::uint32_t triangle) {
-  const auto& v = view.triangles[triangle].vertex;
+  const auto& v = view.triangle(triangle).vertex;
   const Vec3 a = vertex(view, v[0]);
   return cross(vertex(view, v[1]) - a, vertex(view, v[2]) - a);
 }
 
 /// The smooth unit normal: the sites' normals blended by `weights`. The triangle's own normal where they cancel.
 inline Vec3 smooth_normal(const View& view, const BodyPoint& at, const double (&weights)[3]) {
-  const auto& site = view.triangles[at.triangle].site;
+  const auto& site = view.triangle(at.triangle).site;
   Vec3 sum;
   for (int k = 0; k < 3; ++k) sum = sum + weights[k] * to_vec(view.sites[site[k]].normal);
   if (dot(sum, sum) > 1e-12) return unit(sum, sum);

@@ -93,7 +93,7 @@ inline LaidTangent laid_tangent(const View& view, const layout::ToolRecord& tool
 template <std::uint32_t kFeatures, class Frame, class Use>
 inline void for_each_share(const View& view, std::uint32_t tool, const BodyPoint& c, const ToolPoint& p,
                            const Orientation& lies, const Frame& frame, const double (&weights)[3], const Use& use) {
-  const auto& site = view.triangles[c.triangle].site;
+  const auto& site = view.triangle(c.triangle).site;
   const ToolCorners corners = tool_corners<kFeatures>(view, tool, p);
   Vec2 axis[3];
   for (int k = 0; k < 3; ++k) {

@@ -45,7 +45,7 @@ public:
     const std::uint32_t count = 3 * view_->compliance->modes;
     for (std::uint32_t k = 0; k < count; ++k) point.modes[k] = 0;
     for (int i = 0; i < 3; ++i) {
-      const std::uint32_t site = view_->triangles[at.triangle].site[i];
+      const std::uint32_t site = view_->triangle(at.triangle).site[i];
       const layout::ComplianceSite& record = view_->compliance_site(site);
       point.place.shear += weights[i] * static_cast<double>(record.shear);
       const double unit = weights[i] * static_cast<double>(record.unit);

@@ -64,7 +64,7 @@ public:
       const Vec3 n = smooth_normal(*view_, near, v.weights);
       v.place = {{rest[i].x, rest[i].y, rest[i].z}, {n.x, n.y, n.z}, 0};
       for (int k = 0; k < 3; ++k) {
-        const std::uint32_t site = view_->triangles[near.triangle].site[k];
+        const std::uint32_t site = view_->triangle(near.triangle).site[k];
         v.place.shear += v.weights[k] * static_cast<double>(view_->compliance_site(site).shear);
       }
       vertices_.push_back(v);
@@ -123,7 +123,7 @@ private:
 
   [[nodiscard]] Vec3 by_modes(const BodyPoint& at, const double (&weights)[3]) const {
     Vec3 u;
-    for (int k = 0; k < 3; ++k) u = u + weights[k] * sites_[view_->triangles[at.triangle].site[k]];
+    for (int k = 0; k < 3; ++k) u = u + weights[k] * sites_[view_->triangle(at.triangle).site[k]];
     return u;
   }
 
