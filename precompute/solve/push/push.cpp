@@ -105,15 +105,7 @@ void Push::augment() {
   state_.multipliers = contact_.multipliers();
 }
 
-StepResult Push::step(const Vector3d& target, double contact_radius, double work_scale, bool sticking,
-                      const std::vector<VectorXd>& starts) {
-  StepResult result;
-  const PushState before = state_;
-  std::vector<ContactEnergy::Anchors> others;
-  for (const ContactEnergy* other : others_) others.push_back(other->anchors());
-  contact_.set_translation(target);
-  state_.penalty = scale_.penalty * scale_.young / contact_radius;
-  contact_.set_penalty(state_.penalty);
+VectorXd Push::best_start(const Vector3d& target, const std::vector<VectorXd>& starts) const {
   VectorXd x = state_.x;
   double least = value(x);
   const auto consider = [&](const VectorXd& start) {
@@ -128,6 +120,19 @@ StepResult Push::step(const Vector3d& target, double contact_radius, double work
     consider(state_.x + std::clamp(ratio, 0.0, 4.0) * (state_.x - previous_x_));
   }
   for (const VectorXd& start : starts) consider(start);
+  return x;
+}
+
+StepResult Push::step(const Vector3d& target, double contact_radius, double work_scale, bool sticking,
+                      const std::vector<VectorXd>& starts) {
+  StepResult result;
+  const PushState before = state_;
+  std::vector<ContactEnergy::Anchors> others;
+  for (const ContactEnergy* other : others_) others.push_back(other->anchors());
+  contact_.set_translation(target);
+  state_.penalty = scale_.penalty * scale_.young / contact_radius;
+  contact_.set_penalty(state_.penalty);
+  VectorXd x = best_start(target, starts);
   fem::MinimiserOptions options;
   // A tool between integration points meets no load: residuals are then compared with a small one.
   load_floor_ = 0.1 * work_scale / contact_radius;

@@ -94,6 +94,10 @@ public:
   [[nodiscard]] fem::Rounding rounding() const override { return body_.rounding(); }
 
 private:
+  /// The node positions of least energy, with the tool at `target`: those of the state, its last step continued, or one
+  /// of `starts`.
+  [[nodiscard]] Eigen::VectorXd best_start(const Eigen::Vector3d& target,
+                                           const std::vector<Eigen::VectorXd>& starts) const;
   StepResult step(const Eigen::Vector3d& target, double contact_radius, double work_scale, bool sticking,
                   const std::vector<Eigen::VectorXd>& starts);
 
