@@ -10,7 +10,7 @@ namespace palpate::solve {
 
 struct StepResult {
   bool converged = false;
-  bool peels = false;  ///< most of a sticking contact let go: no mesh and no contact method mends that
+  bool peels = false;  ///< most of a sticking contact lets go in the end: no mesh and no contact method mends that
   std::string cause;
   std::uint32_t iterations = 0;
   double energy_error = 0.0;  ///< J, half of the last decrement: how far above its minimum the energy may be

@@ -2,6 +2,7 @@
 // Stepping with extrapolation, halving on failure, and the sticking rule.
 #include "precompute/solve/push/push.hpp"
 
+#include "precompute/solve/contact/letting_go.hpp"
 #include "precompute/solve/contact/surface_offsets.hpp"
 
 #include <algorithm>
@@ -13,9 +14,6 @@ namespace {
 // Searches of one step while contact points let go, and the tolerances of those before the last.
 constexpr int kRounds = 30;
 constexpr double kRoughEnergy = 100, kRoughResidual = 10;
-// A contact of which less than this share still sticks peels: without cohesion the search would end in a few points,
-// after all its rounds.
-constexpr double kPeeled = 0.25;
 
 }  // namespace
 
@@ -144,6 +142,7 @@ StepResult Push::step(const Vector3d& target, double contact_radius, double work
   const std::uint32_t factorisations_before = factorisations_;
   bool settling = sticking;
   const std::size_t stuck = contact_.stuck();
+  LettingGo letting_go(stuck);
   for (int round = 0; round < kRounds; ++round) {
     const fem::MinimiserResult m = minimiser_.minimise(*this, x, settling ? rough : options);
     result.iterations += m.iterations;
@@ -156,11 +155,11 @@ StepResult Push::step(const Vector3d& target, double contact_radius, double work
     bool left = sticking && contact_.release(x);
     for (ContactEnergy* other : others_) left = (sticking && other->release(x)) || left;
     if (!left && !settling) break;
-    if (left && double(contact_.stuck()) < kPeeled * double(stuck)) {
+    if (letting_go.peels(contact_.stuck(), kRounds - 1 - round)) {
       result.converged = false;
       result.peels = true;
       result.cause = "the contact peels: " + std::to_string(contact_.stuck()) + " of " + std::to_string(stuck) +
-                     " points still stick";
+                     " points still stick, and they keep letting go";
       break;
     }
     settling = settling && left;
