@@ -6,6 +6,7 @@
 #include "precompute/geometry/intersections.hpp"
 #include "precompute/geometry/topology.hpp"
 #include "precompute/mesh/surface/adapt_surface.hpp"
+#include "precompute/mesh/surface/balance_facets.hpp"
 #include "precompute/mesh/volume/interior_points.hpp"
 #include "precompute/mesh/volume/mesh3.hpp"
 #include "precompute/mesh/volume/quadratic.hpp"
@@ -42,18 +43,25 @@ struct AdaptedBody {
   std::vector<Surface> inner;
 };
 
+// A surface of the size field, its facets round `original` instead of inside it.
+Surface facets_of(const Surface& base, const geometry::SurfaceQuery& original, const SizeField& size,
+                  const std::vector<Vector3d>& anchors, const AdaptOptions& options) {
+  const AdaptedSurface adapted = adapt_surface(base, original, size, anchors, options);
+  return balance_facets(adapted.surface, original, adapted.anchors);
+}
+
 AdaptedBody adapt_body(const Body& body, const SizeField& size, const std::vector<Vector3d>& anchors, double largest) {
   AdaptedBody adapted;
   double cap = largest;
   for (int attempt = 0; attempt < 4; ++attempt, cap /= 2) {
     AdaptOptions options;
     options.largest = cap;
-    adapted.outer = adapt_surface(body.base, *body.query, size, anchors, options).surface;
+    adapted.outer = facets_of(body.base, *body.query, size, anchors, options);
     adapted.inner.clear();
     options.chord = kInclusionChord;
     bool apart = true;
     for (const Inclusion& inclusion : body.inclusions) {
-      adapted.inner.push_back(adapt_surface(inclusion.base, *inclusion.query, size, {}, options).surface);
+      adapted.inner.push_back(facets_of(inclusion.base, *inclusion.query, size, {}, options));
       apart = apart && !geometry::surfaces_intersect(adapted.inner.back(), adapted.outer);
       for (std::size_t k = 0; k + 1 < adapted.inner.size(); ++k) {
         apart = apart && !geometry::surfaces_intersect(adapted.inner.back(), adapted.inner[k]);
@@ -117,8 +125,9 @@ MesherAnswer mesh_by_tetgen(const AdaptedBody& adapted, const SizeField& size, c
   return answer;
 }
 
-// The cause when a volume is too far from that of the surface that it should fill. Chords of coarse elements cut off
-// 5 to 10 % of a round body, and a quarter of a small inclusion: the limits are for meshes that lost a part.
+// The cause when a volume is too far from that of the surface that it should fill. Facets of Mesh_3, and those of
+// TetGen that could not be balanced, cut off 5 to 10 % of a round body and a quarter of a small inclusion: the limits
+// are for meshes that lost a part.
 std::string judge_volume(const std::string& what, double volume, const Surface& surface, double accepted) {
   const double error = volume / geometry::signed_volume(surface) - 1;
   if (std::abs(error) <= accepted) return {};

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "precompute/solve/contact/surface_offsets.hpp"
 
+#include <utility>
+
 namespace palpate::solve {
 
 std::vector<Eigen::Vector3d> surface_offsets(const mesh::TetMesh& tets, const geometry::SurfaceQuery& surface) {
   std::vector<Eigen::Vector3d> offsets(tets.nodes.size(), Eigen::Vector3d::Zero());
+  std::vector<char> known(tets.nodes.size(), 0);
   for (const auto& face : tets.faces) {
-    for (int k = 0; k < 3; ++k) {
-      const std::int32_t middle = face[3 + k], end = face[(k + 1) % 3];
-      if (face[k] > end) continue;  // the edge's other face has it the other way round
-      offsets[middle] = surface.closest(tets.nodes[middle]).point - tets.nodes[middle];
+    for (const std::int32_t node : face) {
+      if (std::exchange(known[node], 1) == 0)
+        offsets[node] = surface.closest(tets.nodes[node]).point - tets.nodes[node];
     }
   }
   return offsets;

@@ -10,10 +10,11 @@
 
 namespace palpate::solve {
 
-/// Per node of the mesh the way (m) from the middle of an edge of the outer boundary to the closest point of `surface`;
-/// zero at corners, which lie on the surface, and inside. On a radius R the middle of an edge of length L lies L^2 / (8
-/// R) below, and a contact with the flat facets begins that much too late: a punch half as wide as a soft ball was 6 to
-/// 9 % too soft (tests/measured/random-battery.md).
+/// Per node of the mesh's faces the way (m) to the closest point of `surface`; zero inside. Facets lie in the mean on a
+/// round surface (mesh/surface/balance_facets.hpp): their corners stand out of it, middles of edges lie below.
+/// A contact with flat facets whose corners are on the surface begins too late, by L^2 / (8 R) at the middle of an edge
+/// of length L on a radius R: a punch half as wide as a soft ball was 6 to 9 % too soft
+/// (tests/measured/random-battery.md).
 std::vector<Eigen::Vector3d> surface_offsets(const mesh::TetMesh& tets, const geometry::SurfaceQuery& surface);
 
 }  // namespace palpate::solve

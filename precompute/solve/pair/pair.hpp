@@ -115,7 +115,7 @@ using SampleSink = std::function<void(const Sample&)>;
 
 /// Part of a plan's identity: raise it whenever the same inputs give other samples, so that a journal never mixes
 /// solves of two programs.
-inline constexpr int kSolverRevision = 22;
+inline constexpr int kSolverRevision = 23;
 
 /// Solves a contact along `path`. A solve that fails a gate or finds no equilibrium is tried again on finer meshes,
 /// then on the finest with a stiffer penalty, with multipliers and with a log barrier, until one reaches no deeper than
