@@ -166,12 +166,12 @@ void write_manifest(Pipeline& p) {
     if (old == text) return;
     // A folder that an earlier program baked has the same pairs, another hash of their mesh (a solve depends on its
     // pair alone), and a scene's text with other defaults.
-    const Hash128 mesh = kept_manifest(old, p.paths.manifest).inputs.haptic_mesh;
+    const bake::PlanInputs kept = kept_manifest(old, p.paths.manifest).inputs;
     std::vector<std::string> scenes = earlier_canonical_texts(p.scene);
     scenes.insert(scenes.begin(), canonical_text(p.scene, CanonicalScope::solves));
     for (const std::string& scene : scenes) {
       bake::Plan earlier = p.plan;
-      earlier.inputs.haptic_mesh = mesh;
+      earlier.inputs.haptic_mesh = kept.haptic_mesh;
       earlier.inputs.scene = hash128(scene);
       if (bake::manifest_text(earlier) != old) continue;
       p.plan = std::move(earlier);
@@ -179,9 +179,12 @@ void write_manifest(Pipeline& p) {
       return;
     }
     if (has_samples(p.paths)) {
-      throw Error(ExitCode::bad_input, p.paths.work.string() +
-                                           ": holds samples of another plan (scene, surfaces or tools have changed "
-                                           "since); remove this folder or choose another one by --work");
+      const int now = p.plan.inputs.solver;
+      const std::string other = kept.solver == now ? "plan (scene, surfaces or tools have changed since)"
+                                                   : "solver (revision " + std::to_string(kept.solver) +
+                                                         "; this program has " + std::to_string(now) + ": bake again)";
+      throw Error(ExitCode::bad_input, p.paths.work.string() + ": holds samples of another " + other +
+                                           "; remove this folder or choose another one by --work");
     }
   }
   write_file(p.paths.manifest, text);

@@ -212,6 +212,27 @@ TEST_F(SlabPipeline, ASolvedPlanIsNotOverwritten) {
   }
 }
 
+TEST_F(SlabPipeline, SamplesOfAnotherSolverAreNotTakenForThoseOfThisOne) {
+  std::filesystem::path manifest;
+  {
+    const Pipeline p = open("work");
+    Journal(p.paths.journal, p.manifest).append(0, Sample{});
+    manifest = p.paths.manifest;
+  }
+  std::string text = read_file(manifest, "manifest", 1 << 24);
+  const std::string now = "\"solver\": " + std::to_string(solve::kSolverRevision);
+  ASSERT_NE(text.find(now), std::string::npos);
+  text.replace(text.find(now), now.size(), "\"solver\": 1");
+  write_file(manifest, text);
+  try {
+    static_cast<void>(open("work"));
+    FAIL() << "the samples would be mixed with other ones";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::bad_input);
+    EXPECT_NE(std::string(error.what()).find("another solver (revision 1;"), std::string::npos) << error.what();
+  }
+}
+
 // A solve depends on the content of the files, not on their names: a changed image or centreline is another plan.
 TEST_F(SlabPipeline, AChangedLabelImageOrCentrelineIsAnotherPlan) {
   const Eigen::Vector3d centre(0, 0, 0.01);

@@ -116,10 +116,8 @@ TEST(Damage, AnotherVersionIsRefusedByItsNumber) {
     mend(bytes);
     return View::open(bytes.data(), bytes.size()).error;
   };
-  EXPECT_EQ(message(3),
-            "version 3; this reader reads version 4: fit it again from its journal with `palpate fit SCENE`");
-  EXPECT_EQ(message(1),
-            "version 1; this reader reads version 4: fit it again from its journal with `palpate fit SCENE`");
+  EXPECT_EQ(message(3), "version 3; this reader reads version 4: make it again with `palpate build SCENE`");
+  EXPECT_EQ(message(1), "version 1; this reader reads version 4: make it again with `palpate build SCENE`");
   EXPECT_EQ(message(5), "version 5; this reader reads version 4: a newer Palpate wrote it");
   EXPECT_EQ(message(4), "");
 }

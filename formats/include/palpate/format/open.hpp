@@ -28,9 +28,9 @@ inline bool check_header(const View& v, bool trusted, Fault& fault) {
     return fault.fail("wrong byte order: response files are little-endian, this file is big-endian");
   }
   if (h.version != layout::kVersion) {
-    return fault.fail("version %; this reader reads version %: %", h.version, layout::kVersion,
-                      h.version < layout::kVersion ? "fit it again from its journal with `palpate fit SCENE`"
-                                                   : "a newer Palpate wrote it");
+    return fault.fail(
+        "version %; this reader reads version %: %", h.version, layout::kVersion,
+        h.version < layout::kVersion ? "make it again with `palpate build SCENE`" : "a newer Palpate wrote it");
   }
   if (h.file_size != v.size) {
     return fault.fail("%: the header gives % bytes, the file has %", h.file_size > v.size ? "truncated" : "trailing bytes",
