@@ -68,16 +68,10 @@ public:
   explicit TreeBuilder(const ResponseFileContent& c)
       : triangles_(c.surface_triangles), left_(c.surface_triangles.size()) {
     // Boxes are of the vertices as they are stored, as floats.
-    float lower[3] = {HUGE_VALF, HUGE_VALF, HUGE_VALF}, upper[3] = {-HUGE_VALF, -HUGE_VALF, -HUGE_VALF};
     for (const Triple& p : c.surface_vertices) {
-      layout::Point& point = points_.emplace_back();
-      for (int k = 0; k < 3; ++k) {
-        point.xyz[k] = static_cast<float>(p[k]);
-        lower[k] = std::min(lower[k], point.xyz[k]);
-        upper[k] = std::max(upper[k], point.xyz[k]);
-      }
+      points_.push_back({{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])}});
     }
-    grid = layout::grid_over(lower, upper);
+    grid = layout::grid_over(points_.data(), points_.size());
     std::vector<Triple> centres;
     for (const ResponseTriangle& t : c.surface_triangles) {
       Triple centre{0, 0, 0};

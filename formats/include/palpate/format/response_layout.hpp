@@ -264,12 +264,18 @@ inline constexpr double grid_position(const SearchGrid& grid, int axis, std::uin
   return double{grid.origin[axis]} + double{grid.unit} * coordinate;
 }
 
-/// The finest grid over a box (m).
-inline SearchGrid grid_over(const float (&lower)[3], const float (&upper)[3]) {
+/// The finest grid over points, of which there is at least one.
+inline SearchGrid grid_over(const Point* points, std::size_t count) {
   constexpr double kSteps = 65533;  // of 65535: rounding must not lead beyond the last
-  SearchGrid grid{{lower[0], lower[1], lower[2]}, 1e-30f};
+  SearchGrid grid{{points->xyz[0], points->xyz[1], points->xyz[2]}, 1e-30f};
   for (int axis = 0; axis < 3; ++axis) {
-    const auto unit = static_cast<float>((double{upper[axis]} - double{lower[axis]}) / kSteps);
+    float upper = grid.origin[axis];
+    for (std::size_t i = 1; i < count; ++i) {
+      const float x = points[i].xyz[axis];
+      if (x < grid.origin[axis]) grid.origin[axis] = x;
+      if (x > upper) upper = x;
+    }
+    const auto unit = static_cast<float>((double{upper} - double{grid.origin[axis]}) / kSteps);
     if (unit > grid.unit) grid.unit = unit;
   }
   return grid;

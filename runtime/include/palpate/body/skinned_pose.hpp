@@ -275,15 +275,7 @@ private:
   /// backwards.
   void refit(const layout::Point* vertices, layout::SearchNode* nodes, layout::SearchGrid& grid) const {
     if (view_->search == nullptr) return;
-    float lower[3] = {HUGE_VALF, HUGE_VALF, HUGE_VALF}, upper[3] = {-HUGE_VALF, -HUGE_VALF, -HUGE_VALF};
-    for (std::uint32_t v = 0; v < view_->meta->vertex_count; ++v) {
-      for (int k = 0; k < 3; ++k) {
-        const float x = vertices[v].xyz[k];
-        lower[k] = x < lower[k] ? x : lower[k];
-        upper[k] = x > upper[k] ? x : upper[k];
-      }
-    }
-    grid = layout::grid_over(lower, upper);
+    grid = layout::grid_over(vertices, view_->meta->vertex_count);
     for (std::uint32_t i = view_->meta->search_nodes; i-- > 0;) {
       layout::SearchNode& node = nodes[i];
       node = layout::kEmptyNode;
