@@ -271,15 +271,51 @@ TEST(JointContacts, AToolAloneHasItsOwnForce) {
   }
 }
 
-TEST(JointContacts, AFaultIsTheFaultOfTheSetAndTheNextTickBeginsAnew) {
+// The forces of the others are those without the tool whose tracker is lost.
+TEST(JointContacts, AFaultOfOneToolIsItsOwnAlone) {
+  for (const bool friction : {false, true}) {
+    const Opened file(box(friction));
+    ToolSet<3> tools(file.view, {0, 0, 0}), without(file.view, {0, 0, 0});
+    for (int k = 0; k <= 440; ++k) {
+      const double z = std::min(0.002, -0.001 + 0.003 * k / 400);
+      std::array poses{upright(centre(z, -0.0025)), upright(centre(z, 0.0025)), upright(centre(-0.1, 0))};
+      const auto right = without.tick(poses);
+      const bool lost = k > 300 && k % 4 != 0;
+      if (lost) poses[2].translation.x = std::numeric_limits<double>::quiet_NaN();
+      const auto ticks = tools.tick(poses);
+      EXPECT_EQ(ticks[2].state, lost ? State::fault : State::free);
+      for (int tool : {0, 1}) EXPECT_EQ(length(ticks[tool].force - right[tool].force), 0);
+    }
+  }
+}
+
+// A pressed tool whose tracker is lost no longer dents the body for the other.
+TEST(JointContacts, TheOtherToolIsAloneAfterAFault) {
   const Opened file(box(false));
   ToolSet<2> tools(file.view, {0, 0});
   press(tools, 0.002, 0.005);
   Pose bad = upright(centre(0.002));
   bad.translation.x = std::numeric_limits<double>::quiet_NaN();
-  const auto ticks = tools.tick({bad, upright(centre(0.002, 0.0025))});
+  const Pose other = upright(centre(0.002, 0.0025));
+  const auto ticks = tools.tick({bad, other});
   EXPECT_EQ(ticks[0].state, State::fault);
-  EXPECT_TRUE(finite(tools.tick({upright(centre(0.002, -0.0025)), upright(centre(0.002, 0.0025))})[1].force));
+  EXPECT_EQ(length(ticks[0].force), 0);
+  for (int k = 0; k < 5; ++k) {
+    const double force = length(tools.tick({bad, other})[1].force);
+    EXPECT_LE(force, 1.001 * hertz(0.002));
+    EXPECT_GT(force, 0.5 * hertz(0.002));
+  }
+}
+
+TEST(JointContacts, AFaultOfTheBodyForgetsAll) {
+  const Opened file(box(false));
+  ToolSet<2> tools(file.view, {0, 0});
+  press(tools, 0.002, 0.005);
+  Pose bad;
+  bad.translation.x = std::numeric_limits<double>::quiet_NaN();
+  const std::array poses{upright(centre(0.002, -0.0025)), upright(centre(0.002, 0.0025))};
+  for (const Tick& tick : tools.tick(poses, runtime::RigidMotion{&file.view, bad})) EXPECT_EQ(tick.state, State::fault);
+  for (const Tick& tick : tools.tick(poses)) EXPECT_TRUE(finite(tick.force));
 }
 
 }  // namespace

@@ -59,7 +59,13 @@ public:
     double c[9];
     half_space::compliance(from.place, to.place, view_->compliance->poisson, view_->compliance->rounding, c);
     add_modes(from, to, c);
-    return {{{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}}};
+    return matrix(c);
+  }
+  /// The part of it that the half-space gives.
+  [[nodiscard]] Matrix3 of_half_space(const CompliancePoint& from, const CompliancePoint& to) const {
+    double c[9];
+    half_space::compliance(from.place, to.place, view_->compliance->poisson, view_->compliance->rounding, c);
+    return matrix(c);
   }
   [[nodiscard]] Matrix3 between(const BodyPoint& from, const BodyPoint& to) const {
     CompliancePoint a, b;
@@ -82,10 +88,11 @@ public:
       for (int j = 0; j < 3; ++j) c[3 * i + j] = scale * ((i == j ? 2 - nu : 0) - nu * n[i] * n[j]);
     }
     add_modes(at, at, c);
-    return {{{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}}};
+    return matrix(c);
   }
 
 private:
+  static Matrix3 matrix(const double (&c)[9]) { return {{{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}}}; }
   void add_modes(const CompliancePoint& from, const CompliancePoint& to, double (&c)[9]) const {
     const std::uint32_t count = view_->compliance->modes, positive = count - view_->compliance->negative;
     add(0, positive, 1, from, to, c);

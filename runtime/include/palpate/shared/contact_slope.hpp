@@ -13,7 +13,7 @@ struct ContactSlope {
   /// Least share of the tangential stiffness that a contact counts with; 0 would never grow again.
   static constexpr double kLeastGrip = 1e-3;
 
-  Vec3 n{0, 0, 1};
+  Vec3 n{0, 0, 1}, axis{1, 0, 0};
   double normal = 0, across = 0;
 
   ContactSlope() = default;
@@ -24,14 +24,23 @@ struct ContactSlope {
     if (!state.touching || !state.blended || !(state.counted_depth > 0)) return;
     const ResponseAtDepth r = contact.response().law().at(state.counted_depth);
     n = state.place.normal;
+    axis = state.place.axis;
     normal = std::sqrt(state.factor * larger(0, r.normal_slope));
     if (contact.response().law().has_friction()) across = std::sqrt(state.factor * grip * larger(0, r.stiffness.m));
   }
 
-  /// The root of the slope times a vector.
+  /// The slope K times a vector.
   [[nodiscard]] Vec3 times(const Vec3& v) const {
-    const double along = dot(n, v);
-    return across * v + (normal - across) * along * n;
+    const double square = across * across;
+    return square * v + ((normal * normal - square) * dot(n, v)) * n;
+  }
+
+  /// R with K = R R^T has so many columns: none without contact, one without friction.
+  [[nodiscard]] int columns() const { return !(normal > 0) ? 0 : across > 0 ? 3 : 1; }
+  /// sqrt(N/m), column `i` of R.
+  [[nodiscard]] Vec3 column(int i) const {
+    if (i == 0) return normal * n;
+    return across * (i == 1 ? axis : cross(n, axis));
   }
 
   /// Learns `grip`, with which this slope was made, from a motion `way` (m) of the tool that changed the force by

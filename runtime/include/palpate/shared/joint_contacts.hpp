@@ -79,6 +79,7 @@ public:
           slope_[k].n = contacts[k].state().place.normal;
           slope_[k].learn_grip(shift_[k] - looked_[k], force_[k] - force[k], grip_[k]);
         }
+        slope_[k] = ContactSlope(contacts[k], grip_[k]);
         looked_[k] = shift_[k];
       }
     };
@@ -88,9 +89,7 @@ public:
       const Contacts before = contacts;
       for (;;) {
         look();
-        for (const Tick& tick : ticks) {
-          if (tick.state == State::fault) return reset(), ticks;
-        }
+        if (forget_faults(ticks)) return reset(), ticks;
         meet(contacts, ticks);
         balanced_ = improve(contacts);
         if (balanced_ || looks_ == JointConstants::kLooks) break;
@@ -120,15 +119,16 @@ private:
     for (std::size_t k = 0; k < kCount; ++k) pressing += contacts[k].state().touching;
     coupled_ = pressing > 0;
     if (!coupled_) {
-      for (std::size_t k = 0; k < kCount; ++k) {
-        shift_[k] = force_[k] = drag_[k] = {};
-        known_[k] = false;
-      }
+      for (std::size_t k = 0; k < kCount; ++k) forget(k);
       account_ = 0;
       return;
     }
     std::array<Vec3, kCount> moved{};
     for (std::size_t k = 0; k < kCount; ++k) {
+      if (!tools[k].valid()) {
+        forget(k);
+        continue;
+      }
       const ContactState& state = contacts[k].state();
       // A tool that has left the body walks on over the surface, so that it comes back to the dented one.
       if (state.touching) {
@@ -137,7 +137,6 @@ private:
         place(k, local_closest_point(*view_, at_[k], inverse(frame_of(at_[k])).apply(tools[k].apply(point_[k]))));
       }
       if (!state.touching) grip_[k] = 1;
-      slope_[k] = ContactSlope(contacts[k], grip_[k]);
       if (state.touching) moved[k] = frame_of(at_[k]).unrotate(tools[k].apply(point_[k]) - last_[k].apply(point_[k]));
     }
     update();
@@ -145,10 +144,29 @@ private:
     std::array<Vec3, kCount> residual = residuals();
     for (std::size_t k = 0; k < kCount; ++k) {
       for (std::size_t j = 0; j < kCount; ++j) {
-        if (j != k) residual[k] = residual[k] - used_[pair(k, j)] * slope_[j].times(slope_[j].times(moved[j]));
+        if (j != k) residual[k] = residual[k] - used_[pair(k, j)] * slope_[j].times(moved[j]);
       }
     }
     step(contacts, residual);
+  }
+
+  /// Leaves contact k out until it touches again.
+  void forget(std::size_t k) {
+    shift_[k] = force_[k] = drag_[k] = {};
+    slope_[k] = {};
+    grip_[k] = 1;
+    known_[k] = false;
+  }
+
+  /// Forgets the contacts whose tick is a fault; true where all are, which a fault of the body makes.
+  bool forget_faults(const std::array<Tick, kCount>& ticks) {
+    std::size_t faults = 0;
+    for (std::size_t k = 0; k < kCount; ++k) {
+      if (ticks[k].state != State::fault) continue;
+      forget(k);
+      ++faults;
+    }
+    return faults == kCount;
   }
 
   void place(std::size_t k, const Location& here) {
@@ -207,7 +225,6 @@ private:
 
   /// True where the displacements are in balance with the forces; else improves them.
   bool improve(const Contacts& contacts) {
-    for (std::size_t k = 0; k < kCount; ++k) slope_[k] = ContactSlope(contacts[k], grip_[k]);
     const std::array<Vec3, kCount> residual = residuals();
     double most = 0;
     for (const Vec3& f : force_) most = larger(most, length(f));
@@ -222,88 +239,91 @@ private:
     return good;
   }
 
-  /// s += (I + C K)^-1 residual, by the Cholesky factor of I + K^1/2 C K^1/2.
+  /// s += (I + C K)^-1 residual, with K = R R^T of all contacts: s += residual - C R y, (I + R^T C R) y = R^T residual.
   void step(const Contacts& contacts, const std::array<Vec3, kCount>& residual) {
-    std::size_t index[kCount], count = 0;
+    Vec3 column[kSize];     // sqrt(N/m), columns of R
+    std::size_t of[kSize];  // the contact of each
+    std::size_t size = 0;
     for (std::size_t k = 0; k < kCount; ++k) {
-      if (slope_[k].normal > 0) index[count++] = k;
-    }
-    double coupling[kSize][kSize] = {};
-    for (std::size_t a = 0; a < count; ++a) {
-      for (std::size_t b = 0; b < a; ++b) {
-        const Matrix3& c = used_[pair(index[a], index[b])];
-        const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-        for (std::size_t j = 0; j < 3; ++j) {
-          const Vec3 column = slope_[index[a]].times(c * slope_[index[b]].times(axes[j]));
-          coupling[3 * a][3 * b + j] = column.x;
-          coupling[3 * a + 1][3 * b + j] = column.y;
-          coupling[3 * a + 2][3 * b + j] = column.z;
-        }
+      for (int i = 0; i < slope_[k].columns(); ++i) {
+        of[size] = k;
+        column[size++] = slope_[k].column(i);
       }
     }
-    double factor[kSize][kSize];
+    double coupling[kSize][kSize] = {};  // R^T C R; its part above the diagonal
+    for (std::size_t b = 0; b < size; ++b) {
+      Vec3 moved;
+      for (std::size_t a = 0; of[a] != of[b]; ++a) {
+        if (a == 0 || of[a] != of[a - 1]) moved = used_[pair(of[a], of[b])] * column[b];
+        coupling[a][b] = dot(column[a], moved);
+      }
+    }
+    Factor factor;
     share_ = 1;
-    if (!factorise(coupling, 3 * count, share_, factor)) {
+    if (!factor.make(coupling, size, share_)) {
       double low = 0, high = 1;
       for (int i = 0; i < JointConstants::kBisections; ++i) {
         const double middle = 0.5 * (low + high);
-        (factorise(coupling, 3 * count, middle, factor) ? low : high) = middle;
+        (factor.make(coupling, size, middle) ? low : high) = middle;
       }
       share_ = low;
-      factorise(coupling, 3 * count, share_, factor);
+      factor.make(coupling, size, share_);
     }
     double y[kSize];
-    for (std::size_t a = 0; a < count; ++a) {
-      const Vec3 right = slope_[index[a]].times(residual[index[a]]);
-      y[3 * a] = right.x;
-      y[3 * a + 1] = right.y;
-      y[3 * a + 2] = right.z;
-    }
-    solve(factor, 3 * count, y);
+    for (std::size_t a = 0; a < size; ++a) y[a] = dot(column[a], residual[of[a]]);
+    factor.solve(size, y);
+    std::array<Vec3, kCount> change{};  // N, R y
+    for (std::size_t a = 0; a < size; ++a) change[of[a]] = change[of[a]] + y[a] * column[a];
     for (std::size_t k = 0; k < kCount; ++k) {
       Vec3 ds = residual[k];
-      for (std::size_t b = 0; b < count; ++b) {
-        const std::size_t j = index[b];
-        if (j == k || !known_[k]) continue;
-        ds = ds - share_ * (used_[pair(k, j)] * slope_[j].times({y[3 * b], y[3 * b + 1], y[3 * b + 2]}));
+      for (std::size_t j = 0; j < kCount; ++j) {
+        if (j != k && known_[k]) ds = ds - share_ * (used_[pair(k, j)] * change[j]);
       }
       const double reach = JointConstants::kMostShift * contacts[k].size(view_->meta->depth_scale), way = length(ds);
       shift_[k] = shift_[k] + (way > reach ? reach / way : 1) * ds;
     }
   }
 
-  /// Lower Cholesky factor of I + share coupling; false where a pivot is below kLeastPivot.
-  static bool factorise(const double (&coupling)[kSize][kSize], std::size_t size, double share,
-                        double (&factor)[kSize][kSize]) {
-    for (std::size_t i = 0; i < size; ++i) {
-      for (std::size_t j = 0; j <= i; ++j) {
-        double sum = i == j ? 1 : share * coupling[i][j];
-        for (std::size_t k = 0; k < j; ++k) sum -= factor[i][k] * factor[j][k];
-        if (i == j) {
-          if (!(sum >= JointConstants::kLeastPivot)) return false;
-          factor[i][i] = std::sqrt(sum);
-        } else {
-          factor[i][j] = sum / factor[j][j];
+  /// Factors of I + share coupling = L D L^T, of which `row` holds D L^T.
+  struct Factor {
+    double row[kSize][kSize];
+    double inverse[kSize];  ///< of D
+
+    /// False where a pivot is below kLeastPivot.
+    bool make(const double (&coupling)[kSize][kSize], std::size_t size, double share) {
+      for (std::size_t i = 0; i < size; ++i) {
+        row[i][i] = 1;
+        for (std::size_t j = i + 1; j < size; ++j) row[i][j] = share * coupling[i][j];
+      }
+      for (std::size_t k = 0; k < size; ++k) {
+        if (!(row[k][k] >= JointConstants::kLeastPivot)) return false;
+        inverse[k] = 1 / row[k][k];
+        for (std::size_t i = k + 1; i < size; ++i) {
+          const double factor = inverse[k] * row[k][i];
+          for (std::size_t j = i; j < size; ++j) row[i][j] -= factor * row[k][j];
         }
       }
+      return true;
     }
-    return true;
-  }
-  static void solve(const double (&factor)[kSize][kSize], std::size_t size, double (&y)[kSize]) {
-    for (std::size_t i = 0; i < size; ++i) {
-      for (std::size_t k = 0; k < i; ++k) y[i] -= factor[i][k] * y[k];
-      y[i] /= factor[i][i];
+    void solve(std::size_t size, double (&y)[kSize]) const {
+      for (std::size_t k = 0; k < size; ++k) {
+        y[k] *= inverse[k];
+        for (std::size_t i = k + 1; i < size; ++i) y[i] -= row[k][i] * y[k];
+      }
+      for (std::size_t k = size; k-- > 0;) {
+        double sum = 0;
+        for (std::size_t i = k + 1; i < size; ++i) sum += row[k][i] * y[i];
+        y[k] -= inverse[k] * sum;
+      }
     }
-    for (std::size_t i = size; i-- > 0;) {
-      for (std::size_t k = i + 1; k < size; ++k) y[i] -= factor[k][i] * y[k];
-      y[i] /= factor[i][i];
-    }
-  }
+  };
 
   /// Adds the drag of the dents, books the work of the slip, and keeps the tools' poses.
   template <class FrameOf>
   void end(const Contacts& contacts, const std::array<Pose, kCount>& tools, const FrameOf& frame_of,
            std::array<Tick, kCount>& ticks) {
+    const bool friction = layout::has_friction(*view_->meta);
+    const std::array<Vec3, kCount> drag = friction || !coupled_ ? std::array<Vec3, kCount>{} : drags(contacts);
     for (std::size_t k = 0; k < kCount; ++k) {
       Tick& tick = ticks[k];
       last_[k] = tools[k];
@@ -315,9 +335,8 @@ private:
       const Pose rotation = frame_of(at_[k]);
       tick.tool_point = tick.tool_point - rotation.rotate(shift_[k]);
       const Vec3 slid = known_[k] ? state.place.body_point.point - here_[k] : Vec3{};
-      const bool friction = contacts[k].response().law().has_friction();
       const Vec3 before = friction ? tangential(state.applied.force, state.place.normal) : drag_[k];
-      drag_[k] = friction ? Vec3{} : drag(k, state.place.normal);
+      drag_[k] = drag[k];
       const Vec3 after = friction ? before : drag_[k];
       if (coupled_) account_ += friction ? larger(0, -dot(after, slid)) : -0.5 * dot(before + after, slid);
       const Vec3 force = rotation.rotate(drag_[k]);
@@ -328,19 +347,19 @@ private:
     if (account_ < 0) account_ = 0;
   }
 
-  /// The part of g that the half-space's 1 / rho gives, across n.
-  [[nodiscard]] Vec3 drag(std::size_t k, const Vec3& n) const {
-    Vec3 sum;
-    if (!coupled_ || !known_[k]) return sum;
+  /// The part of g that the half-space's 1 / rho gives, across the contacts' normals.
+  [[nodiscard]] std::array<Vec3, kCount> drags(const Contacts& contacts) const {
+    std::array<Vec3, kCount> sum{};
     const double rounding = view_->compliance->rounding;
-    for (std::size_t j = 0; j < kCount; ++j) {
-      if (j == k || !known_[j] || !(dot(force_[j], force_[j]) > 0)) continue;
-      const Vec3 apart = here_[k] - here_[j];
-      double c[9];
-      half_space::compliance(part_[j].place, part_[k].place, view_->compliance->poisson, rounding, c);
-      const Matrix3 closed{{{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}}};
-      const double q = share_ * dot(force_[k], closed * force_[j]);
-      sum = sum - (q / (dot(apart, apart) + rounding * rounding)) * tangential(apart, n);
+    for (std::size_t k = 0; k < kCount; ++k) {
+      for (std::size_t j = 0; j < k; ++j) {
+        if (!known_[k] || !known_[j] || !(dot(force_[k], force_[k]) > 0) || !(dot(force_[j], force_[j]) > 0)) continue;
+        const Vec3 apart = here_[k] - here_[j];
+        const double q = share_ * dot(force_[k], compliance_.of_half_space(part_[j], part_[k]) * force_[j]);
+        const Vec3 pull = (q / (dot(apart, apart) + rounding * rounding)) * apart;
+        sum[k] = sum[k] - tangential(pull, contacts[k].state().place.normal);
+        sum[j] = sum[j] + tangential(pull, contacts[j].state().place.normal);
+      }
     }
     return sum;
   }
