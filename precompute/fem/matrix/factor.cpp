@@ -3,12 +3,12 @@
 #include "precompute/fem/matrix/factor.hpp"
 
 #include "formats/io/error.hpp"
+#include "precompute/fem/matrix/ordering.hpp"
 #include "precompute/fem/matrix/single_cholesky.hpp"
 
 #include <cholmod.h>
 #include <cstdio>
 #include <limits>
-#include <mutex>
 #include <new>
 #include <optional>
 #include <vector>
@@ -21,13 +21,6 @@ using Eigen::VectorXd;
 
 // Relative error up to which a solve in single precision preconditions as well as one in double.
 constexpr double kSingleError = 0.02;
-
-// METIS seeds and draws from the process's one rand(): two threads ordering at once would mix their draws, and
-// the order of elimination (so the last bits of every solve) would depend on the scheduler.
-std::mutex& ordering() {
-  static std::mutex mutex;
-  return mutex;
-}
 
 cholmod_sparse view_of(const Factor::Matrix& lower) {
   cholmod_sparse view{};
@@ -123,10 +116,7 @@ MatrixXd Factor::Impl::solve(const MatrixXd& b) const {
 
 Factor::Factor(const Matrix& lower, double most_bytes) : impl_(std::make_unique<Impl>()) {
   cholmod_sparse view = view_of(lower);
-  {
-    const std::scoped_lock lock(ordering());
-    impl_->factor = cholmod_analyze(&view, &impl_->common);
-  }
+  impl_->factor = order_and_analyse(view, impl_->common);
   if (impl_->factor == nullptr) throw std::bad_alloc();
   const double bytes = static_cast<double>(impl_->factor->xsize) * (sizeof(float) + sizeof(double));
   if (bytes > most_bytes) {

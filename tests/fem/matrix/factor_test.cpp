@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/SparseCholesky>
+#include <csignal>
 #include <random>
 
 namespace palpate::fem {
@@ -89,6 +90,19 @@ TEST_F(Stiffness, AnIndefiniteMatrixHasNoFactor) {
   const auto good = at(0.49, rest);
   EXPECT_TRUE(factor.factorise(good, b)) << "the next one is not spoilt by it";
   EXPECT_LT((good.selfadjointView<Eigen::Lower>() * factor.solve(b) - b).norm(), 1e-3 * b.norm());
+}
+
+TEST_F(Stiffness, OrderingLeavesSignalHandlersAsTheyAre) {
+  struct sigaction ours = {}, before = {}, after = {};
+  ours.sa_handler = [](int) {};
+  ours.sa_flags = SA_RESTART;
+  for (const int signal : {SIGTERM, SIGABRT}) {
+    ASSERT_EQ(sigaction(signal, &ours, &before), 0);
+    const Factor factor(at(0.3, rest));
+    ASSERT_EQ(sigaction(signal, &before, &after), 0);
+    EXPECT_EQ(after.sa_handler, ours.sa_handler);
+    EXPECT_EQ(after.sa_flags & (SA_RESTART | SA_NODEFER | SA_RESETHAND), SA_RESTART) << "it was installed again";
+  }
 }
 
 }  // namespace
