@@ -66,12 +66,35 @@ bake::Manifest kept_manifest(const std::string& text, const std::filesystem::pat
   }
 }
 
-/// Throws where a file of the work folder or the result would be written over a file that the scene is made of.
-void check_outputs(const Pipeline& p, const std::filesystem::path& scene_file) {
+/// The scene as it is read, and its paths.
+Pipeline read_pipeline(const std::filesystem::path& scene_file, const Options& options) {
+  Pipeline p;
+  p.scene = read_scene(scene_file);
+  p.scene_sources = read_sources(scene_file);
+  const std::filesystem::path beside = scene_file.parent_path();
+  p.paths.work = options.work.empty() ? beside / (file_name(p.scene) + ".work") : options.work;
+  p.paths.response = options.response.empty() ? beside / (file_name(p.scene) + ".palp") : options.response;
+  p.paths.manifest = p.paths.work / "manifest.json";
+  p.paths.samples = p.paths.work / "samples.journal";
+  p.paths.shards = p.paths.work / "shards";
+  p.shard = options.shard;
+  p.paths.journal = p.shard ? p.paths.shards / (p.shard->name() + ".journal") : p.paths.samples;
+  p.paths.bake = p.shard ? p.paths.shards / (p.shard->name() + ".json") : p.paths.work / "bake.json";
+  for (const std::filesystem::path& file : options.measured) p.scene_sources.measured.push_back({file, {}, 0.0});
+  return p;
+}
+
+/// Files that the scene is made of.
+std::vector<std::filesystem::path> inputs_of(const Pipeline& p, const std::filesystem::path& scene_file) {
   std::vector<std::filesystem::path> inputs = files_of(p.scene);
   inputs.push_back(scene_file);
   for (const MeasuredScene& measured : p.scene_sources.measured) inputs.push_back(measured.file);
-  refuse_same({p.paths.manifest, p.paths.samples, p.paths.bake, p.paths.response}, inputs);
+  return inputs;
+}
+
+/// Files that the pipeline writes.
+std::vector<std::filesystem::path> outputs_of(const Paths& paths) {
+  return {paths.manifest, paths.samples, paths.bake, paths.response};
 }
 
 /// In [0, 1), the same for a pair whatever else is planned (the mixing of splitmix64, Steele et al. 2014).
@@ -124,20 +147,8 @@ void save_seconds(const Pipeline& pipeline, double seconds) {
 }  // namespace
 
 Pipeline prepare(const std::filesystem::path& scene_file, const Options& options) {
-  Pipeline p;
-  p.scene = read_scene(scene_file);
-  p.scene_sources = read_sources(scene_file);
-  const std::filesystem::path beside = scene_file.parent_path();
-  p.paths.work = options.work.empty() ? beside / (file_name(p.scene) + ".work") : options.work;
-  p.paths.response = options.response.empty() ? beside / (file_name(p.scene) + ".palp") : options.response;
-  p.paths.manifest = p.paths.work / "manifest.json";
-  p.paths.samples = p.paths.work / "samples.journal";
-  p.paths.shards = p.paths.work / "shards";
-  p.shard = options.shard;
-  p.paths.journal = p.shard ? p.paths.shards / (p.shard->name() + ".journal") : p.paths.samples;
-  p.paths.bake = p.shard ? p.paths.shards / (p.shard->name() + ".json") : p.paths.work / "bake.json";
-  for (const std::filesystem::path& file : options.measured) p.scene_sources.measured.push_back({file, {}, 0.0});
-  check_outputs(p, scene_file);
+  Pipeline p = read_pipeline(scene_file, options);
+  refuse_same(outputs_of(p.paths), inputs_of(p, scene_file));
   for (const ToolScene& tool : p.scene.tools) p.tools.push_back(tool::make_tool(tool));
   p.automatic = !(p.scene.sampling.spacing > 0);
   p.body = prepare_body(p.scene);
@@ -148,6 +159,13 @@ Pipeline prepare(const std::filesystem::path& scene_file, const Options& options
   // Recordings and laws stand at sites that are known before.
   p.automatic = p.automatic && p.scene_sources.measured.empty() && p.scene_sources.analytic.empty();
   return p;
+}
+
+std::vector<std::filesystem::path> files_of(const std::filesystem::path& scene_file, const Options& options) {
+  const Pipeline p = read_pipeline(scene_file, options);
+  std::vector<std::filesystem::path> files = inputs_of(p, scene_file);
+  for (std::filesystem::path& file : outputs_of(p.paths)) files.push_back(std::move(file));
+  return files;
 }
 
 void find_pairs(Pipeline& p) {

@@ -61,6 +61,10 @@ struct Pipeline {
 /// apply_prestress and make_tool do, and Error(usage) where one of the paths is a file that is read.
 Pipeline prepare(const std::filesystem::path& scene_file, const Options& options = {});
 
+/// Every file that belongs to a scene: the scene itself, those that it is made of and those that its pipeline writes,
+/// there or not. Throws as read_scene does. No other result may be written over one of them: see refuse_same().
+std::vector<std::filesystem::path> files_of(const std::filesystem::path& scene_file, const Options& options = {});
+
 /// Makes the plan and finds which of its pairs are recorded or follow a law (find_sources); nothing is written.
 void find_pairs(Pipeline& pipeline);
 

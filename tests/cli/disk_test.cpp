@@ -89,6 +89,22 @@ TEST_F(Disk, WhereTheResponseFileCannotBeIsFoundBeforeTheBake) {
   EXPECT_FALSE(std::filesystem::exists(folder() / "scene.work"));
 }
 
+TEST_F(Disk, WhereAPlotCannotBeIsFoundBeforeTheWork) {
+  write_response_file(folder() / "ball.palp", encode(ball_content()));
+  write("slab.toml", "[body]\nsurface = \"none.ply\"\n");
+  std::filesystem::create_directory(folder() / "plots");
+  std::vector<Arguments> commands{{"verify", "slab.toml"}, {"verify", "ball.palp", "--samples", "none.json"}};
+  if (listed_commands().count("bench") > 0) commands.push_back({"bench", "ball.palp", "--seconds", "10"});
+  if (listed_commands().count("drive") > 0) commands.push_back({"drive", "ball.palp", "--device", "sim"});
+  for (Arguments arguments : commands) {
+    arguments.insert(arguments.end(), {"--plot", "plots"});
+    expect_failure(run(arguments, {.time_limit = 30}), 4, {"plots: cannot be written: Is a directory"});
+    arguments.back() = "none/plot.svg";
+    expect_failure(run(arguments, {.time_limit = 30}), 4, {"none/plot.svg: cannot be written: No such file"});
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder() / "ball.palprun"));
+}
+
 TEST_F(Disk, AManifestThatCannotBeLookedAtIsAnInputOutputFailure) {
   ASSERT_EQ(run({"synth", "slab", "--out", "."}).exit_code, 0);
   std::filesystem::create_directory(folder() / "work");

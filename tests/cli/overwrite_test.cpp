@@ -59,6 +59,25 @@ TEST_F(Overwrite, NothingThatIsRead) {
   expect_refused({"verify", "scene.toml", "--count", "1", "--report", "body.off"}, {"body.off"});
   expect_refused({"verify", "scene.toml", "--slide", "--report", "body.off"}, {"body.off"});
   expect_refused({"verify", "scene.toml", "--report", "scene.work/samples.journal"}, {"samples.journal"});
+  for (const std::vector<std::string>& kind :
+       std::vector<std::vector<std::string>>{{"--slide"}, {"--two-tips"}, {"--shape"}, {"--together", "2"}}) {
+    for (const char* input : {"scene.toml", "scene.palp", "scene.work/samples.journal"}) {
+      Arguments arguments{"verify", "scene.toml", "--report", input};
+      arguments.insert(arguments.end(), kind.begin(), kind.end());
+      expect_refused(arguments, {input, "written over"});
+    }
+  }
+  for (const char* input : {"scene.toml", "body.off", "scene.palp", "scene.work/samples.journal"}) {
+    expect_refused({"verify", "scene.toml", "--plot", input}, {input, "written over"});
+    expect_refused({"plan", "scene.toml", "--plot", input}, {input, "written over"});
+    expect_refused({"export", "scene.toml", "--solved", input}, {input, "written over"});
+    if (listed_commands().count("report") == 0) continue;
+    expect_refused({"report", "scene.toml", "--quick", "--page", input}, {input, "written over"});
+    expect_refused({"report", "scene.toml", "--quick", "--numbers", input}, {input, "written over"});
+    write("other.toml", file_content(folder() / "scene.toml"));
+    expect_refused({"report", "other.toml", "--verify", "press.csv", "--beside", "scene.toml", "--page", input},
+                   {input, "written over"});
+  }
   expect_refused({"verify", "ball.palp", "--samples", "a.json", "--report", "ball.palp"}, {"ball.palp"});
   if (listed_commands().count("drive") != 0) {
     for (const char* option : {"--record", "--plot"}) {

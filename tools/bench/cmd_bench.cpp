@@ -239,6 +239,7 @@ void run_bench(BenchArguments options, const Globals& globals) {
 #endif
   if (options.rows) return run_rows(options, globals);
   if (options.file.empty()) throw Error(ExitCode::usage, "bench needs a response file");
+  if (!options.plot.empty()) check_writable(options.plot);
   refuse_same({options.plot}, {options.file});
   if (options.open) return run_open(options, globals);
   run_ticks(std::move(options), globals);

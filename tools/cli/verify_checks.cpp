@@ -4,7 +4,6 @@
 
 #include "formats/io/error.hpp"
 #include "formats/io/file.hpp"
-#include "formats/io/same_file.hpp"
 #include "formats/journal/journal.hpp"
 #include "precompute/verify/held_out/statistics.hpp"
 
@@ -14,15 +13,6 @@
 namespace palpate::cli {
 
 namespace fs = std::filesystem;
-
-void check_reports(const pipeline::Pipeline& p, const std::vector<fs::path>& reports) {
-  std::vector<fs::path> inputs = files_of(p.scene);
-  for (const MeasuredScene& measured : p.scene_sources.measured) inputs.push_back(measured.file);
-  for (const fs::path& file : {p.paths.manifest, p.paths.samples, p.paths.bake, p.paths.response}) {
-    inputs.push_back(file);
-  }
-  refuse_same(reports, inputs);
-}
 
 void check_baked(const pipeline::Pipeline& p) {
   if (!p.sources.solves_any(p.plan.pairs.size())) return;

@@ -12,9 +12,6 @@
 
 namespace palpate::cli {
 
-/// Throws Error(usage) where a report would be written over a file of the pipeline. Needs prepare().
-void check_reports(const pipeline::Pipeline& pipeline, const std::vector<std::filesystem::path>& reports);
-
 /// Throws Error(io) where a pair has to be solved and the work folder holds no journal. Needs find_pairs(), and comes
 /// before the manifest, which would only leave an empty folder behind.
 void check_baked(const pipeline::Pipeline& pipeline);

@@ -215,11 +215,8 @@ void run_drive(DriveArguments options, const Globals& globals) {
   if (options.record.empty() && !options.no_record) options.record = stem + ".palprun";
   if (options.plot.empty() && !options.no_record) options.plot = stem + "-run.svg";
   refuse_same({options.record, options.plot}, {options.file, options.firmware});
-  // It is written last: a folder that is not there would waste the run.
-  const std::filesystem::path folder = std::filesystem::path(options.plot).parent_path();
-  if (!folder.empty() && !std::filesystem::is_directory(folder)) {
-    throw Error(ExitCode::io, options.plot + ": there is no folder " + folder.string());
-  }
+  // It is written last: a place that cannot be written to would waste the run.
+  if (!options.plot.empty()) check_writable(options.plot);
   std::unique_ptr<device::RunWriter> record;
   if (!options.no_record) {
     record = std::make_unique<device::RunWriter>(options.record, run_header(loop_settings, station, input, tool, title),

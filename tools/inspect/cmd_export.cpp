@@ -48,10 +48,8 @@ struct ExportArguments {
 /// Solves one contact of a scene's plan and writes its mesh with displacement and stress.
 void run_solved(const ExportArguments& options, const Globals& globals) {
   check_writable(options.solved);
+  refuse_same({options.solved}, pipeline::files_of(options.file));
   const pipeline::Pipeline p = pipeline::prepare(options.file);
-  std::vector<std::filesystem::path> inputs = files_of(p.scene);
-  inputs.emplace_back(options.file);
-  refuse_same({options.solved}, inputs);
   const bake::Plan plan = bake::make_plan(p.scene, p.body, p.mesh, p.tools);
   if (std::size_t(options.contact) >= plan.pairs.size()) {
     throw Error(ExitCode::bad_input, options.file + ": its plan has " + std::to_string(plan.pairs.size()) +

@@ -71,10 +71,9 @@ nlohmann::ordered_json costs_json(const pipeline::PlanCosts& costs) {
 }
 
 void run_plan(const PlanArguments& options, const Globals& globals) {
+  if (!options.plot.empty()) check_writable(options.plot);
+  refuse_same({options.plot}, pipeline::files_of(options.scene, {options.work, {}}));
   pipeline::Pipeline p = pipeline::prepare(options.scene, {options.work, {}});
-  std::vector<std::filesystem::path> inputs = files_of(p.scene);
-  inputs.emplace_back(options.scene);
-  refuse_same({options.plot}, inputs);
   pipeline::plan(p);
   for (const std::string& warning : pipeline::scene_warnings(p.scene, p.body)) warn(warning);
   const bake::Plan& plan = p.plan;

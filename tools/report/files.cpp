@@ -27,8 +27,12 @@ std::span<const std::byte> bytes_of(const cli::ResponseInput& file) {
 WrittenReport write_report_files(const ReportInput& input, const ReportFiles& files, const cli::Globals& globals) {
   pipeline::Pipeline p = pipeline::prepare(input.scene, {files.work, files.response});
   WrittenReport written{beside(p, files.numbers, ".report.json"), beside(p, files.page, ".report.html"), 0};
-  cli::check_reports(p, {written.numbers, written.page});
-  refuse_same({written.numbers, written.page}, {input.verify, input.battery, input.compared, input.run});
+  std::vector<std::filesystem::path> read = pipeline::files_of(input.scene, {files.work, files.response});
+  read.insert(read.end(), {input.verify, input.battery, input.compared, input.run});
+  for (const std::string& scene : input.beside) {
+    for (std::filesystem::path& file : pipeline::files_of(scene)) read.push_back(std::move(file));
+  }
+  refuse_same({written.numbers, written.page}, read);
   cli::check_writable(written.numbers);
   if (has_page()) cli::check_writable(written.page);
   pipeline::find_pairs(p);

@@ -114,7 +114,6 @@ void compare(const VerifyArguments& options, const Globals& globals) {
   verify::compare_with_file(input.view(), contacts);
   const verify::VerifyStatistics s = verify::summarise(contacts);
   if (s.normal.count == 0) throw Error(ExitCode::bad_input, options.samples + ": no solved normal push in it");
-  write_plot(options.plot, contacts);
   publish(options, globals,
           {{"file", options.input},
            {"samples", options.samples},
@@ -128,6 +127,7 @@ void compare(const VerifyArguments& options, const Globals& globals) {
            {"contacts", contacts_json(s)},
            {"held_out", to_json(contacts)}},
           table(s));
+  write_plot(options.plot, contacts);
   check_limits(options, s);
 }
 
@@ -175,9 +175,7 @@ std::string solved_text(const verify::HeldOutSet& set, const verify::VerifyStati
 
 void solve(const VerifyArguments& options, const Globals& globals) {
   // Every failure that is not of a solve comes before the first solve.
-  if (!options.report.empty()) check_writable(options.report);
   pipeline::Pipeline p = pipeline::prepare(options.input, {options.work, options.response});
-  check_reports(p, {options.report});
   if (options.limits.p95_tangential && !(p.scene.friction > 0)) {
     throw Error(ExitCode::usage, "--max-p95-tangential: the scene has no friction, and no tangential force to compare");
   }
@@ -198,7 +196,6 @@ void solve(const VerifyArguments& options, const Globals& globals) {
   const verify::HeldOutSet set = solve_contacts(options, globals, p, input.view());
   const verify::VerifyStatistics s = verify::summarise(set.contacts);
   const double tolerance = p.scene.response.tolerance, expected = expected_error(input.view());
-  write_plot(options.plot, set.contacts);
   publish(options, globals,
           {{"file", p.paths.response.string()},
            {"scene", options.input},
@@ -222,6 +219,7 @@ void solve(const VerifyArguments& options, const Globals& globals) {
            {"untouchable_share", set.untouchable_share},
            {"held_out", to_json(set.contacts)}},
           solved_text(set, s, pairs, cost, bake, tolerance, expected));
+  write_plot(options.plot, set.contacts);
   if (s.normal.count == 0) {
     throw Error(ExitCode::numerical, "every held-out solve was refused; the first: " + set.contacts.front().cause);
   }
@@ -308,9 +306,22 @@ void check_usage(const VerifyArguments& options) {
   }
 }
 
+/// Checks where the report and the plot go, before the first solve.
+void check_results(const VerifyArguments& options) {
+  std::vector<std::filesystem::path> read{options.input, options.samples, options.response};
+  const bool of_file = !options.samples.empty() || !options.device.empty() || options.loops;
+  if (!options.input.empty() && !of_file && !options.input.ends_with(".palp")) {
+    for (auto& file : pipeline::files_of(options.input, {options.work, options.response})) read.push_back(file);
+  }
+  for (const std::string& result : {options.report, options.plot}) {
+    if (!result.empty()) check_writable(result);
+  }
+  refuse_same({options.report, options.plot}, read);
+}
+
 void run_verify(const VerifyArguments& options, const Globals& globals) {
   check_usage(options);
-  refuse_same({options.report, options.plot}, {options.input, options.samples, options.response});
+  check_results(options);
   const ContactsCommand contacts{options.input, options.report, options.contacts, options.radii};
   if (options.slide) return run_slide(contacts, globals);
   if (options.strokes) {

@@ -240,7 +240,6 @@ private:
 }  // namespace
 
 void run_ccx_command(const CcxCommand& command, const Globals& globals) {
-  if (!command.report.empty()) check_writable(command.report);
   Comparison comparison(command, globals);
   {
     const InterruptPolling polling;

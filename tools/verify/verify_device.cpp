@@ -81,7 +81,6 @@ std::string to_text(const device::Safety& s, const DeviceCommand& command, const
 }  // namespace
 
 void run_device_command(const DeviceCommand& command, const Globals& globals) {
-  if (!command.report.empty()) check_writable(command.report);
   const device::SimKind& kind = kind_of(command.device);
   const ResponseInput input(command.response);
   device::SafetyOptions options;

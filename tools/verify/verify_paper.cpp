@@ -67,7 +67,6 @@ std::string to_text(const verify::PaperFigure& figure) {
 }  // namespace
 
 void run_paper_command(const PaperCommand& command, const Globals& globals) {
-  if (!command.report.empty()) check_writable(command.report);
   const std::filesystem::path folder = command.folder;
   const synth::PaperScenes scenes = synth::write_paper_scenes(folder);
   note(globals, "solving figures 2 and 4");

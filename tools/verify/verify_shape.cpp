@@ -2,7 +2,6 @@
 #include "tools/verify/verify_shape.hpp"
 
 #include "formats/io/error.hpp"
-#include "formats/io/same_file.hpp"
 #include "palpate/format/open.hpp"
 #include "palpate/shared/dent.hpp"
 #include "tools/bench/tick_bench.hpp"
@@ -98,12 +97,8 @@ ShapeErrors shape_errors(const runtime::View& view, const ContactCase& c, const 
 }  // namespace
 
 void run_shape(const ShapeCommand& command, const Globals& globals) {
-  if (!command.report.empty()) check_writable(command.report);
   std::unique_ptr<ResponseInput> input;
-  if (!command.scene.empty()) {
-    refuse_same({command.report}, files_of(read_scene(command.scene)));
-    input = response_with_compliance(command.scene, command.response);
-  }
+  if (!command.scene.empty()) input = response_with_compliance(command.scene, command.response);
   const ContactCase c = command.scene.empty() ? block_contact(kBlockHalf, kBlockRadius, kBlockDepth, 0)
                                               : scene_contacts(command.scene, command.contacts);
   std::optional<BlockResponse> block;

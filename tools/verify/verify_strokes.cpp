@@ -159,11 +159,7 @@ std::string drawing(const std::vector<verify::CheckedStroke>& strokes,
 }  // namespace
 
 void run_strokes(const StrokesCommand& command, const Globals& globals) {
-  for (const std::string& file : {command.report, command.plot}) {
-    if (!file.empty()) check_writable(file);
-  }
   pipeline::Pipeline p = pipeline::prepare(command.scene, {command.work, command.response});
-  check_reports(p, {command.report, command.plot});
   if (!(p.scene.friction > 0)) throw Error(ExitCode::usage, "--strokes: the scene has no friction");
   pipeline::find_pairs(p);
   check_baked(p);
@@ -214,8 +210,8 @@ void run_strokes(const StrokesCommand& command, const Globals& globals) {
       fmt::format("\n{} stations left out: barely touching, or beyond what the scene has sampled\n", left_out) +
       refused;
   if (!command.report.empty()) write_report(command.report, json);
-  if (!command.plot.empty()) write_file(command.plot, drawing(strokes, stations));
   globals.json ? print_json(json) : print(text);
+  if (!command.plot.empty()) write_file(command.plot, drawing(strokes, stations));
   if (usable == 0) {
     throw Error(ExitCode::numerical, "no stroke was solved to its end; the first: " + strokes.front().result.cause);
   }

@@ -2,7 +2,6 @@
 #include "tools/verify/verify_together.hpp"
 
 #include "formats/io/error.hpp"
-#include "formats/io/same_file.hpp"
 #include "palpate/format/open.hpp"
 #include "tools/bench/tick_bench.hpp"
 #include "tools/cli/output.hpp"
@@ -88,11 +87,7 @@ void check_command(const TogetherCommand& command) {
   if (command.aside > 0 && (command.scene.empty() || !line)) {
     throw Error(ExitCode::usage, "--aside belongs to --together of a scene with friction in layout 'line'");
   }
-  if (!command.report.empty()) check_writable(command.report);
-  if (command.scene.empty()) return;
-  const Scene scene = read_scene(command.scene);
-  refuse_same({command.report}, files_of(scene));
-  if (command.aside > 0 && !(scene.friction > 0)) {
+  if (command.aside > 0 && !(read_scene(command.scene).friction > 0)) {
     throw Error(ExitCode::usage, "--aside: " + command.scene + " has no friction");
   }
 }
