@@ -175,5 +175,16 @@ TEST_F(GoodSurface, ARegionMayBeCalledBody) {
   EXPECT_GT(size("body.ply"), size("region-body.ply"));
 }
 
+class ControlBytes : public PalpateProgram {};
+
+TEST_F(ControlBytes, OfAFileArePrintedAsNumbers) {
+  write("bad.nrrd", std::string("NRRD0004\nab\0\x1b[31mcd\n\n", 22));
+  expect_failure(run({"scene", "--from", "bad.nrrd"}), 2, {"'ab\\x00\\x1B[31mcd' is not a field"});
+  write("bad.off", "OFF\n\x1b]0;x\a 0 0\n");
+  const RunResult surface = run({"scene", "--from", "bad.off"});
+  expect_failure(surface, 2, {"bad.off"});
+  EXPECT_EQ(surface.error.find_first_of("\x1b\a"), std::string::npos) << surface.error;
+}
+
 }  // namespace
 }  // namespace palpate::test::surface_input_test
