@@ -96,6 +96,21 @@ TEST_F(Overwrite, NoOtherResult) {
   EXPECT_EQ(run({"play", "ball.palp", "motion.csv", "--out", "a", "--plot", "b"}).exit_code, 0);
 }
 
+TEST_F(Overwrite, NoFileByAProposal) {
+  std::filesystem::create_directory(folder() / "organs");
+  write("organs/liver.off", file_content(folder() / "body.off"));
+  const Arguments proposal{"scene", "--from", "organs", "--out", "proposed file.toml"};
+  const RunResult first = run(proposal);
+  ASSERT_EQ(first.exit_code, 0) << first.error;
+  EXPECT_NE(first.error.find("palpate mesh 'proposed file.toml'"), std::string::npos) << first.error;
+  write("proposed file.toml", "# edited\n");
+  expect_refused(proposal, {"proposed file.toml: exists", "--out"});
+  EXPECT_EQ(file_content(folder() / "proposed file.toml"), "# edited\n");
+  const std::string organ = file_content(folder() / "organs/liver.off");
+  expect_refused({"scene", "--from", "organs", "--out", "organs/liver.off"}, {"organs/liver.off: exists"});
+  EXPECT_EQ(file_content(folder() / "organs/liver.off"), organ);
+}
+
 TEST_F(Overwrite, NoSurfaceOfTheSceneThatMeshWouldReplace) {
   ASSERT_EQ(run({"mesh", "scene.toml", "--out", "."}).exit_code, 0);  // body.off, not body.ply
   const std::string surface = file_content(folder() / "body.ply");

@@ -30,7 +30,14 @@ void note(const Globals& globals, const std::string& line) {
   if (!globals.quiet) std::fprintf(stderr, "%s\n", line.c_str());
 }
 
-void warn(const std::string& line) { std::fprintf(stderr, "palpate: warning: %s\n", line.c_str()); }
+void warn(const std::string& line) { std::fprintf(stderr, "palpate: warning: %s\n", printable(line).c_str()); }
+
+std::string shell_word(const std::string& text) {
+  if (!text.empty() && text.find_first_of(" \t\n'\"\\$&;()<>|*?[]#~`!") == std::string::npos) return text;
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return word + "'";
+}
 
 void check_writable(const std::filesystem::path& file) {
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");

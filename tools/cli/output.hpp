@@ -23,6 +23,9 @@ void check_writable(const std::filesystem::path& file);
 /// A note for the user: one line on standard error, unless --quiet.
 void note(const Globals& globals, const std::string& line);
 
+/// As a shell takes it for one word.
+std::string shell_word(const std::string& text);
+
 /// A warning: "palpate: warning: LINE" on standard error, even with --quiet.
 void warn(const std::string& line);
 

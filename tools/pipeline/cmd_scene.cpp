@@ -3,7 +3,6 @@
 // tissues that it may name.
 #include "formats/io/error.hpp"
 #include "formats/io/file.hpp"
-#include "formats/io/same_file.hpp"
 #include "formats/scene/scene.hpp"
 #include "formats/scene/tissues.hpp"
 #include "precompute/surface/propose.hpp"
@@ -70,7 +69,11 @@ void run_from(const std::string& from, const std::string& out, const Globals& gl
   std::filesystem::path folder;
   if (!out.empty()) {
     std::error_code error;
-    if (std::filesystem::is_regular_file(from, error)) refuse_same({out}, {from});
+    // It may be a proposal that somebody has edited since, or one of the organs.
+    if (std::filesystem::is_regular_file(out, error)) {
+      throw Error(ExitCode::usage,
+                  out + ": exists; a proposal replaces no file: give --out another name, or remove it");
+    }
     check_writable(out);
     folder = std::filesystem::absolute(std::filesystem::path(out)).parent_path();
   }
@@ -78,7 +81,7 @@ void run_from(const std::string& from, const std::string& out, const Globals& gl
   if (!out.empty()) write_file(out, proposal.scene);
   if (!globals.json) {
     print(out.empty() ? proposal.scene : out + "\n");
-    if (!out.empty()) note(globals, "Next: palpate mesh " + out);
+    if (!out.empty()) note(globals, "Next: palpate mesh " + shell_word(out));
     return;
   }
   nlohmann::ordered_json document{{"from", from}, {"scene", proposal.scene}};
@@ -111,7 +114,8 @@ void add_scene(CLI::App& app, Globals& globals) {
       command.flag("--tissues", arguments->tissues, "Print the tissues that a material may name, with sources");
   Option from = command.option("--from", arguments->from,
                                "Propose a scene: a surface file, a label image, or a folder with one organ a file");
-  command.option("--out", arguments->out, "With --from: the scene file to write; default: standard output")
+  command
+      .option("--out", arguments->out, "With --from: the scene file to write, not there yet; default: standard output")
       .needs("--from");
   file.excludes(reference).excludes(tissues).excludes(from);
   command.runs([arguments, &globals] {

@@ -32,14 +32,6 @@ E enumerator(const std::vector<std::string>& names, const std::string& name) {
   return static_cast<E>(std::find(names.begin(), names.end(), name) - names.begin());
 }
 
-/// As a shell takes it for one word.
-std::string shell_word(const std::string& text) {
-  if (text.find_first_of(" \t\n'\"\\$&;()<>|*?[]#~`!") == std::string::npos) return text;
-  std::string word = "'";
-  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return word + "'";
-}
-
 void run_synth(const SynthArguments& arguments, const Globals& globals) {
   synth::DatasetOptions options = arguments.options;
   options.organ = enumerator<synth::Organ>(kOrgans, arguments.organ);
