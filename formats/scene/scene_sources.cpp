@@ -128,6 +128,7 @@ const Keys<AnalyticScene>& analytic_keys() {
       {"sites", Affects::file, "Only at these sites of the haptic mesh.", "[a, b, ...], whole numbers from 0",
        [](A& target, const toml::node& value, const toml::table&, const Place& place) {
          target.sites = to_sites(place, value);
+         target.sites_line = static_cast<int>(value.source().begin.line);
        },
        show_sites, "[0, 7]"}};
   return keys;

@@ -32,7 +32,8 @@ struct AnalyticScene {
   double tangential_stiffness = 0.0;  ///< the same units, tangential; 0: as stiffness. Used only with friction
   std::optional<std::pair<Eigen::Vector3d, Eigen::Vector3d>> within_box;  ///< m; the sites in it
   std::string mesh;        ///< the sites on the part of the surface that came from this mesh
-  std::vector<int> sites;  ///< these numbers of the haptic mesh
+  std::vector<int> sites;  ///< these numbers of the haptic mesh, ascending
+  int sites_line = 0;      ///< of the scene file
 };
 
 /// Sources of a scene's responses. Apart from Scene, because no mesh and no solve depends on it.

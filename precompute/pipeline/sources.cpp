@@ -53,9 +53,16 @@ public:
     return external;
   }
 
+  void check_sites(std::size_t count) const {
+    if (law_.sites.empty() || static_cast<std::size_t>(law_.sites.back()) < count) return;
+    throw Error(ExitCode::bad_input, scene_.file.string() + ":" + std::to_string(law_.sites_line) +
+                                         ": analytic.sites: there is no site " + std::to_string(law_.sites.back()) +
+                                         "; the body has " + std::to_string(count) + ", from 0");
+  }
+
   void check_used(bool used) const {
-    if (!used)
-      throw Error(ExitCode::bad_input, where_ + ": holds at no site that a tool touches, or after another law");
+    if (used) return;
+    throw Error(ExitCode::bad_input, where_ + ": holds at no site that a tool touches, or after another law");
   }
 
 private:
@@ -145,6 +152,7 @@ fit::PairSources find_sources(const Scene& scene, const SceneSources& wanted, co
   read_recordings(scene, wanted.measured, body, tools, plan, sources);
   for (std::size_t number = 0; number < wanted.analytic.size(); ++number) {
     const AppliedLaw law(scene, wanted.analytic[number], number, tools);
+    law.check_sites(plan.sites.size());
     bool used = false;
     for (std::uint32_t k = 0; k < plan.pairs.size(); ++k) {
       const PairPlan& pair = plan.pairs[k];

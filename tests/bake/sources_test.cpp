@@ -143,19 +143,21 @@ TEST_F(Sources, BadLawsSaySo) {
   struct Case {
     std::string scene, tool, expected;
   };
-  for (const Case& c : {Case{hertz, "shape = \"punch\"\n", "not for the shape"},
-                        {cone, ball, "not for the shape"},
-                        {cone, "shape = \"cone\"\nradius = 0.003\n", "from the tip's radius of 3 mm, not 2 mm"},
-                        {hertz + "sites = [100000]\n", ball, "holds at no site"},
-                        {hertz + hertz, ball, "analytic 2: holds at no site"},
-                        {hertz + "tool = \"probe\"\n", ball, "there is no tool 'probe'"},
-                        {layer + "[contact]\nfriction = 0.3\n", ball, "no closed form"},
-                        {layer + "thickness = 0.0039\n", ball, "up to half the layer's thickness of 3.9 mm, not 2 mm"},
-                        {hertz, "radius = 0.001\n", "up to the tip's radius of 1 mm"},
-                        {hertz, "radius = 0.005\ngrasp_depth = 0.001\n", "has to be solved"},
-                        {filled, ball, "needs a recording"},
-                        {filled + hertz + "tool = \"a\"\n", "name = \"a\"\n[[tool]]\nname = \"b\"\n",
-                         "nothing to fill from for contact vertex 0 of the tool 'b'"}}) {
+  for (const Case& c :
+       {Case{hertz, "shape = \"punch\"\n", "not for the shape"},
+        {cone, ball, "not for the shape"},
+        {cone, "shape = \"cone\"\nradius = 0.003\n", "from the tip's radius of 3 mm, not 2 mm"},
+        {hertz + "sites = [0, 100000]\n", ball,
+         ": analytic.sites: there is no site 100000; the body has " + std::to_string(p.plan.sites.size())},
+        {hertz + hertz, ball, "analytic 2: holds at no site"},
+        {hertz + "tool = \"probe\"\n", ball, "there is no tool 'probe'"},
+        {layer + "[contact]\nfriction = 0.3\n", ball, "no closed form"},
+        {layer + "thickness = 0.0039\n", ball, "up to half the layer's thickness of 3.9 mm, not 2 mm"},
+        {hertz, "radius = 0.001\n", "up to the tip's radius of 1 mm"},
+        {hertz, "radius = 0.005\ngrasp_depth = 0.001\n", "has to be solved"},
+        {filled, ball, "needs a recording"},
+        {filled + hertz + "tool = \"a\"\n", "name = \"a\"\n[[tool]]\nname = \"b\"\n",
+         "nothing to fill from for contact vertex 0 of the tool 'b'"}}) {
     const std::filesystem::path file = write_scene(c.scene, c.tool);
     const Scene scene = read_scene(file);
     std::vector<tool::Tool> tools;
