@@ -77,6 +77,12 @@ SurfaceFields picture(const Drawn& drawn, const std::vector<Vec3>& moved) {
   return surface;
 }
 
+std::string frame_name(std::size_t frame) {
+  char name[32];
+  std::snprintf(name, sizeof name, "frame-%05zu.glb", frame);
+  return name;
+}
+
 }  // namespace
 
 std::size_t write_frames(const runtime::View& view, std::uint32_t tool, const std::vector<MotionRow>& motion,
@@ -104,11 +110,12 @@ std::size_t write_frames(const runtime::View& view, std::uint32_t tool, const st
     runtime::Dents dents;
     dents.add(view, rows[row].tick, pose_between(motion[row], motion[row], 1), tool);
     dent.apply(dents, moved.data());
-    char name[32];
-    std::snprintf(name, sizeof name, "frame-%05zu.glb", frame);
     SurfaceFields surface = picture(drawn, moved);
     surface.numbers = {{"time", rows[row].time}, {"force", length(rows[row].tick.force)}};
-    write_glb(surface, "displacement", options.folder / name);
+    write_glb(surface, "displacement", options.folder / frame_name(frame));
+  }
+  // An earlier, longer motion left them.
+  for (std::size_t frame = frames; std::filesystem::remove(options.folder / frame_name(frame), failed); ++frame) {
   }
   return frames;
 }
