@@ -340,14 +340,16 @@ fit::FitSettings fit_settings(const Pipeline& p) {
   return settings;
 }
 
+void check_baked(const Pipeline& p) {
+  if (std::filesystem::exists(p.paths.samples) || !p.sources.solves_any(p.plan.pairs.size())) return;
+  const char* const other =
+      p.sources.external.empty() ? "" : ", or take the other sites from their neighbours: [sources] rest = \"filled\"";
+  throw Error(ExitCode::io, p.paths.samples.string() + ": there is no journal; run palpate bake first" + other);
+}
+
 JournalContent samples(const Pipeline& p) {
-  if (!std::filesystem::exists(p.paths.samples)) {
-    if (!p.sources.solves_any(p.plan.pairs.size())) return {};
-    const char* const other = p.sources.external.empty()
-                                  ? ""
-                                  : ", or take the other sites from their neighbours: [sources] rest = \"filled\"";
-    throw Error(ExitCode::io, p.paths.samples.string() + ": there is no journal; run palpate bake first" + other);
-  }
+  check_baked(p);
+  if (!std::filesystem::exists(p.paths.samples)) return {};
   return read_journal(p.paths.samples, p.manifest);
 }
 

@@ -103,7 +103,11 @@ double bake_seconds(const Pipeline& pipeline);
 /// The settings of the scene's fit.
 fit::FitSettings fit_settings(const Pipeline& p);
 
-/// The journal. Needs plan(). Throws Error(io) when there is none and a pair has to be solved.
+/// Throws Error(io) where a pair has to be solved and there is no journal. Needs find_pairs(), and comes before the
+/// manifest, which would only leave an empty folder behind.
+void check_baked(const Pipeline& pipeline);
+
+/// The journal. Needs plan(). Throws as check_baked does.
 JournalContent samples(const Pipeline& pipeline);
 
 /// The surface that the response file holds, within the scene's tolerance.

@@ -89,6 +89,12 @@ TEST_F(Disk, WhereTheResponseFileCannotBeIsFoundBeforeTheBake) {
   EXPECT_FALSE(std::filesystem::exists(folder() / "scene.work"));
 }
 
+TEST_F(Disk, AFitWithoutSamplesLeavesNoFolder) {
+  ASSERT_EQ(run({"synth", "slab", "--out", ".", "--spacing", "0.05"}).exit_code, 0);
+  expect_failure(run({"fit", "scene.toml", "--work", "none"}), 4, {"none/samples.journal: there is no journal"});
+  EXPECT_FALSE(std::filesystem::exists(folder() / "none"));
+}
+
 TEST_F(Disk, WhereAPlotCannotBeIsFoundBeforeTheWork) {
   write_response_file(folder() / "ball.palp", encode(ball_content()));
   write("slab.toml", "[body]\nsurface = \"none.ply\"\n");

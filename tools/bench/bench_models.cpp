@@ -197,7 +197,7 @@ void run_model_bench(const ModelBenchCommand& command, const Globals& globals) {
                                          "tangential samples");
   }
   pipeline::find_pairs(p);
-  check_baked(p);
+  pipeline::check_baked(p);
   pipeline::write_manifest(p);
   pipeline::resume(p);
   const JournalContent journal = pipeline::samples(p);

@@ -14,12 +14,6 @@ namespace palpate::cli {
 
 namespace fs = std::filesystem;
 
-void check_baked(const pipeline::Pipeline& p) {
-  if (!p.sources.solves_any(p.plan.pairs.size())) return;
-  if (fs::exists(p.paths.samples)) return;
-  throw Error(ExitCode::io, p.paths.samples.string() + ": there is no journal; run palpate build first");
-}
-
 void check_same_plan(const pipeline::Pipeline& p, const runtime::View& view) {
   const auto provenance =
       nlohmann::json::parse(view.provenance, view.provenance + view.provenance_size, nullptr, false);

@@ -12,10 +12,6 @@
 
 namespace palpate::cli {
 
-/// Throws Error(io) where a pair has to be solved and the work folder holds no journal. Needs find_pairs(), and comes
-/// before the manifest, which would only leave an empty folder behind.
-void check_baked(const pipeline::Pipeline& pipeline);
-
 /// Throws Error(bad_input) where the response file was not made from this plan. Needs plan().
 void check_same_plan(const pipeline::Pipeline& pipeline, const runtime::View& view);
 

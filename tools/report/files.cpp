@@ -36,7 +36,7 @@ WrittenReport write_report_files(const ReportInput& input, const ReportFiles& fi
   cli::check_writable(written.numbers);
   if (has_page()) cli::check_writable(written.page);
   pipeline::find_pairs(p);
-  cli::check_baked(p);
+  pipeline::check_baked(p);
   pipeline::write_manifest(p);
   pipeline::resume(p);
   const cli::ResponseInput response(p.paths.response);

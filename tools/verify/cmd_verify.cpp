@@ -184,7 +184,7 @@ void solve(const VerifyArguments& options, const Globals& globals) {
     throw Error(ExitCode::usage, "--max-p95-spins: no tool of the scene has spins");
   }
   pipeline::find_pairs(p);
-  check_baked(p);
+  pipeline::check_baked(p);
   pipeline::write_manifest(p);
   pipeline::resume(p);
   const PairCounts pairs = count_pairs(p);

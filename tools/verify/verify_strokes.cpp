@@ -162,7 +162,7 @@ void run_strokes(const StrokesCommand& command, const Globals& globals) {
   pipeline::Pipeline p = pipeline::prepare(command.scene, {command.work, command.response});
   if (!(p.scene.friction > 0)) throw Error(ExitCode::usage, "--strokes: the scene has no friction");
   pipeline::find_pairs(p);
-  check_baked(p);
+  pipeline::check_baked(p);
   pipeline::write_manifest(p);
   pipeline::resume(p);
   const ResponseInput input(p.paths.response);
