@@ -46,6 +46,11 @@ std::vector<const std::vector<Sample>*> accepted_pairs(const JournalContent& jou
   return pairs;
 }
 
+/// Nothing where no sample lies along a path.
+std::optional<fit::ErrorFigures> measured(const fit::ErrorFigures& paths) {
+  return paths.samples > 0 ? std::optional(paths) : std::nullopt;
+}
+
 Row measure_potential(const pipeline::Pipeline& p, const JournalContent& journal, int contacts,
                       fit::ResponseScales& scales) {
   const pipeline::FittedFile file = pipeline::fit_file(p, journal, pipeline::fit_settings(p));
@@ -55,10 +60,13 @@ Row measure_potential(const pipeline::Pipeline& p, const JournalContent& journal
   TickBenchOptions timing;
   timing.contacts = contacts;
   const TickBench bench = bench_ticks(opened.view, timing);
-  return {
-      "quadratic potential",    bytes_per_response(opened.view), fit::held_out_figures(accepted_pairs(journal), scales),
-      file.fitted.report.paths, bench.press.quantile(0.5),       bench.field.quantile(0.5),
-      bench.slide.quantile(0.5)};
+  return {"quadratic potential",
+          bytes_per_response(opened.view),
+          fit::held_out_figures(accepted_pairs(journal), scales),
+          measured(file.fitted.report.paths),
+          bench.press.quantile(0.5),
+          bench.field.quantile(0.5),
+          bench.slide.quantile(0.5)};
 }
 
 // A baseline is in no file. Its time is that of the three evaluations of a contact inside a patch.
@@ -102,7 +110,7 @@ Row measure_baseline(const std::string& name, double bytes, const JournalContent
   row.model = name;
   row.bytes = bytes;
   row.error = fit::held_out_figures(pairs, fitter);
-  row.paths = path_figures(pairs, fitter);
+  row.paths = measured(path_figures(pairs, fitter));
   row.stick = row.force = evaluation_time(fitter(*pairs.at(0)), scales);
   return row;
 }
@@ -208,7 +216,7 @@ void run_model_bench(const ModelBenchCommand& command, const Globals& globals) {
   const std::vector<Row> rows = measure_models(p, journal, command.contacts, globals);
   char line[200];
   std::snprintf(line, sizeof line, "%s; %zu forces left out, %zu along paths\n", machine_name().c_str(),
-                rows[0].error.samples, rows[0].paths->samples);
+                rows[0].error.samples, rows[0].paths ? rows[0].paths->samples : 0);
   std::string text = line;
   text +=
       "| model | bytes | median | 95th | worst | paths: median | 95th | worst | sticking tick | sliding |\n"
