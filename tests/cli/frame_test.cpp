@@ -80,6 +80,15 @@ TEST_F(Frame, WrongUsageEndsWithOne) {
   expect_failure(run({"bench", "x.palp", "--seconds", "nan"}), 1, {"--seconds", "got nan; allowed [0.001, 10]"});
 }
 
+TEST_F(Frame, EveryDeviceOfDriveIsADeviceOfVerify) {
+  if (listed_commands().count("drive") == 0) GTEST_SKIP() << "built without devices";
+  for (const char* known : {"wooden-mbed", "wooden-teensy", "falcon", "woody", "sim-touch", "touch", "sim"}) {
+    expect_failure(run({"verify", "none.palp", "--device", known}), 4, {"none.palp"});
+  }
+  expect_failure(run({"verify", "none.palp", "--device", "open-link"}), 1, {"open-link", "mechanics are not known"});
+  expect_failure(run({"verify", "none.palp", "--device", "mouse"}), 1, {"falcon", "woody", "wooden-mbed"});
+}
+
 TEST_F(Frame, GlobalOptionsStandAnywhere) {
   const RunResult before = run({"--json", "synth", "slab", "--out", "a"});
   const RunResult after = run({"synth", "slab", "--out", "a", "--json"});

@@ -21,13 +21,23 @@ const device::SimKind& kind_of(const std::string& name) {
   for (const std::string& tried : {name, "sim-" + name}) {
     if (const device::SimKind* kind = device::find_sim_kind(tried)) return *kind;
   }
+  for (const device::DeviceKind& kind : device::kDevices) {
+    if (!device::is_called(kind, name)) continue;
+    if (const device::SimKind* stand_in = device::find_stand_in(kind)) return *stand_in;
+    throw Error(ExitCode::usage, "--device " + name + ": no bound is computed, because its mechanics are not known");
+  }
   if (name == device::kSimGlove.name || name == "glove") {
     throw Error(ExitCode::usage,
                 "--device " + name + ": no bound is computed for gloves, only for devices with a handle");
   }
   std::string known;
-  for (const device::SimKind& kind : device::sim_kinds())
-    known += std::string(known.empty() ? "" : ", ") + kind.kind.name;
+  for (const device::SimKind& kind : device::sim_kinds()) {
+    const std::string called = kind.kind.name;
+    known += (known.empty() ? "" : ", ") + (called.starts_with("sim-") ? called.substr(4) + ", " : "") + called;
+  }
+  for (const device::DeviceKind& kind : device::kDevices) {
+    if (std::string_view(kind.driver) == "wooden") known += std::string(", ") + kind.key;
+  }
   throw Error(ExitCode::usage, "--device " + name + ": not known; there are " + known);
 }
 
