@@ -63,7 +63,10 @@ RowsBenchRow bench_sweeps(const RowsBenchOptions& options, int sweeps) {
 
 std::vector<RowsBenchRow> bench_rows(const RowsBenchOptions& options) {
   std::vector<RowsBenchRow> rows;
-  for (const int sweeps : options.sweeps) rows.push_back(bench_sweeps(options, sweeps));
+  for (const int sweeps : options.sweeps) {
+    if (options.progress) options.progress(sweeps);
+    rows.push_back(bench_sweeps(options, sweeps));
+  }
   return rows;
 }
 

@@ -5,6 +5,7 @@
 #include "tools/bench/tick_bench.hpp"
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 namespace palpate::cli {
@@ -13,6 +14,7 @@ struct RowsBenchOptions {
   std::vector<int> sweeps{1, 2, 3, 4, 5, 6, 8, 12, 16};
   std::size_t ticks = 1000000;    ///< of the motion, each timed alone, >= 1
   std::size_t references = 2000;  ///< of these, evenly spaced, that are compared with a converged solve, >= 1
+  std::function<void(int sweeps)> progress;  ///< called before each number of sweeps; may be empty
 };
 
 /// One number of sweeps.

@@ -198,6 +198,7 @@ void run_rows(const BenchArguments& options, const Globals& globals) {
   RowsBenchOptions rows;
   rows.ticks = static_cast<std::size_t>(options.ticks);
   note(globals, "solving 120 rows in " + std::to_string(rows.ticks) + " ticks for each number of sweeps");
+  rows.progress = [&](int sweeps) { note(globals, "sweeps: " + std::to_string(sweeps)); };
   Json json{{"machine", machine_name()}, {"rows", Json::array()}};
   std::string text =
       machine_name() +

@@ -130,15 +130,20 @@ ClosedMotionsReport play_closed_motions(const runtime::View& view, const ClosedM
   constexpr std::uint64_t kAtOnePlace = 20;
   Draws draw(options.seed);
   ClosedMotionsReport report;
+  const auto tell = [&](const char* what, std::uint64_t done, std::uint64_t total) {
+    if (options.progress && done % std::max<std::uint64_t>(1, total / 10) == 0) options.progress(what, done, total);
+  };
   while (report.motions < options.motions) {
     const MotionPlace place = random_place(view, draw);
     for (std::uint64_t k = 0; k < kAtOnePlace && report.motions < options.motions; ++k, ++report.motions) {
       report.worst = std::min(report.worst, share(view, place, random_legs(draw)));
+      tell("closed motions", report.motions + 1, options.motions);
     }
   }
   for (int k = 0; k < options.searches; ++k) {
     const MotionPlace place = random_place(view, draw);
     report.searched = std::min(report.searched, descend(view, place, random_legs(draw), draw));
+    tell("searches", static_cast<std::uint64_t>(k) + 1, static_cast<std::uint64_t>(options.searches));
   }
   return report;
 }

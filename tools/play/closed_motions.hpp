@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "palpate/palpate.hpp"
@@ -18,6 +19,8 @@ struct ClosedMotionsOptions {
   std::uint64_t motions = 100000;  ///< random ones
   int searches = 200;              ///< descents from random ones towards the least work
   std::uint64_t seed = 1;
+  /// Called after each tenth of the motions and of the searches; may be empty.
+  std::function<void(const char* what, std::uint64_t done, std::uint64_t total)> progress;
 };
 
 struct ClosedMotionsReport {

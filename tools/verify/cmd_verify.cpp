@@ -233,6 +233,10 @@ void run_loops(const VerifyArguments& options, const Globals& globals) {
   const ResponseInput input(options.input);
   ClosedMotionsOptions motions;
   motions.seed = options.seed;
+  motions.progress = [&](const char* what, std::uint64_t done, std::uint64_t total) {
+    note(globals, printed("%s: %llu of %llu", what, static_cast<unsigned long long>(done),
+                          static_cast<unsigned long long>(total)));
+  };
   const ClosedMotionsReport r = play_closed_motions(input.view(), motions);
   char text[400];
   std::snprintf(text, sizeof text,
