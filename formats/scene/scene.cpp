@@ -34,13 +34,17 @@ std::string toml_hint(const std::string& text, std::size_t line) {
 }
 
 toml::table parse(const std::filesystem::path& file) {
+  std::error_code error;
+  if (file.extension() == ".palp" && std::filesystem::is_regular_file(file, error)) {
+    throw Error(ExitCode::bad_input, file.string() + ": is a response file; give its scene (TOML)");
+  }
   // Scenes are a few kilobytes; the bound keeps a wrong file (an organ, a device) from filling the memory.
   const std::string text = read_file(file, "scene", std::size_t{1} << 20);
   try {
     return toml::parse(text, file.string());
-  } catch (const toml::parse_error& error) {
-    throw Error(ExitCode::bad_input, file.string() + ":" + std::to_string(error.source().begin.line) + ": not TOML: " +
-                                         std::string(error.description()) + toml_hint(text, error.source().begin.line));
+  } catch (const toml::parse_error& wrong) {
+    throw Error(ExitCode::bad_input, file.string() + ":" + std::to_string(wrong.source().begin.line) + ": not TOML: " +
+                                         std::string(wrong.description()) + toml_hint(text, wrong.source().begin.line));
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Shared behaviour of all commands: help, version, usage errors, output, the choice of BLAS kernels.
 #include "tests/cli/palpate_program.hpp"
+#include "tests/support/response_samples.hpp"
 #include "tools/cli/blas.hpp"
 
 #include <nlohmann/json.hpp>
@@ -71,6 +72,8 @@ TEST_F(Frame, WrongUsageEndsWithOne) {
     expect_failure(run(arguments), 1, {"no limits to set", "--samples"});
   }
   expect_failure(run({"verify", "--strokes"}), 1, {"needs a scene"});
+  expect_failure(run({"verify"}), 1, {"--strokes", "--loops", "--samples", "--device", "--battery"});
+  expect_failure(run({"bench", "x.palp", "--work", "w"}), 1, {"--work belongs to --models"});
   expect_failure(run({"verify", "x.palp", "--loops", "--plot", "x.svg"}), 1, {"--plot", "--strokes"});
   expect_failure(run({"verify", "--together", "7"}), 1, {"--together"});
   expect_failure(run({"verify", "--slide", "--radii", "nan"}), 1, {"--radii", "got nan; allowed [0.1, 100]"});
@@ -87,6 +90,23 @@ TEST_F(Frame, EveryDeviceOfDriveIsADeviceOfVerify) {
   }
   expect_failure(run({"verify", "none.palp", "--device", "open-link"}), 1, {"open-link", "mechanics are not known"});
   expect_failure(run({"verify", "none.palp", "--device", "mouse"}), 1, {"falcon", "woody", "wooden-mbed"});
+}
+
+TEST_F(Frame, AFileOfAnotherKindIsNamed) {
+  write_response_file(folder() / "ball.palp", encode(ball_content()));
+  write("scene.toml", "[body]\nsurface = \"none.ply\"\n");
+  for (const char* command : {"scene", "plan", "build"}) {
+    expect_failure(run({command, "ball.palp"}), 2, {"ball.palp: is a response file; give its scene"});
+  }
+  for (const char* command : {"inspect", "bench"}) {
+    expect_failure(run({command, "scene.toml"}), 2, {"scene.toml: ", "give the response file of this scene"});
+  }
+}
+
+TEST_F(Frame, AToolThatIsNotThereIsRefusedWithoutARun) {
+  if (listed_commands().count("view") == 0) GTEST_SKIP() << "built without a server";
+  write_response_file(folder() / "ball.palp", encode(ball_content()));
+  expect_failure(run({"view", "ball.palp", "--tool", "spoon", "--port", "0"}, {.time_limit = 20}), 2, {"'spoon'"});
 }
 
 TEST_F(Frame, GlobalOptionsStandAnywhere) {

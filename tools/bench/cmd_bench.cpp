@@ -230,6 +230,7 @@ void run_bench(BenchArguments options, const Globals& globals) {
   if (!options.plot.empty() && (options.solver || options.models || options.rows || options.open)) {
     throw Error(ExitCode::usage, "--plot shows ticks; leave it out with --solver, --models, --rows and --open");
   }
+  if (!options.work.empty() && !options.models) throw Error(ExitCode::usage, "--work belongs to --models");
 #ifdef PALPATE_SOLVER_BENCH
   if (options.solver && options.models) throw Error(ExitCode::usage, "--solver and --models exclude each other");
   if (options.solver) return run_solver_bench({options.file, options.bench.contacts}, globals);

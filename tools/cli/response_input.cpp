@@ -11,7 +11,10 @@ ResponseInput::ResponseInput(const std::filesystem::path& path) : path_(path) {
   const std::vector<std::byte> read = read_bytes(path);
   bytes_.assign(read.begin(), read.end());
   const runtime::OpenResult opened = runtime::View::open(bytes_.data(), bytes_.size());
-  if (!opened) throw Error(ExitCode::bad_input, path.string() + ": " + opened.error);
+  if (!opened) {
+    const char* const hint = path.extension() == ".toml" ? "; give the response file of this scene (.palp)" : "";
+    throw Error(ExitCode::bad_input, path.string() + ": " + opened.error + hint);
+  }
   view_ = opened.view;
 }
 

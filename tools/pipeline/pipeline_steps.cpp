@@ -169,7 +169,7 @@ std::string bake_text(const pipeline::Pipeline& p, const bake::BakeReport& repor
   std::string text = std::to_string(report.accepted) + " of " + std::to_string(report.total) + " pairs accepted, " +
                      std::to_string(report.refused.size()) + " refused, " + std::to_string(report.normal_solves) +
                      " normal and " + std::to_string(report.tangential_solves) + " tangential solves, " +
-                     bake::duration_text(pipeline::bake_seconds(p)) + " in all\n";
+                     bake::duration_text(pipeline::bake_seconds(p)) + (p.shard ? " in all shards\n" : " in all\n");
   for (const bake::RefusedPair& refused : report.refused) {
     text += "refused: " + bake::describe(refused.pair, p.plan.pairs[refused.pair]) + ": " + refused.cause + "\n";
   }

@@ -77,7 +77,7 @@ Json make_report(const ReportInput& input, const pipeline::Pipeline& p, const cl
   // A wrong input is found before the first fit.
   std::vector<verify::HeldOut> held_out =
       input.verify.empty() ? std::vector<verify::HeldOut>() : verify::read_recorded(input.verify);
-  verify::compare_with_file(view, held_out);
+  verify::compare_with_file(view, held_out, input.verify);
   const Json verified = input.verify.empty() ? Json() : verify_figures(input.verify);
   const Json battery =
       input.battery.empty() ? Json() : battery_stability(read_json(input.battery), input.battery, p.scene);
@@ -88,6 +88,7 @@ Json make_report(const ReportInput& input, const pipeline::Pipeline& p, const cl
     compared["file"] = base_name(input.compared);
     compared["command"] = "palpate compare " + file + " " + input.compared;
   }
+  static_cast<void>(response.tool(input.tool));  // one that is not there is wrong without a run, too
   if (!input.run.empty()) run = played_run(input.run, response, input.tool);
 
   const JournalContent journal = pipeline::samples(p);

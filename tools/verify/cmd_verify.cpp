@@ -111,7 +111,7 @@ void publish(const VerifyArguments& options, const Globals& globals, const Json&
 void compare(const VerifyArguments& options, const Globals& globals) {
   const ResponseInput input(options.input);
   std::vector<verify::HeldOut> contacts = verify::read_recorded(options.samples);
-  verify::compare_with_file(input.view(), contacts);
+  verify::compare_with_file(input.view(), contacts, options.samples);
   const verify::VerifyStatistics s = verify::summarise(contacts);
   if (s.normal.count == 0) throw Error(ExitCode::bad_input, options.samples + ": no solved normal push in it");
   publish(options, globals,
@@ -304,9 +304,10 @@ void check_usage(const VerifyArguments& options) {
     throw Error(ExitCode::usage, "--rate and --scale belong to --device");
   }
   if (options.input.empty() && !own && !options.slide && !options.two_tips && !options.shape && options.together == 0) {
-    throw Error(ExitCode::usage,
-                "verify needs a scene, a response file, or --battery, --closed-forms, --compare, --paper, "
-                "--shape, --slide, --together, --two-tips");
+    throw Error(
+        ExitCode::usage,
+        "verify needs a scene (alone or with --strokes), a response file (with --samples, --loops or --device), "
+        "or --battery, --closed-forms, --compare, --paper, --shape, --slide, --together, --two-tips");
   }
 }
 

@@ -44,6 +44,7 @@ nlohmann::ordered_json numbers_of(const ViewArguments& options, const ResponseIn
 
 void run_view(const ViewArguments& options, const Globals& globals) {
   const ResponseInput input(options.file);
+  static_cast<void>(input.tool(options.tool));  // one that is not there is wrong without a run, too
   nlohmann::ordered_json numbers = numbers_of(options, input);
   numbers.erase("compared");  // its file is not here
   numbers.erase("run");

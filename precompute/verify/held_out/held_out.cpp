@@ -336,18 +336,23 @@ HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const B
   return set;
 }
 
-void compare_with_file(const runtime::View& view, std::vector<HeldOut>& contacts) {
+void compare_with_file(const runtime::View& view, std::vector<HeldOut>& contacts, const std::string& recorded) {
   for (HeldOut& contact : contacts) {
+    const auto names = [&, k = &contact - contacts.data()](const char* what, std::uint32_t number) {
+      return (recorded.empty() ? "" : recorded + ": ") + "contact " + std::to_string(k) + " names " + what + " " +
+             std::to_string(number);
+    };
     if (contact.tool >= view.meta->tool_count) {
-      throw Error(ExitCode::bad_input, "a recorded contact names tool " + std::to_string(contact.tool) +
-                                           "; the file has " + std::to_string(view.meta->tool_count));
+      throw Error(ExitCode::bad_input, names("tool", contact.tool) + "; the number of tools of the response file is " +
+                                           std::to_string(view.meta->tool_count));
     }
     const layout::ToolRecord& tool = view.tools[contact.tool];
     runtime::ToolPoint tool_point;
     if (tool.patch_count > 0) {
       if (contact.tool_patch >= tool.patch_count) {
-        throw Error(ExitCode::bad_input, "a recorded contact names tool patch " + std::to_string(contact.tool_patch) +
-                                             "; the file's tool has " + std::to_string(tool.patch_count));
+        throw Error(ExitCode::bad_input, names("tool patch", contact.tool_patch) +
+                                             "; the number of patches of the response file's tool is " +
+                                             std::to_string(tool.patch_count));
       }
       tool_point.patch = tool.first_patch + contact.tool_patch;
       for (int k = 0; k < 3; ++k) tool_point.weights[k] = contact.tool_weights[k];

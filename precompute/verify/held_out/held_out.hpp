@@ -88,7 +88,8 @@ struct HeldOutSet {
 HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const Body& body,
                           const std::vector<tool::Tool>& tools, const HeldOutOptions& options);
 
-/// Fills `baked` and `error` of every force and limit from the file, locating c as the runtime does.
-void compare_with_file(const runtime::View& view, std::vector<HeldOut>& contacts);
+/// Fills `baked` and `error` of every force and limit from the file, locating c as the runtime does. Throws
+/// Error(bad_input) where a contact names a tool or a patch that the file does not have; `recorded` names their file.
+void compare_with_file(const runtime::View& view, std::vector<HeldOut>& contacts, const std::string& recorded = {});
 
 }  // namespace palpate::verify
