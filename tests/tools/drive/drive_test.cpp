@@ -278,7 +278,7 @@ TEST_F(Drive, WhatCannotBeIsNamed) {
   fails(2, {"ball.palp", "--device", "sim", "--tool", "spoon"}, {"there is no tool 'spoon'", "ball"});
   fails(4, {"none.palp", "--device", "sim"}, {"none.palp"});
   fails(4, {"ball.palp", "--device", "sim", "--record", "no/such/run"}, {"no/such/run"});
-  fails(4, {"ball.palp", "--device", "sim", "--plot", "no/such/run.svg"}, {"no/such/run.svg", "no folder"});
+  fails(4, {"ball.palp", "--device", "sim", "--plot", "no/such/run.svg"}, {"no/such/run.svg: cannot be written: No such"});
   fails(1, {"ball.palp", "--device", "sim", "--plot", "run.svg", "--no-record"}, {"--no-record", "--plot"});
   fails(4, {"ball.palp", "--device", "sim", "--firmware", "none.bin"}, {"none.bin", "--firmware"});
   const RunResult list = run({"drive", "--list"});
