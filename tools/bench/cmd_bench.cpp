@@ -118,8 +118,9 @@ void run_open(const BenchArguments& options, const Globals& globals) {
     return;
   }
   char text[300];
-  std::snprintf(text, sizeof text, "%s\n%.4g MB, %u sites, %u responses; bytes of each part a response:\n",
-                machine_name().c_str(), 1e-6 * static_cast<double>(bench.bytes), bench.sites, bench.responses);
+  std::snprintf(text, sizeof text, "%s\n%.4g MB, %s, %s; bytes of each part a response:\n", machine_name().c_str(),
+                1e-6 * static_cast<double>(bench.bytes), counted(bench.sites, "site").c_str(),
+                counted(bench.responses, "response").c_str());
   std::string out = text;
   for (const layout::SectionEntry& e : bench.parts) {
     std::snprintf(text, sizeof text, "  %-18s %9.3f\n", layout::section_name(e.id),
@@ -178,8 +179,9 @@ void run_ticks(BenchArguments options, const Globals& globals) {
     return;
   }
   char line[200];
-  std::snprintf(line, sizeof line, "%s\n%d contacts of the tool '%s', %.0f bytes a response, %d interpolated\n",
-                machine_name().c_str(), bench.contacts, tool.c_str(), bytes_per_response(view), latency.responses);
+  std::snprintf(line, sizeof line, "%s\n%s of the tool '%s', %.0f bytes a response, %d interpolated\n",
+                machine_name().c_str(), counted(static_cast<std::size_t>(bench.contacts), "contact").c_str(),
+                tool.c_str(), bytes_per_response(view), latency.responses);
   std::string out = line;
   out +=
       "of each contact, in ns, the least of its blocks of ticks, and the mean of all, disturbed by other work:\n"

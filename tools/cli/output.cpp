@@ -32,6 +32,12 @@ void note(const Globals& globals, const std::string& line) {
 
 void warn(const std::string& line) { std::fprintf(stderr, "palpate: warning: %s\n", printable(line).c_str()); }
 
+std::string counted(std::size_t count, const char* one, const char* others) {
+  const std::string number = std::to_string(count) + " ";
+  if (count == 1) return number + one;
+  return others != nullptr ? number + others : number + one + "s";
+}
+
 std::string shell_word(const std::string& text) {
   if (!text.empty() && text.find_first_of(" \t\n'\"\\$&;()<>|*?[]#~`!") == std::string::npos) return text;
   std::string word = "'";

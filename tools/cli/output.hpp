@@ -5,6 +5,7 @@
 
 #include "tools/cli/commands.hpp"
 
+#include <cstddef>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -22,6 +23,9 @@ void check_writable(const std::filesystem::path& file);
 
 /// A note for the user: one line on standard error, unless --quiet.
 void note(const Globals& globals, const std::string& line);
+
+/// "1 pair", "2 pairs"; `others`: the plural that no s makes.
+std::string counted(std::size_t count, const char* one, const char* others = nullptr);
 
 /// As a shell takes it for one word.
 std::string shell_word(const std::string& text);

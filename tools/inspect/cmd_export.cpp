@@ -120,8 +120,8 @@ void run_export(const ExportArguments& options, const Globals& globals) {
     const layout::ToolRecord& record = view.tools[tool];
     if (options.tool_vertex >= record.vertex_count) {
       throw Error(ExitCode::bad_input, options.file + ": the tool '" + record.name + "' has " +
-                                           std::to_string(record.vertex_count) + " vertices, there is no number " +
-                                           std::to_string(options.tool_vertex));
+                                           counted(record.vertex_count, "vertex", "vertices") +
+                                           ", there is no number " + std::to_string(options.tool_vertex));
     }
     const SurfaceFields surface = body_fields(view, {tool, options.tool_vertex, depth});
     if (std::none_of(surface.fields.begin(), surface.fields.end(),

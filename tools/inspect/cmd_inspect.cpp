@@ -168,12 +168,12 @@ std::string as_text(const runtime::View& v, const Json& json) {
     append(text, "%-16s %s%s%s\n", f.name, there ? "present" : "left out: ", there ? "" : f.without, "");
   }
   const Shares s = count_shares(v);
-  append(text, "\n%u sites (%zu held, %zu outside the sampled region), %zu patches, %u contact triangles\n",
-         m.site_count, s.held, s.outside, json["patches"].get<std::size_t>(), m.triangle_count);
-  append(text,
-         "%u responses of %.0f bytes: %zu solved, %zu measured, %zu analytic, %zu filled from neighbours (%.2f %%)\n",
-         m.response_count, bytes_per_response(v), s.of(layout::response_solved), s.of(layout::response_measured),
-         s.of(layout::response_analytic), s.of(layout::response_filled),
+  append(text, "\n%s (%zu held, %zu outside the sampled region), %s, %s\n", counted(m.site_count, "site").c_str(),
+         s.held, s.outside, counted(json["patches"].get<std::size_t>(), "patch", "patches").c_str(),
+         counted(m.triangle_count, "contact triangle").c_str());
+  append(text, "%s of %.0f bytes: %zu solved, %zu measured, %zu analytic, %zu filled from neighbours (%.2f %%)\n",
+         counted(m.response_count, "response").c_str(), bytes_per_response(v), s.of(layout::response_solved),
+         s.of(layout::response_measured), s.of(layout::response_analytic), s.of(layout::response_filled),
          100.0 * static_cast<double>(s.of(layout::response_filled)) / m.response_count);
   const Json& provenance = json["provenance"];
   const auto at = Json::json_pointer("/pairs/carried");
@@ -191,10 +191,10 @@ std::string as_text(const runtime::View& v, const Json& json) {
   }
   for (std::uint32_t i = 0; i < m.tool_count; ++i) {
     const layout::ToolRecord& t = v.tools[i];
-    const ToolPoints counted = count_points(v, t);
-    append(text, "tool '%s': %s, radius %.4g mm, %u contact vertices", t.name, shape_name(t),
-           1e3 * static_cast<double>(t.radius), counted.points);
-    if (counted.spins > 1) append(text, ", up to %u spins each", counted.spins);
+    const ToolPoints touching = count_points(v, t);
+    append(text, "tool '%s': %s, radius %.4g mm, %s", t.name, shape_name(t), 1e3 * static_cast<double>(t.radius),
+           counted(touching.points, "contact vertex", "contact vertices").c_str());
+    if (touching.spins > 1) append(text, ", up to %u spins each", touching.spins);
     text += "\n";
   }
   return text + "provenance: " + json["provenance"].dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -38,8 +38,8 @@ void run_merge(const MergeArguments& options, const Globals& globals) {
     json["missing"] = report.missing;
     print_json(json);
   } else {
-    print(std::to_string(report.bake.total - report.bake.resumed) + " pairs merged, " +
-          std::to_string(report.bake.resumed) + " before\n" + bake_text(p, report.bake));
+    print(counted(report.bake.total - report.bake.resumed, "pair") + " merged, " + std::to_string(report.bake.resumed) +
+          " before\n" + bake_text(p, report.bake));
   }
   if (!report.missing.empty()) throw Error(ExitCode::io, missing_text(p, report));
 }

@@ -123,15 +123,15 @@ void run_plan(const PlanArguments& options, const Globals& globals) {
     std::snprintf(others, sizeof others, "; %zu recorded, %zu by closed forms, %zu filled from neighbours",
                   external.measured, external.analytic, filled);
   }
-  std::snprintf(
-      text, sizeof text,
-      "%zu sites, %zu pairs to solve%s\n"
-      "not touchable: %zu pairs on or beside a support (%.1f %% of the area), %zu in folds narrower than the tool "
-      "(%.1f %%), %zu outside the region\n"
-      "depth %.2f to %.2f mm, median %.2f mm\n",
-      plan.sites.size(), solved, others, support, 100 * plan.support_share, unreachable, 100 * plan.unreachable_share,
-      plan.skipped.size() - support - unreachable, 1e3 * depths.front(), 1e3 * depths.back(),
-      1e3 * depths[depths.size() / 2]);
+  std::snprintf(text, sizeof text,
+                "%s, %s to solve%s\n"
+                "not touchable: %s on or beside a support (%.1f %% of the area), %zu in folds narrower than the tool "
+                "(%.1f %%), %zu outside the region\n"
+                "depth %.2f to %.2f mm, median %.2f mm\n",
+                counted(plan.sites.size(), "site").c_str(), counted(solved, "pair").c_str(), others,
+                counted(support, "pair").c_str(), 100 * plan.support_share, unreachable, 100 * plan.unreachable_share,
+                plan.skipped.size() - support - unreachable, 1e3 * depths.front(), 1e3 * depths.back(),
+                1e3 * depths[depths.size() / 2]);
   print(text + (costs ? costs_text(*costs, p, globals.threads) : std::string()) + p.paths.manifest.string() + "\n");
 }
 

@@ -166,7 +166,7 @@ nlohmann::ordered_json bake_json(const pipeline::Pipeline& p, const bake::BakeRe
 }
 
 std::string bake_text(const pipeline::Pipeline& p, const bake::BakeReport& report) {
-  std::string text = std::to_string(report.accepted) + " of " + std::to_string(report.total) + " pairs accepted, " +
+  std::string text = std::to_string(report.accepted) + " of " + counted(report.total, "pair") + " accepted, " +
                      std::to_string(report.refused.size()) + " refused, " + std::to_string(report.normal_solves) +
                      " normal and " + std::to_string(report.tangential_solves) + " tangential solves, " +
                      bake::duration_text(pipeline::bake_seconds(p)) + (p.shard ? " in all shards\n" : " in all\n");
@@ -259,8 +259,8 @@ void check_tolerance(const pipeline::Pipeline& p, const fit::FitReport& report) 
 }
 
 std::string fit_text(const pipeline::Pipeline& p, const fit::FitReport& report) {
-  std::string text = std::to_string(report.accepted) + " pairs fitted, " + std::to_string(report.filled) +
-                     " responses filled from neighbours (" + std::to_string(report.refused) + " refused, " +
+  std::string text = counted(report.accepted, "pair") + " fitted, " + counted(report.filled, "response") +
+                     " filled from neighbours (" + std::to_string(report.refused) + " refused, " +
                      std::to_string(report.support) + " at supports, " + std::to_string(report.unreachable) +
                      " in narrow folds, " + std::to_string(report.outside) + " outside the region)\n" +
                      to_text(report.refusals);
@@ -272,7 +272,7 @@ std::string fit_text(const pipeline::Pipeline& p, const fit::FitReport& report) 
     text += line;
   }
   if (report.carried > 0) {
-    text += std::to_string(report.full) + " responses solved in full, " + std::to_string(report.carried) +
+    text += counted(report.full, "response") + " solved in full, " + std::to_string(report.carried) +
             " carried from these to sites with a normal indentation\n";
   }
   text += figures_text("normal pushes", report.normal, p.plan);
@@ -280,7 +280,7 @@ std::string fit_text(const pipeline::Pipeline& p, const fit::FitReport& report) 
   text += figures_text("paths that were not fitted", report.paths, p.plan);
   text += figures_text("carried tangential pushes, left out", report.left_out, p.plan);
   text += figures_text("bonded contacts", report.grasped, p.plan);
-  if (report.analytic > 0) text += std::to_string(report.analytic) + " responses by closed forms\n";
+  if (report.analytic > 0) text += counted(report.analytic, "response") + " by closed forms\n";
   text += figures_text("closed forms", report.laws, p.plan);
   for (const fit::RecordedFigures& f : report.recorded) text += recorded_text(f, p.plan);
   text += figures_text("torques of rotated tools", report.turned, p.plan);

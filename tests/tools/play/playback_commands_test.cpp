@@ -164,7 +164,9 @@ TEST_F(Playback, InspectListsSectionsFeaturesAndProvenance) {
   for (const Json& section : json["sections"]) bytes += section["bytes"].get<std::size_t>();
   EXPECT_LT(bytes, json["bytes"].get<std::size_t>());
   const RunResult text = run({"inspect", "box.palp"});
-  for (const char* part : {"RESPONSES", "left out", "tool 'gem': mesh", "\"generator\": \"test\""}) {
+  EXPECT_EQ(text.out.find(" 1 contact vertices"), std::string::npos) << text.out;
+  for (const char* part :
+       {"1 contact vertex\n", "RESPONSES", "left out", "tool 'gem': mesh", "\"generator\": \"test\""}) {
     EXPECT_NE(text.out.find(part), std::string::npos) << part;
   }
 }
