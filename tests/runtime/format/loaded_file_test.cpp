@@ -3,6 +3,9 @@
 #include "palpate/format/loaded_file.hpp"
 
 #include <gtest/gtest.h>
+#if !defined(_WIN32)
+#include <sys/stat.h>
+#endif
 
 #include <cstdint>
 #include <cstring>
@@ -52,6 +55,17 @@ TEST(LoadedFile, FailureHasTheSystemsWords) {
     EXPECT_EQ(loaded.data(), nullptr);
   }
 }
+
+#if !defined(_WIN32)
+TEST(MappedFile, FifoIsRefusedAtOnce) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "fifo";
+  ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
+  const MappedFile mapped(path.c_str());
+  EXPECT_FALSE(mapped.ok());
+  EXPECT_STREQ(mapped.error(), "Invalid argument");
+}
+#endif
 
 }  // namespace
 }  // namespace palpate::loaded_file_test

@@ -38,7 +38,7 @@ public:
 
 private:
   void load(const char* path) {
-    const int fd = ::open(path, O_RDONLY | O_CLOEXEC);
+    const int fd = ::open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a FIFO without writer must not block
     struct stat status {};
     if (fd < 0 || ::fstat(fd, &status) != 0) {
       error_ = errno;
