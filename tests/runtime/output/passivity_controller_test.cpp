@@ -17,6 +17,7 @@ using runtime::OutputChain;
 using runtime::output::Limit;
 using runtime::output::PassivityController;
 using runtime::output::PassivityOptions;
+using runtime::output::SentForces;
 
 constexpr double kTick = 1e-3, kPi = 3.14159265358979, kStiff = 2000, kFar = 1e-3, kOmega = 60;
 
@@ -146,6 +147,20 @@ TEST(PassivityController, TinyTimeStepsStayFiniteAndLoseNoEnergy) {
       EXPECT_NEAR(distance(out({0, 0, 1}, kTick, {}), {0, 0, 1}), 0, 1e-3);
     }
   }
+}
+
+TEST(SentForces, NoWorkIsCountedBeforeTheFirstForce) {
+  constexpr double kDelay = 0.005;
+  SentForces sent;
+  sent.advance(kTick);
+  sent.send({1, 0, 0}, kTick, kDelay);
+  for (int k = 0; k < 5; ++k) {
+    sent.advance(kTick);
+    EXPECT_EQ(sent.work(kTick, kDelay, {1e-3, 0, 0}), 0) << k;
+    sent.send({1, 0, 0}, kTick, kDelay);
+  }
+  sent.advance(kTick);
+  EXPECT_NEAR(sent.work(kTick, kDelay, {1e-3, 0, 0}), 1e-3, 1e-12);
 }
 
 TEST(PassivityController, ShareRisesOnlyWithoutForce) {

@@ -38,8 +38,11 @@ public:
   void advance(double seconds) {
     time_ += seconds;
     Entry& newest = entries_[newest_];
-    if (!(sent_at_ > newest.time)) newest.force = force_;  // the first force of its entry
-    const double share = time_ > newest.time ? (time_ - sent_at_) / (time_ - newest.time) : 1;
+    if (!(sent_at_ > newest.time)) {  // the first force of its entry
+      newest.force = force_;
+      return;
+    }
+    const double share = (time_ - sent_at_) / (time_ - newest.time);
     const Vec3 mean = newest.force + share * (force_ - newest.force);
     newest.deviation = std::fmax(newest.deviation + length(mean - newest.force), length(mean - force_));
     newest.force = mean;
