@@ -93,6 +93,23 @@ TEST(ClosestPoint, BoxHasItsClosedFormWithAndWithoutATree) {
   }
 }
 
+// Triangles from 30 mm down to 0.3 um.
+TEST(ClosestPoint, SideDoesNotDependOnTheSizeOfTheTriangles) {
+  for (const double size : {1.0, 1e-3, 1e-5}) {
+    ResponseFileContent content = box_content();
+    for (auto& vertex : content.surface_vertices) {
+      for (auto& x : vertex) x = static_cast<float>(size * x);
+    }
+    const Opened box(std::move(content));
+    std::mt19937 random(3);
+    for (int i = 0; i < 500; ++i) {
+      const Vec3 p = random_point(random, 0.04);
+      if (std::fabs(box_distance(p)) < 1e-4) continue;
+      ASSERT_EQ(closest_point(box.view, size * p).signed_distance < 0, box_distance(p) < 0) << size << ' ' << i;
+    }
+  }
+}
+
 TEST(ClosestPoint, ConcaveBodiesAgreeWithBruteForceAndTheWindingNumber) {
   int inside = 0;
   for (const ConcaveShape& shape : concave_shapes()) {

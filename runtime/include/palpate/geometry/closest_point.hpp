@@ -167,9 +167,9 @@ inline Vec3 pseudonormal(const View& view, const BodyPoint& at) {
     }
   }
   if (zeros >= 2) return vertex_pseudonormal(view, at.triangle, full);
-  const Vec3 own = unit(face_normal(view, at.triangle), {});
+  const Vec3 own = unit_face_normal(view, at.triangle);
   if (zeros == 0) return own;
-  return own + unit(face_normal(view, view.triangle(at.triangle).neighbour[zero]), {});
+  return own + unit_face_normal(view, view.triangle(at.triangle).neighbour[zero]);
 }
 
 inline Location unsigned_location(const View& view, std::uint32_t triangle, const Closest& closest) {

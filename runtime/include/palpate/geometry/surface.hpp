@@ -43,13 +43,20 @@ inline Vec3 face_normal(const View& view, std::uint32_t triangle) {
   return cross(vertex(view, v[1]) - a, vertex(view, v[2]) - a);
 }
 
+/// Unit normal of a triangle, outward, however small it is; `none` where it has no area.
+inline Vec3 unit_face_normal(const View& view, std::uint32_t triangle, const Vec3& none = {}) {
+  const Vec3 n = face_normal(view, triangle);
+  const double size = length(n);
+  return size > 0 ? (1 / size) * n : none;
+}
+
 /// The smooth unit normal: the sites' normals blended by `weights`. The triangle's own normal where they cancel.
 inline Vec3 smooth_normal(const View& view, const BodyPoint& at, const double (&weights)[3]) {
   const auto& site = view.triangle(at.triangle).site;
   Vec3 sum;
   for (int k = 0; k < 3; ++k) sum = sum + weights[k] * to_vec(view.sites[site[k]].normal);
   if (dot(sum, sum) > 1e-12) return unit(sum, sum);
-  return unit(face_normal(view, at.triangle), to_vec(view.sites[site[0]].normal));
+  return unit_face_normal(view, at.triangle, to_vec(view.sites[site[0]].normal));
 }
 inline Vec3 smooth_normal(const View& view, const BodyPoint& at) {
   double weights[3];
