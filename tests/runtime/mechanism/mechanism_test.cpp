@@ -405,11 +405,50 @@ TEST(Mechanism, WrongValuesHaveNoForceAndACause) {
   EXPECT_EQ(length(tool.tick({bad})[0].force), 0);
   EXPECT_NE(tool.outcome().cause, nullptr);
   EXPECT_GT(length(tool.tick({upright({0.01, 0, 0})})[0].force), 0.1) << "the next pose is good again";
-  // Two rigid points of the ground have no compliance.
-  Mechanism<1, 4> rigid({handle(100, 1)});
-  rigid.add(suture(Side::ground({0, 0, 0}), Side::ground({1, 0, 0})));
-  EXPECT_EQ(length(rigid.tick({Pose{}})[0].force), 0);
-  EXPECT_NE(rigid.outcome().cause, nullptr);
+}
+
+TEST(Mechanism, WrongConstraintIsNamedAndNotAdded) {
+  const Opened file(box(false));
+  const CompliantBody body(file.view);
+  const CompliancePoint at = place({0, 0, kTop}, {0, 0, 1}, kSampleShear);
+  const Constraint good = touching(Side::tool(0, {}), Side::surface(body, at, 0.002), {0, 0, 1}, 0.3);
+  ASSERT_EQ(good.validate(), nullptr);
+  std::vector<Constraint> wrong;
+  const auto change = [&](const auto& with) { with(wrong.emplace_back(good)); };
+  change([](Constraint& c) { c.limit = -0.5; });
+  change([](Constraint& c) { c.limit = NAN; });
+  change([](Constraint& c) { c.direction[0].x = NAN; });
+  change([](Constraint& c) { c.direction[0] = {0, 0, 1.1}; });
+  change([](Constraint& c) { c.direction[2] = c.direction[1]; });
+  change([](Constraint& c) { c.offset[1] = HUGE_VAL; });
+  change([](Constraint& c) { c.force[2] = NAN; });
+  change([](Constraint& c) { c.late = -1; });
+  change([](Constraint& c) { c.a.point.y = NAN; });
+  change([](Constraint& c) { c.b.radius = 0; });
+  change([](Constraint& c) { c.b.place = nullptr; });
+  change([](Constraint& c) { c.b.body = nullptr; });
+  change([](Constraint& c) { c.kind[1] = RowKind::bilateral; });
+  change([](Constraint& c) { std::swap(c.kind[0], c.kind[1]); });
+  change([](Constraint& c) { c.frame = DirectionFrame::line; });
+  wrong.push_back(suture(Side::ground({0, 0, 0}), Side::ground({1, 0, 0})));
+  wrong.push_back(trocar(0, shaft(), Side::ground({}), -0.5));
+  for (const Constraint& c : wrong) {
+    Mechanism<1, 8> tool({handle(100, 1)});
+    const auto which = &c - wrong.data();
+    EXPECT_NE(c.validate(), nullptr) << which;
+    EXPECT_EQ(tool.add(c), -1) << which;
+    EXPECT_FALSE(tool.add(std::array<Constraint, 2>{good, c})) << which;
+    EXPECT_EQ(tool.count(), 0) << which;
+    for (int k = 0; k < 3; ++k) EXPECT_EQ(length(tool.tick({upright({0, 0, 0.1})})[0].force), 0) << which;
+    EXPECT_EQ(tool.outcome().cause, nullptr) << which;
+  }
+}
+
+TEST(Mechanism, JointWithoutRoomForAllRowsIsNotAdded) {
+  Mechanism<2, 4> jaws({handle(500, 1), handle(500, 1)});
+  EXPECT_FALSE(jaws.add(hinge(0, Pose{}, 1, Pose{}))) << "five rows in four";
+  EXPECT_EQ(jaws.count(), 0);
+  EXPECT_EQ(length(jaws.tick({Pose{}, upright({0.01, 0, 0})})[0].force), 0);
 }
 
 TEST(Mechanism, NoTickAllocates) {

@@ -49,6 +49,15 @@ struct Side {
   static Side surface(const CompliantBody& body, const CompliancePoint& place, double radius) {
     return {-1, body.position(place), &body, &place, radius};
   }
+
+  [[nodiscard]] bool can_move() const { return handle >= 0 || body != nullptr; }
+  /// Returns null, or the member that is wrong.
+  [[nodiscard]] const char* validate() const {
+    if (!finite(point)) return "point of a side is not finite";
+    if ((body == nullptr) != (place == nullptr)) return "a side has a body without a place, or a place without a body";
+    if (body != nullptr && !(radius > 0 && radius <= 1e6)) return "radius of a side's patch is outside (0, 1e6] m";
+    return nullptr;
+  }
 };
 
 enum class RowKind : unsigned char {
@@ -84,6 +93,39 @@ struct Constraint {
   bool begun = false;
   double late = 0;       ///< m, by which such a row began late and has not opened since
   double force[3] = {};  ///< N
+
+  /// Whether direction k has a row.
+  [[nodiscard]] bool has_row(int k) const { return kind[k] != RowKind::none || kind[0] == RowKind::contact; }
+  /// Returns null, or the member that is wrong. Indices of handles are checked by the mechanism.
+  [[nodiscard]] const char* validate() const {
+    for (const Side* side : {&a, &b}) {
+      if (const char* wrong = side->validate()) return wrong;
+    }
+    if (!a.can_move() && !b.can_move()) return "both sides of a constraint are ground";
+    if (!(limit >= 0 && std::isfinite(limit))) return "limit of a constraint is negative or not finite";
+    if (!(late >= 0 && std::isfinite(late))) return "late gap of a constraint is negative or not finite";
+    for (int k = 0; k < 3; ++k) {
+      if (const char* wrong = validate_row(k)) return wrong;
+    }
+    return nullptr;
+  }
+
+private:
+  [[nodiscard]] const char* validate_row(int k) const {
+    if (!std::isfinite(offset[k]) || !std::isfinite(force[k])) return "offset or force of a constraint is not finite";
+    if (k > 0 && kind[k] != RowKind::none && (kind[k] == RowKind::contact || kind[0] == RowKind::contact)) {
+      return "a contact is not the first row of its constraint, or has rows besides";
+    }
+    if (!has_row(k)) return nullptr;
+    if (k > 0 && frame == DirectionFrame::line) return "a constraint along a line has more than one row";
+    constexpr double kLoose = 5e-3;  // the axes of a valid pose are nearer
+    for (int j = 0; j <= k; ++j) {
+      if (has_row(j) && !(std::fabs(dot(direction[j], direction[k]) - (j == k ? 1 : 0)) < kLoose)) {
+        return "directions of a constraint are not orthonormal within 5e-3";
+      }
+    }
+    return nullptr;
+  }
 };
 
 namespace constraint_detail {

@@ -15,25 +15,24 @@ namespace palpate::runtime {
 template <int MostRows>
 class ConstraintSet {
 public:
-  /// Returns the constraint's index, or -1 where it has no room.
-  int add(const Constraint& constraint) {
-    int rows = 0;
-    for (const RowKind kind : constraint.kind) rows += kind == RowKind::contact ? 3 : kind != RowKind::none;
-    if (count_ == constraint_.size() || row_count_ + rows > MostRows) return -1;
-    constraint_[count_] = constraint;
-    row_count_ += rows;
-    return static_cast<int>(count_++);
+  /// Adds `count` constraints. Returns false, and adds none, where they have no room.
+  bool add(const Constraint* more, std::size_t count) {
+    int rows = row_count_;
+    for (std::size_t i = 0; i < count; ++i) {
+      for (int k = 0; k < 3; ++k) rows += more[i].has_row(k);
+    }
+    if (count > constraint_.size() - count_ || rows > MostRows) return false;
+    for (std::size_t i = 0; i < count; ++i) constraint_[count_++] = more[i];
+    row_count_ = rows;
+    return true;
   }
   void clear() { count_ = 0, row_count_ = 0; }
 
   [[nodiscard]] std::size_t size() const { return count_; }
   [[nodiscard]] const Constraint& operator[](std::size_t i) const { return constraint_[i]; }
 
-  /// Index of the row of direction k, where has_row.
+  /// Index of the row of direction k of a constraint that has one.
   [[nodiscard]] int row(std::size_t i, int k) const { return index_[i][k]; }
-  [[nodiscard]] static bool has_row(const Constraint& c, int k) {
-    return c.kind[k] != RowKind::none || c.kind[0] == RowKind::contact;
-  }
 
   /// Adds its rows, bilateral ones first.
   template <int Most>
@@ -56,10 +55,10 @@ public:
       Constraint& c = constraint_[i];
       const Vec3 apart = handles.position(c.a) - handles.position(c.b);
       double gap[3];
-      for (int k = 0; k < 3; ++k) gap[k] = has_row(c, k) ? dot(handles.direction(c, k), apart) + c.offset[k] : 0;
+      for (int k = 0; k < 3; ++k) gap[k] = c.has_row(k) ? dot(handles.direction(c, k), apart) + c.offset[k] : 0;
       if (!c.begun) begin(c, gap);
       for (int k = 0; k < 3; ++k) {
-        if (!has_row(c, k)) continue;
+        if (!c.has_row(k)) continue;
         forces[index_[i][k]] = c.force[k];
         gaps[index_[i][k]] = gap[k] + (k == 0 ? c.late : 0);
       }
@@ -70,7 +69,7 @@ public:
   void store(const double* forces) {
     for (std::size_t i = 0; i < count_; ++i) {
       for (int k = 0; k < 3; ++k) {
-        if (has_row(constraint_[i], k)) constraint_[i].force[k] = forces[index_[i][k]];
+        if (constraint_[i].has_row(k)) constraint_[i].force[k] = forces[index_[i][k]];
       }
     }
   }

@@ -78,18 +78,12 @@ public:
   [[nodiscard]] const char* validate() const { return fault_; }
 
   /// Adds a constraint, with the forces that it carries, and returns its index; -1 where it has no room or a wrong
-  /// member. It acts from the next tick on.
-  int add(const Constraint& constraint) {
-    const bool known = constraint.a.handle < Handles && constraint.b.handle < Handles;
-    const int index = known ? constraints_.add(constraint) : -1;
-    if (index >= 0) changed_ = true;
-    return index;
-  }
+  /// member (Constraint::validate). It acts from the next tick on.
+  int add(const Constraint& constraint) { return add(&constraint, 1) ? count() - 1 : -1; }
+  /// Adds all constraints of a joint. Returns false, and adds none, where one has a wrong member or all have no room.
   template <std::size_t N>
   bool add(const std::array<Constraint, N>& joint) {
-    bool all = true;
-    for (const Constraint& c : joint) all = add(c) >= 0 && all;
-    return all;
+    return add(joint.data(), N);
   }
   /// Removes all constraints. The tools stay.
   void clear() {
@@ -134,6 +128,16 @@ public:
   [[nodiscard]] const MechanismOutcome& outcome() const { return outcome_; }
 
 private:
+  bool add(const Constraint* more, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const bool known = more[i].a.handle < Handles && more[i].b.handle < Handles;
+      if (!known || more[i].validate() != nullptr) return false;
+    }
+    const bool fits = constraints_.add(more, count);
+    changed_ = changed_ || fits;
+    return fits;
+  }
+
   /// Puts the tools at their way from the devices. False where no force can be made.
   bool begin(const std::array<Pose, kHandles>& devices) {
     bool valid = fault_ == nullptr;

@@ -87,7 +87,7 @@ private:
       const Constraint& c = constraints[i];
       const Vec3 at = handles.position(c.b);
       for (int k = 0; k < 3; ++k) {
-        if (!Constraints::has_row(c, k)) continue;
+        if (!c.has_row(k)) continue;
         lever_[constraints.row(i, k)] = handles.lever(c.a.handle, c.b.handle, at, handles.direction(c, k));
       }
     }
@@ -107,10 +107,10 @@ private:
         if (t->body == nullptr || t->body != f->body) continue;
         const double sign = (t == &to.a) == (f == &from.a) ? 1 : -1;
         for (int l = 0; l < 3; ++l) {
-          if (!Constraints::has_row(from, l)) continue;
+          if (!from.has_row(l)) continue;
           const Vec3 way = sign * moved(*f, *t->place, handles.direction(from, l));
           for (int k = 0; k < 3; ++k) {
-            if (!Constraints::has_row(to, k) || (i == j && l > k)) continue;
+            if (!to.has_row(k) || (i == j && l > k)) continue;
             rows_.add_compliance(constraints.row(i, k), constraints.row(j, l), dot(handles.direction(to, k), way));
           }
         }
@@ -137,7 +137,7 @@ private:
       for (const Side* side : {&c.a, &c.b}) {
         if (side->body != to.body) continue;
         for (int k = 0; k < 3; ++k) {
-          if (!Constraints::has_row(c, k)) continue;
+          if (!c.has_row(k)) continue;
           Vec3& way = surface[static_cast<std::size_t>(constraints.row(i, k))];
           way = way + (side == &c.a ? 1.0 : -1.0) * moved(*side, to.at, handles.direction(c, k));
         }
