@@ -2,6 +2,7 @@
 // A body that moves rigidly: the force is that of the relative motion.
 #include "palpate/body/rigid_motion.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -86,6 +87,32 @@ TEST(RigidMotion, AnyTwoValidPosesAreAccepted) {
     ASSERT_NE(Contact(box.view, 0).tick(tool, RigidMotion{&box.view, body}).state, State::fault) << i;
   }
   EXPECT_GT(beyond, 50);
+}
+
+// Rotations rounded to float, and as far from orthonormal as they may be.
+TEST(RigidMotion, HandAtRestHasAConstantForce) {
+  const Opened box(box_content({}));
+  for (const double scale : {0.0, 1 + 1e-5, 1 - 4e-4}) {
+    RigidMotion body{&box.view, turned(1.2, unit(Vec3{1, 2, -1}, {}), {0.4, -0.2, 1.1})};
+    for (double& r : body.pose.rotation) r = scale > 0 ? scale * r : double{static_cast<float>(r)};
+    ASSERT_TRUE(body.valid());
+    const Pose frame = orthonormal(body.pose);
+    Contact contact(box.view, 0), alone(box.view, 0);
+    Tick tick, still;
+    for (int k = -10; k <= 200; ++k) {
+      const Pose pose = upright(centre(3e-5 * std::min(k, 100), 2e-6 * std::max(0, k - 100)));
+      tick = contact.tick(frame * pose, body);
+      still = alone.tick(pose);
+    }
+    EXPECT_EQ(tick.state, State::stick);
+    EXPECT_LT(distance(tick.force, frame.rotate(still.force)), 1e-6);
+    const Pose held = frame * upright(centre(0.003, 2e-4));
+    for (int k = 0; k < 1000; ++k) {
+      const Tick later = contact.tick(held, body);
+      ASSERT_EQ(distance(later.force, tick.force), 0) << scale << ' ' << k;
+      ASSERT_EQ(distance(later.torque, tick.torque), 0) << scale << ' ' << k;
+    }
+  }
 }
 
 }  // namespace

@@ -488,6 +488,25 @@ TEST(VirtualCoupling, RigidlyMovingBodyGivesTheForceOfABodyAtRest) {
   EXPECT_EQ(length(fault.force), 0);
 }
 
+TEST(VirtualCoupling, HandAtRestOnABodyOfARoundedPoseHasAConstantForce) {
+  const Opened box(box_content({}));
+  RigidMotion body{&box.view, turned(1.2, unit(Vec3{1, 2, -1}, {}), {0.4, -0.2, 1.1})};
+  for (double& r : body.pose.rotation) r = static_cast<float>(r);
+  Contact contact(box.view, 0);
+  VirtualCoupling held(coupling(500));
+  const auto tick = [&](double depth, double aside) {
+    return held.tick(contact, orthonormal(body.pose) * upright(centre(depth, aside)), kTick, body);
+  };
+  for (int k = -10; k <= 100; ++k) tick(3e-5 * k, 0);
+  for (int k = 0; k <= 300; ++k) tick(0.003, 2e-6 * std::min(k, 100));
+  const Vec3 felt = tick(0.003, 2e-4).force, tool = held.tool();
+  EXPECT_GT(length(felt), 0.1);
+  for (int k = 0; k < 3000; ++k) {
+    ASSERT_LT(distance(tick(0.003, 2e-4).force, felt), 1e-9) << k;
+    ASSERT_LT(distance(held.tool(), tool), 1e-12) << k;
+  }
+}
+
 TEST(VirtualCoupling, ChangingStiffnessFactorsGiveTheHandNoEnergy) {
   const Opened box(box_content({}));
   std::vector<runtime::SiteScales::Scale> memory(box.view.meta->site_count);

@@ -10,12 +10,12 @@ namespace palpate::runtime {
 /// response is that of the body at rest, without inertia. See StillBody for the members.
 struct RigidMotion {
   const View* view;
-  Pose pose;  ///< of the body's frame in the world
+  Pose pose;  ///< of the body's frame in the world; its rotation is made orthonormal
 
   [[nodiscard]] bool valid() const { return pose.valid(); }
-  [[nodiscard]] Pose frame(const BodyPoint& /*at*/) const { return pose; }
+  [[nodiscard]] Pose frame(const BodyPoint& /*at*/) const { return orthonormal(pose); }
   [[nodiscard]] const View& surface() const { return *view; }
-  [[nodiscard]] Pose surface_frame() const { return pose; }
+  [[nodiscard]] Pose surface_frame() const { return orthonormal(pose); }
   [[nodiscard]] double travel() const { return 0; }
   [[nodiscard]] double factor(const BodyPoint& /*at*/) const { return 1; }
   [[nodiscard]] double factor_step() const { return HUGE_VAL; }

@@ -155,9 +155,10 @@ private:
   static const Tick& in_world(StillFrame /*frame*/, const Tick& tick) { return tick; }
   static Tick in_world(const Pose& frame, const Tick& tick) { return transformed(frame, tick); }
 
-  /// c has gone on to a place of the body that has moved otherwise: what was against the old place is against the new.
+  /// Expresses the state in the body's frame at the new c. It keeps every bit where the frame is the same.
   void rebase(StillFrame /*from*/, StillFrame /*to*/) {}
   void rebase(const Pose& from, const Pose& to) {
+    if (from == to) return;
     const Pose by = inverse(to) * from;
     state_.tool = by * state_.tool;
     state_.place.normal = by.rotate(state_.place.normal);

@@ -176,10 +176,13 @@ private:
     return tick;
   }
 
-  /// Moves the state along with a body's motion since the last tick. Other arguments of the tick have no frame.
+  /// Moves the state along with a body's motion since the last tick; at rest it keeps every bit. Other arguments of the
+  /// tick have no frame.
   template <class Body>
   auto follow(const Body& body, int) -> decltype(body.frame(BodyPoint{}), void()) {
-    const Pose motion = frame_at(body, state_.anchor) * inverse(state_.frame);
+    const Pose frame = frame_at(body, state_.anchor);
+    if (frame == state_.frame) return;
+    const Pose motion = frame * inverse(state_.frame);
     state_.device = motion * state_.device;
     state_.tool = motion.apply(state_.tool);
     state_.force = motion.rotate(state_.force);
