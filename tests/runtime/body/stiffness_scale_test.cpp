@@ -118,6 +118,29 @@ TEST(StiffnessScale, RiseOfTheFactorGivesNoEnergy) {
   }
 }
 
+TEST(StiffnessScale, RiseAtRestLeavesTheEnergyWhateverItsStep) {
+  for (const bool friction : {false, true}) {
+    for (const double step : {0.01, 0.1, 1.0, 100.0}) {
+      Scaled a(flat(friction));
+      a.body.step = step;
+      Contact contact(a.file.view, 0);
+      EnergyMeter meter;
+      const auto go = [&](double depth) {
+        const Tick tick = contact.tick(at_depth(depth), a.body);
+        meter.add(at_depth(depth), tick);
+        return contact.state().energy.energy();
+      };
+      for (int k = -10; k < 300; ++k) go(1e-5 * (k + 1));
+      const double pressed = go(0.003);
+      a.set_all(4);
+      for (int k = 0; k < 400; ++k) ASSERT_LE(go(0.003), pressed * (1 + 1e-12)) << step << ' ' << k;
+      EXPECT_LE(4 * contact.response().law().normal(contact.state().counted_depth).work, pressed * 1.001) << step;
+      for (int k = 300; k > -10; --k) go(1e-5 * (k - 1));
+      EXPECT_LE(meter.returned(), meter.given() + 1e-4 * pressed) << step << ' ' << friction;
+    }
+  }
+}
+
 TEST(StiffnessScale, ForceFollowsAFactorThatChangesOverTheBody) {
   Scaled a(flat(false));
   std::mt19937 random(7);

@@ -334,22 +334,26 @@ private:
     const double last = state_.indentation, covered_work = factor > 0 ? state_.energy.energy() / factor - state_.other : 0;
     NormalResponse before, full;
     if (last > 0) before = response_.law().normal(last);
+    const auto covered_depth = [&] {
+      return EnergyTank::counted_depth(response_.law(), covered_work, last, before.work, state_.counted_depth);
+    };
+    // A factor that rises makes the work of every depth larger. The part that E does not cover is lost before the
+    // tick's motion, or the force would rise at rest.
+    if (factor > state_.factor) {
+      const double left = state_.factor / factor * state_.counted_depth;
+      state_.counted_depth = clamped(covered_depth(), left, state_.counted_depth);
+    }
     // An indentation that grows by more than the tool's way was found, not made.
     const double deepened = smaller(z - last, motion.moved);
     const double kept = state_.counted_depth + deepened;
     const double most = EnergyConstants::kCorrection * (motion.moved + motion.crept);
-    // A factor that rises makes the work of every depth larger. The part that E does not cover is lost at once, or the force would
-    // rise at rest.
-    const double rise = factor > state_.factor ? 1 - state_.factor / factor : 0;
-    const double least = larger(kept - most - rise * state_.counted_depth, 0);
+    const double least = larger(kept - most, 0);
     double depth = z, limit = 0;
     const double slack = smaller(EnergyConstants::kRounding * view_->meta->depth_scale, motion.moved);  // m
     const bool deficit = covered_work < before.work - slack * before.normal_force || kept < z - slack;
     if (deficit) {
       full = response_.law().normal(z);
-      const double counted =
-          EnergyTank::counted_depth(response_.law(), covered_work, last, before.work, state_.counted_depth);
-      depth = smaller(clamped(counted + deepened, least, kept + most), z);
+      depth = smaller(clamped(covered_depth() + deepened, least, kept + most), z);
       limit = EnergyTank::recovery_limit(before.work > 0 ? covered_work / before.work : 0, full.normal_force);
       before = state_.counted_depth > 0 ? response_.law().normal(state_.counted_depth) : NormalResponse{};
     } else {
