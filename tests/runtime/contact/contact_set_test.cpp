@@ -222,6 +222,28 @@ TEST(ContactSet, ContactsOfAMovingBodyHaveTheForceOfTheBodyAtRest) {
   EXPECT_GT(most, 0.3);
 }
 
+// Core points inside the body, some of them deep; a mesh has no skin.
+TEST(ContactSet, WallIsFoundWhereTheToolIsDeepest) {
+  const Opened box(box_content(smooth(false, Options::Tools::all)));
+  for (std::uint32_t tool = 0; tool < 3; ++tool) {
+    const runtime::ToolShape<layout::feature_all> shape(box.view, tool);
+    for (const double depth : {-5e-4, 5e-4, 2e-3, 4e-3}) {
+      const double touch = runtime::search(box.view, tool, upright({0, 0, kTop + 0.01})).touch.clearance;
+      for (const double lean : {0.0, 0.2, -0.2}) {
+        runtime::WallSearchRequest<2> request;
+        request.pose = Pose::from_quaternion(1, lean, 0.5 * lean, 0, {0, 0, kTop + 0.01 - touch - depth});
+        double deepest = HUGE_VAL;
+        shape.for_each_sample([&](const runtime::CorePoint& core) {
+          const Vec3 q = request.pose.apply(core.point);
+          deepest = std::fmin(deepest, runtime::closest_point(box.view, q).signed_distance - shape.skin());
+        });
+        EXPECT_LE(runtime::detail::find_wall(box.view, shape, request, 0.01, 0.01).clearance, deepest + 1e-12)
+            << tool << ' ' << depth << ' ' << lean;
+      }
+    }
+  }
+}
+
 TEST(ContactSet, WrongSearchIsAFaultOfAllContacts) {
   const Opened body(two_lobes(smooth(true)));
   ContactSet<2> set(body.view, 0);

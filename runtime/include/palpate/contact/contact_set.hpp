@@ -43,8 +43,8 @@ PALPATE_NOINLINE inline ToolTouch find_wall(const View& surface, const ToolShape
   shape.for_each_sample([&](const CorePoint& core) {
     const Vec3 q = request.pose.apply(core.point);
     Location found;
-    const double within = smaller(shape.skin() + reach, shape.skin() + best.clearance);
-    if (!closest_point_where<kFeatures>(surface, q, apart, within, found)) return;
+    // The best clearance so far bounds nothing: a core point inside the body is the better the farther the surface is.
+    if (!closest_point_where<kFeatures>(surface, q, apart, shape.skin() + reach, found)) return;
     // This is a foot's wall if the distance falls on towards that foot, over the body or over the tool.
     constexpr int kMostSteps = 8;
     CorePoint at = core;
