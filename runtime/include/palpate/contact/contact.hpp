@@ -14,7 +14,8 @@ namespace palpate::runtime {
 
 /// Constants of how a contact moves over body and tool.
 struct ContactConstants {
-  /// Times the tool's travel in a tick, that c and p may go.
+  /// Times the tool's travel in a tick: the way that p, and the response in use towards that at c, may go. c itself may
+  /// leap.
   static constexpr double kPointSpeed = 8;
   /// Times the tool's travel over the indentation: angle (rad) by which the normal may turn in a tick.
   static constexpr double kTurnSpeed = 2;
@@ -25,6 +26,10 @@ struct ContactConstants {
   static constexpr double kSmoothNormal = 0.3;
   /// Clearance at which a sweep has found the first touch, over the depth scale.
   static constexpr double kTouchGap = 1e-3;
+  /// Least depth in a contact's size, over the tool's radius: a touch has a size too.
+  static constexpr double kLeastDepth = 0.02;
+  /// Share of the tool's radius in a contact's size: no contact is smaller.
+  static constexpr double kLeastSize = 0.25;
 };
 
 /// Follows one tool. Every tick takes bounded time, allocates nothing and throws nothing. Not for several threads at
@@ -48,7 +53,7 @@ public:
   /// The force at a pose of the tool (body frame).
   Tick tick(const Pose& tool) { return tick(tool, StillBody{view_}); }
   /// The same with searches that are made elsewhere at a lower rate: `latest` is the last that arrived. Such a tick
-  /// never searches; a place that no search has seen is felt from the first search that sees it on.
+  /// never searches. A contact at a new place begins when a search has found the place.
   Tick tick(const Pose& tool, const Search& latest) { return tick(tool, StillBody{view_}, &latest); }
 
   /// The force at a pose of the tool (world) against a body that moves, deforms or changes its stiffness
@@ -67,7 +72,7 @@ public:
       const Sweep found = free_.advance(shape_, tool, body, latest, size(view_->meta->depth_scale),
                                         ContactConstants::kTouchGap * view_->meta->depth_scale);
       if (!found.touches) return {};
-      start(found.touch, body.surface_frame() * found.pose, body);
+      begin(found.touch, body.surface_frame() * found.pose, body);
     }
     auto frame = body.frame(state_.place.body_point.at);
     Motion way(state_.tool, in_body(tool, frame));
@@ -93,7 +98,25 @@ public:
   /// next tick's pose counts.
   template <class Body>
   void begin(const ToolTouch& touch, const Pose& tool, const Body& body) {
-    start(touch, tool, body);
+    state_.reset();
+    state_.touching = true;
+    const BodyPoint& at = touch.body.at;
+    state_.tool = in_body(tool, body.frame(at));
+    ContactPlace& place = state_.place;
+    // Against the surface as baked: a search may have been made on a deformed one.
+    place.foot = local_closest_point(*view_, at, state_.tool.apply(touch.core.point));
+    place.foot.signed_distance = std::copysign(place.foot.signed_distance, touch.body.signed_distance);
+    state_.tool = in_body(tool, body.frame(place.foot.at));  // the frame at c, in which the motion goes on
+    place.body_point = place.foot;
+    place.target = place.foot.point;
+    place.normal = smooth_normal(*view_, at);
+    place.axis = any_orthogonal(place.normal);
+    place.tool_point = touch.core;
+    place.tool_point.at = shape_.sampled_point(touch.core, state_.tool, place.normal);
+    state_.indentation = larger(0, shape_.skin() - place.foot.signed_distance);
+    state_.factor = body.factor(at);
+    state_.applied.point = place.tool_point.point;
+    foot_tracker_.reset();
   }
 
   /// Whether the foot keeps to its wall by a walk over the surface. Otherwise it is the closest point of the whole body,
@@ -110,7 +133,8 @@ public:
   /// to count as two. A tool that goes farther in a tick was put elsewhere and begins anew, without force.
   [[nodiscard]] double size(double depth) const {
     const double radius = rounding();
-    return std::sqrt(2 * radius * larger(depth, 0.02 * radius)) + 0.25 * radius;
+    return std::sqrt(2 * radius * larger(depth, ContactConstants::kLeastDepth * radius)) +
+           ContactConstants::kLeastSize * radius;
   }
 
 private:
@@ -166,30 +190,6 @@ private:
     state_.applied.force = by.rotate(state_.applied.force);
   }
 
-  /// A contact without force at the place of a search. `tool`: the pose (world) there.
-  template <class Body>
-  void start(const ToolTouch& touch, const Pose& tool, const Body& body) {
-    state_.reset();
-    state_.touching = true;
-    const BodyPoint& at = touch.body.at;
-    state_.tool = in_body(tool, body.frame(at));
-    ContactPlace& place = state_.place;
-    // Against the surface as baked: a search may have been made on a deformed one.
-    place.foot = local_closest_point(*view_, at, state_.tool.apply(touch.core.point));
-    place.foot.signed_distance = std::copysign(place.foot.signed_distance, touch.body.signed_distance);
-    state_.tool = in_body(tool, body.frame(place.foot.at));  // the frame at c, in which the motion goes on
-    place.body_point = place.foot;
-    place.target = place.foot.point;
-    place.normal = smooth_normal(*view_, at);
-    place.axis = any_orthogonal(place.normal);
-    place.tool_point = touch.core;
-    place.tool_point.at = shape_.sampled_point(touch.core, state_.tool, place.normal);
-    state_.indentation = larger(0, shape_.skin() - place.foot.signed_distance);
-    state_.factor = body.factor(at);
-    state_.applied.point = place.tool_point.point;
-    foot_tracker_.reset();
-  }
-
   /// One tick of a contact that lasts; `tool` in the frame of the body near c, `way` since the last tick.
   template <class Body>
   Tick step(const Pose& tool, const Motion& way, const Body& body, const Search* latest) {
@@ -234,7 +234,7 @@ private:
                                 ? local_touch(body.surface(), shape_, *latest, there, latest->touch.body.at)
                                 : shape_.touch(body.surface(), there, state_.place.foot.at);
     if (!(touch.clearance < 0)) return false;
-    start(touch, tool, body);
+    begin(touch, tool, body);
     return true;
   }
 
@@ -357,7 +357,7 @@ private:
       limit = EnergyTank::recovery_limit(before.work > 0 ? covered_work / before.work : 0, full.normal_force);
       before = state_.counted_depth > 0 ? response_.law().normal(state_.counted_depth) : NormalResponse{};
     } else {
-      state_.counted_depth = last;  // but for rounding it was
+      state_.counted_depth = last;  // it differs from `last` by rounding alone
     }
     const SpringState springs = state_.springs;
     Trial trial;

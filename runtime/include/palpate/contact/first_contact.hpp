@@ -9,7 +9,8 @@
 
 namespace palpate::runtime {
 
-/// A search for a contact, and the pose (body frame) at which it was made: of one file and one tool.
+/// A search for a contact, and the pose (body frame) at which it was made. It is of use to contacts of the same file
+/// and tool alone.
 struct Search {
   Pose pose;
   ToolTouch touch;

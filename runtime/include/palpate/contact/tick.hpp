@@ -23,9 +23,11 @@ enum class Fault : std::uint8_t {
   bad_pose,          ///< a pose of tool or body is not finite, no rotation (orthonormal to 1e-3), or beyond 1e6 m
   no_such_tool,      ///< the file has no tool of that index
   feature_left_out,  ///< the file has a feature that this contact's kFeatures leaves out
-  bad_search,        ///< the search was made with another file or tool, or for a pose that is none
-  bad_time,          ///< a time step is not positive
-  bad_option         ///< options of a virtual coupling are out of range
+  /// The search names a place that the file does not have, or has no valid pose. A search that was made with another
+  /// tool of the file is not detected.
+  bad_search,
+  bad_time,   ///< a time step is not positive
+  bad_option  ///< options of a virtual coupling are out of range
 };
 
 /// The cause in words.
@@ -40,7 +42,7 @@ inline constexpr const char* describe(Fault fault) {
     case Fault::feature_left_out:
       return "the file has a feature that this contact leaves out";
     case Fault::bad_search:
-      return "the search names a place that the file does not have";
+      return "the search names a place that the file does not have, or has no valid pose";
     case Fault::bad_time:
       return "a time step is not positive";
     default:
@@ -55,7 +57,7 @@ struct Tick {
   Vec3 force;                   ///< N on the tool
   Vec3 torque;                  ///< N m on the tool, about the origin of its frame
   double depth = 0;             ///< m, indentation: overlap of the tool's skin with the undeformed body
-  double counted_depth = 0;     ///< m, at most `depth`: whose work the hand has put in; the force is that of this depth
+  double counted_depth = 0;     ///< m, at most `depth`: the depth whose work E covers. The force is that of this depth
   double friction_limit = 0;    ///< N; 0 without contact, infinite in a frictionless file
   double filled_share = 0;      ///< [0, 1] of the blend that was filled from neighbouring sites
   bool extrapolated = false;    ///< deeper than the pair was sampled

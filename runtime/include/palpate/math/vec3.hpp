@@ -33,8 +33,8 @@ inline Vec3 to_vec(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
 /// The part of `v` across the unit vector n.
 inline Vec3 tangential(const Vec3& v, const Vec3& n) { return v - dot(v, n) * n; }
 
-/// The unit vector along v; `fallback` where v is shorter than 1e-12 (m, or of length 1 but for rounding). An area has
-/// unit_face_normal().
+/// The unit vector along v; `fallback` where v is shorter than 1e-12. `v`: a length (m), a force (N), or without a
+/// unit; unit_face_normal() takes areas.
 inline Vec3 unit(const Vec3& v, const Vec3& fallback) {
   const double size = length(v);
   return size > 1e-12 ? (1.0 / size) * v : fallback;
