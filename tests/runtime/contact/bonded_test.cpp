@@ -155,20 +155,90 @@ TEST(BondedContact, MovingBodyGivesTheForceOfABodyAtRest) {
   }
 }
 
+struct ScaledBox {
+  Opened box{box_content(bonded())};
+  std::vector<runtime::SiteScales::Scale> memory = std::vector<runtime::SiteScales::Scale>(box.view.meta->site_count);
+  runtime::SiteScales scales{box.view, memory.data()};
+  runtime::StiffnessScale<runtime::StillBody> body{{&box.view}, &scales, &box.view};
+  void set_all(float factor) {
+    for (std::uint32_t i = 0; i < box.view.meta->site_count; ++i) ASSERT_TRUE(scales.set(i, factor));
+  }
+};
+
 TEST(BondedContact, StiffnessFactorScalesTheForceAtABoundedRate) {
-  const Opened box(box_content(bonded()));
-  std::vector<runtime::SiteScales::Scale> memory(box.view.meta->site_count);
-  runtime::SiteScales scales(box.view, memory.data());
-  const runtime::StiffnessScale<runtime::StillBody> body{{&box.view}, &scales, &box.view};
-  Contact contact(box.view, 0);
+  ScaledBox a;
+  Contact contact(a.box.view, 0);
   const Tick pressed = press(contact, kDepth);
-  BondedContact bond(box.view, 0, at(kDepth), pressed, body);
+  BondedContact bond(a.box.view, 0, at(kDepth), pressed, a.body);
   ASSERT_TRUE(bond.holds());
-  for (std::uint32_t i = 0; i < box.view.meta->site_count; ++i) scales.set(i, 0.5F);
-  EXPECT_LT(distance(bond.tick(at(kDepth), body).force, 0.99 * pressed.force), 1e-6);
+  a.set_all(0.5F);
+  EXPECT_LT(distance(bond.tick(at(kDepth), a.body).force, 0.99 * pressed.force), 1e-6);
   Tick tick;
-  for (int k = 0; k < 60; ++k) tick = bond.tick(at(kDepth), body);
+  for (int k = 0; k < 60; ++k) tick = bond.tick(at(kDepth), a.body);
   EXPECT_LT(distance(tick.force, 0.5 * pressed.force), 1e-6);
+}
+
+TEST(BondedContact, FactorThatRisesLeavesTheForceAndScalesTheStiffness) {
+  for (const double step : {0.01, 100.0}) {
+    ScaledBox a;
+    a.body.step = step;
+    Contact contact(a.box.view, 0);
+    const Tick pressed = press(contact, kDepth);
+    BondedContact bond(a.box.view, 0, at(kDepth), pressed, a.body);
+    ASSERT_TRUE(bond.holds());
+    a.set_all(4);
+    Vec3 force;
+    for (int k = 0; k < 400; ++k) {
+      force = bond.tick(at(kDepth), a.body).force;
+      ASSERT_LT(distance(force, pressed.force), 0.02 * length(pressed.force)) << k;
+    }
+    const double slope = (bond.tick(at(kDepth + 1e-5), a.body).force.z - force.z) / 1e-5;
+    EXPECT_NEAR(slope, 4 * kBondedStiffness, 0.02 * 4 * kBondedStiffness);
+    // A force that was lost at rest does not come back.
+    a.set_all(0);
+    for (int k = 0; k < 500; ++k) force = bond.tick(at(kDepth), a.body).force;
+    EXPECT_EQ(length(force), 0);
+    a.set_all(1);
+    for (int k = 0; k < 500; ++k) ASSERT_LT(length(bond.tick(at(kDepth), a.body).force), 1e-12);
+  }
+}
+
+// Random motions with random factors: the hand gets back at most its work and what the contact stored at the bond.
+template <class Bond>
+double energy_given(double step, unsigned seed) {
+  ScaledBox a;
+  a.body.step = step;
+  Contact contact(a.box.view, 0);
+  const Tick pressed = press(contact, kDepth);
+  Bond bond(a.box.view, 0, at(kDepth), pressed, a.body);
+  EXPECT_TRUE(bond.holds());
+  const double stored = dot(pressed.force, pressed.force) / (2 * kBondedStiffness);
+  std::mt19937 random(seed);
+  runtime::EnergyMeter meter;
+  double most = 0;
+  Vec3 goal{0, 0, kDepth}, now = goal, turn, turn_goal;
+  for (int k = 0; k < 20000; ++k) {
+    if (k % 100 == 0) {
+      const bool rests = random() % 2 == 0;
+      if (!rests) goal = draw_vector(random, 0.003), turn_goal = draw_vector(random, 0.4);
+      a.set_all(static_cast<float>(2 + draw(random, 2)));
+    }
+    now = now + 0.05 * (goal - now);
+    turn = turn + 0.05 * (turn_goal - turn);
+    const Pose pose = at(now.z, turn, now.x, now.y);
+    meter.add(pose, bond.tick(pose, a.body));
+    most = std::max(most, (meter.returned() - meter.given() - stored) / stored);
+  }
+  return most;
+}
+
+TEST(BondedContact, ChangingFactorsGiveNoEnergy) {
+  for (const double step : {0.01, 0.2, 100.0}) {
+    for (unsigned seed = 1; seed <= 4; ++seed) {
+      EXPECT_LT(energy_given<BondedContact>(step, seed), 1e-3) << step << ' ' << seed;
+      EXPECT_LT(energy_given<BondedContact6D>(step, seed), 1e-3) << step << ' ' << seed;
+    }
+  }
 }
 
 TEST(BondedContact, NoBondWithoutResponsesContactOrBearableForce) {

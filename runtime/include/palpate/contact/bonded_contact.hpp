@@ -96,7 +96,13 @@ private:
 };
 
 /// Takes over a contact with its force, and keeps its c and p. The force is the gradient of one stored energy, so a
-/// closed motion does no work. Every tick takes bounded time, allocates nothing and throws nothing.
+/// closed motion does no work.
+///
+/// A stiffness factor that rises from s to s' adds no energy: deflection and rotation x go on from (s / s') x. The
+/// stored energy U is convex from U(0) = 0 to x, for rotations up to 2 rad, so s' U((s / s') x) <= s U(x). A linear
+/// force stays as it is. The bond rests nearer to the tool from then on.
+///
+/// Every tick takes bounded time, allocates nothing and throws nothing.
 template <bool kTorque>
 class BasicBondedContact {
 public:
@@ -119,8 +125,7 @@ public:
     bond_.normal = response_.normal();
     bond_.friction_limit = HUGE_VAL;
     point_ = in.unapply(bond_.tool_point);
-    offset_ = deflection - (bond_.tool_point - bond_.body_point);
-    rest_ = inverse(in) * rotation_pose(rotation);
+    hold(in, bond_.tool_point, deflection, rotation);
     holds_ = true;
   }
 
@@ -139,13 +144,18 @@ public:
       tick.fault = Fault::bad_pose;
     }
     if (!holds_) return tick;
-    const double step = body.factor_step();
+    const double step = body.factor_step(), last = factor_;
     factor_ = std::fmin(std::fmax(body.factor(bond_.at), factor_ - step), factor_ + step);
     const Pose frame = frame_at(body, bond_.at), in = in_body(tool, frame);
     tick = bond_;
     tick.tool_point = in.apply(point_);
-    const BondedForce answer =
-        response_.at(tick.tool_point - bond_.body_point + offset_, rotation_vector((in * rest_).rotation));
+    Vec3 deflection = tick.tool_point - bond_.body_point + offset_, rotation = rotation_vector((in * rest_).rotation);
+    if (factor_ > last) {
+      deflection = (last / factor_) * deflection;
+      rotation = (last / factor_) * rotation;
+      hold(in, tick.tool_point, deflection, rotation);
+    }
+    const BondedForce answer = response_.at(deflection, rotation);
     tick.force = factor_ * answer.force;
     tick.torque = cross(tick.tool_point - in.translation, tick.force) + factor_ * answer.torque;
     tick.depth = tick.counted_depth = answer.depth;
@@ -154,11 +164,17 @@ public:
   }
 
 private:
+  /// Sets where the bond is at rest: the tool at `in`, with p at `at`, has this deflection (m) and rotation (rad).
+  void hold(const Pose& in, const Vec3& at, const Vec3& deflection, const Vec3& rotation) {
+    offset_ = deflection - (at - bond_.body_point);
+    rest_ = inverse(in) * rotation_pose(rotation);
+  }
+
   BondedResponse<kTorque> response_;
   Tick bond_;          ///< at the bond, body frame
   Vec3 point_;         ///< m, p in the tool's frame
   Vec3 offset_;        ///< m, added to p - c; the force at the bond is that of the contact
-  Pose rest_;          ///< tool * rest_ has the rotation of the tool since the bond, plus that of the find
+  Pose rest_;          ///< tool * rest_ has the rotation of the tool since the bond, plus that of hold()
   double factor_ = 1;  ///< stiffness factor of the body
   bool holds_ = false;
 };
