@@ -267,5 +267,20 @@ TEST(ContactSet, WrongSearchIsAFaultOfAllContacts) {
   }
 }
 
+TEST(ContactSet, WrongSearchOfAnotherWallIsAFaultBeforeThatWallTouches) {
+  const Opened body(ball_content(smooth(false)));
+  ContactSet<3> set(body.view, 0);
+  SetSearch<3> found;
+  for (double z = kBallRadius + kTipRadius + 1e-4; z > kBallRadius + kTipRadius - 1e-4; z -= 1e-5) {
+    found = runtime::search(body.view, 0, set.request(upright({0, 0, z})));
+    set.tick(upright({0, 0, z}), found);
+  }
+  ASSERT_EQ(touching(set), 1);
+  found.more.touch.body.at.triangle = 2000000000;
+  found.more.touch.clearance = -1e-3;
+  EXPECT_EQ(set.tick(upright({0, 0, kBallRadius + kTipRadius - 1e-4}), found).fault, runtime::Fault::bad_search);
+  EXPECT_EQ(touching(set), 0);
+}
+
 }  // namespace
 }  // namespace palpate::contact_set_test

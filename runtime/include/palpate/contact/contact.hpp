@@ -123,6 +123,12 @@ public:
   /// which may lie on another wall. For one contact of several.
   void keep_to_wall(bool keep) { keeps_to_wall_ = keep; }
 
+  /// Whether a search's pose is valid and its indices are of this file and tool.
+  [[nodiscard]] bool valid(const Search& search) const {
+    return search.touch.body.at.triangle < view_->meta->triangle_count &&
+           (!shape_.is_mesh() || search.touch.core.at.patch < view_->meta->tool_patch_count) && search.pose.valid();
+  }
+
   /// Everything that the contact remembers (body frame as baked).
   [[nodiscard]] const ContactState& state() const { return state_; }
   [[nodiscard]] const BlendedResponse<kFeatures>& response() const { return response_; }
@@ -168,12 +174,7 @@ private:
     if ((view_->features & kContact & ~kFeatures) != 0) return Fault::feature_left_out;
     if (!(tool_ < view_->meta->tool_count)) return Fault::no_such_tool;
     if (!tool.valid() || !body.valid()) return Fault::bad_pose;
-    if (latest != nullptr) {
-      const bool known = latest->touch.body.at.triangle < view_->meta->triangle_count &&
-                         (!shape_.is_mesh() || latest->touch.core.at.patch < view_->meta->tool_patch_count);
-      if (!known || !latest->pose.valid()) return Fault::bad_search;
-    }
-    return Fault::none;
+    return latest == nullptr || valid(*latest) ? Fault::none : Fault::bad_search;
   }
 
   static const Tick& in_world(StillFrame /*frame*/, const Tick& tick) { return tick; }

@@ -117,7 +117,8 @@ public:
     for (const Tick& tick : ticks_) touching += tick.touches();
     for (BasicContact<kFeatures>& contact : contacts_) contact.keep_to_wall(touching > 1);
     ticks_[0] = contacts_[0].tick(tool, SharedBody<Body>{&body, 1, fade}, first);
-    if (ticks_[0].state == State::fault) return fail(ticks_[0]);
+    if (ticks_[0].state == State::fault) return fail(ticks_[0].fault);
+    if (latest != nullptr && !contacts_[0].valid(latest->more)) return fail(Fault::bad_search);
     for (std::size_t k = 1; k < Most; ++k) {
       if (!ticks_[k].touches()) continue;
       const double share = larger(0, share_of(k));
@@ -128,7 +129,7 @@ public:
       }
       const SharedBody<Body> shared{&body, share, fade};
       ticks_[k] = contacts_[k].tick(tool, shared, latest != nullptr ? &latest->more : nullptr);
-      if (ticks_[k].state == State::fault) return fail(ticks_[k]);
+      if (ticks_[k].state == State::fault) return fail(ticks_[k].fault);
     }
     lead();
     if (ticks_[0].touches()) look(tool, body, latest);
@@ -160,9 +161,12 @@ private:
   ContactSet(const View& view, std::uint32_t tool, std::index_sequence<K...>)
       : contacts_{((void)K, BasicContact<kFeatures>(view, tool))...} {}
 
-  Tick fail(Tick fault) {
+  Tick fail(Fault fault) {
     reset();
-    return fault;
+    Tick tick;
+    tick.state = State::fault;
+    tick.fault = fault;
+    return tick;
   }
 
   /// m, from which on two feet lie on two walls.
