@@ -282,5 +282,40 @@ TEST(ContactSet, WrongSearchOfAnotherWallIsAFaultBeforeThatWallTouches) {
   EXPECT_EQ(touching(set), 0);
 }
 
+TEST(ContactSet, EmptySearchOfAnotherWallBeginsNoContact) {
+  const Opened body(ball_content(smooth(false)));
+  ContactSet<3> set(body.view, 0);
+  SetSearch<3> first;
+  for (double z = kBallRadius + kTipRadius + 1e-4; z > kBallRadius + kTipRadius - 2e-3; z -= 1e-5) {
+    first.first = runtime::search(body.view, 0, upright({0, 0, z}));
+    set.tick(upright({0, 0, z}), first);
+    ASSERT_LE(touching(set), 1) << z;
+  }
+  EXPECT_EQ(touching(set), 1);
+}
+
+// The search's walls and their feet are up to two periods old.
+TEST(ContactSet, LateSearchesGiveEachWallOneContact) {
+  const Opened body(two_lobes(smooth(false)));
+  for (const int every : {1, 5, 20}) {
+    ContactSet<3> alone(body.view, 0), searched(body.view, 0);
+    SetSearch<3> latest, coming;
+    double most = 0, worst = 0;
+    for (int tick = 0; tick < 3000; ++tick) {
+      const Pose pose = upright({0, 0, between() + 5e-4 - 1e-6 * tick});
+      if (tick % every == 0) {
+        latest = tick > 0 ? coming : runtime::search(body.view, 0, searched.request(pose));
+        coming = runtime::search(body.view, 0, searched.request(pose));
+      }
+      const Tick a = alone.tick(pose), b = searched.tick(pose, latest);
+      ASSERT_LE(touching(searched), 2) << every << ' ' << tick;
+      most = std::fmax(most, length(a.force));
+      worst = std::fmax(worst, distance(a.force, b.force));
+    }
+    EXPECT_EQ(touching(searched), 2) << every;
+    EXPECT_LT(worst, 0.05 * most) << every;
+  }
+}
+
 }  // namespace
 }  // namespace palpate::contact_set_test

@@ -16,13 +16,21 @@ struct WallSearchRequest {
   Pose pose;  ///< of the tool, body frame
   int count = 0;
   std::array<Vec3, Most> feet;  ///< m
+
+  /// Whether a point of the body is at least `gap` (m) away from all feet.
+  [[nodiscard]] bool apart(const Vec3& point, double gap) const {
+    for (int k = 0; k < count; ++k) {
+      if (length(point - feet[static_cast<std::size_t>(k)]) < gap) return false;
+    }
+    return true;
+  }
 };
 
 /// Result of a search thread for a tool that may touch several walls.
 template <int Most>
 struct SetSearch {
   Search first;  ///< as for one contact
-  Search more;   ///< another wall; infinite clearance where there is none
+  Search more{{}, {{}, {}, HUGE_VAL, 0}};  ///< another wall; infinite clearance where there is none
 };
 
 namespace detail {
@@ -32,12 +40,7 @@ namespace detail {
 template <std::uint32_t kFeatures, int Most>
 PALPATE_NOINLINE inline ToolTouch find_wall(const View& surface, const ToolShape<kFeatures>& shape,
                                             const WallSearchRequest<Most>& request, double gap, double reach) {
-  const auto apart = [&](const Vec3& point) {
-    for (int k = 0; k < request.count; ++k) {
-      if (length(point - request.feet[static_cast<std::size_t>(k)]) < gap) return false;
-    }
-    return true;
-  };
+  const auto apart = [&](const Vec3& point) { return request.apart(point, gap); };
   ToolTouch best;
   best.clearance = HUGE_VAL;
   shape.for_each_sample([&](const CorePoint& core) {
@@ -205,18 +208,22 @@ private:
     while (spare < Most && ticks_[spare].touches()) ++spare;
     if (spare == Most) return;
     const Pose in_frame = in_body(tool, body.frame(ticks_[0].at));
+    const View& view = contacts_[0].view();
+    const ToolShape<kFeatures>& shape = contacts_[0].shape();
     ToolTouch wall;
     if (latest != nullptr) {
-      wall = latest->more.touch;
-      if (!(wall.clearance < HUGE_VAL)) return;
+      if (!(latest->more.touch.clearance < HUGE_VAL)) return;
+      // Tool and contacts have moved since the search.
+      wall = local_touch(view, shape, latest->more, in_frame, latest->more.touch.body.at);
+      if (!request(in_frame).apart(wall.body.point, gap())) return;
     } else {
-      if (travel(looked_, in_frame, contacts_[0].shape().extent()) < clear_) return;
+      if (travel(looked_, in_frame, shape.extent()) < clear_) return;
       looked_ = in_frame;
       const double reach = 0.25 * gap();
-      wall = detail::find_wall(contacts_[0].view(), contacts_[0].shape(), request(in_frame), gap(), reach);
+      wall = detail::find_wall(view, shape, request(in_frame), gap(), reach);
       clear_ = smaller(reach, larger(0, wall.clearance));
-      if (!(wall.clearance <= 0)) return;
     }
+    if (!(wall.clearance <= 0)) return;
     contacts_[spare].keep_to_wall(true);
     contacts_[spare].begin(wall, body.frame(ticks_[0].at) * last_, body);
     const SharedBody<Body> whole{&body, 1, 0};
