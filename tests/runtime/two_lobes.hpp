@@ -10,8 +10,8 @@ namespace palpate::test {
 
 inline constexpr double kApart = 0.032;  // m, of the middle from each lobe's
 
-/// Two balls side by side along x.
-inline ResponseFileContent two_lobes(Options options) {
+/// Two balls side by side along x, each `apart` (m) from the middle.
+inline ResponseFileContent two_lobes(Options options, double apart = kApart) {
   options.search = false;
   ResponseFileContent content = ball_content(options);
   const ResponseFileContent one = content;
@@ -26,7 +26,7 @@ inline ResponseFileContent two_lobes(Options options) {
   content.surface_vertices.resize(2 * std::size_t{vertices});
   content.surface_triangles.clear();
   for (std::uint32_t lobe = 0; lobe < 2; ++lobe) {
-    const double aside = lobe == 0 ? -kApart : kApart;
+    const double aside = lobe == 0 ? -apart : apart;
     for (std::uint32_t v = 0; v < vertices; ++v) {
       const Triple& from = one.surface_vertices[v];
       content.surface_vertices[number(v, lobe)] = {from[0] + aside, from[1], from[2]};
@@ -54,6 +54,8 @@ inline Options smooth(bool friction, Options::Tools tools = Options::Tools::sphe
 }
 
 /// Height of a tip over the lobes' middles (m) at which it touches both.
-inline double between() { return std::sqrt(std::pow(kBallRadius + kTipRadius, 2) - kApart * kApart); }
+inline double between(double apart = kApart) {
+  return std::sqrt(std::pow(kBallRadius + kTipRadius, 2) - apart * apart);
+}
 
 }  // namespace palpate::test

@@ -20,8 +20,8 @@ public:
     request.pose = pose;
     request.count = 1;
     request.feet[0] = contact.state().place.foot.point;
-    const double gap = contact.size(tick.depth);
-    return runtime::detail::find_wall(contact.view(), contact.shape(), request, gap, 0).clearance < 0;
+    request.gap = contact.size(tick.depth);
+    return runtime::detail::find_wall(contact.view(), contact.shape(), request).clearance < 0;
   }
   template <int Most>
   [[nodiscard]] static bool missed(const runtime::ContactSet<Most>&, const runtime::Pose&, const runtime::Tick&) {

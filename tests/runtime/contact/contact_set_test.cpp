@@ -317,5 +317,18 @@ TEST(ContactSet, LateSearchesGiveEachWallOneContact) {
   }
 }
 
+TEST(ContactSet, SearchOfAThreadSeparatesTheWallsThatTheSetSeparates) {
+  constexpr double kNear = 0.0196;  // m: the feet are 5.6 mm apart
+  const Opened body(two_lobes(smooth(false), kNear));
+  ContactSet<3> alone(body.view, 0), searched(body.view, 0);
+  for (double depth = -5e-4; depth < 2e-3; depth += 1e-6) {
+    const Pose pose = upright({0, 0, between(kNear) - depth});
+    const Tick a = alone.tick(pose), b = searched.tick(pose, runtime::search(body.view, 0, searched.request(pose)));
+    ASSERT_EQ(touching(alone), touching(searched)) << depth;
+    ASSERT_LT(distance(a.force, b.force), 0.02 * (1e-3 + length(a.force))) << depth;
+  }
+  EXPECT_EQ(touching(searched), 2);
+}
+
 }  // namespace
 }  // namespace palpate::contact_set_test

@@ -16,9 +16,11 @@ struct WallSearchRequest {
   Pose pose;  ///< of the tool, body frame
   int count = 0;
   std::array<Vec3, Most> feet;  ///< m
+  double gap = 0;               ///< m, a point that is this far from all feet lies on another wall
+  double reach = 0;             ///< m, from the skin, within which another wall is looked for
 
-  /// Whether a point of the body is at least `gap` (m) away from all feet.
-  [[nodiscard]] bool apart(const Vec3& point, double gap) const {
+  /// Whether a point of the body (m) lies on another wall than the feet.
+  [[nodiscard]] bool apart(const Vec3& point) const {
     for (int k = 0; k < count; ++k) {
       if (length(point - feet[static_cast<std::size_t>(k)]) < gap) return false;
     }
@@ -35,19 +37,19 @@ struct SetSearch {
 
 namespace detail {
 
-/// The wall nearest to a tool among those that no foot lies on: a local minimum of the distance that is at least `gap`
-/// (m) away from all feet. Its clearance is infinite where none is nearer than `reach` (m) to the skin.
+/// The wall nearest to a tool among those that no foot lies on: a local minimum of the distance that is at least
+/// request.gap away from all feet. Its clearance is infinite where none is nearer than request.reach to the skin.
 template <std::uint32_t kFeatures, int Most>
 PALPATE_NOINLINE inline ToolTouch find_wall(const View& surface, const ToolShape<kFeatures>& shape,
-                                            const WallSearchRequest<Most>& request, double gap, double reach) {
-  const auto apart = [&](const Vec3& point) { return request.apart(point, gap); };
+                                            const WallSearchRequest<Most>& request) {
+  const auto apart = [&](const Vec3& point) { return request.apart(point); };
   ToolTouch best;
   best.clearance = HUGE_VAL;
   shape.for_each_sample([&](const CorePoint& core) {
     const Vec3 q = request.pose.apply(core.point);
     Location found;
     // The best clearance so far bounds nothing: a core point inside the body is the better the farther the surface is.
-    if (!closest_point_where<kFeatures>(surface, q, apart, shape.skin() + reach, found)) return;
+    if (!closest_point_where<kFeatures>(surface, q, apart, shape.skin() + request.reach, found)) return;
     // This is a foot's wall if the distance falls on towards that foot, over the body or over the tool.
     constexpr int kMostSteps = 8;
     CorePoint at = core;
@@ -151,6 +153,8 @@ public:
   [[nodiscard]] WallSearchRequest<Most> request(const Pose& tool_in_body) const {
     WallSearchRequest<Most> request;
     request.pose = tool_in_body;
+    request.gap = gap();
+    request.reach = 0.25 * request.gap;
     for (std::size_t k = 0; k < Most; ++k) {
       if (ticks_[k].touches()) {
         request.feet[static_cast<std::size_t>(request.count++)] = contacts_[k].state().place.foot.point;
@@ -215,13 +219,13 @@ private:
       if (!(latest->more.touch.clearance < HUGE_VAL)) return;
       // Tool and contacts have moved since the search.
       wall = local_touch(view, shape, latest->more, in_frame, latest->more.touch.body.at);
-      if (!request(in_frame).apart(wall.body.point, gap())) return;
+      if (!request(in_frame).apart(wall.body.point)) return;
     } else {
       if (travel(looked_, in_frame, shape.extent()) < clear_) return;
       looked_ = in_frame;
-      const double reach = 0.25 * gap();
-      wall = detail::find_wall(view, shape, request(in_frame), gap(), reach);
-      clear_ = smaller(reach, larger(0, wall.clearance));
+      const WallSearchRequest<Most> known = request(in_frame);
+      wall = detail::find_wall(view, shape, known);
+      clear_ = smaller(known.reach, larger(0, wall.clearance));
     }
     if (!(wall.clearance <= 0)) return;
     contacts_[spare].keep_to_wall(true);
@@ -255,15 +259,12 @@ private:
 /// For a thread that searches while another one makes forces.
 template <std::uint32_t kFeatures = layout::feature_all, int Most>
 inline SetSearch<Most> search(const View& view, std::uint32_t tool, const WallSearchRequest<Most>& request) {
-  const ToolShape<kFeatures> shape(view, tool);
-  const double radius = shape.skin() > 0 ? shape.skin() : view.meta->depth_scale;
   SetSearch<Most> result;
   result.first = search<kFeatures>(view, tool, request.pose);
   result.more.pose = request.pose;
   WallSearchRequest<Most> known = request;
   if (known.count == 0) known.feet[static_cast<std::size_t>(known.count++)] = result.first.touch.body.point;
-  result.more.touch = detail::find_wall(view, shape, known, std::sqrt(2 * radius * view.meta->depth_scale),
-                                        0.5 * (radius + view.meta->depth_scale));
+  result.more.touch = detail::find_wall(view, ToolShape<kFeatures>(view, tool), known);
   return result;
 }
 
