@@ -10,6 +10,23 @@
 
 namespace palpate::runtime {
 
+/// Constants of the contacts of one tool. `gap`: a contact's size, from which on two feet lie on two walls.
+struct ContactSetConstants {
+  /// Times gap: two feet nearer than this are on one wall, and the later contact's share of the force is 0. The share
+  /// grows evenly to 1 at gap.
+  static constexpr double kMerged = 0.5;
+  /// Times the tool's travel over gap: most that a share changes by in a tick. Two feet that each go as far as the tool
+  /// change it by this.
+  static constexpr double kFade = 2 / (1 - kMerged);
+  /// Times gap: distance from the skin within which another wall is looked for. The tool goes this far before the next
+  /// search where none is nearer.
+  static constexpr double kReach = 0.25;
+  /// Steps of the tool's point down to a local minimum of the distance.
+  static constexpr int kSteps = 8;
+  /// Times the tool's extent: a shorter step ends the way to the minimum.
+  static constexpr double kRest = 1e-3;
+};
+
 /// Places of the contacts of a tool, for a search for another wall.
 template <int Most>
 struct WallSearchRequest {
@@ -51,12 +68,11 @@ PALPATE_NOINLINE inline ToolTouch find_wall(const View& surface, const ToolShape
     // The best clearance so far bounds nothing: a core point inside the body is the better the farther the surface is.
     if (!closest_point_where<kFeatures>(surface, q, apart, shape.skin() + request.reach, found)) return;
     // This is a foot's wall if the distance falls on towards that foot, over the body or over the tool.
-    constexpr int kMostSteps = 8;
     CorePoint at = core;
     found = local_closest_point(surface, found.at, q);
-    for (int step = 0; step < kMostSteps && found.signed_distance > 0; ++step) {
+    for (int step = 0; step < ContactSetConstants::kSteps && found.signed_distance > 0; ++step) {
       const CorePoint next = shape.advance(at, request.pose, found, smooth_normal(surface, found.at), shape.extent());
-      if (!(length(next.point - at.point) > 1e-3 * shape.extent())) break;
+      if (!(length(next.point - at.point) > ContactSetConstants::kRest * shape.extent())) break;
       at = next;
       found = local_closest_point(surface, found.at, request.pose.apply(at.point));
     }
@@ -116,7 +132,7 @@ public:
     const Pose here = in_body(tool, body.frame(ticks_[0].at));
     const double moved = travel(last_, here, contacts_[0].shape().extent());
     const Search* const first = latest != nullptr ? &latest->first : nullptr;
-    const double fade = 4 * moved / gap();
+    const double fade = ContactSetConstants::kFade * moved / gap();
     // One contact alone follows the nearest wall; each of several keeps to its own.
     int touching = 0;
     for (const Tick& tick : ticks_) touching += tick.touches();
@@ -154,7 +170,7 @@ public:
     WallSearchRequest<Most> request;
     request.pose = tool_in_body;
     request.gap = gap();
-    request.reach = 0.25 * request.gap;
+    request.reach = ContactSetConstants::kReach * request.gap;
     for (std::size_t k = 0; k < Most; ++k) {
       if (ticks_[k].touches()) {
         request.feet[static_cast<std::size_t>(request.count++)] = contacts_[k].state().place.foot.point;
@@ -176,6 +192,8 @@ private:
     return tick;
   }
 
+  static constexpr double kMerged = ContactSetConstants::kMerged;
+
   /// m, from which on two feet lie on two walls.
   [[nodiscard]] double gap() const { return contacts_[0].size(contacts_[0].state().indentation); }
 
@@ -185,7 +203,7 @@ private:
       if (!ticks_[j].touches()) continue;
       const double apart =
           length(contacts_[k].state().place.foot.point - contacts_[j].state().place.foot.point) / gap();
-      share = smaller(share, 2 * apart - 1);
+      share = smaller(share, (apart - kMerged) / (1 - kMerged));
     }
     return share;
   }
@@ -197,7 +215,7 @@ private:
       if (!ticks_[k].touches()) continue;
       const bool ended = !ticks_[0].touches();
       const ContactState &first = contacts_[0].state(), &other = contacts_[k].state();
-      const bool merged = length(first.place.foot.point - other.place.foot.point) < 0.5 * gap();
+      const bool merged = length(first.place.foot.point - other.place.foot.point) < kMerged * gap();
       if (!ended && !(merged && other.energy.energy() > first.energy.energy())) continue;
       std::swap(contacts_[0], contacts_[k]);
       std::swap(ticks_[0], ticks_[k]);
