@@ -197,12 +197,13 @@ TEST(EnergyTank, CountedDepthInvertsTheStoredWork) {
 
 TEST(EnergyTank, SettleKeepsAtMostWhatIsStoredOrWasALittleWhileAgo) {
   EnergyTank tank;
-  EXPECT_EQ(tank.settle(2, 3, 0), 0);
+  tank.settle(2, 3, 0);
   EXPECT_EQ(tank.energy(), 2);
-  EXPECT_EQ(tank.settle(5, 3, 0), 2) << "beyond what is stored";
-  EXPECT_EQ(tank.energy(), 3);
-  EXPECT_NEAR(tank.settle(3, 1, 0.1), 0.3, 1e-15) << "held while the tool has gone a tenth of the way";
-  EXPECT_NEAR(tank.settle(tank.energy(), 1, 1), 1.7, 1e-15);
+  tank.settle(5, 3, 0);
+  EXPECT_EQ(tank.energy(), 3) << "not beyond what is stored";
+  tank.settle(3, 1, 0.1);
+  EXPECT_NEAR(tank.energy(), 2.7, 1e-15) << "held while the tool has gone a tenth of the way";
+  tank.settle(tank.energy(), 1, 1);
   EXPECT_EQ(tank.energy(), 1);
   tank.settle(-1, 1, 0);
   EXPECT_EQ(tank.energy(), 0);

@@ -2,6 +2,8 @@
 // Compliance of an elastic half-space between two points of a body's surface, in closed form.
 #pragma once
 
+#include "palpate/format/full_turn.hpp"
+
 #include <cmath>
 
 namespace palpate::half_space {
@@ -24,7 +26,6 @@ struct Point {
 ///
 /// `rounding` (m, > 0) keeps C finite where the points meet. C(a, b) is the transpose of C(b, a).
 inline void compliance(const Point& from, const Point& to, double poisson, double rounding, double (&compliance)[9]) {
-  constexpr double kPi = 3.141592653589793;
   double sum[3], d[3], square = 0, distance = rounding * rounding, along = 0;
   for (int i = 0; i < 3; ++i) {
     sum[i] = from.normal[i] + to.normal[i];
@@ -33,7 +34,7 @@ inline void compliance(const Point& from, const Point& to, double poisson, doubl
     distance += d[i] * d[i];
   }
   const double rho = std::sqrt(distance);
-  const double scale = 0.25 * square / (4 * kPi * std::sqrt(from.shear * to.shear) * rho);
+  const double scale = 0.25 * square / (2 * kFullTurn * std::sqrt(from.shear * to.shear) * rho);
   const double size = square > 0 ? 1 / std::sqrt(square) : 0;
   double n[3], t[3];
   for (int i = 0; i < 3; ++i) {

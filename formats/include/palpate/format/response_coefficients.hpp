@@ -42,7 +42,6 @@ constexpr bool operator==(const Degrees& a, const Degrees& b) {
   return a.normal == b.normal && a.bias == b.bias && a.stiffness == b.stiffness && a.friction == b.friction &&
          a.friction_families == b.friction_families;
 }
-constexpr bool operator!=(const Degrees& a, const Degrees& b) { return !(a == b); }
 
 /// Null, or the rule that the degrees break.
 constexpr const char* broken_degree(const Degrees& d) {

@@ -2,6 +2,7 @@
 // Checks every record of a response file: indices, adjacency, floats, frames, coefficients, search tree.
 #pragma once
 
+#include "palpate/format/full_turn.hpp"
 #include "palpate/format/validate_responses.hpp"
 #include "palpate/format/validate_surface.hpp"
 
@@ -34,7 +35,6 @@ inline bool is_spin(const layout::ToolVertexRecord& first, const layout::ToolVer
 /// Checks that the spins of a point follow its first, and that the first alone has their count and is in patches.
 inline bool check_spins(const View& v, Fault& fault) {
   const std::uint32_t vertices = v.meta->tool_vertex_count;
-  constexpr double kFullTurn = 6.283185307179586;
   bool several = false;
   for (std::uint32_t i = 0; i < v.meta->tool_count; ++i) {
     const layout::ToolRecord& tool = v.tools[i];

@@ -41,11 +41,10 @@ public:
   void reset() { energy_ = hold_ = 0; }
 
   /// Ends a tick with `energy` (J) in the contact and `stored` (J) stored at full depth; `moved`: the tool's travel in
-  /// the tick over kHoldTravel times the radius. Returns what was dissipated (J).
-  double settle(double energy, double stored, double moved) {
+  /// the tick over kHoldTravel times the radius.
+  void settle(double energy, double stored, double moved) {
     hold_ = larger(stored, hold_ * larger(0, 1 - moved));
     energy_ = smaller(larger(energy, 0), larger(hold_, 0));
-    return larger(0, energy - energy_);
   }
 
   /// Slip limit (N) of the recovery layer where the share r of W is in the contact, with F (N) at full depth:

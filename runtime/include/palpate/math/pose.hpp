@@ -2,11 +2,12 @@
 // Rigid poses, and the motion from one to another.
 #pragma once
 
+#include "palpate/format/full_turn.hpp"
 #include "palpate/math/vec3.hpp"
 
 namespace palpate::runtime {
 
-inline constexpr double kFullTurn = 6.283185307179586;  ///< rad
+using palpate::kFullTurn;
 
 /// The tool's frame in the body's: a tool point a lies at rotation * a + translation (m).
 struct Pose {

@@ -53,7 +53,6 @@ public:
   void clear() { *this = Rows(); }
 
   [[nodiscard]] int size() const { return size_; }
-  [[nodiscard]] int bilateral() const { return bilateral_; }
 
   /// Adds a row and returns its index; -1 where the memory is full, or where a bilateral row follows another kind.
   int add_bilateral() {

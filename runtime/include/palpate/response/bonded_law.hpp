@@ -3,6 +3,7 @@
 #pragma once
 
 #include "palpate/format/bonded_rules.hpp"
+#include "palpate/format/full_turn.hpp"
 #include "palpate/format/spline.hpp"
 #include "palpate/math/vec2.hpp"
 #include "palpate/math/vec3.hpp"
@@ -106,7 +107,7 @@ struct RotationScales {
 
   explicit RotationScales(double a) {
     if (!(a > layout::kMaxRotation)) return;
-    constexpr double kRest = 0.5 * 6.283185307179586 - layout::kMaxRotation;
+    constexpr double kRest = 0.5 * kFullTurn - layout::kMaxRotation;
     const double t = (a - layout::kMaxRotation) / kRest;
     even = (1 + kRest * (t - 0.5 * t * t)) / a;
     odd = (1 + kRest * t - (1 + kRest) * t * t) / a;
