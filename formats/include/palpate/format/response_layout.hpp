@@ -219,13 +219,13 @@ struct ResponseHead {
   std::uint32_t flags;
 };
 
-/// Units of one response. Both are 0 when its tool does not bond.
+/// Depths of one bonded response. Both are 0 when its tool does not bond.
 struct BondedHead {
   float depth;   ///< m, at which the contact was bonded
   float pulled;  ///< m, how far out of the body it was sampled
 };
 
-/// Unit of one response. 0 when its tool was not rotated.
+/// Range of the rotations of one bonded response. 0 when its tool was not rotated.
 struct BondedTorqueHead {
   float rotated;  ///< rad, largest angle by which the bonded tool was rotated
 };

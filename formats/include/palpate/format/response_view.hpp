@@ -72,7 +72,7 @@ struct View {
     return 0;
   }
 
-  /// A triangle of the contact surface.
+  /// A triangle of the contact surface. `index`: below meta->triangle_count.
   [[nodiscard]] layout::SurfaceTriangle triangle(std::uint32_t index) const {
     layout::SurfaceTriangle t = bare_triangle(index);
     patch_sites(t.patch, t.site);
@@ -84,12 +84,14 @@ struct View {
                ? layout::unpack_triangle<std::uint16_t>(triangles + std::size_t{index} * layout::triangle_size(2))
                : layout::unpack_triangle<std::uint32_t>(triangles + std::size_t{index} * layout::triangle_size(4));
   }
-  /// Writes the three sites of a patch to `site`.
+  /// Writes the three sites of a patch to `site`. `patch`: below meta->patch_count.
   void patch_sites(std::uint32_t patch, std::uint32_t (&site)[3]) const {
     small_indices ? layout::unpack_patch<std::uint16_t>(patches + std::size_t{patch} * layout::patch_size(2), site)
                   : layout::unpack_patch<std::uint32_t>(patches + std::size_t{patch} * layout::patch_size(4), site);
   }
 
+  /// Head of a response. `index`, here and below: layout::response_index() of site and tool vertex, below
+  /// meta->response_count.
   [[nodiscard]] const layout::ResponseHead& response_head(std::uint64_t index) const {
     return *reinterpret_cast<const layout::ResponseHead*>(responses + index * response_size);
   }
@@ -101,7 +103,7 @@ struct View {
   [[nodiscard]] float coefficient_unit(std::uint64_t index) const {
     return *reinterpret_cast<const float*>(packed_coefficients(index));
   }
-  /// Writes response::count(degrees) integers to `to`.
+  /// Writes response::count(response::degrees(*meta)) integers to `to`.
   void coefficients(std::uint64_t index, std::int16_t* to) const {
     layout::unpack_coefficients(packed_coefficients(index), response::offsets(response::degrees(*meta)), meta->coef_bits,
                                 to);
@@ -111,28 +113,31 @@ struct View {
     return responses + index * response_size + head_size;
   }
 
+  /// Depths of a bonded response. Requires feature_bonded.
   [[nodiscard]] const layout::BondedHead& bonded_head(std::uint64_t index) const {
     return *reinterpret_cast<const layout::BondedHead*>(bonded + index * layout::bonded_size(meta->bonded_coefs));
   }
-  /// Coefficients of Fx, Fy, Fn, kxx, kxy, kyy.
+  /// Coefficients of Fx, Fy, Fn, kxx, kxy, kyy: meta->bonded_coefs of each. Requires feature_bonded.
   [[nodiscard]] const float* bonded_curves(std::uint64_t index) const {
     return reinterpret_cast<const float*>(&bonded_head(index) + 1);
   }
+  /// Range of the rotations of a bonded response. Requires feature_bonded_torque.
   [[nodiscard]] const layout::BondedTorqueHead& torque_head(std::uint64_t index) const {
     return *reinterpret_cast<const layout::BondedTorqueHead*>(bonded_torque +
                                                         index * layout::torque_size(meta->bonded_coefs));
   }
-  /// Coefficients of T, K and C, see layout::kTorqueCurves.
+  /// Coefficients of T, K and C, meta->bonded_coefs of each of layout::kTorqueCurves. Requires feature_bonded_torque.
   [[nodiscard]] const float* torque_curves(std::uint64_t index) const {
     return reinterpret_cast<const float*>(&torque_head(index) + 1);
   }
 
-  /// Requires feature_compliance.
+  /// A site's part of the compliance. `site`: below meta->site_count. Requires feature_compliance.
   [[nodiscard]] const layout::ComplianceSite& compliance_site(std::uint32_t site) const {
     return *reinterpret_cast<const layout::ComplianceSite*>(
         compliance_sites + std::size_t{site} * layout::compliance_site_size(compliance->modes));
   }
-  /// x, y, z of each mode, in units of compliance_site(site).unit.
+  /// x, y, z (body frame) of each of compliance->modes modes, in units of compliance_site(site).unit. `site`: below
+  /// meta->site_count. Requires feature_compliance.
   [[nodiscard]] const std::int16_t* compliance_modes(std::uint32_t site) const {
     return reinterpret_cast<const std::int16_t*>(&compliance_site(site) + 1);
   }

@@ -24,7 +24,8 @@ struct StillBody {
   /// Surface that a free tool searches: a view of the present surface, and the pose of that view's frame in the world.
   [[nodiscard]] const View& surface() const { return *view; }
   [[nodiscard]] StillFrame surface_frame() const { return {}; }
-  /// m, that no point of the surface can have gone beyond in the frame of surface(), since the body began.
+  /// Upper bound (m) of the displacement of any surface point since the start. The difference of two values bounds the
+  /// displacement between them.
   [[nodiscard]] double travel() const { return 0; }
   /// Factor (>= 0) on the stiffness at a point, and most that it may change by in a tick.
   [[nodiscard]] double factor(const BodyPoint& /*at*/) const { return 1; }

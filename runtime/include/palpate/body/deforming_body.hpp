@@ -41,10 +41,10 @@ public:
   DeformingSurface(const DeformingSurface&) = delete;
   DeformingSurface& operator=(const DeformingSurface&) = delete;
 
-  /// By the host's thread alone: sets the sites' positions (m, the body's frame, in the file's order), to be reached
-  /// `seconds` ((0, 10]) after the shape before. Every patch must be stretched between 0.5 and 1.75 times in every
-  /// direction, and the body must not be inside out; a surface that crosses itself is not detected. A shape that is
-  /// refused changes nothing.
+  /// Sets the sites' positions (m, the body's frame, in the file's order), to be reached `seconds` ((0, 10]) after the
+  /// shape before. Every patch must be stretched between 0.5 and 1.75 times in every direction, and the body must not
+  /// be inside out; a surface that crosses itself is not detected. A shape that is refused changes nothing. For the
+  /// host's thread alone.
   ShapeResult set(const Vec3* positions, std::uint32_t count, double seconds) {
     ShapeResult result;
     detail::Fault fault(result.error, sizeof result.error);
@@ -76,7 +76,9 @@ public:
     return result;
   }
 
-  /// By the force loop alone, once before the ticks of its contacts: moves on by `seconds`.
+  /// Moves the surface on by `seconds`, once before the ticks of its contacts. Without effect where `seconds` is not
+  /// above 0.
+  /// For the force loop's thread alone.
   void advance(double seconds) {
     if (!(seconds > 0)) return;
     const double left = (1 - share_) * to().seconds;
@@ -93,8 +95,8 @@ public:
     share_ = std::fmin(1, (seconds - left) / to().seconds);
   }
 
-  /// For the force loop: the two shapes between which the surface is, the share of the way between them, and the number
-  /// of shapes so far.
+  /// Return the two shapes between which the surface is, the share of the way between them, and the number of shapes so
+  /// far. For the force loop's thread alone.
   [[nodiscard]] const SkinnedPose& from() const { return shapes_[from_]; }
   [[nodiscard]] const SkinnedPose& to() const { return shapes_[to_]; }
   [[nodiscard]] double share() const { return share_; }

@@ -154,8 +154,7 @@ public:
   }
 
   /// Writes rotations, vertices, nodes and grid of the shape in which the sites lie at `positions` (m). `before`:
-  /// rotations of a similar shape, to start from. The result names the reason where the positions are no shape of this
-  /// body.
+  /// rotations of a similar shape, to start from. Returns the reason where the positions are no shape of this body.
   ShapeResult make(const Vec3* positions, const Quaternion* before, Quaternion* rotations, layout::Point* vertices,
                    layout::SearchNode* nodes, layout::SearchGrid& grid) {
     ShapeResult result;

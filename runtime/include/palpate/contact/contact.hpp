@@ -94,8 +94,8 @@ public:
     return in_world(frame, tick);
   }
 
-  /// Begins a contact without force at the place of a search. `tool`: the pose (world) there; the motion from it to the
-  /// next tick's pose counts.
+  /// Begins a contact without force at the place of a search. `touch`: of this file and tool; its indices are not
+  /// checked (see valid). `tool`: the pose (world) there; the motion from it to the next tick's pose counts.
   template <class Body>
   void begin(const ToolTouch& touch, const Pose& tool, const Body& body) {
     state_.reset();

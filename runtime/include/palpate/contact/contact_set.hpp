@@ -111,6 +111,7 @@ class ContactSet {
   static_assert(Most >= 2, "one wall is what BasicContact follows");
 
 public:
+  /// As BasicContact: the view must outlive the set; a tool that the file does not have makes every tick a fault.
   ContactSet(const View& view, std::uint32_t tool) : ContactSet(view, tool, std::make_index_sequence<Most>()) {}
   ContactSet(const View&&, std::uint32_t) = delete;
 
@@ -125,8 +126,10 @@ public:
     return tick(tool, StillBody{&contacts_[0].view()}, &latest);
   }
 
-  /// The sums of all contacts: force, torque and friction limit are added, depth and filled share are the largest, the
-  /// points are those of the first contact. `body`, `latest`: as for BasicContact::tick.
+  /// Returns the sums of all contacts: force, torque and friction limit are added; depth, counted depth and filled
+  /// share are the largest; `extrapolated` holds where any contact's does. State, normal and points are those of the
+  /// first contact. A fault of one contact is a fault of the set, and all contacts are forgotten. `body`, `latest`: as
+  /// for BasicContact::tick.
   template <class Body>
   Tick tick(const Pose& tool, const Body& body, const SetSearch<Most>* latest = nullptr) {
     const Pose here = in_body(tool, body.frame(ticks_[0].at));
@@ -165,7 +168,8 @@ public:
   [[nodiscard]] double size(double depth) const { return contacts_[0].size(depth); }
   [[nodiscard]] const View& view() const { return contacts_[0].view(); }
 
-  /// Places of the contacts now, for a search in another thread.
+  /// Returns the places of the contacts, for a search in another thread. `tool_in_body`: pose of the tool in the frame
+  /// of the body as baked.
   [[nodiscard]] WallSearchRequest<Most> request(const Pose& tool_in_body) const {
     WallSearchRequest<Most> request;
     request.pose = tool_in_body;
@@ -274,7 +278,10 @@ private:
   double clear_ = -1;   ///< m, the tool may go from looked_ before another wall can overlap
 };
 
-/// For a thread that searches while another one makes forces.
+/// Returns the place nearest to the body, as search() for one contact does, and the nearest wall within request.reach
+/// of the skin that no foot of the request lies on. `view`: the body as baked. `tool`: an index below
+/// view.meta->tool_count. `request`: of ContactSet::request(). Without contacts the other wall is one beside the
+/// nearest place. For any thread: it reads the view alone.
 template <std::uint32_t kFeatures = layout::feature_all, int Most>
 inline SetSearch<Most> search(const View& view, std::uint32_t tool, const WallSearchRequest<Most>& request) {
   SetSearch<Most> result;

@@ -16,8 +16,11 @@ struct Search {
   ToolTouch touch;
 };
 
-/// For a thread that searches while another one makes forces. `near`: any point of the surface; the point that the last
-/// search found makes the next one fast.
+/// Returns the tool's core point that is nearest to the body, or deepest in it, at a pose of the tool.
+/// `view`: the body as baked. `tool`: an index below view.meta->tool_count.
+/// `pose`: of the tool in the frame of that body. A body that has moved has it from in_body(tool,
+/// body.surface_frame()). `near`: any point of the surface; the point that the last search found makes the next one
+/// fast. For any thread: it reads the view alone.
 template <std::uint32_t kFeatures = layout::feature_all>
 inline Search search(const View& view, std::uint32_t tool, const Pose& pose, const BodyPoint& near = {}) {
   return {pose, ToolShape<kFeatures>(view, tool).touch(view, pose, near)};

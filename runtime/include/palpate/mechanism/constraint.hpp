@@ -174,7 +174,8 @@ inline std::array<Constraint, 3> weld(int a, const Pose& on_a, int b, const Pose
           joint(a, on_a.apply(x), b, on_b.apply(x), on_a, 5)};
 }
 
-/// A thread between two places, at most `length` (m) long; of length 0 a knot that holds them together.
+/// A thread between two places, at most `length` (m, at least 0) long. A thread of length 0 is a knot that holds them
+/// together.
 inline Constraint suture(const Side& a, const Side& b, double length = 0) {
   Constraint c;
   c.a = a;

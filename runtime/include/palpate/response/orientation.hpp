@@ -89,7 +89,7 @@ inline LaidTangent laid_tangent(const View& view, const layout::ToolRecord& tool
 /// Calls use(response, share, axis) for every response of a tool at (c, p): its share of the blend (> 0) and its x axis
 /// as a complex number in the basis of `frame` (normal(), basis_x(), basis_y()). `weights`: of the sites. With several
 /// spins the two samples on either side of the tool's spin share linearly, each turned to where the tool's tangent
-/// lies; what is not confident is the first sample's, as it was baked.
+/// lies. The rest of the share (1 - confidence) belongs to the first sample in the site's frame.
 template <std::uint32_t kFeatures, class Frame, class Use>
 inline void for_each_share(const View& view, std::uint32_t tool, const BodyPoint& c, const ToolPoint& p,
                            const Orientation& lies, const Frame& frame, const double (&weights)[3], const Use& use) {
