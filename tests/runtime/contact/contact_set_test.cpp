@@ -231,13 +231,14 @@ TEST(ContactSet, WallIsFoundWhereTheToolIsDeepest) {
       const double touch = runtime::search(box.view, tool, upright({0, 0, kTop + 0.01})).touch.clearance;
       for (const double lean : {0.0, 0.2, -0.2}) {
         runtime::WallSearchRequest<2> request;
+        request.reach = 0.01;
         request.pose = Pose::from_quaternion(1, lean, 0.5 * lean, 0, {0, 0, kTop + 0.01 - touch - depth});
         double deepest = HUGE_VAL;
         shape.for_each_sample([&](const runtime::CorePoint& core) {
           const Vec3 q = request.pose.apply(core.point);
           deepest = std::fmin(deepest, runtime::closest_point(box.view, q).signed_distance - shape.skin());
         });
-        EXPECT_LE(runtime::detail::find_wall(box.view, shape, request, 0.01, 0.01).clearance, deepest + 1e-12)
+        EXPECT_LE(runtime::detail::find_wall(box.view, shape, request).clearance, deepest + 1e-12)
             << tool << ' ' << depth << ' ' << lean;
       }
     }
