@@ -94,6 +94,14 @@ ShapeErrors shape_errors(const runtime::View& view, const ContactCase& c, const 
   return errors;
 }
 
+/// The same with a file that is made for this solve of the block.
+ShapeErrors block_errors(std::optional<BlockResponse>& block, const ContactCase& c,
+                         const verify::CheckedTogether& solved) {
+  if (!block) block.emplace(c);
+  const std::vector<std::byte> bytes = block->file(solved.result);
+  return shape_errors(runtime::View::open(bytes.data(), bytes.size()).view, c, solved);
+}
+
 }  // namespace
 
 void run_shape(const ShapeCommand& command, const Globals& globals) {
@@ -123,16 +131,7 @@ void run_shape(const ShapeCommand& command, const Globals& globals) {
         if (cause.empty()) cause = solved.result.cause;
         continue;
       }
-      std::vector<std::byte> bytes;
-      runtime::View view;
-      if (input) {
-        view = input->view();
-      } else {
-        if (!block) block.emplace(c);
-        bytes = block->file(solved.result);
-        view = runtime::View::open(bytes.data(), bytes.size()).view;
-      }
-      all.add(shape_errors(view, c, solved));
+      all.add(input ? shape_errors(input->view(), c, solved) : block_errors(block, c, solved));
       ++solves;
     }
     for (const auto& band : all.band) nodes += band.size();

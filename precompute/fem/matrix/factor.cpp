@@ -121,7 +121,7 @@ Factor::Factor(const Matrix& lower, double most_bytes) : impl_(std::make_unique<
   const double bytes = static_cast<double>(impl_->factor->xsize) * (sizeof(float) + sizeof(double));
   if (bytes > most_bytes) {
     char text[96];
-    std::snprintf(text, sizeof text, "memory: the factor of %td equations takes %.3g MB, allowed %.3g MB",
+    std::snprintf(text, sizeof text, "memory: the factor of %td equations takes %.1f MB, allowed %.1f MB",
                   std::ptrdiff_t(lower.rows()), 1e-6 * bytes, 1e-6 * most_bytes);
     throw Error(ExitCode::numerical, text);
   }

@@ -336,65 +336,81 @@ HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const B
   return set;
 }
 
+namespace {
+
+/// The place on its tool. `contact` is called `what` in messages.
+runtime::ToolPoint tool_point(const runtime::View& view, const HeldOut& contact, const std::string& what) {
+  if (contact.tool >= view.meta->tool_count) {
+    throw Error(ExitCode::bad_input, what + " names tool " + std::to_string(contact.tool) +
+                                         "; the number of tools of the response file is " +
+                                         std::to_string(view.meta->tool_count));
+  }
+  const layout::ToolRecord& tool = view.tools[contact.tool];
+  runtime::ToolPoint point;
+  if (tool.patch_count == 0) return point;
+  if (contact.tool_patch >= tool.patch_count) {
+    throw Error(ExitCode::bad_input, what + " names tool patch " + std::to_string(contact.tool_patch) +
+                                         "; the number of patches of the response file's tool is " +
+                                         std::to_string(tool.patch_count));
+  }
+  point.patch = tool.first_patch + contact.tool_patch;
+  for (int k = 0; k < 3; ++k) point.weights[k] = contact.tool_weights[k];
+  return point;
+}
+
+void check_bonded(const runtime::BondedResponse<true>& bonded, const HeldOut& contact, const std::string& what) {
+  for (const ForcePair& f : contact.forces) {
+    if (f.kind == SampleKind::grasped && !(bonded.depth() > 0)) {
+      throw Error(ExitCode::bad_input, what + " is grasped; the response file has no grasp for that tool");
+    }
+    if (f.turn && !(bonded.rotated() > 0)) {
+      throw Error(ExitCode::bad_input, what + " is turned; the response file has no turns for that tool");
+    }
+  }
+}
+
+void compare_contact(const runtime::View& view, HeldOut& contact, const std::string& what) {
+  const runtime::ToolPoint point = tool_point(view, contact, what);
+  const runtime::Location at = runtime::closest_point(view, to_runtime(contact.frame.origin));
+  const runtime::Pose pose = contact.orientation ? pose_of(*contact.orientation) : runtime::Pose{};
+  const runtime::Pose* const orientation = contact.orientation ? &pose : nullptr;
+  runtime::BlendedResponse<> response;
+  response.blend(view, contact.tool, at.at, point, {1, 0, 0}, orientation);
+  contact.filled = response.filled_share();
+  const runtime::BondedResponse<true> bonded(view, contact.tool, at.at, point, orientation);
+  check_bonded(bonded, contact, what);
+  double peak = 0, peak_torque = 0;
+  for (const ForcePair& f : contact.forces) {
+    peak = std::max(peak, f.solved.norm());
+    if (f.turn) peak_torque = std::max(peak_torque, f.turn->solved.norm());
+  }
+  Replay replay(response);
+  for (ForcePair& f : contact.forces) {
+    const runtime::Vec3 deflection = to_runtime(f.deflection);
+    const Vector3d rotation = f.turn ? f.turn->rotation : Vector3d::Zero();
+    const runtime::BondedForce held =
+        f.kind == SampleKind::grasped ? bonded.at(deflection, to_runtime(rotation)) : runtime::BondedForce{};
+    f.baked = to_eigen(f.kind == SampleKind::path      ? replay.go(f)
+                       : f.kind == SampleKind::grasped ? held.force
+                                                       : response.force(deflection));
+    if (f.turn) {
+      f.turn->baked = to_eigen(held.torque);
+      f.turn->error = (f.turn->baked - f.turn->solved).norm() / std::max(f.turn->solved.norm(), 0.02 * peak_torque);
+    }
+    f.error = (f.baked - f.solved).norm() / std::max({f.solved.norm(), 0.02 * peak, contact.floor});
+  }
+  for (LimitPair& l : contact.limits) {
+    l.baked = response.law().at(l.depth).friction_coefficient;
+    l.error = std::abs(l.baked - l.solved) / l.solved;
+  }
+}
+
+}  // namespace
+
 void compare_with_file(const runtime::View& view, std::vector<HeldOut>& contacts, const std::string& recorded) {
-  for (HeldOut& contact : contacts) {
-    const auto names = [&, k = &contact - contacts.data()](const char* what, std::uint32_t number) {
-      return (recorded.empty() ? "" : recorded + ": ") + "contact " + std::to_string(k) + " names " + what + " " +
-             std::to_string(number);
-    };
-    if (contact.tool >= view.meta->tool_count) {
-      throw Error(ExitCode::bad_input, names("tool", contact.tool) + "; the number of tools of the response file is " +
-                                           std::to_string(view.meta->tool_count));
-    }
-    const layout::ToolRecord& tool = view.tools[contact.tool];
-    runtime::ToolPoint tool_point;
-    if (tool.patch_count > 0) {
-      if (contact.tool_patch >= tool.patch_count) {
-        throw Error(ExitCode::bad_input, names("tool patch", contact.tool_patch) +
-                                             "; the number of patches of the response file's tool is " +
-                                             std::to_string(tool.patch_count));
-      }
-      tool_point.patch = tool.first_patch + contact.tool_patch;
-      for (int k = 0; k < 3; ++k) tool_point.weights[k] = contact.tool_weights[k];
-    }
-    const runtime::Location at = runtime::closest_point(view, to_runtime(contact.frame.origin));
-    const runtime::Pose pose = contact.orientation ? pose_of(*contact.orientation) : runtime::Pose{};
-    const runtime::Pose* const orientation = contact.orientation ? &pose : nullptr;
-    runtime::BlendedResponse<> response;
-    response.blend(view, contact.tool, at.at, tool_point, {1, 0, 0}, orientation);
-    contact.filled = response.filled_share();
-    const runtime::BondedResponse<true> bonded(view, contact.tool, at.at, tool_point, orientation);
-    double peak = 0, peak_torque = 0;
-    for (const ForcePair& f : contact.forces) {
-      peak = std::max(peak, f.solved.norm());
-      if (f.turn) peak_torque = std::max(peak_torque, f.turn->solved.norm());
-    }
-    Replay replay(response);
-    for (ForcePair& f : contact.forces) {
-      const runtime::Vec3 deflection = to_runtime(f.deflection);
-      if (f.kind == SampleKind::grasped && !(bonded.depth() > 0)) {
-        throw Error(ExitCode::bad_input, "a recorded contact is grasped; the file has no grasp for that tool");
-      }
-      if (f.turn && !(bonded.rotated() > 0)) {
-        throw Error(ExitCode::bad_input, "a recorded contact is turned; the file has no turns for that tool");
-      }
-      const Vector3d rotation = f.turn ? f.turn->rotation : Vector3d::Zero();
-      const runtime::BondedForce held = f.kind == SampleKind::grasped
-                                             ? bonded.at(deflection, to_runtime(rotation))
-                                             : runtime::BondedForce{};
-      f.baked = to_eigen(f.kind == SampleKind::path      ? replay.go(f)
-                         : f.kind == SampleKind::grasped ? held.force
-                                                         : response.force(deflection));
-      if (f.turn) {
-        f.turn->baked = to_eigen(held.torque);
-        f.turn->error = (f.turn->baked - f.turn->solved).norm() / std::max(f.turn->solved.norm(), 0.02 * peak_torque);
-      }
-      f.error = (f.baked - f.solved).norm() / std::max({f.solved.norm(), 0.02 * peak, contact.floor});
-    }
-    for (LimitPair& l : contact.limits) {
-      l.baked = response.law().at(l.depth).friction_coefficient;
-      l.error = std::abs(l.baked - l.solved) / l.solved;
-    }
+  const std::string where = recorded.empty() ? "" : recorded + ": ";
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    compare_contact(view, contacts[k], where + "contact " + std::to_string(k));
   }
 }
 

@@ -75,7 +75,7 @@ TEST_F(Pair, LimitsEndItWithTheirCause) {
   scene.solver.memory_limit = 0.5;
   r = solve(0.0, 0.004);
   EXPECT_FALSE(r.outcome.accepted);
-  EXPECT_NE(r.outcome.cause.find("MB, allowed 0 MB"), std::string::npos) << r.outcome.cause;
+  EXPECT_NE(r.outcome.cause.find("MB, allowed 0.5 MB"), std::string::npos) << r.outcome.cause;
 }
 
 // The body's forces are then rounding, more of it than the load at the first depths.

@@ -2,6 +2,7 @@
 // Held-out solves on a box: where tangential pushes go, and how the threads end.
 #include "precompute/verify/held_out/held_out.hpp"
 
+#include "formats/io/error.hpp"
 #include "precompute/mesh/surface/remesh.hpp"
 #include "precompute/verify/held_out/statistics.hpp"
 #include "tests/support/response_samples.hpp"
@@ -130,6 +131,19 @@ TEST_F(HeldOutSolves, AnExceptionEndsEveryThreadAndIsRethrown) {
   };
   EXPECT_THROW(solve(ToolScene::Shape::sphere, test::ResponseSampleOptions::Tools::sphere), std::runtime_error);
   EXPECT_EQ(told, 1);
+}
+
+TEST(RecordedContacts, OfAToolThatTheFileDoesNotHaveAreNamed) {
+  const std::vector<std::byte> bytes = encode(test::ball_content());
+  const runtime::View view = runtime::View::open(bytes.data(), bytes.size()).view;
+  std::vector<HeldOut> contacts(3);
+  contacts[2].tool = 7;
+  try {
+    compare_with_file(view, contacts, "report.json");
+    FAIL() << "it was compared";
+  } catch (const Error& error) {
+    EXPECT_EQ(std::string(error.what()).rfind("report.json: contact 2 names tool 7; ", 0), 0U) << error.what();
+  }
 }
 
 }  // namespace
