@@ -98,6 +98,7 @@ private:
     if (s.is_vertex()) return at(s.vertex);
     return at(from(s.edge)) + s.share * (at(to(s.edge)) - at(from(s.edge)));
   }
+  [[nodiscard]] double length(Edge e) const { return (at(to(e)) - at(from(e))).norm(); }
   [[nodiscard]] bool is_path(Edge e) const { return mesh_.status(e).feature(); }
   [[nodiscard]] std::int32_t site(Vertex v) const { return site_[v.idx()]; }
   [[nodiscard]] bool is_free(Vertex v) const { return site(v) < 0 && side_[v.idx()] < 0; }
@@ -115,7 +116,6 @@ private:
     coarse.parts.assign(patches_.size(), 0);
     coarse.part_names = {"patches"};
     const geometry::SurfaceQuery query(coarse);
-    const auto length = [&](Edge e) { return (at(to(e)) - at(from(e))).norm(); };
     const auto excess = [&](Edge e) {
       const Corners& t = patches_[std::size_t(query.closest((at(from(e)) + at(to(e))) / 2).triangle)];
       double round = 0;
@@ -124,7 +124,8 @@ private:
     };
     site_.assign(mesh_.n_vertices(), -1);
     side_.assign(mesh_.n_vertices(), -1);
-    // The longest first, which keeps triangles fat.
+    // Splits the longest edges of the triangles beside an edge that is too long first (Rivara 1997): a triangle of
+    // which only shorter edges were split would become ever thinner, without end.
     std::priority_queue<std::pair<double, std::int32_t>> longest;
     const auto push = [&](Edge e) {
       if (excess(e) > 1) longest.push({length(e), e.idx()});
@@ -132,12 +133,28 @@ private:
     for (const Edge e : mesh_.edges()) push(e);
     while (!longest.empty() && mesh_.n_faces() < kMostTriangles) {
       const auto [old, index] = longest.top();
-      longest.pop();
-      const Edge e(index);
-      if (length(e) < old) continue;
+      const Edge top(index);
+      const Edge e = length(top) < old ? top : longest_beside(top);
+      if (e == top) longest.pop();
+      if (length(top) < old) continue;
       const Vertex v = add((at(from(e)) + at(to(e))) / 2);
       mesh_.split(e, v);
       for (const Edge next : mesh_.ve_range(v)) push(next);
+    }
+  }
+
+  /// The edge at the end of a way over ever longer edges of a triangle: the longest of both its triangles.
+  [[nodiscard]] Edge longest_beside(Edge e) const {
+    for (;;) {
+      Edge longest = e;
+      for (int side = 0; side < 2; ++side) {
+        const Halfedge first = mesh_.halfedge_handle(e, side);
+        for (Halfedge h = mesh_.next_halfedge_handle(first); h != first; h = mesh_.next_halfedge_handle(h)) {
+          if (length(mesh_.edge_handle(h)) > length(longest)) longest = mesh_.edge_handle(h);
+        }
+      }
+      if (longest == e) return e;
+      e = longest;
     }
   }
 

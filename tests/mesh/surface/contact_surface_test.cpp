@@ -5,6 +5,8 @@
 
 #include "precompute/geometry/intersections.hpp"
 #include "precompute/geometry/query.hpp"
+#include "precompute/mesh/surface/patch_layout.hpp"
+#include "precompute/mesh/surface/remesh.hpp"
 #include "precompute/sites/haptic_mesh.hpp"
 #include "tests/mesh/bodies.hpp"
 
@@ -166,6 +168,33 @@ TEST(ContactSurface, PatchesOfAnotherTopologyStandForThemselves) {
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::numerical) << "where that mesh crosses itself it is refused";
   }
+}
+
+// Triangles are thin and patches of several sizes: where only the shorter edges of a triangle are too long, it would be
+// cut without end.
+TEST(ContactSurface, ThinTrianglesBesideSmallPatchesAreCutToFew) {
+  Surface thin = ring(0.03, 0.012, 5, 40);
+  for (std::size_t v = 1; v < thin.vertices.size(); v += 2) {
+    thin.vertices[v] = Eigen::AngleAxisd(0.12 * std::numbers::pi, Vector3d::UnitZ()) * thin.vertices[v];
+  }
+  const geometry::SurfaceQuery query(thin);
+  const Surface coarse = remesh_uniform(thin, 0.02);
+  std::vector<Vector3d> sites;
+  for (const Vector3d& v : coarse.vertices) sites.push_back(query.closest(v).point);
+  auto patches = coarse.triangles;
+  for (std::size_t n = 0; n < 60; ++n) {
+    auto& cut = patches[n * 7919 % patches.size()];
+    const auto [a, b, c] = cut;
+    const auto middle = static_cast<std::int32_t>(sites.size());
+    sites.push_back(query.closest((sites[a] + sites[b] + sites[c]) / 3).point);
+    cut = {a, b, middle};
+    patches.push_back({b, c, middle});
+    patches.push_back({c, a, middle});
+  }
+  const PatchLayout layout = lay_out_patches(thin, sites, patches);
+  EXPECT_LT(layout.triangles.size(), 100000);
+  const std::set<std::int32_t> found(layout.patch.begin(), layout.patch.end());
+  EXPECT_EQ(found.size(), patches.size());
 }
 
 TEST(ContactSurface, SameSurfaceEveryTime) {
