@@ -161,6 +161,10 @@ Pipeline prepare(const std::filesystem::path& scene_file, const Options& options
   return p;
 }
 
+Paths paths_of(const std::filesystem::path& scene_file, const Options& options) {
+  return read_pipeline(scene_file, options).paths;
+}
+
 std::vector<std::filesystem::path> files_of(const std::filesystem::path& scene_file, const Options& options) {
   const Pipeline p = read_pipeline(scene_file, options);
   std::vector<std::filesystem::path> files = inputs_of(p, scene_file);

@@ -61,6 +61,9 @@ struct Pipeline {
 /// apply_prestress and make_tool do, and Error(usage) where one of the paths is a file that is read.
 Pipeline prepare(const std::filesystem::path& scene_file, const Options& options = {});
 
+/// The places of a scene's files. Throws as read_scene does.
+Paths paths_of(const std::filesystem::path& scene_file, const Options& options = {});
+
 /// Every file that belongs to a scene: the scene itself, those that it is made of and those that its pipeline writes,
 /// there or not. Throws as read_scene does. No other result may be written over one of them: see refuse_same().
 std::vector<std::filesystem::path> files_of(const std::filesystem::path& scene_file, const Options& options = {});

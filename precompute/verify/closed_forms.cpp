@@ -56,7 +56,9 @@ PairResult press(double half_width, double height, double poisson, const ToolSce
   const Body body = prepare_body(
       scene, geometry::box_solid({-half_width, -half_width, -height}, {half_width, half_width, 0}, height, "box"));
   const tool::Tool tool = tool::make_tool(tool_scene);
-  return solve::solve_pair({body, tool, tool.vertices[0], ContactFrame{}}, path, solve::pair_options(scene));
+  solve::PairOptions options = solve::pair_options(scene);
+  solve::without_limits(options);
+  return solve::solve_pair({body, tool, tool.vertices[0], ContactFrame{}}, path, options);
 }
 
 PairResult press_block(double half, const ToolScene& tool, const solve::PairPath& path, const Elements& elements) {

@@ -55,8 +55,9 @@ std::vector<std::byte> BlockResponse::file(const solve::TogetherResult& solved) 
 }
 
 std::unique_ptr<ResponseInput> response_with_compliance(const std::string& scene, const std::string& response) {
-  std::filesystem::path file = response;
-  if (file.empty()) file = std::filesystem::path(scene).replace_extension(".palp");
+  pipeline::Options options;
+  options.response = response;
+  const std::filesystem::path file = pipeline::paths_of(scene, options).response;
   auto input = std::make_unique<ResponseInput>(file.string());
   if (!input->view().has(layout::feature_compliance)) {
     throw Error(ExitCode::bad_input,
