@@ -144,6 +144,14 @@ void save_seconds(const Pipeline& pipeline, double seconds) {
   write_file(pipeline.paths.bake, json.dump(1) + "\n");
 }
 
+/// Throws where a pair has to be solved and there is no journal. Needs find_pairs().
+void check_baked(const Pipeline& p) {
+  if (std::filesystem::exists(p.paths.samples) || !p.sources.solves_any(p.plan.pairs.size())) return;
+  const char* const other =
+      p.sources.external.empty() ? "" : ", or take the other sites from their neighbours: [sources] rest = \"filled\"";
+  throw Error(ExitCode::io, p.paths.samples.string() + ": there is no journal; run palpate bake first" + other);
+}
+
 }  // namespace
 
 Pipeline prepare(const std::filesystem::path& scene_file, const Options& options) {
@@ -236,6 +244,13 @@ bool resume(Pipeline& p) {
 
 void plan(Pipeline& p) {
   find_pairs(p);
+  write_manifest(p);
+  resume(p);
+}
+
+void plan_baked(Pipeline& p) {
+  find_pairs(p);
+  check_baked(p);
   write_manifest(p);
   resume(p);
 }
@@ -342,13 +357,6 @@ fit::FitSettings fit_settings(const Pipeline& p) {
     settings.turns.push_back(tool.grasp_turn > 0);
   }
   return settings;
-}
-
-void check_baked(const Pipeline& p) {
-  if (std::filesystem::exists(p.paths.samples) || !p.sources.solves_any(p.plan.pairs.size())) return;
-  const char* const other =
-      p.sources.external.empty() ? "" : ", or take the other sites from their neighbours: [sources] rest = \"filled\"";
-  throw Error(ExitCode::io, p.paths.samples.string() + ": there is no journal; run palpate bake first" + other);
 }
 
 JournalContent samples(const Pipeline& p) {

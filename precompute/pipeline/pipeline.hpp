@@ -82,6 +82,10 @@ bool resume(Pipeline& pipeline);
 /// All three.
 void plan(Pipeline& pipeline);
 
+/// The same for a scene that is baked. Throws Error(io) where a pair has to be solved and there is no journal, before
+/// the work folder is made.
+void plan_baked(Pipeline& pipeline);
+
 /// The solver the bake uses: bake_path, add_grasp, pair_options, solve_pair. `pipeline` must outlive it.
 bake::PairSolver contact_solver(const Pipeline& pipeline);
 
@@ -106,11 +110,7 @@ double bake_seconds(const Pipeline& pipeline);
 /// The settings of the scene's fit.
 fit::FitSettings fit_settings(const Pipeline& p);
 
-/// Throws Error(io) where a pair has to be solved and there is no journal. Needs find_pairs(), and comes before the
-/// manifest, which would only leave an empty folder behind.
-void check_baked(const Pipeline& pipeline);
-
-/// The journal. Needs plan(). Throws as check_baked does.
+/// The journal. Needs plan(). Throws as plan_baked does.
 JournalContent samples(const Pipeline& pipeline);
 
 /// The surface that the response file holds, within the scene's tolerance.

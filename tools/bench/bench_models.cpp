@@ -204,10 +204,7 @@ void run_model_bench(const ModelBenchCommand& command, const Globals& globals) {
                                          ": got [contact] friction = 0; allowed above 0: the models are compared by "
                                          "tangential samples");
   }
-  pipeline::find_pairs(p);
-  pipeline::check_baked(p);
-  pipeline::write_manifest(p);
-  pipeline::resume(p);
+  pipeline::plan_baked(p);
   const JournalContent journal = pipeline::samples(p);
   if (accepted_pairs(journal).empty()) {
     throw Error(ExitCode::bad_input,

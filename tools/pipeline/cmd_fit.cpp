@@ -19,10 +19,7 @@ struct FitArguments {
 void run_fit(const FitArguments& options, const Globals& globals) {
   pipeline::Pipeline p = pipeline::prepare(
       options.scene, {options.work, options.output, {options.measured.begin(), options.measured.end()}});
-  pipeline::find_pairs(p);
-  pipeline::check_baked(p);
-  pipeline::write_manifest(p);
-  pipeline::resume(p);
+  pipeline::plan_baked(p);
   if (!options.measured.empty()) {
     note(globals,
          "--measured is for this fit alone; build and verify read the recordings that the scene names ([[measured]])");

@@ -35,10 +35,7 @@ WrittenReport write_report_files(const ReportInput& input, const ReportFiles& fi
   refuse_same({written.numbers, written.page}, read);
   cli::check_writable(written.numbers);
   if (has_page()) cli::check_writable(written.page);
-  pipeline::find_pairs(p);
-  pipeline::check_baked(p);
-  pipeline::write_manifest(p);
-  pipeline::resume(p);
+  pipeline::plan_baked(p);
   const cli::ResponseInput response(p.paths.response);
   cli::check_same_plan(p, response.view());
   const nlohmann::ordered_json numbers = make_report(input, p, response, globals);

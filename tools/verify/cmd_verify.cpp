@@ -183,10 +183,7 @@ void solve(const VerifyArguments& options, const Globals& globals) {
   if (options.limits.p95_spins && std::none_of(p.tools.begin(), p.tools.end(), has_spins)) {
     throw Error(ExitCode::usage, "--max-p95-spins: no tool of the scene has spins");
   }
-  pipeline::find_pairs(p);
-  pipeline::check_baked(p);
-  pipeline::write_manifest(p);
-  pipeline::resume(p);
+  pipeline::plan_baked(p);
   const PairCounts pairs = count_pairs(p);
   const double bake = pipeline::bake_seconds(p);
   const ResponseInput input(p.paths.response);

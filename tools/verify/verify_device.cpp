@@ -36,7 +36,8 @@ const device::SimKind& kind_of(const std::string& name) {
     known += (known.empty() ? "" : ", ") + (called.starts_with("sim-") ? called.substr(4) + ", " : "") + called;
   }
   for (const device::DeviceKind& kind : device::kDevices) {
-    if (std::string_view(kind.driver) == "wooden") known += std::string(", ") + kind.key;
+    const device::SimKind* const stand_in = device::find_stand_in(kind);
+    if (stand_in != nullptr && known.find(kind.key) == std::string::npos) known += std::string(", ") + kind.key;
   }
   throw Error(ExitCode::usage, "--device " + name + ": not known; there are " + known);
 }

@@ -161,10 +161,7 @@ std::string drawing(const std::vector<verify::CheckedStroke>& strokes,
 void run_strokes(const StrokesCommand& command, const Globals& globals) {
   pipeline::Pipeline p = pipeline::prepare(command.scene, {command.work, command.response});
   if (!(p.scene.friction > 0)) throw Error(ExitCode::usage, "--strokes: the scene has no friction");
-  pipeline::find_pairs(p);
-  pipeline::check_baked(p);
-  pipeline::write_manifest(p);
-  pipeline::resume(p);
+  pipeline::plan_baked(p);
   const ResponseInput input(p.paths.response);
   check_same_plan(p, input.view());
   const ContactCase c = plan_contacts(p, command.scene, command.contacts);

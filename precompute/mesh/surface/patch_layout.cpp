@@ -134,9 +134,12 @@ private:
     while (!longest.empty() && mesh_.n_faces() < kMostTriangles) {
       const auto [old, index] = longest.top();
       const Edge top(index);
-      const Edge e = length(top) < old ? top : longest_beside(top);
+      if (length(top) < old) {  // it was split since
+        longest.pop();
+        continue;
+      }
+      const Edge e = longest_beside(top);
       if (e == top) longest.pop();
-      if (length(top) < old) continue;
       const Vertex v = add((at(from(e)) + at(to(e))) / 2);
       mesh_.split(e, v);
       for (const Edge next : mesh_.ve_range(v)) push(next);

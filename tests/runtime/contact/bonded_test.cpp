@@ -165,54 +165,54 @@ struct ScaledBox {
   }
 };
 
-TEST(BondedContact, StiffnessFactorScalesTheForceAtABoundedRate) {
+// A bond at a pressed contact of such a box.
+template <class Bond>
+struct ScaledBond {
+  explicit ScaledBond(double step) {
+    a.body.step = step;
+    EXPECT_TRUE(bond.holds());
+  }
   ScaledBox a;
-  Contact contact(a.box.view, 0);
-  const Tick pressed = press(contact, kDepth);
-  BondedContact bond(a.box.view, 0, at(kDepth), pressed, a.body);
-  ASSERT_TRUE(bond.holds());
-  a.set_all(0.5F);
-  EXPECT_LT(distance(bond.tick(at(kDepth), a.body).force, 0.99 * pressed.force), 1e-6);
+  Contact contact{a.box.view, 0};
+  Tick pressed = press(contact, kDepth);
+  Bond bond{a.box.view, 0, at(kDepth), pressed, a.body};
+  Tick tick(const Pose& tool) { return bond.tick(tool, a.body); }
+};
+
+TEST(BondedContact, StiffnessFactorScalesTheForceAtABoundedRate) {
+  ScaledBond<BondedContact> held(0.01);
+  held.a.set_all(0.5F);
+  EXPECT_LT(distance(held.tick(at(kDepth)).force, 0.99 * held.pressed.force), 1e-6);
   Tick tick;
-  for (int k = 0; k < 60; ++k) tick = bond.tick(at(kDepth), a.body);
-  EXPECT_LT(distance(tick.force, 0.5 * pressed.force), 1e-6);
+  for (int k = 0; k < 60; ++k) tick = held.tick(at(kDepth));
+  EXPECT_LT(distance(tick.force, 0.5 * held.pressed.force), 1e-6);
 }
 
 TEST(BondedContact, FactorThatRisesLeavesTheForceAndScalesTheStiffness) {
   for (const double step : {0.01, 100.0}) {
-    ScaledBox a;
-    a.body.step = step;
-    Contact contact(a.box.view, 0);
-    const Tick pressed = press(contact, kDepth);
-    BondedContact bond(a.box.view, 0, at(kDepth), pressed, a.body);
-    ASSERT_TRUE(bond.holds());
-    a.set_all(4);
+    ScaledBond<BondedContact> held(step);
+    held.a.set_all(4);
     Vec3 force;
     for (int k = 0; k < 400; ++k) {
-      force = bond.tick(at(kDepth), a.body).force;
-      ASSERT_LT(distance(force, pressed.force), 0.02 * length(pressed.force)) << k;
+      force = held.tick(at(kDepth)).force;
+      ASSERT_LT(distance(force, held.pressed.force), 0.02 * length(held.pressed.force)) << k;
     }
-    const double slope = (bond.tick(at(kDepth + 1e-5), a.body).force.z - force.z) / 1e-5;
+    const double slope = (held.tick(at(kDepth + 1e-5)).force.z - force.z) / 1e-5;
     EXPECT_NEAR(slope, 4 * kBondedStiffness, 0.02 * 4 * kBondedStiffness);
     // A force that was lost at rest does not come back.
-    a.set_all(0);
-    for (int k = 0; k < 500; ++k) force = bond.tick(at(kDepth), a.body).force;
+    held.a.set_all(0);
+    for (int k = 0; k < 500; ++k) force = held.tick(at(kDepth)).force;
     EXPECT_EQ(length(force), 0);
-    a.set_all(1);
-    for (int k = 0; k < 500; ++k) ASSERT_LT(length(bond.tick(at(kDepth), a.body).force), 1e-12);
+    held.a.set_all(1);
+    for (int k = 0; k < 500; ++k) ASSERT_LT(length(held.tick(at(kDepth)).force), 1e-12);
   }
 }
 
 // Random motions with random factors: the hand gets back at most its work and what the contact stored at the bond.
 template <class Bond>
 double energy_given(double step, unsigned seed) {
-  ScaledBox a;
-  a.body.step = step;
-  Contact contact(a.box.view, 0);
-  const Tick pressed = press(contact, kDepth);
-  Bond bond(a.box.view, 0, at(kDepth), pressed, a.body);
-  EXPECT_TRUE(bond.holds());
-  const double stored = dot(pressed.force, pressed.force) / (2 * kBondedStiffness);
+  ScaledBond<Bond> held(step);
+  const double stored = dot(held.pressed.force, held.pressed.force) / (2 * kBondedStiffness);
   std::mt19937 random(seed);
   runtime::EnergyMeter meter;
   double most = 0;
@@ -221,12 +221,12 @@ double energy_given(double step, unsigned seed) {
     if (k % 100 == 0) {
       const bool rests = random() % 2 == 0;
       if (!rests) goal = draw_vector(random, 0.003), turn_goal = draw_vector(random, 0.4);
-      a.set_all(static_cast<float>(2 + draw(random, 2)));
+      held.a.set_all(static_cast<float>(2 + draw(random, 2)));
     }
     now = now + 0.05 * (goal - now);
     turn = turn + 0.05 * (turn_goal - turn);
     const Pose pose = at(now.z, turn, now.x, now.y);
-    meter.add(pose, bond.tick(pose, a.body));
+    meter.add(pose, held.tick(pose));
     most = std::max(most, (meter.returned() - meter.given() - stored) / stored);
   }
   return most;

@@ -289,7 +289,7 @@ TEST(JointContacts, AFaultOfOneToolIsItsOwnAlone) {
   }
 }
 
-// A pressed tool whose tracker is lost no longer dents the body for the other.
+// The other tool does not feel the dent of a pressed tool whose tracker is lost.
 TEST(JointContacts, TheOtherToolIsAloneAfterAFault) {
   const Opened file(box(false));
   ToolSet<2> tools(file.view, {0, 0});

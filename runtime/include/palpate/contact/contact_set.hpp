@@ -196,8 +196,6 @@ private:
     return tick;
   }
 
-  static constexpr double kMerged = ContactSetConstants::kMerged;
-
   /// m, from which on two feet lie on two walls.
   [[nodiscard]] double gap() const { return contacts_[0].size(contacts_[0].state().indentation); }
 
@@ -207,7 +205,7 @@ private:
       if (!ticks_[j].touches()) continue;
       const double apart =
           length(contacts_[k].state().place.foot.point - contacts_[j].state().place.foot.point) / gap();
-      share = smaller(share, (apart - kMerged) / (1 - kMerged));
+      share = smaller(share, (apart - ContactSetConstants::kMerged) / (1 - ContactSetConstants::kMerged));
     }
     return share;
   }
@@ -219,7 +217,8 @@ private:
       if (!ticks_[k].touches()) continue;
       const bool ended = !ticks_[0].touches();
       const ContactState &first = contacts_[0].state(), &other = contacts_[k].state();
-      const bool merged = length(first.place.foot.point - other.place.foot.point) < kMerged * gap();
+      const bool merged =
+          length(first.place.foot.point - other.place.foot.point) < ContactSetConstants::kMerged * gap();
       if (!ended && !(merged && other.energy.energy() > first.energy.energy())) continue;
       std::swap(contacts_[0], contacts_[k]);
       std::swap(ticks_[0], ticks_[k]);

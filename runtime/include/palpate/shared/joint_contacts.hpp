@@ -133,11 +133,13 @@ private:
       // A tool that has left the body walks on over the surface, so that it comes back to the dented one.
       if (state.touching) {
         place(k, state.place.body_point);
-      } else if (known_[k]) {
+        moved[k] = frame_of(at_[k]).unrotate(tools[k].apply(point_[k]) - last_[k].apply(point_[k]));
+        continue;
+      }
+      grip_[k] = 1;
+      if (known_[k]) {
         place(k, local_closest_point(*view_, at_[k], inverse(frame_of(at_[k])).apply(tools[k].apply(point_[k]))));
       }
-      if (!state.touching) grip_[k] = 1;
-      if (state.touching) moved[k] = frame_of(at_[k]).unrotate(tools[k].apply(point_[k]) - last_[k].apply(point_[k]));
     }
     update();
     // The residual that the tools' motions will leave, to first order.
