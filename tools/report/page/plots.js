@@ -38,11 +38,11 @@ function ticks(values) {
   return list.filter((value) => value <= 10 ** high);
 }
 
-// Places of a label about its dot, the best first.
+// Directions of a label from its dot, the best first.
 const SIDES = [
-  { textAnchor: "start", dx: 1, dy: 0 }, { textAnchor: "end", dx: -1, dy: 0 }, { textAnchor: "middle", dx: 0, dy: -14 },
-  { textAnchor: "middle", dx: 0, dy: 14 }, { textAnchor: "start", dx: 1, dy: -11 }, { textAnchor: "start", dx: 1, dy: 11 },
-  { textAnchor: "end", dx: -1, dy: -11 }, { textAnchor: "end", dx: -1, dy: 11 },
+  { textAnchor: "start", dx: 1, dy: 0 }, { textAnchor: "end", dx: -1, dy: 0 }, { textAnchor: "middle", dx: 0, dy: -1 },
+  { textAnchor: "middle", dx: 0, dy: 1 }, { textAnchor: "start", dx: 1, dy: -0.8 }, { textAnchor: "start", dx: 1, dy: 0.8 },
+  { textAnchor: "end", dx: -1, dy: -0.8 }, { textAnchor: "end", dx: -1, dy: 0.8 },
 ];
 const LABEL_SIZE = 10.5, LABEL_HALF = 0.75 * LABEL_SIZE; // pixels; ascent and descent are up to 1.4 of the size
 
@@ -64,9 +64,9 @@ function labels(rows, bars, frame) {
   for (const k of [...rows.keys()].sort((a, b) => rows[b].chosen - rows[a].chosen)) {
     const [x, y, r] = bars[k][0], half = 0.31 * LABEL_SIZE * rows[k].short.length;
     const places = SIDES.map((side) => {
-      const dx = side.dx * (r + 4);
-      const box = boxAt([x + dx + { start: half, end: -half, middle: 0 }[side.textAnchor], y + side.dy], half, LABEL_HALF);
-      return { row: rows[k], side: { ...side, dx }, box };
+      const dx = side.dx * (r + 4), dy = side.dy * (r + LABEL_HALF + 1.5);
+      const box = boxAt([x + dx + { start: half, end: -half, middle: 0 }[side.textAnchor], y + dy], half, LABEL_HALF);
+      return { row: rows[k], side: { ...side, dx, dy }, box };
     }).filter(({ box }) => inside(box) && free(box, dots));
     const place = places.find(({ box }) => free(box, lines)) ?? places[0];
     if (!place) continue;
