@@ -156,7 +156,7 @@ struct ResponseScene {
   enum class Search { automatic, none, bvh };
   double path_share = 0.1;  ///< with friction: of the pairs that are also solved along paths which only test, [0, 1]
   Search search = Search::automatic;
-  double tolerance = 0.05;  ///< requested relative force error, (0, 1): it chooses the degrees of the responses
+  double tolerance = 0.05;  ///< requested relative force error, (0, 1); the responses' degrees meet half of it
   double floor = 0.0;       ///< N, >= 0: errors of smaller forces are relative to this one
   double max_residual = 1;  ///< relative error beyond which a pair's fit is refused, [0.01, 1000]
   /// m; largest distance between the contact surface and the body's; 0 chooses 1/40 of the smallest tool radius

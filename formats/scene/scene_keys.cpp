@@ -237,8 +237,9 @@ const Keys<ResponseScene>& response_keys() {
       affecting(Affects::file,
                 number("tolerance", &R::tolerance, {0, 0.99, true, ""},
                        "Requested relative force error. The fit takes the fewest coefficients whose 95th "
-                       "percentile at samples left out meets it. palpate verify reports whether normal "
-                       "forces meet it; only its option --max-p95 makes it fail.")),
+                       "percentile at samples left out is within half of it, which leaves the rest for places between "
+                       "sites. palpate verify reports whether normal forces meet it; only its option --max-p95 makes "
+                       "it fail.")),
       affecting(
           Affects::file,
           number("floor", &R::floor, {0, 1e6, false, "N"},

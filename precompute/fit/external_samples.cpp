@@ -128,14 +128,14 @@ DegreeChoice choose_degrees(const bake::Plan& plan, const PairSources& sources,
   for (const auto& [pair, external] : sources.external) {
     if (external.measured) recorded.push_back(pair);
   }
-  if (recorded.empty()) return choose_degrees(exact, pushes, scales, bias, settings.tolerance);
+  if (recorded.empty()) return choose_degrees(exact, pushes, scales, bias, kFitShare * settings.tolerance);
   std::vector<SampleList> smooth;
   for (const std::uint32_t pair : drawn(recorded)) {
     smooth.push_back(smoothed(plan, pair, sources.external.at(pair), scales, bias, settings));
   }
   std::vector<const SampleList*> pairs = drawn(exact);
   for (const SampleList& samples : smooth) pairs.push_back(&samples);
-  return choose_degrees(pairs, pushes, scales, bias, settings.tolerance);
+  return choose_degrees(pairs, pushes, scales, bias, kFitShare * settings.tolerance);
 }
 
 SiteResponse fit_external(const bake::Plan& plan, std::uint32_t pair, const ExternalSamples& external,

@@ -22,12 +22,16 @@
 
 namespace palpate::fit {
 
+/// Share of the tolerance that responses may miss of the samples which they are fitted to. The rest is for places
+/// between sites.
+inline constexpr double kFitShare = 0.5;
+
 struct FitSettings {
   double depth_scale = 0.0;      ///< m, Z: the scene's depth
   bool friction = false;         ///< the scene has friction
   double max_residual = 1;       ///< relative error of a force beyond which its pair is refused
   double bias_threshold = 0.01;  ///< of the peak force: smaller tangential biases are left out
-  double tolerance = 0.05;       ///< requested relative force error, by which the degrees are chosen
+  double tolerance = 0.05;       ///< requested relative force error; the degrees meet kFitShare of it
   std::vector<bool> grasps;      ///< per tool, whether it bonds; empty: none does
   std::vector<bool> turns;       ///< per tool that bonds, whether it is rotated; empty: none is
   /// The path of a bake to a depth (m); required for recordings and normal indentations.

@@ -350,7 +350,7 @@ fit::FitSettings fit_settings(const Pipeline& p) {
   settings.depth_scale = scene.sampling.depth;
   settings.friction = scene.friction > 0;
   settings.max_residual = scene.response.max_residual;
-  settings.tolerance = (p.automatic ? RoundLimits{}.law : 1.0) * scene.response.tolerance;
+  settings.tolerance = scene.response.tolerance;
   settings.path = [scene](double depth) { return solve::bake_path(scene, depth); };
   for (const ToolScene& tool : scene.tools) {
     settings.grasps.push_back(tool.grasp_depth > 0);

@@ -15,9 +15,8 @@ struct RoundLimits {
   std::size_t more = 8;        ///< of every later one
   double growth = 0.6;         ///< most edges split in a round, over the number of sites, far from the aim
   double least_growth = 0.1;   ///< the same, near it
-  double aim = 0.8;            ///< of the tolerance: the 95th percentile between sites that ends the rounds
-  double law = 0.5;            ///< of the tolerance: what responses may miss of the samples that they are fitted to;
-                               ///< both together are 0.94 of it
+  double aim = 0.8;            ///< of the tolerance: the 95th percentile between sites that ends the rounds; with
+                               ///< fit::kFitShare, which is independent of it, 0.94
   int rounds = 12;             ///< at most
 };
 

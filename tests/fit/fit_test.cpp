@@ -85,6 +85,18 @@ TEST(Fit, APairThatCannotBeFittedIsFilledLikeARefusedOne) {
   EXPECT_NEAR(normal_force(fitted, 24, 1.0) / normal_force(fitted, 23, 1.0), 1.0, 1e-4);
 }
 
+TEST(Fit, DegreesLeaveHalfOfTheToleranceToPlacesBetweenSites) {
+  const GridPlan grid = grid_plan(5, Z, 0.0, [](int) { return power_law(500, 2.7); });
+  fit::FitSettings s = settings(false);
+  s.tolerance = 0.9;
+  const fit::FittedResponses coarse = fit_grid(grid, s);
+  ASSERT_GT(coarse.report.held_out.p95, 0.005);
+  s.tolerance = 1.5 * coarse.report.held_out.p95;
+  const fit::FittedResponses fine = fit_grid(grid, s);
+  EXPECT_GT(fine.scales.degrees.normal, coarse.scales.degrees.normal);
+  EXPECT_LE(fine.report.held_out.p95, fit::kFitShare * s.tolerance);
+}
+
 TEST(Fit, APairBeyondTheResidualIsFilledAsWell) {
   GridPlan grid = grid_plan(7, Z, 0.0, [](int) { return power_law(500, 1.5); });
   Sample& jumped = grid.journal.pairs[24].samples[8];
