@@ -70,6 +70,35 @@ TEST(Compliance, IsTheTransposeTheOtherWayRound) {
   }
 }
 
+// Over one triangle the modes are linear, so their tilt is a difference of displacements.
+TEST(Compliance, TiltIsTheGradientOfTheModes) {
+  const Opened file(box(false, 16));
+  const Compliance compliance(file.view);
+  const runtime::BodyPoint loaded{0, {0.2, 0.3, 0.5}};
+  runtime::CompliancePoint from, at, there;
+  runtime::ComplianceTilt by, tilt;
+  compliance.locate(loaded, from);
+  compliance.locate_tilt(loaded, from, by);
+  const auto normal = [](const runtime::CompliancePoint& point) {
+    return Vec3{point.place.normal[0], point.place.normal[1], point.place.normal[2]};
+  };
+  const auto by_modes = [&](const runtime::CompliancePoint& to) {
+    return compliance.between(from, to) * normal(from) - compliance.of_half_space(from, to) * normal(from);
+  };
+  double largest = 0;
+  for (std::uint32_t triangle = 0; triangle < file.view.meta->triangle_count; ++triangle) {
+    const runtime::BodyPoint a{triangle, {0.6, 0.3, 0.1}}, b{triangle, {0.1, 0.2, 0.7}};
+    compliance.locate(a, at);
+    compliance.locate(b, there);
+    compliance.locate_tilt(a, at, tilt);
+    const double difference = dot(normal(at), by_modes(there) - by_modes(at));
+    const double expected = dot(compliance.tilt(by, tilt), position(file.view, b) - position(file.view, a));
+    largest = std::max(largest, std::fabs(difference));
+    EXPECT_NEAR(difference, expected, 1e-9 * length(by_modes(at)) + 1e-12) << triangle;
+  }
+  EXPECT_GT(largest, 1e-6) << "the modes do not tilt anything";
+}
+
 TEST(JointContacts, TwoTipsHaveTheForceOfTheirEquation) {
   const Opened file(box(false));
   for (const double depth : {0.0005, 0.002, 0.004}) {

@@ -132,6 +132,23 @@ public:
   /// Everything that the contact remembers (body frame as baked).
   [[nodiscard]] const ContactState& state() const { return state_; }
   [[nodiscard]] const BlendedResponse<kFeatures>& response() const { return response_; }
+
+  /// Everything that ticks change and that later ticks depend on. The last search's triangles are not in it: they only
+  /// make a tick faster.
+  struct Memory {
+    ContactState state;
+    FreeTool free;
+    BlendedResponse<kFeatures> response;
+  };
+  [[nodiscard]] Memory memory() const { return {state_, free_, response_}; }
+  /// Goes back to where memory() was called.
+  void restore(const Memory& memory) {
+    state_ = memory.state;
+    free_ = memory.free;
+    response_ = memory.response;
+    if constexpr ((kFeatures & layout::feature_friction) != 0) layers_.set(response_.law(), response_.softening());
+  }
+
   [[nodiscard]] const ToolShape<kFeatures>& shape() const { return shape_; }
   [[nodiscard]] const View& view() const { return *view_; }
 
@@ -380,7 +397,8 @@ private:
     state_.indentation = z;
     state_.counted_depth = depth;
     state_.factor = factor;
-    state_.applied = {factor * trial.force, motion.point};
+    state_.applied = {factor * trial.force, motion.point, factor * trial.response.normal_slope,
+                      factor * trial.response.stiffness.m};
     return report(tool, trial);
   }
 

@@ -26,8 +26,10 @@ struct ContactPlace {
 
 /// Force on the tool.
 struct AppliedForce {
-  Vec3 force;  ///< N
-  Vec3 point;  ///< m, of the tool's frame, where it acts
+  Vec3 force;                   ///< N
+  Vec3 point;                   ///< m, of the tool's frame, where it acts
+  double normal_slope = 0;      ///< N/m, of the force along the normal
+  double tangential_slope = 0;  ///< N/m, of the force across it where nothing slips, mean over the directions
 };
 
 /// Everything that a contact remembers, in the body's frame as baked.

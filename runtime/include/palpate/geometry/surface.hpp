@@ -36,6 +36,21 @@ inline void site_weights(const View& view, const BodyPoint& at, double (&weights
   weights[2] = rest > 0 ? rest : 0;
 }
 
+/// Gradients over the triangle (1/m) of the weights of its three sites; 0 where it has no area.
+inline void site_weight_slopes(const View& view, std::uint32_t triangle, Vec3 (&slopes)[3]) {
+  const layout::SurfaceTriangle t = view.triangle(triangle);
+  const Vec3 corner[3] = {vertex(view, t.vertex[0]), vertex(view, t.vertex[1]), vertex(view, t.vertex[2])};
+  const Vec3 area = cross(corner[1] - corner[0], corner[2] - corner[0]);
+  const double square = dot(area, area), scale = square > 0 ? 1 / (square * view.meta->subdivision) : 0;
+  slopes[0] = slopes[1] = {};
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 slope = scale * cross(area, corner[(k + 2) % 3] - corner[(k + 1) % 3]);
+    slopes[0] = slopes[0] + static_cast<double>(t.grid[k][0]) * slope;
+    slopes[1] = slopes[1] + static_cast<double>(t.grid[k][1]) * slope;
+  }
+  slopes[2] = -slopes[0] - slopes[1];
+}
+
 /// Normal of a triangle (m^2): outward, its length is twice the triangle's area.
 inline Vec3 face_normal(const View& view, std::uint32_t triangle) {
   const auto& v = view.triangle(triangle).vertex;

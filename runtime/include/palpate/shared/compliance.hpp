@@ -29,6 +29,12 @@ struct CompliancePoint {
   double modes[3 * layout::kMaxModes];  ///< sqrt(m/N): x, y, z of each mode
 };
 
+/// The part of each mode along the normal at a point of the surface.
+struct ComplianceTilt {
+  double normal[layout::kMaxModes];  ///< sqrt(m/N)
+  Vec3 gradient[layout::kMaxModes];  ///< 1/sqrt(N m), over the surface
+};
+
 /// The compliance of a body between two points of its surface, by the file's COMPLIANCE. It is linear about the
 /// equilibrium from which contact starts. It has no state.
 class Compliance {
@@ -54,18 +60,53 @@ public:
     }
   }
 
+  /// Writes the modes' parts along the normal at a point whose part of the compliance is `point`.
+  void locate_tilt(const BodyPoint& at, const CompliancePoint& point, ComplianceTilt& tilt) const {
+    const Vec3 n{point.place.normal[0], point.place.normal[1], point.place.normal[2]};
+    const std::uint32_t count = view_->compliance->modes;
+    Vec3 slopes[3];
+    site_weight_slopes(*view_, at.triangle, slopes);
+    for (std::uint32_t m = 0; m < count; ++m) {
+      tilt.normal[m] = n.x * point.modes[3 * m] + n.y * point.modes[3 * m + 1] + n.z * point.modes[3 * m + 2];
+      tilt.gradient[m] = {};
+    }
+    for (int i = 0; i < 3; ++i) {
+      const std::uint32_t site = view_->triangle(at.triangle).site[i];
+      const Vec3 slope = static_cast<double>(view_->compliance_site(site).unit) * slopes[i];
+      const std::int16_t* const values = view_->compliance_modes(site);
+      for (std::uint32_t m = 0; m < count; ++m) {
+        const std::int16_t* const v = values + 3 * m;
+        tilt.gradient[m] = tilt.gradient[m] + (n.x * v[0] + n.y * v[1] + n.z * v[2]) * slope;
+      }
+    }
+  }
+
   /// C (m/N, body frame): a force f at `from` moves the surface at `to` by C f.
   [[nodiscard]] Matrix3 between(const CompliancePoint& from, const CompliancePoint& to) const {
-    double c[9];
-    half_space::compliance(from.place, to.place, view_->compliance->poisson, view_->compliance->rounding, c);
-    add_modes(from, to, c);
-    return matrix(c);
+    return with_modes(of_half_space(from, to), from, to);
   }
   /// The part of it that the half-space gives.
   [[nodiscard]] Matrix3 of_half_space(const CompliancePoint& from, const CompliancePoint& to) const {
     double c[9];
     half_space::compliance(from.place, to.place, view_->compliance->poisson, view_->compliance->rounding, c);
-    return matrix(c);
+    return {{{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}}};
+  }
+  /// `part` with the part that the modes give.
+  [[nodiscard]] Matrix3 with_modes(const Matrix3& part, const CompliancePoint& from, const CompliancePoint& to) const {
+    const std::uint32_t count = view_->compliance->modes, positive = count - view_->compliance->negative;
+    Matrix3 c = part;
+    add(0, positive, 1, from, to, c);
+    add(positive, count, -1, from, to, c);
+    return c;
+  }
+  /// t (1/N, body frame): a force f at `from` tilts the surface at `to`, by the modes, by (f . n) t, which is the
+  /// gradient over the surface of its displacement along the normal. Forces across the normal are left out.
+  [[nodiscard]] Vec3 tilt(const ComplianceTilt& from, const ComplianceTilt& to) const {
+    const std::uint32_t count = view_->compliance->modes, positive = count - view_->compliance->negative;
+    Vec3 sum;
+    for (std::uint32_t m = 0; m < positive; ++m) sum = sum + from.normal[m] * to.gradient[m];
+    for (std::uint32_t m = positive; m < count; ++m) sum = sum - from.normal[m] * to.gradient[m];
+    return sum;
   }
   [[nodiscard]] Matrix3 between(const BodyPoint& from, const BodyPoint& to) const {
     CompliancePoint a, b;
@@ -83,29 +124,21 @@ public:
     const double nu = view_->compliance->poisson;
     const double scale = 16 / (3 * kPi * radius) / (4 * kPi * at.place.shear);
     const double* const n = at.place.normal;
-    double c[9];
+    Matrix3 c;
     for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) c[3 * i + j] = scale * ((i == j ? 2 - nu : 0) - nu * n[i] * n[j]);
+      const Vec3 unit{i == 0 ? 1.0 : 0.0, i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 : 0.0};
+      c.row[i] = scale * ((2 - nu) * unit - (nu * n[i]) * Vec3{n[0], n[1], n[2]});
     }
-    add_modes(at, at, c);
-    return matrix(c);
+    return with_modes(c, at, at);
   }
 
 private:
-  static Matrix3 matrix(const double (&c)[9]) { return {{{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}}}; }
-  void add_modes(const CompliancePoint& from, const CompliancePoint& to, double (&c)[9]) const {
-    const std::uint32_t count = view_->compliance->modes, positive = count - view_->compliance->negative;
-    add(0, positive, 1, from, to, c);
-    add(positive, count, -1, from, to, c);
-  }
   static void add(std::uint32_t begin, std::uint32_t end, double sign, const CompliancePoint& from,
-                  const CompliancePoint& to, double (&c)[9]) {
+                  const CompliancePoint& to, Matrix3& c) {
     for (std::uint32_t m = begin; m < end; ++m) {
-      const double* const f = from.modes + 3 * m;
       const double* const t = to.modes + 3 * m;
-      for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) c[3 * i + j] += sign * t[i] * f[j];
-      }
+      const Vec3 f{from.modes[3 * m], from.modes[3 * m + 1], from.modes[3 * m + 2]};
+      for (int i = 0; i < 3; ++i) c.row[i] = c.row[i] + (sign * t[i]) * f;
     }
   }
 

@@ -21,12 +21,11 @@ struct ContactSlope {
   template <std::uint32_t kFeatures>
   ContactSlope(const BasicContact<kFeatures>& contact, double grip) {
     const ContactState& state = contact.state();
-    if (!state.touching || !state.blended || !(state.counted_depth > 0)) return;
-    const ResponseAtDepth r = contact.response().law().at(state.counted_depth);
+    if (!state.touching) return;
     n = state.place.normal;
     axis = state.place.axis;
-    normal = std::sqrt(state.factor * larger(0, r.normal_slope));
-    if (contact.response().law().has_friction()) across = std::sqrt(state.factor * grip * larger(0, r.stiffness.m));
+    normal = std::sqrt(larger(0, state.applied.normal_slope));
+    across = std::sqrt(grip * larger(0, state.applied.tangential_slope));
   }
 
   /// The slope K times a vector.

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 namespace palpate::runtime {
 
@@ -45,8 +46,8 @@ struct JointConstants {
 ///
 ///     g_k = d/dc_k sum over j of f_k . C(c_k, c_j) f_j
 ///
-/// on a frictionless tool, or in a file with friction the work of the slip. C changes by the share that the account
-/// covers.
+/// on a frictionless tool (the modes' part of it along the normals alone), or in a file with friction the work of the
+/// slip. C changes by the share that the account covers.
 template <int Count, std::uint32_t kFeatures>
 class JointContacts {
   static constexpr std::size_t kCount = static_cast<std::size_t>(Count);
@@ -56,7 +57,10 @@ public:
   using Contacts = std::array<BasicContact<kFeatures>, kCount>;
 
   /// `view`: a file with layout::feature_compliance, which must outlive this.
-  explicit JointContacts(const View& view) : view_(&view), compliance_(view) { grip_.fill(1); }
+  explicit JointContacts(const View& view)
+      : view_(&view), compliance_(view), friction_(layout::has_friction(*view.meta)) {
+    grip_.fill(1);
+  }
 
   void reset() { *this = JointContacts(*view_); }
 
@@ -86,14 +90,14 @@ public:
     if (!coupled_) {
       look();
     } else {
-      const Contacts before = contacts;
+      const auto before = memories(contacts, std::make_index_sequence<kCount>());
       for (;;) {
         look();
         if (forget_faults(ticks)) return reset(), ticks;
         meet(contacts, ticks);
         balanced_ = improve(contacts);
         if (balanced_ || looks_ == JointConstants::kLooks) break;
-        contacts = before;
+        for (std::size_t k = 0; k < kCount; ++k) contacts[k].restore(before[k]);
       }
     }
     end(contacts, tools, frame_of, ticks);
@@ -109,6 +113,12 @@ public:
 
 private:
   [[nodiscard]] static std::size_t pair(std::size_t k, std::size_t j) { return k * kCount + j; }
+
+  template <std::size_t... K>
+  static std::array<typename BasicContact<kFeatures>::Memory, kCount> memories(const Contacts& contacts,
+                                                                               std::index_sequence<K...> /*k*/) {
+    return {contacts[K].memory()...};
+  }
 
   /// Takes up where contacts are now, and predicts the displacements of this tick.
   template <class FrameOf>
@@ -176,26 +186,32 @@ private:
     at_[k] = here.at;
     here_[k] = here.point;
     if (!rests) compliance_.locate(here.at, part_[k]);
+    if (!rests && !friction_) compliance_.locate_tilt(here.at, part_[k], slant_[k]);
     moved_[k] = !rests;
     known_[k] = true;
   }
 
   /// C at the places of now, as far as the account covers the change.
   void update() {
-    auto now = used_;
+    Matrix3 now[kCount * kCount];
     double change = 0;
-    for (std::size_t k = 0; k < kCount; ++k) {
-      for (std::size_t j = 0; j < k; ++j) {
-        if (!known_[k] || !known_[j] || (!moved_[k] && !moved_[j])) continue;
-        now[pair(k, j)] = compliance_.between(part_[j], part_[k]);
-        now[pair(j, k)] = transposed(now[pair(k, j)]);
-        change += dot(force_[k], now[pair(k, j)] * force_[j]) - dot(force_[k], used_[pair(k, j)] * force_[j]);
+    const auto each_moved = [this](const auto& act) {
+      for (std::size_t k = 0; k < kCount; ++k) {
+        for (std::size_t j = 0; j < k; ++j) {
+          if (known_[k] && known_[j] && (moved_[k] || moved_[j])) act(k, j);
+        }
       }
-    }
+    };
+    each_moved([&](std::size_t k, std::size_t j) {
+      now[pair(k, j)] = between(k, j);
+      change += dot(force_[k], now[pair(k, j)] * force_[j]) - dot(force_[k], used_[pair(k, j)] * force_[j]);
+    });
     const double covered = change < 0 && account_ < -change ? account_ / -change : 1;
-    for (std::size_t i = 0; i < now.size(); ++i) {
-      for (int r = 0; r < 3; ++r) used_[i].row[r] = used_[i].row[r] + covered * (now[i].row[r] - used_[i].row[r]);
-    }
+    each_moved([&](std::size_t k, std::size_t j) {
+      Matrix3 c = used_[pair(k, j)];
+      for (int r = 0; r < 3; ++r) c.row[r] = c.row[r] + covered * (now[pair(k, j)].row[r] - c.row[r]);
+      use(k, j, c);
+    });
     account_ = larger(0, account_ + covered * change);
   }
 
@@ -207,10 +223,25 @@ private:
       place(k, contacts[k].state().place.body_point);
       for (std::size_t j = 0; j < kCount; ++j) {
         if (j == k || !known_[j]) continue;
-        used_[pair(k, j)] = compliance_.between(part_[j], part_[k]);
-        used_[pair(j, k)] = transposed(used_[pair(k, j)]);
+        const std::size_t later = k > j ? k : j, earlier = k > j ? j : k;
+        use(later, earlier, between(later, earlier));
       }
     }
+  }
+
+  /// C between the places of tools j < k; keeps what their drags need of it.
+  [[nodiscard]] Matrix3 between(std::size_t k, std::size_t j) {
+    const Matrix3 half_space = compliance_.of_half_space(part_[j], part_[k]);
+    if (!friction_) {
+      half_space_[pair(k, j)] = half_space;
+      tilt_[pair(k, j)] = compliance_.tilt(slant_[j], slant_[k]);
+      tilt_[pair(j, k)] = compliance_.tilt(slant_[k], slant_[j]);
+    }
+    return compliance_.with_modes(half_space, part_[j], part_[k]);
+  }
+  void use(std::size_t k, std::size_t j, const Matrix3& c) {
+    used_[pair(k, j)] = c;
+    used_[pair(j, k)] = transposed(c);
   }
 
   /// m, by which the displacements are short.
@@ -252,12 +283,12 @@ private:
         column[size++] = slope_[k].column(i);
       }
     }
-    double coupling[kSize][kSize] = {};  // R^T C R; its part above the diagonal
+    double coupling[kSize][kSize];  // R^T C R; its part above the diagonal
     for (std::size_t b = 0; b < size; ++b) {
       Vec3 moved;
-      for (std::size_t a = 0; of[a] != of[b]; ++a) {
+      for (std::size_t a = 0; a < b; ++a) {
         if (a == 0 || of[a] != of[a - 1]) moved = used_[pair(of[a], of[b])] * column[b];
-        coupling[a][b] = dot(column[a], moved);
+        coupling[a][b] = of[a] == of[b] ? 0 : dot(column[a], moved);
       }
     }
     Factor factor;
@@ -324,8 +355,7 @@ private:
   template <class FrameOf>
   void end(const Contacts& contacts, const std::array<Pose, kCount>& tools, const FrameOf& frame_of,
            std::array<Tick, kCount>& ticks) {
-    const bool friction = layout::has_friction(*view_->meta);
-    const std::array<Vec3, kCount> drag = friction || !coupled_ ? std::array<Vec3, kCount>{} : drags(contacts);
+    const std::array<Vec3, kCount> drag = friction_ || !coupled_ ? std::array<Vec3, kCount>{} : drags(contacts);
     for (std::size_t k = 0; k < kCount; ++k) {
       Tick& tick = ticks[k];
       last_[k] = tools[k];
@@ -337,10 +367,10 @@ private:
       const Pose rotation = frame_of(at_[k]);
       tick.tool_point = tick.tool_point - rotation.rotate(shift_[k]);
       const Vec3 slid = known_[k] ? state.place.body_point.point - here_[k] : Vec3{};
-      const Vec3 before = friction ? tangential(state.applied.force, state.place.normal) : drag_[k];
+      const Vec3 before = friction_ ? tangential(state.applied.force, state.place.normal) : drag_[k];
       drag_[k] = drag[k];
-      const Vec3 after = friction ? before : drag_[k];
-      if (coupled_) account_ += friction ? larger(0, -dot(after, slid)) : -0.5 * dot(before + after, slid);
+      const Vec3 after = friction_ ? before : drag_[k];
+      if (coupled_) account_ += friction_ ? larger(0, -dot(after, slid)) : -0.5 * dot(before + after, slid);
       const Vec3 force = rotation.rotate(drag_[k]);
       tick.force = tick.force + force;
       tick.torque = tick.torque + cross(tick.tool_point - tools[k].translation, force);
@@ -349,18 +379,20 @@ private:
     if (account_ < 0) account_ = 0;
   }
 
-  /// The part of g that the half-space's 1 / rho gives, across the contacts' normals.
+  /// g: what 1 / rho of the half-space gives, and the tilt by the modes.
   [[nodiscard]] std::array<Vec3, kCount> drags(const Contacts& contacts) const {
     std::array<Vec3, kCount> sum{};
     const double rounding = view_->compliance->rounding;
     for (std::size_t k = 0; k < kCount; ++k) {
       for (std::size_t j = 0; j < k; ++j) {
-        if (!known_[k] || !known_[j] || !(dot(force_[k], force_[k]) > 0) || !(dot(force_[j], force_[j]) > 0)) continue;
+        if (!known_[k] || !known_[j]) continue;
         const Vec3 apart = here_[k] - here_[j];
-        const double q = share_ * dot(force_[k], compliance_.of_half_space(part_[j], part_[k]) * force_[j]);
+        const double q = dot(force_[k], half_space_[pair(k, j)] * force_[j]);
         const Vec3 pull = (q / (dot(apart, apart) + rounding * rounding)) * apart;
-        sum[k] = sum[k] - tangential(pull, contacts[k].state().place.normal);
-        sum[j] = sum[j] + tangential(pull, contacts[j].state().place.normal);
+        const Vec3 &n = contacts[k].state().place.normal, &m = contacts[j].state().place.normal;
+        const double both = dot(force_[k], n) * dot(force_[j], m);
+        sum[k] = sum[k] + share_ * tangential(both * tilt_[pair(k, j)] - pull, n);
+        sum[j] = sum[j] + share_ * tangential(both * tilt_[pair(j, k)] + pull, m);
       }
     }
     return sum;
@@ -368,8 +400,12 @@ private:
 
   const View* view_;
   Compliance compliance_;
+  bool friction_ = false;
   std::array<CompliancePoint, kCount> part_;
+  std::array<ComplianceTilt, kCount> slant_;
   std::array<Matrix3, kCount * kCount> used_{};  ///< m/N, C of pairs
+  std::array<Matrix3, kCount * kCount> half_space_{};  ///< m/N, the half-space's part of C at the places of now
+  std::array<Vec3, kCount * kCount> tilt_{};           ///< 1/N, of the first of a pair by the second
   std::array<BodyPoint, kCount> at_;
   std::array<Vec3, kCount> here_{};   ///< m, points of at_
   std::array<Vec3, kCount> point_{};  ///< m, of the tool's frame, where the force last acted
