@@ -332,6 +332,31 @@ TEST(ForceLoop, WildPosesGiveFiniteForces) {
   }
 }
 
+// A joint solve ticks a contact several times from one state.
+TEST(ForceLoop, RestoredContactHasTheSameForces) {
+  for (const bool friction : {true, false}) {
+    const Opened ball(ball_content(flat(friction)));
+    const double reach = kBallRadius + kTipRadius;
+    const auto at = [&](double angle, double depth) {
+      return upright((reach - depth) * Vec3{std::sin(angle), 0, std::cos(angle)});
+    };
+    Contact contact(ball.view, 0);
+    for (int i = 0; i <= 100; ++i) contact.tick(at(0, -0.001 + 4e-5 * i));
+    for (int start = 0; start < 20; ++start) {
+      const Contact::Memory memory = contact.memory();
+      Tick first[15], again;
+      const auto pose = [&](int i) { return at(0.02 * (start + 0.1 * i), 0.003 + 2e-4 * (i % 5) - 4e-4 * (i / 12)); };
+      for (int i = 0; i < 15; ++i) first[i] = contact.tick(pose(i));
+      contact.restore(memory);
+      for (int i = 0; i < 15; ++i) {
+        again = contact.tick(pose(i));
+        ASSERT_EQ(again.state, first[i].state) << start << ' ' << i;
+        ASSERT_LT(distance(again.force, first[i].force), 1e-9 * length(first[i].force) + 1e-12) << start << ' ' << i;
+      }
+    }
+  }
+}
+
 TEST(ForceLoop, ContactIsAtMost4KilobytesLarge) {
   static_assert(sizeof(Contact) <= 4096);
   static_assert(std::is_trivially_copyable_v<Contact>, "a virtual coupling copies contacts in every tick");

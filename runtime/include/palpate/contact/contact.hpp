@@ -8,7 +8,11 @@
 #include "palpate/contact/tick_frame.hpp"
 #include "palpate/response/interpolation.hpp"
 
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
 
 namespace palpate::runtime {
 
@@ -472,5 +476,25 @@ private:
 };
 
 using Contact = BasicContact<>;
+
+namespace detail {
+template <std::uint32_t kFeatures, std::size_t... K>
+std::array<typename BasicContact<kFeatures>::Memory, sizeof...(K)> memories(
+    const std::array<BasicContact<kFeatures>, sizeof...(K)>& contacts, std::index_sequence<K...> /*k*/) {
+  return {contacts[K].memory()...};
+}
+}  // namespace detail
+
+/// Memories of several contacts, for solves that tick all of them several times from one state.
+template <std::uint32_t kFeatures, std::size_t kCount>
+std::array<typename BasicContact<kFeatures>::Memory, kCount> memories(
+    const std::array<BasicContact<kFeatures>, kCount>& contacts) {
+  return detail::memories<kFeatures>(contacts, std::make_index_sequence<kCount>());
+}
+template <std::uint32_t kFeatures, std::size_t kCount>
+void restore(std::array<BasicContact<kFeatures>, kCount>& contacts,
+             const std::array<typename BasicContact<kFeatures>::Memory, kCount>& memories) {
+  for (std::size_t k = 0; k < kCount; ++k) contacts[k].restore(memories[k]);
+}
 
 }  // namespace palpate::runtime

@@ -110,12 +110,12 @@ public:
   std::array<HandleForce, kHandles> tick(const std::array<Pose, kHandles>& devices, Contacts& contacts,
                                          const CompliantBody& body) {
     const bool usable = begin(devices);
-    const Contacts before = contacts;
+    const auto before = memories(contacts);
     std::array<Tick, kHandles> ticks;
     int& looks = outcome_.looks;
     for (looks = 1;; ++looks) {
       solve(usable);
-      if (looks > 1) contacts = before;
+      if (looks > 1) restore(contacts, before);
       outcome_.balanced = look(contacts, body, ticks);
       if (outcome_.balanced || looks == MechanismConstants::kLooks) break;
     }

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 
 namespace palpate::runtime {
 
@@ -90,14 +89,14 @@ public:
     if (!coupled_) {
       look();
     } else {
-      const auto before = memories(contacts, std::make_index_sequence<kCount>());
+      const auto before = memories(contacts);
       for (;;) {
         look();
         if (forget_faults(ticks)) return reset(), ticks;
         meet(contacts, ticks);
         balanced_ = improve(contacts);
         if (balanced_ || looks_ == JointConstants::kLooks) break;
-        for (std::size_t k = 0; k < kCount; ++k) contacts[k].restore(before[k]);
+        restore(contacts, before);
       }
     }
     end(contacts, tools, frame_of, ticks);
@@ -113,12 +112,6 @@ public:
 
 private:
   [[nodiscard]] static std::size_t pair(std::size_t k, std::size_t j) { return k * kCount + j; }
-
-  template <std::size_t... K>
-  static std::array<typename BasicContact<kFeatures>::Memory, kCount> memories(const Contacts& contacts,
-                                                                               std::index_sequence<K...> /*k*/) {
-    return {contacts[K].memory()...};
-  }
 
   /// Takes up where contacts are now, and predicts the displacements of this tick.
   template <class FrameOf>
