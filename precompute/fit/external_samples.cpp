@@ -124,18 +124,19 @@ void check_external(const bake::Plan& plan, const PairSources& sources, bool fri
 DegreeChoice choose_degrees(const bake::Plan& plan, const PairSources& sources,
                             const std::vector<const SampleList*>& exact, const std::vector<const SampleList*>& pushes,
                             const ResponseScales& scales, bool bias, const FitSettings& settings) {
+  const double tolerance = kFitShare * settings.tolerance;
   std::vector<std::uint32_t> recorded;
   for (const auto& [pair, external] : sources.external) {
     if (external.measured) recorded.push_back(pair);
   }
-  if (recorded.empty()) return choose_degrees(exact, pushes, scales, bias, kFitShare * settings.tolerance);
+  if (recorded.empty()) return choose_degrees(exact, pushes, scales, bias, tolerance);
   std::vector<SampleList> smooth;
   for (const std::uint32_t pair : drawn(recorded)) {
     smooth.push_back(smoothed(plan, pair, sources.external.at(pair), scales, bias, settings));
   }
   std::vector<const SampleList*> pairs = drawn(exact);
   for (const SampleList& samples : smooth) pairs.push_back(&samples);
-  return choose_degrees(pairs, pushes, scales, bias, kFitShare * settings.tolerance);
+  return choose_degrees(pairs, pushes, scales, bias, tolerance);
 }
 
 SiteResponse fit_external(const bake::Plan& plan, std::uint32_t pair, const ExternalSamples& external,

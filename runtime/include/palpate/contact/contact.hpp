@@ -150,7 +150,7 @@ public:
     state_ = memory.state;
     free_ = memory.free;
     response_ = memory.response;
-    if constexpr ((kFeatures & layout::feature_friction) != 0) layers_.set(response_.law(), response_.softening());
+    set_layers();
   }
 
   [[nodiscard]] const ToolShape<kFeatures>& shape() const { return shape_; }
@@ -338,6 +338,10 @@ private:
     const BlendedResponse<kFeatures> old = response_;
     response_.blend(*view_, tool_, place.body_point.at, place.tool_point.at, turned(place.axis, place.normal, n), &tool);
     if (share < 1) response_.mix(old, 1 - share);
+    set_layers();
+  }
+
+  void set_layers() {
     if constexpr ((kFeatures & layout::feature_friction) != 0) layers_.set(response_.law(), response_.softening());
   }
 
