@@ -183,6 +183,8 @@ private:
                      {"usable", true},
                      {"solved_N", list(r.together)},
                      {"runtime_N", list(forces.together)},
+                     {"solved_alone_N", list(r.alone)},
+                     {"runtime_alone_N", list(forces.alone)},
                      {"sum_error", e.sum},
                      {"error", e.runtime},
                      {"normal_error", e.normal},

@@ -10,7 +10,11 @@
 namespace palpate::runtime {
 
 /// The frame of a body that stays where it was baked.
-struct StillFrame {};
+struct StillFrame {
+  [[nodiscard]] Vec3 rotate(const Vec3& a) const { return a; }
+  [[nodiscard]] Vec3 unrotate(const Vec3& a) const { return a; }
+  [[nodiscard]] Vec3 unapply(const Vec3& a) const { return a; }
+};
 inline const Pose& operator*(StillFrame /*frame*/, const Pose& pose) { return pose; }
 
 /// A body that stays as it was baked. Every body has these members; a contact takes them as data of the tick.

@@ -6,6 +6,7 @@
 #include "palpate/geometry/surface.hpp"
 #include "palpate/math/pose.hpp"
 
+#include <cstddef>
 #include <cstdint>
 
 namespace palpate::runtime {
@@ -23,16 +24,19 @@ inline Matrix3 transposed(const Matrix3& m) {
            {m.row[0].z, m.row[1].z, m.row[2].z}}};
 }
 
-/// A point of the surface with its part of the compliance, blended from its three sites once a move.
+/// A point of the surface with its part of the compliance, blended from its three sites once a move; x, y and z apart,
+/// for sums over the modes by several at once.
 struct CompliancePoint {
   half_space::Point place;
-  double modes[3 * layout::kMaxModes];  ///< sqrt(m/N): x, y, z of each mode
+  double modes[3][layout::kMaxModes];  ///< sqrt(m/N): x, y, z of each mode
+  double loads[3][layout::kMaxModes];  ///< the same with the modes' signs, for a force that acts here
 };
 
 /// The part of each mode along the normal at a point of the surface.
 struct ComplianceTilt {
-  double normal[layout::kMaxModes];  ///< sqrt(m/N)
-  Vec3 gradient[layout::kMaxModes];  ///< 1/sqrt(N m), over the surface
+  Vec3 slope[2];                      ///< 1/m, over the surface: of the second and the third site's weight
+  double rise[2][layout::kMaxModes];  ///< sqrt(m/N), of the second and the third site over the first
+  double load[layout::kMaxModes];     ///< sqrt(m/N), with the modes' signs
 };
 
 /// The compliance of a body between two points of its surface, by the file's COMPLIANCE. It is linear about the
@@ -48,35 +52,52 @@ public:
     site_weights(*view_, at, weights);
     const Vec3 c = position(*view_, at), n = smooth_normal(*view_, at, weights);
     point.place = {{c.x, c.y, c.z}, {n.x, n.y, n.z}, 0};
-    const std::uint32_t count = 3 * view_->compliance->modes;
-    for (std::uint32_t k = 0; k < count; ++k) point.modes[k] = 0;
+    const layout::SurfaceTriangle triangle = view_->triangle(at.triangle);
+    const std::int16_t* values[3];
+    double unit[3];
     for (int i = 0; i < 3; ++i) {
-      const std::uint32_t site = view_->triangle(at.triangle).site[i];
+      const std::uint32_t site = triangle.site[i];
       const layout::ComplianceSite& record = view_->compliance_site(site);
       point.place.shear += weights[i] * static_cast<double>(record.shear);
-      const double unit = weights[i] * static_cast<double>(record.unit);
-      const std::int16_t* const values = view_->compliance_modes(site);
-      for (std::uint32_t k = 0; k < count; ++k) point.modes[k] += unit * values[k];
+      values[i] = view_->compliance_modes(site);
+      unit[i] = weights[i] * static_cast<double>(record.unit);
+    }
+    double blended[3 * layout::kMaxModes];
+    const std::size_t count = view_->compliance->modes;
+    for (std::size_t k = 0; k < 3 * count; ++k) {
+      blended[k] = unit[0] * values[0][k] + unit[1] * values[1][k] + unit[2] * values[2][k];
+    }
+    for (std::size_t m = 0; m < count; ++m) {
+      for (int i = 0; i < 3; ++i) point.modes[i][m] = blended[3 * m + i];
+    }
+    const std::size_t positive = count - view_->compliance->negative;
+    for (int i = 0; i < 3; ++i) {
+      for (std::size_t m = 0; m < positive; ++m) point.loads[i][m] = point.modes[i][m];
+      for (std::size_t m = positive; m < count; ++m) point.loads[i][m] = -point.modes[i][m];
     }
   }
 
   /// Writes the modes' parts along the normal at a point whose part of the compliance is `point`.
   void locate_tilt(const BodyPoint& at, const CompliancePoint& point, ComplianceTilt& tilt) const {
-    const Vec3 n{point.place.normal[0], point.place.normal[1], point.place.normal[2]};
-    const std::uint32_t count = view_->compliance->modes;
+    const double* const n = point.place.normal;
+    const std::size_t count = view_->compliance->modes;
+    for (std::size_t m = 0; m < count; ++m) {
+      tilt.load[m] = n[0] * point.loads[0][m] + n[1] * point.loads[1][m] + n[2] * point.loads[2][m];
+    }
     Vec3 slopes[3];
     site_weight_slopes(*view_, at.triangle, slopes);
-    for (std::uint32_t m = 0; m < count; ++m) {
-      tilt.normal[m] = n.x * point.modes[3 * m] + n.y * point.modes[3 * m + 1] + n.z * point.modes[3 * m + 2];
-      tilt.gradient[m] = {};
-    }
-    for (int i = 0; i < 3; ++i) {
-      const std::uint32_t site = view_->triangle(at.triangle).site[i];
-      const Vec3 slope = static_cast<double>(view_->compliance_site(site).unit) * slopes[i];
-      const std::int16_t* const values = view_->compliance_modes(site);
-      for (std::uint32_t m = 0; m < count; ++m) {
-        const std::int16_t* const v = values + 3 * m;
-        tilt.gradient[m] = tilt.gradient[m] + (n.x * v[0] + n.y * v[1] + n.z * v[2]) * slope;
+    const layout::SurfaceTriangle triangle = view_->triangle(at.triangle);
+    const std::uint32_t(&site)[3] = triangle.site;
+    const std::int16_t* const first = view_->compliance_modes(site[0]);
+    const double first_unit = static_cast<double>(view_->compliance_site(site[0]).unit);
+    for (int i = 0; i < 2; ++i) {
+      tilt.slope[i] = slopes[i + 1];
+      const std::int16_t* const values = view_->compliance_modes(site[i + 1]);
+      const double unit = static_cast<double>(view_->compliance_site(site[i + 1]).unit);
+      double over[3 * layout::kMaxModes];
+      for (std::size_t k = 0; k < 3 * count; ++k) over[k] = unit * values[k] - first_unit * first[k];
+      for (std::size_t m = 0; m < count; ++m) {
+        tilt.rise[i][m] = n[0] * over[3 * m] + n[1] * over[3 * m + 1] + n[2] * over[3 * m + 2];
       }
     }
   }
@@ -93,20 +114,17 @@ public:
   }
   /// `part` with the part that the modes give.
   [[nodiscard]] Matrix3 with_modes(const Matrix3& part, const CompliancePoint& from, const CompliancePoint& to) const {
-    const std::uint32_t count = view_->compliance->modes, positive = count - view_->compliance->negative;
     Matrix3 c = part;
-    add(0, positive, 1, from, to, c);
-    add(positive, count, -1, from, to, c);
+    for (int i = 0; i < 3; ++i) {
+      const double* const t = to.modes[i];
+      c.row[i] = c.row[i] + Vec3{sum(t, from.loads[0]), sum(t, from.loads[1]), sum(t, from.loads[2])};
+    }
     return c;
   }
   /// t (1/N, body frame): a force f at `from` tilts the surface at `to`, by the modes, by (f . n) t, which is the
   /// gradient over the surface of its displacement along the normal. Forces across the normal are left out.
   [[nodiscard]] Vec3 tilt(const ComplianceTilt& from, const ComplianceTilt& to) const {
-    const std::uint32_t count = view_->compliance->modes, positive = count - view_->compliance->negative;
-    Vec3 sum;
-    for (std::uint32_t m = 0; m < positive; ++m) sum = sum + from.normal[m] * to.gradient[m];
-    for (std::uint32_t m = positive; m < count; ++m) sum = sum - from.normal[m] * to.gradient[m];
-    return sum;
+    return sum(to.rise[0], from.load) * to.slope[0] + sum(to.rise[1], from.load) * to.slope[1];
   }
   [[nodiscard]] Matrix3 between(const BodyPoint& from, const BodyPoint& to) const {
     CompliancePoint a, b;
@@ -133,13 +151,15 @@ public:
   }
 
 private:
-  static void add(std::uint32_t begin, std::uint32_t end, double sign, const CompliancePoint& from,
-                  const CompliancePoint& to, Matrix3& c) {
-    for (std::uint32_t m = begin; m < end; ++m) {
-      const double* const t = to.modes + 3 * m;
-      const Vec3 f{from.modes[3 * m], from.modes[3 * m + 1], from.modes[3 * m + 2]};
-      for (int i = 0; i < 3; ++i) c.row[i] = c.row[i] + (sign * t[i]) * f;
+  /// Sum over the modes of the products of two of their parts: eight partial sums, which compilers keep in wide
+  /// registers.
+  [[nodiscard]] double sum(const double* a, const double* b) const {
+    constexpr std::size_t kLanes = layout::kModeStep;
+    double lanes[kLanes] = {};
+    for (std::size_t m = 0; m < view_->compliance->modes; m += kLanes) {
+      for (std::size_t l = 0; l < kLanes; ++l) lanes[l] += a[m + l] * b[m + l];
     }
+    return ((lanes[0] + lanes[4]) + (lanes[1] + lanes[5])) + ((lanes[2] + lanes[6]) + (lanes[3] + lanes[7]));
   }
 
   const View* view_;

@@ -103,12 +103,12 @@ private:
 
   /// The modes' part at the sites.
   void move_sites(const Dents& dents, const CompliancePoint* loaded) {
-    const std::uint32_t modes = view_->compliance->modes, positive = modes - view_->compliance->negative;
+    const std::uint32_t modes = view_->compliance->modes;
     double share[layout::kMaxModes] = {};  // sqrt(N m), of each mode
     for (std::uint32_t m = 0; m < modes; ++m) {
       for (int k = 0; k < dents.count; ++k) {
-        const double* c = loaded[k].modes + 3 * m;
-        share[m] -= (m < positive ? 1 : -1) * dot({c[0], c[1], c[2]}, dents.contact[k].force);
+        const auto& c = loaded[k].loads;
+        share[m] -= dot({c[0][m], c[1][m], c[2][m]}, dents.contact[k].force);
       }
     }
     for (std::uint32_t s = 0; s < sites_.size(); ++s) {

@@ -64,7 +64,7 @@ public:
   void reset() { *this = JointContacts(*view_); }
 
   /// One tick of all contacts. `tick_at(k, pose)`: the tick of contact k at a pose; `frame_of(at)`: the body's frame
-  /// near a point of its surface, as a Pose.
+  /// near a point of its surface.
   template <class TickAt, class FrameOf>
   std::array<Tick, kCount> tick(Contacts& contacts, const std::array<Pose, kCount>& tools, const TickAt& tick_at,
                                 const FrameOf& frame_of) {
@@ -141,18 +141,14 @@ private:
       }
       grip_[k] = 1;
       if (known_[k]) {
-        place(k, local_closest_point(*view_, at_[k], inverse(frame_of(at_[k])).apply(tools[k].apply(point_[k]))));
+        place(k, local_closest_point(*view_, at_[k], frame_of(at_[k]).unapply(tools[k].apply(point_[k]))));
       }
     }
     update();
-    // The residual that the tools' motions will leave, to first order.
-    std::array<Vec3, kCount> residual = residuals();
-    for (std::size_t k = 0; k < kCount; ++k) {
-      for (std::size_t j = 0; j < kCount; ++j) {
-        if (j != k) residual[k] = residual[k] - used_[pair(k, j)] * slope_[j].times(moved[j]);
-      }
-    }
-    step(contacts, residual);
+    // The forces after the tools' motions, to first order.
+    std::array<Vec3, kCount> force = force_;
+    for (std::size_t k = 0; k < kCount; ++k) force[k] = force[k] - slope_[k].times(moved[k]);
+    step(contacts, residuals(force));
   }
 
   /// Leaves contact k out until it touches again.
@@ -186,6 +182,9 @@ private:
 
   /// C at the places of now, as far as the account covers the change.
   void update() {
+    bool any = false;
+    for (std::size_t k = 0; k < kCount; ++k) any = any || (known_[k] && moved_[k]);
+    if (!any) return;
     Matrix3 now[kCount * kCount];
     double change = 0;
     const auto each_moved = [this](const auto& act) {
@@ -237,13 +236,13 @@ private:
     used_[pair(j, k)] = transposed(c);
   }
 
-  /// m, by which the displacements are short.
-  [[nodiscard]] std::array<Vec3, kCount> residuals() const {
+  /// m, by which the displacements are short of those by the forces (N).
+  [[nodiscard]] std::array<Vec3, kCount> residuals(const std::array<Vec3, kCount>& force) const {
     std::array<Vec3, kCount> residual;
     for (std::size_t k = 0; k < kCount; ++k) {
       residual[k] = -shift_[k];
       for (std::size_t j = 0; j < kCount; ++j) {
-        if (j != k && known_[k] && known_[j]) residual[k] = residual[k] + share_ * (used_[pair(k, j)] * force_[j]);
+        if (j != k && known_[k] && known_[j]) residual[k] = residual[k] + share_ * (used_[pair(k, j)] * force[j]);
       }
     }
     return residual;
@@ -251,15 +250,14 @@ private:
 
   /// True where the displacements are in balance with the forces; else improves them.
   bool improve(const Contacts& contacts) {
-    const std::array<Vec3, kCount> residual = residuals();
+    const std::array<Vec3, kCount> residual = residuals(force_);
     double most = 0;
     for (const Vec3& f : force_) most = larger(most, length(f));
     bool good = true;
     for (std::size_t k = 0; k < kCount; ++k) {
       const double stiffness = larger(slope_[k].normal, slope_[k].across), off = length(residual[k]);
-      const double size = contacts[k].size(contacts[k].state().indentation);
       good = good && (off * stiffness * stiffness <= JointConstants::kForceTolerance * most ||
-                      off <= JointConstants::kPositionTolerance * size);
+                      off <= JointConstants::kPositionTolerance * contacts[k].size(contacts[k].state().indentation));
     }
     if (!good) step(contacts, residual);
     return good;
@@ -357,14 +355,14 @@ private:
         continue;
       }
       const ContactState& state = contacts[k].state();
-      const Pose rotation = frame_of(at_[k]);
-      tick.tool_point = tick.tool_point - rotation.rotate(shift_[k]);
+      const auto frame = frame_of(at_[k]);
+      tick.tool_point = tick.tool_point - frame.rotate(shift_[k]);
       const Vec3 slid = known_[k] ? state.place.body_point.point - here_[k] : Vec3{};
       const Vec3 before = friction_ ? tangential(state.applied.force, state.place.normal) : drag_[k];
       drag_[k] = drag[k];
       const Vec3 after = friction_ ? before : drag_[k];
       if (coupled_) account_ += friction_ ? larger(0, -dot(after, slid)) : -0.5 * dot(before + after, slid);
-      const Vec3 force = rotation.rotate(drag_[k]);
+      const Vec3 force = frame.rotate(drag_[k]);
       tick.force = tick.force + force;
       tick.torque = tick.torque + cross(tick.tool_point - tools[k].translation, force);
       point_[k] = state.applied.point;

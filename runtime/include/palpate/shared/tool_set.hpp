@@ -65,7 +65,7 @@ private:
   std::array<Tick, kCount> together(const std::array<Pose, kCount>& tools, const Body& body, const TickAt& tick_at) {
     if constexpr ((kFeatures & layout::feature_compliance) != 0) {
       if (joint_) {
-        return joint_->tick(contacts_, tools, tick_at, [&](const BodyPoint& at) { return frame_at(body, at); });
+        return joint_->tick(contacts_, tools, tick_at, [&](const BodyPoint& at) { return body.frame(at); });
       }
     }
     std::array<Tick, kCount> ticks;
