@@ -159,7 +159,7 @@ std::string provenance(const Scene& scene, const bake::Plan& plan, const Hash128
     json["sampling"]["edges_p95"] = s.edges_p95;
     json["sampling"]["expected_p95"] = expected_p95(report);
   }
-  const HeldOutFigures& held = report.held_out;
+  const SampleFigures& held = report.held_out;
   json["fit"]["held_out"] = {
       {"samples", held.samples}, {"median", held.median}, {"p95", held.p95}, {"worst", held.worst}};
   const response::Degrees& d = fitted.scales.degrees;

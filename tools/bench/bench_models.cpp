@@ -28,7 +28,7 @@ using Json = nlohmann::ordered_json;
 struct Row {
   std::string model;
   double bytes = 0;
-  fit::HeldOutFigures error;
+  fit::SampleFigures error;
   std::optional<fit::ErrorFigures> paths;
   double stick = 0;  // ns
   double force = 0;  // ns, of the force at one place alone
@@ -62,7 +62,7 @@ Row measure_potential(const pipeline::Pipeline& p, const JournalContent& journal
   const TickBench bench = bench_ticks(opened.view, timing);
   return {"quadratic potential",
           bytes_per_response(opened.view),
-          fit::held_out_figures(accepted_pairs(journal), scales),
+          fit::part_figures(accepted_pairs(journal), scales).left_out,
           measured(file.fitted.report.paths),
           bench.press.quantile(0.5),
           bench.field.quantile(0.5),
@@ -109,7 +109,7 @@ Row measure_baseline(const std::string& name, double bytes, const JournalContent
   Row row;
   row.model = name;
   row.bytes = bytes;
-  row.error = fit::held_out_figures(pairs, fitter);
+  row.error = fit::part_figures(pairs, fitter).left_out;
   row.paths = measured(path_figures(pairs, fitter));
   row.stick = row.force = evaluation_time(fitter(*pairs.at(0)), scales);
   return row;

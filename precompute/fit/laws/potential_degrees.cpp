@@ -54,8 +54,8 @@ DegreeChoice usual_degrees(const Pairs& pairs, ResponseScales scales, bool bias)
 }
 
 // Nearest rank.
-HeldOutFigures figures(std::vector<double> errors) {
-  HeldOutFigures f;
+SampleFigures figures(std::vector<double> errors) {
+  SampleFigures f;
   f.samples = errors.size();
   if (errors.empty()) return f;
   std::sort(errors.begin(), errors.end());
@@ -93,8 +93,8 @@ SampleSplit split_samples(const std::vector<Sample>& samples) {
   return split;
 }
 
-HeldOutFigures held_out_figures(const Pairs& pairs, const LawFitter& fit) {
-  std::vector<double> errors;
+PartFigures part_figures(const Pairs& pairs, const LawFitter& fit) {
+  std::vector<double> fitted, left_out;
   for (const auto* samples : pairs) {
     const SampleSplit split = split_samples(*samples);
     ForceLaw law;
@@ -104,13 +104,17 @@ HeldOutFigures held_out_figures(const Pairs& pairs, const LawFitter& fit) {
       continue;
     }
     const PairSamples data = sort_samples(*samples, "held out");
-    for (const Sample& s : split.left_out) errors.push_back((law(s.deflection) - s.force).norm() * data.weight(s));
+    const auto error = [&](const Sample& s) { return (law(s.deflection) - s.force).norm() * data.weight(s); };
+    for (const Sample& s : split.kept) {
+      if (s.kind == SampleKind::normal || s.kind == SampleKind::tangential) fitted.push_back(error(s));
+    }
+    for (const Sample& s : split.left_out) left_out.push_back(error(s));
   }
-  return figures(std::move(errors));
+  return {figures(std::move(fitted)), figures(std::move(left_out))};
 }
 
-HeldOutFigures held_out_figures(const Pairs& pairs, const ResponseScales& scales) {
-  return held_out_figures(pairs, [&](const std::vector<Sample>& samples) -> ForceLaw {
+PartFigures part_figures(const Pairs& pairs, const ResponseScales& scales) {
+  return part_figures(pairs, [&](const std::vector<Sample>& samples) -> ForceLaw {
     return [law = Potential(fit_pair(samples, scales, "held out").coefs, scales)](const Eigen::Vector3d& deflection) {
       return law.force(deflection);
     };
@@ -120,34 +124,41 @@ HeldOutFigures held_out_figures(const Pairs& pairs, const ResponseScales& scales
 DegreeChoice choose_degrees(const Pairs& pairs, const Pairs& pushes, ResponseScales scales, bool bias,
                             double tolerance) {
   const Pairs some = drawn(pairs, kMostPairs), some_pushes = drawn(pushes, kMostPushes);
+  struct Errors {
+    SampleFigures left_out;
+    double p95 = HUGE_VAL;  // the largest of both parts, of whole pairs and of normal indentations
+  };
   const auto errors = [&] {
-    const HeldOutFigures full = held_out_figures(some, scales);
+    const PartFigures full = part_figures(some, scales);
     ResponseScales normal = scales;
     normal.tangential = 0;
     normal.degrees = {scales.degrees.normal, scales.degrees.bias, 0, 0, false};
-    const HeldOutFigures alone = held_out_figures(some_pushes, normal);
-    if (full.samples == 0) return full;
-    HeldOutFigures larger = alone.p95 > full.p95 ? alone : full;
-    larger.samples = full.samples + alone.samples;
-    return larger;
+    const PartFigures alone = part_figures(some_pushes, normal);
+    Errors e;
+    if (full.left_out.samples == 0) return e;
+    e.left_out = alone.left_out.p95 > full.left_out.p95 ? alone.left_out : full.left_out;
+    e.left_out.samples = full.left_out.samples + alone.left_out.samples;
+    e.p95 = std::max({full.left_out.p95, full.fitted.p95, alone.left_out.p95, alone.fitted.p95});
+    return e;
   };
   DegreeChoice best;
-  best.held_out.p95 = HUGE_VAL;
+  double least = HUGE_VAL;
   for (const response::Degrees& degrees : candidates(bias, scales.friction())) {
     scales.degrees = degrees;
-    const HeldOutFigures f = errors();
-    if (f.samples == 0 || !(f.p95 < best.held_out.p95)) continue;
-    best = {degrees, 16, f, f.p95 <= tolerance};
+    const Errors e = errors();
+    if (e.left_out.samples == 0 || !(e.p95 < least)) continue;
+    least = e.p95;
+    best = {degrees, 16, e.left_out, e.p95 <= tolerance};
     if (best.met) break;
   }
   if (best.held_out.samples == 0) return usual_degrees(some, scales, bias);
   scales.degrees = best.degrees;
   for (scales.bits = 8; scales.bits < 16; scales.bits += 4) {
-    const HeldOutFigures f = errors();
-    const double most = std::max(best.held_out.p95, std::min(tolerance, best.held_out.p95 + kRounding * tolerance));
-    if (!(f.samples == best.held_out.samples && f.p95 <= most)) continue;
+    const Errors e = errors();
+    const double most = std::max(least, std::min(tolerance, least + kRounding * tolerance));
+    if (!(e.left_out.samples == best.held_out.samples && e.p95 <= most)) continue;
     best.bits = scales.bits;
-    best.held_out = f;
+    best.held_out = e.left_out;
     break;
   }
   return best;

@@ -241,5 +241,31 @@ TEST(PotentialDegrees, AreTheFewestThatMeetTheTolerance) {
   EXPECT_GT(both.degrees.normal, smooth.degrees.normal);
 }
 
+// Too few coefficients miss the shallowest and the deepest sample, which are never left out, by more than those
+// between.
+TEST(PotentialDegrees, MeetTheToleranceAtBothEndsToo) {
+  std::vector<Sample> samples;
+  for (int k = 1; k <= 12; ++k) {
+    Sample s;
+    s.index = static_cast<std::uint16_t>(k - 1);
+    const double z = k * k / 144.0;
+    s.deflection = {0, 0, Z * z};
+    s.force = {0, 0, 0.2 * std::pow(z, 1.6)};
+    samples.push_back(s);
+  }
+  constexpr double kTolerance = 0.02;
+  ResponseScales scales{Z, 0, {2, 0, 0, 0, false}, 16};
+  const auto figures = [&](int degree) {
+    scales.degrees.normal = degree;
+    return part_figures({&samples}, scales);
+  };
+  const DegreeChoice choice = choose_degrees({&samples}, {}, scales, false, kTolerance);
+  ASSERT_TRUE(choice.met);
+  EXPECT_LT(figures(choice.degrees.normal).fitted.p95, kTolerance);
+  const PartFigures fewer = figures(choice.degrees.normal - 1);
+  EXPECT_LT(fewer.left_out.p95, kTolerance);
+  EXPECT_GT(fewer.fitted.p95, kTolerance);
+}
+
 }  // namespace
 }  // namespace palpate::fit
