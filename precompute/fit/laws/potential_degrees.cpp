@@ -2,6 +2,7 @@
 #include "precompute/fit/laws/potential_degrees.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "formats/io/error.hpp"
@@ -126,7 +127,8 @@ DegreeChoice choose_degrees(const Pairs& pairs, const Pairs& pushes, ResponseSca
   const Pairs some = drawn(pairs, kMostPairs), some_pushes = drawn(pushes, kMostPushes);
   struct Errors {
     SampleFigures left_out;
-    double p95 = HUGE_VAL;  // the largest of both parts, of whole pairs and of normal indentations
+    std::array<double, 4> p95{};  // of both parts, of whole pairs and of normal indentations
+    [[nodiscard]] double most() const { return *std::max_element(p95.begin(), p95.end()); }
   };
   const auto errors = [&] {
     const PartFigures full = part_figures(some, scales);
@@ -138,25 +140,30 @@ DegreeChoice choose_degrees(const Pairs& pairs, const Pairs& pushes, ResponseSca
     if (full.left_out.samples == 0) return e;
     e.left_out = alone.left_out.p95 > full.left_out.p95 ? alone.left_out : full.left_out;
     e.left_out.samples = full.left_out.samples + alone.left_out.samples;
-    e.p95 = std::max({full.left_out.p95, full.fitted.p95, alone.left_out.p95, alone.fitted.p95});
+    e.p95 = {full.left_out.p95, full.fitted.p95, alone.left_out.p95, alone.fitted.p95};
     return e;
   };
   DegreeChoice best;
-  double least = HUGE_VAL;
+  Errors least;
+  least.p95.fill(HUGE_VAL);
   for (const response::Degrees& degrees : candidates(bias, scales.friction())) {
     scales.degrees = degrees;
     const Errors e = errors();
-    if (e.left_out.samples == 0 || !(e.p95 < least)) continue;
-    least = e.p95;
-    best = {degrees, 16, e.left_out, e.p95 <= tolerance};
+    if (e.left_out.samples == 0 || !(e.most() < least.most())) continue;
+    least = e;
+    best = {degrees, 16, e.left_out, e.most() <= tolerance};
     if (best.met) break;
   }
   if (best.held_out.samples == 0) return usual_degrees(some, scales, bias);
   scales.degrees = best.degrees;
   for (scales.bits = 8; scales.bits < 16; scales.bits += 4) {
     const Errors e = errors();
-    const double most = std::max(least, std::min(tolerance, least + kRounding * tolerance));
-    if (!(e.left_out.samples == best.held_out.samples && e.p95 <= most)) continue;
+    bool little = e.left_out.samples == best.held_out.samples;
+    for (std::size_t k = 0; k < e.p95.size(); ++k) {
+      const double most = std::max(least.p95[k], std::min(tolerance, least.p95[k] + kRounding * tolerance));
+      little = little && e.p95[k] <= most;
+    }
+    if (!little) continue;
     best.bits = scales.bits;
     best.held_out = e.left_out;
     break;
