@@ -85,7 +85,7 @@ struct FitReport {
   ErrorFigures left_out;                       ///< of tangential pushes carried to sites that were solved in full
   std::vector<RecordedFigures> recorded;       ///< by pair
   std::optional<bake::SamplingEstimate> sampling;  ///< of automatic sampling; filled by pipeline::fit_file
-  SampleFigures held_out;                          ///< of samples left out, by which the degrees were chosen
+  SampleFigures held_out;                          ///< of samples left out, with the chosen degrees
   std::vector<double> softenings;              ///< of accepted pairs (slip_softening), ascending; empty where all are 0
   std::vector<PairFigures> pairs;              ///< by pair
   SurfaceFigures surface;                      ///< set with the file

@@ -293,7 +293,7 @@ std::string fit_text(const pipeline::Pipeline& p, const fit::FitReport& report) 
   if (report.held_out.samples > 0) {
     char line[160];
     std::snprintf(line, sizeof line,
-                  "degrees chosen by %zu samples left out: median %.2f %%, 95th percentile %.2f %%\n",
+                  "%zu samples left out, with the chosen degrees: median %.2f %%, 95th percentile %.2f %%\n",
                   report.held_out.samples, 100 * report.held_out.median, 100 * report.held_out.p95);
     text += line;
   }

@@ -18,7 +18,7 @@ struct SampleFigures {
 
 struct DegreeChoice {
   response::Degrees degrees;
-  int bits = 16;  ///< of a coefficient: the fewest that add at most a tenth of the tolerance to the error
+  int bits = 16;           ///< of a coefficient: the fewest that add at most a tenth of the tolerance to each error
   SampleFigures held_out;  ///< at the samples left out
   bool met = false;  ///< the tolerance is met; else the degrees have the least 95th percentile
 };

@@ -182,7 +182,6 @@ private:
     Vec3 point;        ///< m, of the tool's frame, where this force acts
     Vec3 axis_y;       ///< unit, n x axis
     Vec2 way;          ///< m, the part of `after` across n
-    bool blended = false;  ///< the response changed
   };
 
   /// m: the skin's radius; of a tool without skin the depth scale.
@@ -236,7 +235,7 @@ private:
     if (!state_.blended || place.lag > 0 || !same(from, place.tool_point) || turned_tool) {
       motion.crept = smaller(place.lag, reach);
       blend(tool, state_.blended && place.lag > reach ? reach / place.lag : 1);
-      state_.blended = motion.blended = true;
+      state_.blended = true;
       place.lag -= motion.crept;
     }
 
@@ -360,7 +359,7 @@ private:
     const double factor = smaller(larger(wanted, state_.factor - step), state_.factor + step);
     const double last = state_.indentation, covered_work = factor > 0 ? state_.energy.energy() / factor - state_.other : 0;
     NormalResponse before, full;
-    if (last > 0) before = motion.blended ? response_.law().normal(last) : state_.full;
+    if (last > 0) before = response_.law().normal(last);
     const auto covered_depth = [&] {
       return EnergyTank::counted_depth(response_.law(), covered_work, last, before.work, state_.counted_depth);
     };
@@ -404,7 +403,6 @@ private:
     state_.recovery = trial.recovery;
     state_.other = trial.other;
     state_.indentation = z;
-    state_.full = full;
     state_.counted_depth = depth;
     state_.factor = factor;
     state_.applied = {factor * trial.force, motion.point, factor * trial.response.normal_slope,

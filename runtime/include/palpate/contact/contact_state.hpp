@@ -43,7 +43,6 @@ struct ContactState {
   EnergyTank energy;
   double other = 0;          ///< J stored beside W, at a body's factor of 1
   double indentation = 0;    ///< z, m
-  NormalResponse full;       ///< at z, of the response in use
   double counted_depth = 0;  ///< m, in [0, z]
   double factor = 1;         ///< stiffness factor of the body at c
   AppliedForce applied;
