@@ -269,6 +269,25 @@ TEST(LocalClosestPoint, WalkOnAConvexBodyEndsAtTheClosestPoint) {
   }
 }
 
+TEST(LocalClosestPoint, OfTwoWalksTheNearerEndCounts) {
+  for (const ConcaveShape& shape : concave_shapes()) {
+    Options options;
+    options.subdivision = 2;
+    const Opened body(concave_content(shape, options));
+    std::mt19937 random(12);
+    for (int i = 0; i < 300; ++i) {
+      const auto any = [&] {
+        return BodyPoint{static_cast<std::uint32_t>(random() % body.view.meta->triangle_count), {0.2, 0.3, 0.5}};
+      };
+      const BodyPoint a = any(), b = i % 3 == 0 ? a : any();
+      const Vec3 p = position(body.view, b) + 0.005 * random_direction(random);
+      const double one = std::fabs(local_closest_point(body.view, a, p).signed_distance),
+                   other = std::fabs(local_closest_point(body.view, b, p).signed_distance);
+      ASSERT_EQ(local_closest_point(body.view, a, b, p).signed_distance, std::min(one, other)) << shape.name;
+    }
+  }
+}
+
 TEST(LocalClosestPoint, WalkNeverEndsFartherThanItBegan) {
   for (const ConcaveShape& shape : concave_shapes()) {
     Options options;

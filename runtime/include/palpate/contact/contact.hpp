@@ -273,8 +273,10 @@ private:
     Location closest;
     if (keeps_to_wall_) {
       closest = local_closest_point(*view_, foot.at, q);
+    } else if (latest != nullptr) {
+      closest = local_closest_point(*view_, foot.at, latest->touch.body.at, q);
     } else {
-      closest = latest != nullptr ? walked(q, foot.at, latest->touch.body.at) : foot_tracker_.at(*view_, q, foot.at);
+      closest = foot_tracker_.at(*view_, q, foot.at);
     }
     const double before = foot.signed_distance, distance = std::fabs(closest.signed_distance);
     constexpr double kRounding = 1 + 1e-6;  // a way straight through the surface is just as long
@@ -282,12 +284,6 @@ private:
     const bool inside = crosses ? is_inside(*view_, q, closest) : before < 0;
     closest.signed_distance = inside ? -distance : distance;
     foot = closest;
-  }
-
-  /// The nearer of two walks over the surface, from each of two places.
-  [[nodiscard]] Location walked(const Vec3& q, const BodyPoint& one, const BodyPoint& other) const {
-    const Location first = local_closest_point(*view_, one, q), second = local_closest_point(*view_, other, q);
-    return std::fabs(second.signed_distance) < std::fabs(first.signed_distance) ? second : first;
   }
 
   /// n turns towards unit(sign (q - f) + 0.3 R n_s), with n_s the smooth normal at f: nearly the gradient of the
@@ -318,7 +314,7 @@ private:
     if (length(tangential(target - place.target, place.normal)) <= rest) return;
     const Vec3 from = place.body_point.point;
     place.target = target;
-    place.body_point = walked(target, place.body_point.at, place.foot.at);
+    place.body_point = local_closest_point(*view_, place.body_point.at, place.foot.at, target);
     place.lag += length(place.body_point.point - from);
   }
 

@@ -18,6 +18,9 @@ struct Location {
 
 namespace detail {
 
+/// Rounding of a squared distance to a triangle, over that to its first corner.
+constexpr double kSlack = 1e-9;
+
 struct Closest {
   double squared = HUGE_VAL;  ///< m^2
   double bary[3] = {1, 0, 0};
@@ -54,7 +57,6 @@ inline Closest closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, 
       return best;
     }
     // A triangle is at least as far as its plane and, in the plane, as the line of an edge that p lies beyond.
-    constexpr double kSlack = 1e-9;
     if (area > 1e-8 * longest * longest) {
       const Vec3 bc = c - b;
       const double across = (most + kSlack * dot(ap, ap)) * area - height * height;
@@ -234,26 +236,33 @@ PALPATE_NOINLINE inline Location closest_point(const View& view, const Vec3& p, 
   return found;
 }
 
-/// The closest point that a walk from triangle to triangle reaches from `start`: a local minimum of the distance, without
-/// a search. The sign is that of the side of the surface there.
-PALPATE_NOINLINE inline Location local_closest_point(const View& view, const BodyPoint& start, const Vec3& p) {
+namespace detail {
+
+/// End of a walk from triangle to triangle.
+struct Walk {
+  std::uint32_t triangle = 0;
+  Closest closest;
+};
+
+/// The walk to the point that is closest to p among the triangles around it: a local minimum of the distance. It
+/// depends on the triangle in which it starts, not on the place in it.
+PALPATE_NOINLINE inline Walk walk(const View& view, std::uint32_t start, const Vec3& p) {
   constexpr int kMostSteps = 32, kMostFaces = 16;  // of the walk; of a fan about a vertex
-  std::uint32_t triangle = start.triangle;
-  detail::Closest best = detail::closest_on_triangle(view, triangle, p, HUGE_VAL);
+  Walk end{start, closest_on_triangle(view, start, p, HUGE_VAL)};
   const auto improves = [&](std::uint32_t next) {
-    const detail::Closest on = detail::closest_on_triangle(view, next, p, best.squared);
-    if (!(on.squared < (1 - 1e-12) * best.squared)) return false;
-    triangle = next;
-    best = on;
+    const Closest on = closest_on_triangle(view, next, p, end.closest.squared);
+    if (!(on.squared < (1 - 1e-12) * end.closest.squared)) return false;
+    end = {next, on};
     return true;
   };
   const auto step = [&] {
+    const double(&bary)[3] = end.closest.bary;
     for (int k = 0; k < 3; ++k) {
-      if (best.bary[k] > 0) continue;
+      if (bary[k] > 0) continue;
       // On the edge opposite corner k, or at a corner: the neighbour, or the fan about the corner.
-      const int corner = best.bary[(k + 1) % 3] > 0 ? (k + 1) % 3 : (k + 2) % 3;
-      const bool edge = best.bary[3 - k - corner] > 0;
-      const std::uint32_t from = triangle, centre = view.triangle(from).vertex[corner];
+      const int corner = bary[(k + 1) % 3] > 0 ? (k + 1) % 3 : (k + 2) % 3;
+      const bool edge = bary[3 - k - corner] > 0;
+      const std::uint32_t from = end.triangle, centre = view.triangle(from).vertex[corner];
       std::uint32_t next = view.triangle(from).neighbour[edge ? k : (corner + 1) % 3];
       for (int i = 0; i < (edge ? 1 : kMostFaces) && next != from; ++i) {
         if (improves(next)) return true;
@@ -267,14 +276,33 @@ PALPATE_NOINLINE inline Location local_closest_point(const View& view, const Bod
   };
   for (int i = 0; i < kMostSteps && step(); ++i) {
   }
-  return detail::location(view, p, triangle, best);
+  return end;
+}
+
+}  // namespace detail
+
+/// The closest point that a walk from triangle to triangle reaches from `start`: a local minimum of the distance,
+/// without a search. The sign is that of the side of the surface there.
+inline Location local_closest_point(const View& view, const BodyPoint& start, const Vec3& p) {
+  const detail::Walk end = detail::walk(view, start.triangle, p);
+  return detail::location(view, p, end.triangle, end.closest);
+}
+
+/// The nearer of the points that walks from two places reach. The distance has no sign.
+inline Location local_closest_point(const View& view, const BodyPoint& one, const BodyPoint& other, const Vec3& p) {
+  detail::Walk end = detail::walk(view, one.triangle, p);
+  if (other.triangle != one.triangle) {
+    const detail::Walk second = detail::walk(view, other.triangle, p);
+    if (second.closest.squared < end.closest.squared) end = second;
+  }
+  return detail::unsigned_location(view, end.triangle, end.closest);
 }
 
 /// The closest point of a point that moves. A search keeps the triangles that can be closest while the point stays
 /// within some distance of where it was; until it leaves that ball only these are measured. The points are those of
 /// closest_point(), for a few times less; the distances have no sign.
 /// kMost: triangles that are kept; a vertex has about six.
-template <std::uint32_t kFeatures = layout::feature_all, int kMost = 12>
+template <std::uint32_t kFeatures = layout::feature_all, int kMost = 10>
 class ClosestPointTracker {
 public:
   /// Forgets the last search.
@@ -293,28 +321,33 @@ public:
   }
 
 private:
-  /// A triangle with what an inside test needs: weights of p are affine in p.
+  /// A triangle with what its tests need: the weights of the corners at p are affine in p.
   struct Kept {
     std::uint32_t triangle = 0;
     bool flat = false;        ///< has an area to project on
     Vec3 corner;              ///< m
     Vec3 weight[2], height;   ///< 1/m, 1/m, unit normal
+    double altitude[3];       ///< m^2, squares of the distances of the corners from the edges opposite
   };
 
   /// True where the triangle is nearer than `best`, which it becomes.
   static bool measure(const View& view, const Kept& kept, const Vec3& p, detail::Closest& best) {
-    const Vec3 gap = p - kept.corner;
-    const double wb = dot(gap, kept.weight[0]), wc = dot(gap, kept.weight[1]), h = dot(gap, kept.height);
     detail::Closest on;
-    if (kept.flat && h * h >= best.squared) return false;
-    if (kept.flat && wb >= 0 && wc >= 0 && wb + wc <= 1) {
-      on.squared = h * h;
-      on.bary[0] = 1 - wb - wc;
-      on.bary[1] = wb;
-      on.bary[2] = wc;
-    } else {
-      on = detail::closest_on_triangle(view, kept.triangle, p, best.squared);
+    bool inside = false;
+    if (kept.flat) {
+      const Vec3 gap = p - kept.corner;
+      const double wb = dot(gap, kept.weight[0]), wc = dot(gap, kept.weight[1]), h = dot(gap, kept.height);
+      if (h * h >= best.squared) return false;
+      inside = wb >= 0 && wc >= 0 && wb + wc <= 1;
+      on = {h * h, {1 - wb - wc, wb, wc}};
+      if (!inside) {
+        const double across = best.squared + detail::kSlack * dot(gap, gap) - h * h;
+        for (int k = 0; k < 3; ++k) {
+          if (on.bary[k] < 0 && on.bary[k] * on.bary[k] * kept.altitude[k] >= across) return false;
+        }
+      }
     }
+    if (!inside) on = detail::closest_on_triangle(view, kept.triangle, p, best.squared);
     if (!(on.squared < best.squared)) return false;
     best = on;
     return true;
@@ -332,6 +365,8 @@ private:
     kept.weight[0] = (1 / area) * cross(ac, n);
     kept.weight[1] = (1 / area) * cross(n, ab);
     kept.height = (1 / std::sqrt(area)) * n;
+    const Vec3 opposite[3] = {ac - ab, ac, ab};
+    for (int k = 0; k < 3; ++k) kept.altitude[k] = area / dot(opposite[k], opposite[k]);
     return kept;
   }
 
