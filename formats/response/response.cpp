@@ -196,6 +196,7 @@ void add_compliance(Sections& sections, const ResponseCompliance& c) {
   head.negative = c.negative;
   head.poisson = c.poisson;
   head.rounding = c.rounding;
+  head.stiffening = c.stiffening;
   sections.add(Section::compliance, &head, sizeof head, 1);
   constexpr double kLargest = 32767;
   const std::size_t size = layout::compliance_site_size(c.modes), values = std::size_t{3} * c.modes;

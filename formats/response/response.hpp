@@ -81,6 +81,7 @@ struct ResponseCompliance {
   std::uint32_t negative = 0;  ///< the last modes of negative sign
   double poisson = 0.0;        ///< of the half-space, [0, 0.5)
   double rounding = 0.0;       ///< m, > 0
+  double stiffening = 0.0;     ///< b, [0, 1]: layout::ComplianceHead
   std::vector<double> shear;   ///< Pa, a site
   std::vector<double> values;  ///< sqrt(m/N): x, y, z of mode m at site s from index 3 (modes s + m) on
 };

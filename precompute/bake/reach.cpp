@@ -101,4 +101,8 @@ bool can_touch_first(const solve::ContactCase& contact) {
   return !reach.blocked && reach.overlap <= 0.2 * contact.vertex.curvature_radius;
 }
 
+bool can_be_pressed(const solve::ContactCase& contact, double depth) {
+  return !reaches_support(contact, depth) && can_touch_first(contact);
+}
+
 }  // namespace palpate::bake

@@ -26,4 +26,7 @@ TouchReach touch_reach(const solve::ContactCase& contact);
 /// most a fifth of its radius (bumps and averaged normals), else it meets the walls of a fold before.
 bool can_touch_first(const solve::ContactCase& contact);
 
+/// Both: the tool touches first and can be pressed to `depth` (m).
+bool can_be_pressed(const solve::ContactCase& contact, double depth);
+
 }  // namespace palpate::bake

@@ -4,12 +4,12 @@
 #include "formats/io/error.hpp"
 #include "palpate/format/half_space.hpp"
 #include "precompute/compliance/rest_modes.hpp"
+#include "precompute/compliance/spread_out.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 #include <string>
 
@@ -52,27 +52,6 @@ Matrix3d half_space_between(const LoadSite& from, const LoadSite& to, double she
     mean += Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(c) / kRing;
   }
   return mean;
-}
-
-/// Sites in an order in which each is as far as possible from those before it.
-std::vector<std::size_t> spread_out(const ComplianceSites& sites) {
-  std::vector<std::size_t> usable, order;
-  for (std::size_t s = 0; s < sites.places.size(); ++s) {
-    if (sites.touchable[s]) usable.push_back(s);
-  }
-  std::vector<double> distance(usable.size(), std::numeric_limits<double>::infinity());
-  for (std::size_t next = 0; order.size() < usable.size();) {
-    order.push_back(usable[next]);
-    distance[next] = -1;
-    std::size_t furthest = 0;
-    for (std::size_t k = 0; k < usable.size(); ++k) {
-      const double d = (sites.places[usable[k]].point - sites.places[usable[next]].point).norm();
-      distance[k] = std::min(distance[k], d);
-      if (distance[k] > distance[furthest]) furthest = k;
-    }
-    next = furthest;
-  }
-  return order;
 }
 
 std::vector<std::vector<std::size_t>> neighbours_of(const ComplianceSites& sites) {
@@ -196,7 +175,7 @@ void ComplianceOptions::validate() const {
 
 BakedCompliance bake_compliance(const Body& body, const ComplianceSites& sites, const ComplianceOptions& options) {
   options.validate();
-  const std::vector<std::size_t> order = spread_out(sites);
+  const std::vector<std::size_t> order = spread_out(sites.places, sites.touchable);
   if (order.empty()) throw Error(ExitCode::bad_input, "compliance: no site can be touched");
   // Sites of automatic sampling lie closer than the loads need elements.
   const double edge = std::max(kMinSiteShare * median_edge(sites), options.contact_radius / LinearBody::kLoadEdges);

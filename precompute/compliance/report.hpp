@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 namespace palpate::compliance {
@@ -13,6 +14,15 @@ struct ComplianceError {
   double median = 0.0, p95 = 0.0, worst = 0.0;  ///< of 3x3 blocks, over the median compliance of a site itself
 };
 
+/// Pairs of tools that were pressed at once.
+struct StiffeningReport {
+  double stiffening = 0.0;     ///< layout::ComplianceHead
+  std::size_t pairs = 0;       ///< solved
+  double error = 0.0;          ///< of what a tool loses to the other, mean, over its force alone
+  double error_without = 0.0;  ///< the same with dents in proportion to the forces
+  std::string cause;           ///< where no pair was solved: why
+};
+
 struct ComplianceReport {
   std::size_t nodes = 0;     ///< of the mesh
   std::size_t columns = 0;   ///< sites whose columns were solved, those left out among them
@@ -21,6 +31,7 @@ struct ComplianceReport {
   double self = 0.0;         ///< m/N, median compliance of a site itself under its own load
   bool reached = false;      ///< the tolerance is met
   ComplianceError chosen;
+  StiffeningReport stiffening;
   std::vector<ComplianceError> errors;  ///< on the columns left out, from 0 modes to 128
 };
 

@@ -13,6 +13,7 @@
 #include "formats/io/file.hpp"
 #include "formats/io/same_file.hpp"
 #include "precompute/common/random_subset.hpp"
+#include "precompute/compliance/stiffening.hpp"
 #include "precompute/fit/assemble.hpp"
 #include "precompute/mesh/surface/contact_surface.hpp"
 #include "precompute/pipeline/sources.hpp"
@@ -403,14 +404,27 @@ compliance::BakedCompliance compliance(const Pipeline& p) {
   options.tolerance = p.scene.compliance.tolerance;
   options.modes = p.scene.compliance.modes;
   options.solver = solve::pair_options(p.scene);
-  options.contact_radius = std::numeric_limits<double>::infinity();
-  for (const tool::Tool& tool : p.tools) {
-    for (const tool::ToolVertex& vertex : tool.vertices) {
-      options.contact_radius =
-          std::min(options.contact_radius, tool::contact_radius(vertex, 0.5 * p.scene.sampling.depth));
+  // The smallest tool makes the sharpest dents.
+  std::uint32_t smallest = 0, tip = 0;
+  const auto radius = [&](std::uint32_t tool, std::uint32_t vertex) {
+    return tool::contact_radius(p.tools[tool].vertices[vertex], 0.5 * p.scene.sampling.depth);
+  };
+  for (std::uint32_t t = 0; t < p.tools.size(); ++t) {
+    for (std::uint32_t v = 0; v < p.tools[t].vertices.size(); ++v) {
+      if (radius(t, v) < radius(smallest, tip)) smallest = t, tip = v;
     }
   }
-  return compliance::bake_compliance(p.body, sites, options);
+  options.contact_radius = radius(smallest, tip);
+  compliance::BakedCompliance baked = compliance::bake_compliance(p.body, sites, options);
+  compliance::PressedTool pressed{p.tools[smallest], p.tools[smallest].vertices[tip],
+                                  std::vector<double>(sites.places.size(), 0.0)};
+  for (const PairPlan& pair : p.plan.pairs) {
+    if (pair.tool == smallest && pair.tool_vertex == tip) pressed.depth[pair.site] = pair.depth;
+  }
+  baked.report.stiffening =
+      compliance::measure_stiffening(p.body, sites, pressed, p.scene.sampling.depth, options.solver);
+  baked.file.stiffening = baked.report.stiffening.stiffening;
+  return baked;
 }
 
 fit::FitReport fit(const Pipeline& p) {

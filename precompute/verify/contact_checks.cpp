@@ -51,6 +51,20 @@ double least_distance(const std::vector<ContactFrame>& places) {
   return least;
 }
 
+// Why a bake has nothing for a tool at a place and depth; empty where it has.
+std::string unbaked(const Scene& scene, const solve::ContactCase& at, double depth,
+                    const ContactCheckOptions& options) {
+  const auto& box = scene.sampling.within_box;
+  const Eigen::Vector3d& p = at.frame.origin;
+  if (box && ((p - box->first).minCoeff() < 0 || (box->second - p).minCoeff() < 0)) {
+    return "place: outside sampling.within_box";
+  }
+  const double room = scene.sampling.depth_fraction * at.body.query->thickness(p, at.frame.n);
+  if (room < (1 - 1e-9) * depth) return "place: sampling.depth_fraction ends at " + std::to_string(1e3 * room) + " mm";
+  if (options.touchable && !options.touchable(at, depth)) return "place: at a support or in a fold";
+  return {};
+}
+
 }  // namespace
 
 std::vector<CheckedSlide> check_slides(const Scene& scene, const Body& body, const tool::Tool& tool,
@@ -121,6 +135,9 @@ std::vector<CheckedTogether> check_together(const Scene& scene, const Body& body
       layout.angle = 2 * std::numbers::pi * turn / kDirections;
       layout.seed = static_cast<std::uint32_t>(1 + kDirections * k + static_cast<std::size_t>(turn));
       places = lay_out(body, contact.frame, layout);
+      for (std::size_t i = 1; places.cause.empty() && i < places.frames.size(); ++i) {
+        places.cause = unbaked(scene, {body, tool, tool.vertices.at(0), places.frames[i]}, contact.depth, options);
+      }
       if (places.cause.empty()) break;
     }
     checked.places = places.frames;

@@ -23,6 +23,7 @@ struct ContactCheckOptions {
   double aside = 0.0;                        ///< of the first of them once all are down, in depths; they stick then
   double stroke_depth = 0.9;                 ///< of a contact's own, (0, 1]
   double stroke_refine = 0.7;                ///< elements of a stroke's mesh, of the scene's
+  std::function<bool(const solve::ContactCase&, double depth)> touchable;  ///< for tools together; empty: everywhere
   unsigned threads = 1;
   std::function<void(std::size_t done, std::size_t total)> progress;
 };
@@ -62,7 +63,8 @@ std::vector<CheckedStroke> check_strokes(const Scene& scene, const Body& body, c
 
 /// Tools of the first vertex at every contact and its depth, at every spacing: by contact, then by spacing. A line or
 /// ring takes the first of four directions that has surface for it; random places differ from spacing to spacing, and a
-/// pinch has only the first.
+/// pinch has only the first. A place for which the scene bakes nothing is refused: outside sampling.within_box, where
+/// the contact's depth is more than its own, and where it is not touchable.
 std::vector<CheckedTogether> check_together(const Scene& scene, const Body& body, const tool::Tool& tool,
                                             const std::vector<BenchContact>& contacts,
                                             const ContactCheckOptions& options);

@@ -125,8 +125,13 @@ ResponseFileContent content(const View& v) {
   c.search_grid = m.search_grid;
   c.provenance.assign(v.provenance, v.provenance_size);
   if (v.compliance != nullptr) {
-    ResponseCompliance shared{
-        v.compliance->modes, v.compliance->negative, v.compliance->poisson, v.compliance->rounding, {}, {}};
+    ResponseCompliance shared{v.compliance->modes,
+                              v.compliance->negative,
+                              v.compliance->poisson,
+                              v.compliance->rounding,
+                              v.compliance->stiffening,
+                              {},
+                              {}};
     for (std::uint32_t i = 0; i < m.site_count; ++i) {
       shared.shear.push_back(v.compliance_site(i).shear);
       for (std::uint32_t k = 0; k < 3 * shared.modes; ++k) {

@@ -31,6 +31,7 @@ struct ResponseSampleOptions {
   std::uint32_t subdivision = 1;
   int cells = 4;  ///< box: cells along an edge
   int modes = -1;  ///< of the compliance, beside a half-space; -1: no compliance
+  double stiffening = 0;  ///< of the compliance
   enum class Tools { sphere, capsule, mesh, all } tools = Tools::sphere;
 };
 
@@ -222,8 +223,9 @@ inline void add_bonded_torque(ResponseFileContent& content, const ResponseSample
 /// Adds tools, responses and the search tree to sites, patches and contact surface.
 /// A half-space as stiff as the responses' tip feels, and modes that vary smoothly over the body; a quarter are
 /// negative.
-inline void add_compliance(ResponseFileContent& content, int modes) {
+inline void add_compliance(ResponseFileContent& content, int modes, double stiffening) {
   ResponseCompliance c;
+  c.stiffening = stiffening;
   c.modes = static_cast<std::uint32_t>(modes);
   c.negative = c.modes / 4;
   c.poisson = 0.49;
@@ -246,7 +248,7 @@ inline void add_rest(ResponseFileContent& content, const ResponseSampleOptions& 
   if (options.bonded) add_bonded(content, options);
   if (options.bonded_torque) add_bonded_torque(content, options);
   if (options.search) add_search(content);
-  if (options.modes >= 0) add_compliance(content, options.modes);
+  if (options.modes >= 0) add_compliance(content, options.modes, options.stiffening);
 }
 
 }  // namespace sample_detail

@@ -125,7 +125,8 @@ Json contents_of(const runtime::View& v, const std::string& file) {
     json["compliance"] = {{"modes", v.compliance->modes},
                           {"negative_modes", v.compliance->negative},
                           {"poisson", v.compliance->poisson},
-                          {"rounding", v.compliance->rounding}};
+                          {"rounding", v.compliance->rounding},
+                          {"stiffening", v.compliance->stiffening}};
   }
   for (const std::uint32_t source : kSources) {
     json[std::string("responses_") + layout::source_name(source)] = s.of(source);
@@ -186,8 +187,12 @@ std::string as_text(const runtime::View& v, const Json& json) {
          m.friction_degree);
   append(text, "depth scale %.4g mm, tangential scale %.4g mm\n", 1e3 * m.depth_scale, 1e3 * m.tangential_scale);
   if (v.compliance != nullptr) {
-    append(text, "compliance: half-space of Poisson ratio %.4g, rounded at %.3g mm, and %u modes (%u negative)\n",
-           v.compliance->poisson, 1e3 * v.compliance->rounding, v.compliance->modes, v.compliance->negative);
+    append(
+        text,
+        "compliance: half-space of Poisson ratio %.4g, rounded at %.3g mm, and %u modes (%u negative); stiffening with "
+        "depth %.3g\n",
+        v.compliance->poisson, 1e3 * v.compliance->rounding, v.compliance->modes, v.compliance->negative,
+        v.compliance->stiffening);
   }
   for (std::uint32_t i = 0; i < m.tool_count; ++i) {
     const layout::ToolRecord& t = v.tools[i];

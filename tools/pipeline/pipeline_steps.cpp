@@ -67,6 +67,11 @@ nlohmann::ordered_json to_json(const compliance::ComplianceReport& report) {
           {"left_out_sites", report.left_out},
           {"load_radius_m", report.load_radius},
           {"self_m_per_N", report.self},
+          {"stiffening", report.stiffening.stiffening},
+          {"stiffening_pairs", report.stiffening.pairs},
+          {"stiffening_error", report.stiffening.error},
+          {"stiffening_error_without", report.stiffening.error_without},
+          {"stiffening_cause", report.stiffening.cause},
           {"errors", errors}};
 }
 
@@ -77,7 +82,15 @@ std::string to_text(const compliance::ComplianceReport& report) {
                 "(%zu of %zu solved sites left out)%s\n",
                 report.chosen.modes, 100 * report.chosen.median, 100 * report.chosen.p95, report.left_out,
                 report.columns, report.reached ? "" : "; the tolerance is not met");
-  return line;
+  const compliance::StiffeningReport& s = report.stiffening;
+  if (!s.cause.empty()) return line + ("compliance: stiffening with depth is not measured: " + s.cause) + "\n";
+  char more[256];
+  std::snprintf(
+      more, sizeof more,
+      "compliance: stiffening %.2f; %zu pairs of tools at once lose %.1f %% more or less than solved (%.1f %% "
+      "without)\n",
+      s.stiffening, s.pairs, 100 * s.error, 100 * s.error_without);
+  return std::string(line) + more;
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ std::vector<std::byte> BlockResponse::file(const solve::TogetherResult& solved) 
   // Between solved depths the force over depth^1.5 is linear.
   const auto force = [&](const Vector3d& deflection) {
     const double z = deflection.z();
-    const auto& at = solved.pushed;
+    const auto& at = solved.pushed_alone.front();
     const auto ratio = [&](std::size_t k) { return at[k][1] / std::pow(at[k][0], 1.5); };
     std::size_t k = 1;
     while (k + 1 < at.size() && at[k][0] < z) ++k;

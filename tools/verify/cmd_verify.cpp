@@ -137,9 +137,7 @@ verify::HeldOutSet solve_contacts(const VerifyArguments& options, const Globals&
   held.count = options.count;
   held.seed = options.seed;
   held.threads = static_cast<unsigned>(globals.threads);
-  held.touchable = [](const solve::ContactCase& contact, double depth) {
-    return !bake::reaches_support(contact, depth) && bake::can_touch_first(contact);
-  };
+  held.touchable = bake::can_be_pressed;
   held.progress = [&](std::size_t done, std::size_t total) {
     if (!globals.quiet && (done == total || done % 10 == 0)) {
       note(globals, "held-out solves: " + std::to_string(done) + " of " + std::to_string(total));

@@ -3,6 +3,7 @@
 
 #include "formats/io/error.hpp"
 #include "formats/scene/scene.hpp"
+#include "precompute/bake/reach.hpp"
 #include "precompute/verify/contact_checks.hpp"
 #include "tools/bench/tick_bench.hpp"
 #include "tools/cli/contact_case.hpp"
@@ -28,6 +29,7 @@ ContactCase contacts_of(const ContactsCommand& command) {
 verify::ContactCheckOptions options_of(const ContactsCommand& command, const Globals& globals) {
   verify::ContactCheckOptions options;
   options.radii = command.radii;
+  options.touchable = bake::can_be_pressed;
   options.threads = static_cast<unsigned>(globals.threads);
   options.progress = [&globals](std::size_t done, std::size_t total) {
     note(globals, "solved: " + std::to_string(done) + " of " + std::to_string(total));

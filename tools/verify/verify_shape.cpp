@@ -4,6 +4,7 @@
 #include "formats/io/error.hpp"
 #include "palpate/format/open.hpp"
 #include "palpate/shared/dent.hpp"
+#include "precompute/bake/reach.hpp"
 #include "tools/bench/tick_bench.hpp"
 #include "tools/cli/output.hpp"
 #include "tools/cli/verify_checks.hpp"
@@ -123,6 +124,7 @@ void run_shape(const ShapeCommand& command, const Globals& globals) {
     options.count = count;
     options.spacings = count == 1 ? std::vector<double>{1} : std::vector<double>{2, 4};
     options.sticking = c.scene.friction > 0;
+    options.touchable = bake::can_be_pressed;
     options.threads = static_cast<unsigned>(globals.threads);
     ShapeErrors all;
     std::size_t solves = 0, nodes = 0;

@@ -3,6 +3,7 @@
 
 #include "formats/io/error.hpp"
 #include "palpate/format/open.hpp"
+#include "precompute/bake/reach.hpp"
 #include "tools/bench/tick_bench.hpp"
 #include "tools/cli/output.hpp"
 #include "tools/cli/verify_checks.hpp"
@@ -213,6 +214,7 @@ void run_together(const TogetherCommand& command, const Globals& globals) {
     options.count = command.count;
     options.sticking = c.scene.friction > 0;
     options.aside = command.aside;
+    options.touchable = bake::can_be_pressed;
     options.threads = static_cast<unsigned>(globals.threads);
     options.progress = [&globals](std::size_t done, std::size_t total) {
       note(globals, "solved: " + std::to_string(done) + " of " + std::to_string(total));

@@ -25,7 +25,7 @@ struct Press {
   std::string cause;             // empty: the forces are valid
   std::vector<Vector3d> forces;  // N, of each pressed place, in its frame
   std::vector<Vector3d> deepest;
-  std::vector<std::array<double, 2>> pushed;  // depths, and forces of the first along n
+  std::vector<std::vector<std::array<double, 2>>> pushed;  // of each place: depths, and forces along n
   std::vector<SurfaceNode> surface;
 };
 
@@ -74,10 +74,12 @@ public:
         other.set_penalty(options_.penalty * body_.material.young / radius);
       }
       move(push, down, radius, depth, result);
-      result.pushed.push_back({depth, push.report().force.dot(place(places, 0).n)});
+      record(push, others, places, std::vector<double>(places.size(), depth), result);
     }
+    if (!result.cause.empty()) return result;
     result.deepest.push_back(down);
     for (const ContactEnergy& other : others) result.deepest.push_back(other.translation());
+    down = lower_by_compression(push, others, places, down, result);
     if (places[0] == 0 && path_.aside > 0) go_aside(push, down, result);
     if (!result.cause.empty()) return result;
     result.surface = surface(rest, push.state().x);
@@ -97,6 +99,43 @@ private:
   void move(Push& push, const Vector3d& to, double radius, double depth, Press& result) const {
     const StepResult step = push.move_to(to, radius, body_.material.young * radius * depth * depth, path_.sticking);
     if (!step.converged) result.cause = step.cause + " at depth " + std::to_string(1e3 * depth) + " mm";
+  }
+
+  /// m, by which a contact's penalty is compressed: dE/dF of its energy E ~ F^m, with m = 4/3 for a sphere and 2 for a
+  /// flat face.
+  [[nodiscard]] double compression(const ContactReport& report, const ContactFrame& frame) const {
+    const double force = report.force.dot(frame.n), power = vertex_.flat_radius > 0 ? 2.0 : 4.0 / 3;
+    return force > 0 ? power * report.normal_energy / force : 0.0;
+  }
+
+  /// Notes the forces of tools whose depths are `depths` and the compression of their penalties.
+  void record(const Push& push, const std::list<ContactEnergy>& others, const std::vector<std::size_t>& places,
+              const std::vector<double>& depths, Press& result) const {
+    result.pushed.resize(places.size());
+    const auto add = [&](std::size_t k, const ContactReport& report) {
+      result.pushed[k].push_back(
+          {depths[k] - compression(report, place(places, k)), report.force.dot(place(places, k).n)});
+    };
+    add(0, push.report());
+    std::size_t k = 1;
+    for (const ContactEnergy& other : others) add(k++, other.report(push.state().x));
+  }
+
+  /// Lowers all tools by the compression of their penalties, so that their forces are those of tissue pressed to
+  /// path_.depth. Returns the translation of the first (m).
+  Vector3d lower_by_compression(Push& push, std::list<ContactEnergy>& others, const std::vector<std::size_t>& places,
+                                const Vector3d& down, Press& result) const {
+    std::vector<double> depths{path_.depth + compression(push.report(), place(places, 0))};
+    for (ContactEnergy& other : others) {
+      const ContactFrame& frame = place(places, depths.size());
+      const double way = compression(other.report(push.state().x), frame);
+      other.set_translation(other.translation() - way * frame.n);
+      depths.push_back(path_.depth + way);
+    }
+    const Vector3d lowered = down - (depths[0] - path_.depth) * place(places, 0).n;
+    move(push, lowered, tool::contact_radius(vertex_, path_.depth), path_.depth, result);
+    record(push, others, places, depths, result);
+    return lowered;
   }
 
   void go_aside(Push& push, const Vector3d& down, Press& result) const {
@@ -189,13 +228,14 @@ TogetherResult solve_together(const Body& body, const tool::Tool& tool, const to
       const Press one = tools.press({k});
       if (result.cause.empty()) result.cause = one.cause;
       if (!result.cause.empty()) return result;
-      if (k == 0) result.pushed = one.pushed;
+      result.pushed_alone.push_back(one.pushed.front());
       result.alone.push_back(one.forces.front());
     }
     const Press together = tools.press(all);
     result.cause = together.cause;
     result.together = together.forces;
     result.deepest = together.deepest;
+    result.pushed_together = together.pushed;
     result.surface = together.surface;
   } catch (const Error& e) {
     result.cause = e.what();

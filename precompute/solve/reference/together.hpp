@@ -31,9 +31,13 @@ struct SurfaceNode {
 struct TogetherResult {
   bool usable = false;
   std::string cause;                             ///< why not
-  std::vector<Eigen::Vector3d> alone, together;  ///< N on each tool at the end, in its own frame (x, y, n)
-  std::vector<Eigen::Vector3d> deepest;          ///< m, translation of each tool at its depth, before it goes aside
-  std::vector<std::array<double, 2>> pushed;     ///< m and N along n: depths and forces of the first tool alone
+  /// N on each tool at the end, in its own frame (x, y, n), without the compliance of the contact's penalty, as in a
+  /// bake: each tool was pressed deeper by that.
+  std::vector<Eigen::Vector3d> alone, together;
+  std::vector<Eigen::Vector3d> deepest;  ///< m, translation of each tool at its depth, before it goes aside
+  /// m and N along n: depths and forces at the steps of the push, of each tool alone and of each with the others; the
+  /// last is the end.
+  std::vector<std::vector<std::array<double, 2>>> pushed_alone, pushed_together;
   std::vector<SurfaceNode> surface;              ///< with all tools
   double difference = 0.0;  ///< of the sums of normal forces, over those of the tools alone: error of adding them
   std::uint32_t nodes = 0;

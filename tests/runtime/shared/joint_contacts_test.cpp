@@ -21,9 +21,10 @@ using runtime::Matrix3;
 using runtime::ToolSet;
 
 // A flat box of one response; without modes the compliance is the half-space in closed form.
-ResponseFileContent box(bool friction, int modes = 0) {
+ResponseFileContent box(bool friction, int modes = 0, double stiffening = 0) {
   Options options = flat(friction);
   options.modes = modes;
+  options.stiffening = stiffening;
   return box_content(options);
 }
 
@@ -33,14 +34,16 @@ double half_space(double apart) {
   return (1 - 0.49) / (2 * M_PI * kSampleShear * rho);
 }
 
-// Force of each of two equal tips at a depth, by bisection of f = F(depth - C f).
-double together(double depth, double compliance) {
-  double low = 0, high = hertz(depth);
+// Force of each of two equal tips at a depth, by bisection of h(depth) - h(d) = C F(d) / h'(d), h(z) = z + bend z^2
+// / 2.
+double together(double depth, double compliance, double bend = 0) {
+  const auto h = [&](double z) { return z + 0.5 * bend * z * z; };
+  double low = 0, high = depth;
   for (int k = 0; k < 60; ++k) {
-    const double f = 0.5 * (low + high);
-    (hertz(std::max(0.0, depth - compliance * f)) > f ? low : high) = f;
+    const double d = 0.5 * (low + high);
+    (h(depth) - h(d) > compliance * hertz(d) / (1 + bend * d) ? low : high) = d;
   }
-  return low;
+  return hertz(low) * (1 + bend * depth) / (1 + bend * low);
 }
 
 template <class Tools>
@@ -77,8 +80,7 @@ TEST(Compliance, TiltIsTheGradientOfTheModes) {
   const runtime::BodyPoint loaded{0, {0.2, 0.3, 0.5}};
   runtime::CompliancePoint from, at, there;
   runtime::ComplianceTilt by, tilt;
-  compliance.locate(loaded, from);
-  compliance.locate_tilt(loaded, from, by);
+  compliance.locate(loaded, from, &by);
   const auto normal = [](const runtime::CompliancePoint& point) {
     return Vec3{point.place.normal[0], point.place.normal[1], point.place.normal[2]};
   };
@@ -88,9 +90,8 @@ TEST(Compliance, TiltIsTheGradientOfTheModes) {
   double largest = 0;
   for (std::uint32_t triangle = 0; triangle < file.view.meta->triangle_count; ++triangle) {
     const runtime::BodyPoint a{triangle, {0.6, 0.3, 0.1}}, b{triangle, {0.1, 0.2, 0.7}};
-    compliance.locate(a, at);
+    compliance.locate(a, at, &tilt);
     compliance.locate(b, there);
-    compliance.locate_tilt(a, at, tilt);
     const double difference = dot(normal(at), by_modes(there) - by_modes(at));
     const double expected = dot(compliance.tilt(by, tilt), position(file.view, b) - position(file.view, a));
     largest = std::max(largest, std::fabs(difference));
@@ -112,6 +113,22 @@ TEST(JointContacts, TwoTipsHaveTheForceOfTheirEquation) {
       for (const Tick& tick : last) EXPECT_NEAR(tick.force.z, expected, 3e-3 * expected) << depth << ' ' << radii;
       EXPECT_LT(last[0].force.z, 0.97 * hertz(depth));
     }
+  }
+}
+
+// Tissue that stiffens with the depth: tools lose less to each other.
+TEST(JointContacts, StiffeningLeavesMoreOfTheForceOfTheirEquation) {
+  constexpr double kDepth = 0.004, kStiffening = 0.4;
+  const Opened file(box(false, 0, kStiffening));
+  const double bend = kStiffening / file.view.meta->depth_scale;
+  for (const double radii : {1.0, 2.0, 4.0}) {
+    const double apart = radii * std::sqrt(kTipRadius * kDepth);
+    ToolSet<2> tools(file.view, {0, 0});
+    const auto last = press(tools, kDepth, apart);
+    const double expected = together(kDepth, half_space(apart), bend);
+    EXPECT_TRUE(tools.joint()->balanced());
+    for (const Tick& tick : last) EXPECT_NEAR(tick.force.z, expected, 3e-3 * expected) << radii;
+    EXPECT_GT(expected, 1.02 * together(kDepth, half_space(apart)));
   }
 }
 
@@ -201,60 +218,66 @@ void expect_passive(const runtime::View& view, std::uint32_t seed, double bound)
 }
 
 TEST(JointContacts, ClosedMotionsGiveNothingBackWithoutFriction) {
-  const Opened file(box(false, 16));
-  expect_passive<2>(file.view, 1, 1e-3);
-  expect_passive<4>(file.view, 2, 1e-3);
+  for (const double stiffening : {0.0, 0.5}) {
+    const Opened file(box(false, 16, stiffening));
+    expect_passive<2>(file.view, 1, 1e-3);
+    expect_passive<4>(file.view, 2, 1e-3);
+  }
 }
 
 TEST(JointContacts, ClosedMotionsGiveNothingBackWithFriction) {
-  const Opened file(box(true, 16));
-  expect_passive<2>(file.view, 3, 1e-3);
-  expect_passive<4>(file.view, 4, 1e-3);
+  for (const double stiffening : {0.0, 0.5}) {
+    const Opened file(box(true, 16, stiffening));
+    expect_passive<2>(file.view, 3, 1e-3);
+    expect_passive<4>(file.view, 4, 1e-3);
+  }
 }
 
 // Tips pass through one another here: those nearer than a third of a contact radius jump.
 TEST(LongJointContacts, TenMillionTicksOfTwoToFiveTipsGiveNothingBack) {
   constexpr int kMotions = 420;
-  for (const bool friction : {false, true}) {
-    const Opened file(box(friction, 16));
-    const Work each[] = {work_of_motions<2>(file.view, 5, kMotions), work_of_motions<3>(file.view, 6, kMotions),
-                         work_of_motions<4>(file.view, 7, kMotions), work_of_motions<5>(file.view, 8, kMotions)};
-    Work all;
-    for (int k = 0; k < 4; ++k) {
-      std::printf("%d tips%s: %.2g of the work that went through\n", k + 2, friction ? ", friction" : "",
-                  each[k].out / each[k].through);
-      all.out += each[k].out;
-      all.through += each[k].through;
+  for (const double stiffening : {0.0, 0.5})
+    for (const bool friction : {false, true}) {
+      const Opened file(box(friction, 16, stiffening));
+      const Work each[] = {work_of_motions<2>(file.view, 5, kMotions), work_of_motions<3>(file.view, 6, kMotions),
+                           work_of_motions<4>(file.view, 7, kMotions), work_of_motions<5>(file.view, 8, kMotions)};
+      Work all;
+      for (int k = 0; k < 4; ++k) {
+        std::printf("%d tips%s, stiffening %.1f: %.2g of the work that went through\n", k + 2,
+                    friction ? ", friction" : "", stiffening, each[k].out / each[k].through);
+        all.out += each[k].out;
+        all.through += each[k].through;
+      }
+      EXPECT_LT(all.out, 1e-3 * all.through) << friction << ' ' << stiffening;
     }
-    EXPECT_LT(all.out, 1e-3 * all.through) << friction;
-  }
 }
 
 // Pressed apart, drawn together, lifted, and the other way round: the coupling changes while the tips slide.
 TEST(JointContacts, NeitherWayRoundALoopGivesEnergy) {
-  const Opened file(box(false));
-  for (const bool near_first : {false, true}) {
-    ToolSet<2> tools(file.view, {0, 0});
-    Work work;
-    std::array<Vec3, 2> at{}, force{};
-    bool first = true;
-    const auto go = [&](double depth, double apart) {
-      const std::array<Pose, 2> poses{upright(centre(depth, -0.5 * apart)), upright(centre(depth, 0.5 * apart))};
-      const auto ticks = tools.tick(poses);
-      for (std::size_t i = 0; i < 2; ++i) {
-        if (!first) work.add(force[i], ticks[i].force, poses[i].translation - at[i]);
-        at[i] = poses[i].translation;
-        force[i] = ticks[i].force;
-      }
-      first = false;
-    };
-    const double near = 0.004, far = 0.02, begin = near_first ? near : far, end = near_first ? far : near;
-    for (int k = 0; k <= 1000; ++k) go(-0.0005 + 0.0025 * k / 1000, begin);
-    for (int k = 0; k <= 2000; ++k) go(0.002, begin + (end - begin) * k / 2000);
-    for (int k = 0; k <= 1000; ++k) go(0.002 - 0.0025 * k / 1000, end);
-    EXPECT_LT(work.out, 1e-3 * work.through) << near_first;
-    EXPECT_GT(work.out, -0.03 * work.through) << "the drag gives back what it took";
-  }
+  for (const double stiffening : {0.0, 0.5})
+    for (const bool near_first : {false, true}) {
+      const Opened file(box(false, 0, stiffening));
+      ToolSet<2> tools(file.view, {0, 0});
+      Work work;
+      std::array<Vec3, 2> at{}, force{};
+      bool first = true;
+      const auto go = [&](double depth, double apart) {
+        const std::array<Pose, 2> poses{upright(centre(depth, -0.5 * apart)), upright(centre(depth, 0.5 * apart))};
+        const auto ticks = tools.tick(poses);
+        for (std::size_t i = 0; i < 2; ++i) {
+          if (!first) work.add(force[i], ticks[i].force, poses[i].translation - at[i]);
+          at[i] = poses[i].translation;
+          force[i] = ticks[i].force;
+        }
+        first = false;
+      };
+      const double near = 0.004, far = 0.02, begin = near_first ? near : far, end = near_first ? far : near;
+      for (int k = 0; k <= 1000; ++k) go(-0.0005 + 0.0025 * k / 1000, begin);
+      for (int k = 0; k <= 2000; ++k) go(0.002, begin + (end - begin) * k / 2000);
+      for (int k = 0; k <= 1000; ++k) go(0.002 - 0.0025 * k / 1000, end);
+      EXPECT_LT(work.out, 1e-3 * work.through) << near_first << ' ' << stiffening;
+      EXPECT_GT(work.out, -0.03 * work.through) << "the drag gives back what it took";
+    }
 }
 
 TEST(JointContacts, TwoTipsAtOnePlaceAreFiniteAndSayThatTheShareIsCut) {

@@ -236,7 +236,8 @@ struct ComplianceHead {
   std::uint32_t negative;  ///< the last modes of negative sign, at most r
   double poisson;          ///< of the half-space, [0, 0.5)
   double rounding;         ///< m, > 0: half_space::compliance
-  std::uint32_t reserved[10];
+  double stiffening;       ///< b, [0, 1]: a contact at depth d makes a dent of C f / (1 + b d / depth_scale)
+  std::uint32_t reserved[8];
 };
 inline constexpr std::uint32_t kModeStep = 8, kMaxModes = 128;
 

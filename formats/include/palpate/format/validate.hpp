@@ -143,6 +143,9 @@ inline bool check_compliance(const View& v, Fault& fault) {
   if (!(head.rounding >= 1e-9 && head.rounding < 1e3)) {
     return fault.fail("COMPLIANCE: rounding must be at least 1e-9 and below 1000 m");
   }
+  if (!(head.stiffening >= 0 && head.stiffening <= 1)) {
+    return fault.fail("COMPLIANCE: stiffening must be at least 0 and at most 1");
+  }
   for (const std::uint32_t r : head.reserved) {
     if (r != 0) return fault.fail("COMPLIANCE: reserved bytes are not zero");
   }

@@ -41,64 +41,64 @@ struct ComplianceTilt {
 
 /// The compliance of a body between two points of its surface, by the file's COMPLIANCE. It is linear about the
 /// equilibrium from which contact starts. It has no state.
+///
+/// Tissue under a deep tool is stiffer than at rest, so its dent grows less than its force. The dents are linear in a
+/// stretched depth h, whose conjugate force f / h' makes them; d is the depth of a contact and b the file's stiffening:
+///
+///     h(d) = d + b d^2 / (2 depth scale)
 class Compliance {
 public:
   /// `view`: a file with layout::feature_compliance, which must outlive this.
-  explicit Compliance(const View& view) : view_(&view) {}
+  explicit Compliance(const View& view) : view_(&view), bend_(view.compliance->stiffening / view.meta->depth_scale) {}
 
-  /// Writes the point's part. 3 modes multiply-adds for each of its three sites.
-  void locate(const BodyPoint& at, CompliancePoint& point) const {
+  /// h'' (1/m).
+  [[nodiscard]] double bend() const { return bend_; }
+  /// h' at a depth (m).
+  [[nodiscard]] double stretch(double depth) const { return 1 + bend_ * depth; }
+
+  /// Writes the point's part, and its part of the tilt where that is not null. Some 3 modes multiply-adds for each of
+  /// its three sites.
+  void locate(const BodyPoint& at, CompliancePoint& point, ComplianceTilt* tilt = nullptr) const {
     double weights[3];
     site_weights(*view_, at, weights);
     const Vec3 c = position(*view_, at), n = smooth_normal(*view_, at, weights);
     point.place = {{c.x, c.y, c.z}, {n.x, n.y, n.z}, 0};
     const layout::SurfaceTriangle triangle = view_->triangle(at.triangle);
-    const std::int16_t* values[3];
-    double unit[3];
-    for (int i = 0; i < 3; ++i) {
-      const std::uint32_t site = triangle.site[i];
-      const layout::ComplianceSite& record = view_->compliance_site(site);
-      point.place.shear += weights[i] * static_cast<double>(record.shear);
-      values[i] = view_->compliance_modes(site);
-      unit[i] = weights[i] * static_cast<double>(record.unit);
-    }
-    double blended[3 * layout::kMaxModes];
     const std::size_t count = view_->compliance->modes;
-    for (std::size_t k = 0; k < 3 * count; ++k) {
-      blended[k] = unit[0] * values[0][k] + unit[1] * values[1][k] + unit[2] * values[2][k];
+    double site[3][3 * layout::kMaxModes];  // sqrt(m/N), of the three sites
+    for (int i = 0; i < 3; ++i) {
+      const layout::ComplianceSite& record = view_->compliance_site(triangle.site[i]);
+      point.place.shear += weights[i] * static_cast<double>(record.shear);
+      const std::int16_t* const values = view_->compliance_modes(triangle.site[i]);
+      const double unit = static_cast<double>(record.unit);
+      for (std::size_t k = 0; k < 3 * count; ++k) site[i][k] = unit * values[k];
     }
     for (std::size_t m = 0; m < count; ++m) {
-      for (int i = 0; i < 3; ++i) point.modes[i][m] = blended[3 * m + i];
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t k = 3 * m + i;
+        point.modes[i][m] = weights[0] * site[0][k] + weights[1] * site[1][k] + weights[2] * site[2][k];
+      }
     }
     const std::size_t positive = count - view_->compliance->negative;
     for (int i = 0; i < 3; ++i) {
       for (std::size_t m = 0; m < positive; ++m) point.loads[i][m] = point.modes[i][m];
       for (std::size_t m = positive; m < count; ++m) point.loads[i][m] = -point.modes[i][m];
     }
-  }
-
-  /// Writes the modes' parts along the normal at a point whose part of the compliance is `point`.
-  void locate_tilt(const BodyPoint& at, const CompliancePoint& point, ComplianceTilt& tilt) const {
-    const double* const n = point.place.normal;
-    const std::size_t count = view_->compliance->modes;
+    if (tilt == nullptr) return;
     for (std::size_t m = 0; m < count; ++m) {
-      tilt.load[m] = n[0] * point.loads[0][m] + n[1] * point.loads[1][m] + n[2] * point.loads[2][m];
+      tilt->load[m] = n.x * point.loads[0][m] + n.y * point.loads[1][m] + n.z * point.loads[2][m];
     }
     Vec3 slopes[3];
     site_weight_slopes(*view_, at.triangle, slopes);
-    const layout::SurfaceTriangle triangle = view_->triangle(at.triangle);
-    const std::uint32_t(&site)[3] = triangle.site;
-    const std::int16_t* const first = view_->compliance_modes(site[0]);
-    const double first_unit = static_cast<double>(view_->compliance_site(site[0]).unit);
-    for (int i = 0; i < 2; ++i) {
-      tilt.slope[i] = slopes[i + 1];
-      const std::int16_t* const values = view_->compliance_modes(site[i + 1]);
-      const double unit = static_cast<double>(view_->compliance_site(site[i + 1]).unit);
-      double over[3 * layout::kMaxModes];
-      for (std::size_t k = 0; k < 3 * count; ++k) over[k] = unit * values[k] - first_unit * first[k];
+    double along[3][layout::kMaxModes];  // the sites' parts along n
+    for (int i = 0; i < 3; ++i) {
       for (std::size_t m = 0; m < count; ++m) {
-        tilt.rise[i][m] = n[0] * over[3 * m] + n[1] * over[3 * m + 1] + n[2] * over[3 * m + 2];
+        along[i][m] = n.x * site[i][3 * m] + n.y * site[i][3 * m + 1] + n.z * site[i][3 * m + 2];
       }
+    }
+    for (int i = 0; i < 2; ++i) {
+      tilt->slope[i] = slopes[i + 1];
+      for (std::size_t m = 0; m < count; ++m) tilt->rise[i][m] = along[i + 1][m] - along[0][m];
     }
   }
 
@@ -163,6 +163,7 @@ private:
   }
 
   const View* view_;
+  double bend_;
 };
 
 }  // namespace palpate::runtime

@@ -34,6 +34,15 @@ struct ContactSlope {
     return square * v + ((normal * normal - square) * dot(n, v)) * n;
   }
 
+  /// The slope of f / h' over h, for the force f (N) and a stretched depth h of which `stretch` is h' and `bend` (1/m)
+  /// h''.
+  [[nodiscard]] ContactSlope over_stretched(double force, double stretch, double bend) const {
+    ContactSlope slope = *this;
+    slope.normal = std::sqrt(larger(0, normal * normal - force * bend / stretch)) / stretch;
+    slope.across = across / stretch;
+    return slope;
+  }
+
   /// R with K = R R^T has so many columns: none without contact, one without friction.
   [[nodiscard]] int columns() const { return !(normal > 0) ? 0 : across > 0 ? 3 : 1; }
   /// sqrt(N/m), column `i` of R.

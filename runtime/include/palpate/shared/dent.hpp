@@ -101,6 +101,11 @@ private:
     double weights[3];
   };
 
+  /// N, that makes the dent of a contact: less than its force at a depth, where tissue is stiffer (Compliance).
+  [[nodiscard]] Vec3 dent_force(const Dents::One& contact) const {
+    return (1 / compliance_.stretch(contact.depth)) * contact.force;
+  }
+
   /// The modes' part at the sites.
   void move_sites(const Dents& dents, const CompliancePoint* loaded) {
     const std::uint32_t modes = view_->compliance->modes;
@@ -108,7 +113,7 @@ private:
     for (std::uint32_t m = 0; m < modes; ++m) {
       for (int k = 0; k < dents.count; ++k) {
         const auto& c = loaded[k].loads;
-        share[m] -= dot({c[0][m], c[1][m], c[2][m]}, dents.contact[k].force);
+        share[m] -= dot({c[0][m], c[1][m], c[2][m]}, dent_force(dents.contact[k]));
       }
     }
     for (std::uint32_t s = 0; s < sites_.size(); ++s) {
@@ -158,7 +163,7 @@ private:
       const double hertz = std::sqrt(r * r + rounding * rounding) * mean_inverse_distance(r, contact.radius);
       size += share * (near * hertz - 1);
     }
-    const Vec3 f = size * contact.force;
+    const Vec3 f = size * dent_force(contact);
     return {c[0] * f.x + c[1] * f.y + c[2] * f.z, c[3] * f.x + c[4] * f.y + c[5] * f.z,
             c[6] * f.x + c[7] * f.y + c[8] * f.z};
   }

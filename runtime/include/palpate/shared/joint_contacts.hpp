@@ -31,17 +31,21 @@ struct JointConstants {
 
 /// Finds the displacements s of the surface at the contacts, by the forces of the others, in balance with these forces:
 ///
-///     s_k = sum over j of C(c_k, c_j) f_j(P_j + s_j),          f_j(x): force of contact j alone with its tool at x
+///     h_k s_k = sum over j of C(c_k, c_j) f_j(P_j + s_j) / h'_j,      f_j(x): force of contact j alone with its tool
+///     at x
 ///
 ///     C  the file's compliance (m/N)      P  poses of the tools      f  forces on the tools (N)
+///     h'_j  stretch of the depth d_j (Compliance)      h_k  mean stretch between d_k and the tool's depth d_k + s_k .
+///     n_k
 ///
-/// The body has the force of a tool with the other sign, so the dent of one adds to the way out of the other. The
-/// equation is solved by Newton's method with the contacts' own slopes K, from a prediction by the tools' motions: each
-/// look ticks all contacts from one state. C rests within a tick.
+/// The body has the force of a tool with the other sign, so the dent of one adds to the way out of the other. The hand
+/// has (f_k . n_k) h'(d_k + s_k . n_k) / h'_k along the normal, the derivative of the energy. The equation is solved by
+/// Newton's method with the slopes K of f / h', from a prediction by the tools' motions: each look ticks all contacts
+/// from one state. C rests within a tick.
 ///
-/// Energy. With the trapezoid the work of the hands is what the contacts take and the change of (1/2) f . C f, and
-/// (1/2) f . dC f where a contact slides. The last is negative where two contacts part. An account holds what it was
-/// when they came nearer, and the work against the drag of the dents
+/// Energy. With f for f / h', with the trapezoid the work of the hands is what the contacts take and the change of
+/// (1/2) f . C f, and (1/2) f . dC f where a contact slides. The last is negative where two contacts part. An account
+/// holds what it was when they came nearer, and the work against the drag of the dents
 ///
 ///     g_k = d/dc_k sum over j of f_k . C(c_k, c_j) f_j
 ///
@@ -77,12 +81,16 @@ public:
         Pose pose = tools[k];
         pose.translation = pose.translation + frame_of(at_[k]).rotate(shift_[k]);
         ticks[k] = tick_at(k, pose);
-        force_[k] = ticks[k].touches() ? contacts[k].state().applied.force : Vec3{};
+        const ContactState& state = contacts[k].state();
+        const bool touches = ticks[k].touches();
+        depth_[k] = touches ? state.indentation : 0;
+        const double stretch = compliance_.stretch(depth_[k]), applied = touches ? length(state.applied.force) : 0;
+        force_[k] = touches ? (1 / stretch) * state.applied.force : Vec3{};
         if (looks_ > 1) {
-          slope_[k].n = contacts[k].state().place.normal;
-          slope_[k].learn_grip(shift_[k] - looked_[k], force_[k] - force[k], grip_[k]);
+          slope_[k].n = state.place.normal;
+          slope_[k].learn_grip(stretch * (shift_[k] - looked_[k]), force_[k] - force[k], grip_[k]);
         }
-        slope_[k] = ContactSlope(contacts[k], grip_[k]);
+        slope_[k] = ContactSlope(contacts[k], grip_[k]).over_stretched(applied, stretch, compliance_.bend());
         looked_[k] = shift_[k];
       }
     };
@@ -147,13 +155,16 @@ private:
     update();
     // The forces after the tools' motions, to first order.
     std::array<Vec3, kCount> force = force_;
-    for (std::size_t k = 0; k < kCount; ++k) force[k] = force[k] - slope_[k].times(moved[k]);
+    for (std::size_t k = 0; k < kCount; ++k) {
+      force[k] = force[k] - slope_[k].times(compliance_.stretch(depth_[k]) * moved[k]);
+    }
     step(contacts, residuals(force));
   }
 
   /// Leaves contact k out until it touches again.
   void forget(std::size_t k) {
     shift_[k] = force_[k] = drag_[k] = {};
+    depth_[k] = 0;
     slope_[k] = {};
     grip_[k] = 1;
     known_[k] = false;
@@ -174,8 +185,7 @@ private:
     const bool rests = known_[k] && !(length(here.point - here_[k]) > 0);
     at_[k] = here.at;
     here_[k] = here.point;
-    if (!rests) compliance_.locate(here.at, part_[k]);
-    if (!rests && !friction_) compliance_.locate_tilt(here.at, part_[k], slant_[k]);
+    if (!rests) compliance_.locate(here.at, part_[k], friction_ ? nullptr : &slant_[k]);
     moved_[k] = !rests;
     known_[k] = true;
   }
@@ -236,13 +246,16 @@ private:
     used_[pair(j, k)] = transposed(c);
   }
 
-  /// m, by which the displacements are short of those by the forces (N).
+  /// m, by which the displacements over the stretched depths are short of those by the forces (N).
   [[nodiscard]] std::array<Vec3, kCount> residuals(const std::array<Vec3, kCount>& force) const {
-    std::array<Vec3, kCount> residual;
+    std::array<Vec3, kCount> residual{};
     for (std::size_t k = 0; k < kCount; ++k) {
-      residual[k] = -shift_[k];
+      if (!known_[k]) continue;
+      const double(&n)[3] = part_[k].place.normal;
+      const double lift = dot(shift_[k], slope_[k].normal > 0 ? slope_[k].n : Vec3{n[0], n[1], n[2]});
+      residual[k] = -compliance_.stretch(depth_[k] + 0.5 * lift) * shift_[k];
       for (std::size_t j = 0; j < kCount; ++j) {
-        if (j != k && known_[k] && known_[j]) residual[k] = residual[k] + share_ * (used_[pair(k, j)] * force[j]);
+        if (j != k && known_[j]) residual[k] = residual[k] + share_ * (used_[pair(k, j)] * force[j]);
       }
     }
     return residual;
@@ -304,7 +317,7 @@ private:
         if (j != k && known_[k]) ds = ds - share_ * (used_[pair(k, j)] * change[j]);
       }
       const double reach = JointConstants::kMostShift * contacts[k].size(view_->meta->depth_scale), way = length(ds);
-      shift_[k] = shift_[k] + (way > reach ? reach / way : 1) * ds;
+      shift_[k] = shift_[k] + ((way > reach ? reach / way : 1) / compliance_.stretch(depth_[k])) * ds;
     }
   }
 
@@ -362,7 +375,9 @@ private:
       drag_[k] = drag[k];
       const Vec3 after = friction_ ? before : drag_[k];
       if (coupled_) account_ += friction_ ? larger(0, -dot(after, slid)) : -0.5 * dot(before + after, slid);
-      const Vec3 force = frame.rotate(drag_[k]);
+      const Vec3& n = state.place.normal;
+      const double more = compliance_.bend() * dot(shift_[k], n) / compliance_.stretch(depth_[k]);
+      const Vec3 force = frame.rotate(drag_[k] + (more * dot(state.applied.force, n)) * n);
       tick.force = tick.force + force;
       tick.torque = tick.torque + cross(tick.tool_point - tools[k].translation, force);
       point_[k] = state.applied.point;
@@ -401,10 +416,11 @@ private:
   std::array<Vec3, kCount> here_{};   ///< m, points of at_
   std::array<Vec3, kCount> point_{};  ///< m, of the tool's frame, where the force last acted
   std::array<bool, kCount> known_{}, moved_{};
-  std::array<Vec3, kCount> shift_{};   ///< m, s
+  std::array<double, kCount> depth_{};  ///< m, d
+  std::array<Vec3, kCount> shift_{};    ///< m, s
   std::array<Vec3, kCount> looked_{};  ///< m, s of the last look
   std::array<double, kCount> grip_{};  ///< share of the tangential stiffness, learnt
-  std::array<Vec3, kCount> force_{};   ///< N, without drag
+  std::array<Vec3, kCount> force_{};   ///< N, f / h'
   std::array<Vec3, kCount> drag_{};    ///< N
   std::array<ContactSlope, kCount> slope_;
   std::array<Pose, kCount> last_;
