@@ -3,6 +3,7 @@
 #include "precompute/verify/layouts.hpp"
 
 #include "precompute/geometry/solids.hpp"
+#include "precompute/verify/contact_checks.hpp"
 #include "tests/support/bodies.hpp"
 
 #include <gtest/gtest.h>
@@ -103,6 +104,27 @@ TEST_F(Layouts, PlacesBeyondTheSurfaceAreRefusedByName) {
   o.spacing = 0.1;
   const Places places = lay_out(body_, ContactFrame{}, o);
   EXPECT_EQ(places.cause.rfind("place: the surface bends away or ends", 0), 0U) << places.cause;
+}
+
+// Nothing is solved: no direction has a place for the second tool.
+TEST_F(Layouts, PlacesWithoutABakedResponseAreRefusedByName) {
+  constexpr double kDepth = 1e-3;
+  Scene scene;
+  scene.tools.resize(1);
+  const tool::Tool tool = tool::make_tool(scene.tools[0]);
+  const auto cause = [&](const ContactCheckOptions& options) {
+    const auto all = check_together(scene, body_, tool, {{ContactFrame{}, kDepth}}, options);
+    EXPECT_FALSE(all.at(0).result.usable);
+    return all.at(0).result.cause;
+  };
+  ContactCheckOptions options;
+  options.spacings = {1.5};
+  options.touchable = [](const solve::ContactCase&, double) { return false; };
+  EXPECT_EQ(cause(options).rfind("place: at a support or in a fold", 0), 0U) << cause(options);
+  scene.sampling.depth_fraction = 0.01;
+  EXPECT_EQ(cause(options).rfind("place: sampling.depth_fraction ends at", 0), 0U) << cause(options);
+  scene.sampling.within_box = {{Vector3d::Constant(-1e-4), Vector3d::Constant(1e-4)}};
+  EXPECT_EQ(cause(options).rfind("place: outside sampling.within_box", 0), 0U) << cause(options);
 }
 
 }  // namespace

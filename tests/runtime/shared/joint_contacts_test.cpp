@@ -2,6 +2,7 @@
 // Tools that feel each other's dents: against the root of their equations, round closed motions, and at extremes.
 #include "palpate/shared/joint_contacts.hpp"
 
+#include "formats/io/error.hpp"
 #include "palpate/shared/tool_set.hpp"
 #include "tests/runtime/support.hpp"
 
@@ -129,6 +130,12 @@ TEST(JointContacts, StiffeningLeavesMoreOfTheForceOfTheirEquation) {
     EXPECT_TRUE(tools.joint()->balanced());
     for (const Tick& tick : last) EXPECT_NEAR(tick.force.z, expected, 3e-3 * expected) << radii;
     EXPECT_GT(expected, 1.02 * together(kDepth, half_space(apart)));
+  }
+}
+
+TEST(JointContacts, AFileHasAStiffeningFromZeroToOne) {
+  for (const double stiffening : {-0.1, 1.1, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_THROW(encode(box(false, 0, stiffening)), Error) << stiffening;
   }
 }
 

@@ -31,17 +31,16 @@ struct JointConstants {
 
 /// Finds the displacements s of the surface at the contacts, by the forces of the others, in balance with these forces:
 ///
-///     h_k s_k = sum over j of C(c_k, c_j) f_j(P_j + s_j) / h'_j,      f_j(x): force of contact j alone with its tool
-///     at x
+///     h_k s_k = sum over j of C(c_k, c_j) f_j(P_j + s_j) / h'(d_j)
 ///
-///     C  the file's compliance (m/N)      P  poses of the tools      f  forces on the tools (N)
-///     h'_j  stretch of the depth d_j (Compliance)      h_k  mean stretch between d_k and the tool's depth d_k + s_k .
-///     n_k
+///     C  the file's compliance (m/N)      P  poses of the tools      d  depths of the contacts (m)
+///     f_j(x)  force of contact j alone with its tool at x (N)
+///     h'  stretch of a depth (Compliance)      h_k  its mean between d_k and the tool's depth d_k + s_k . n_k
 ///
 /// The body has the force of a tool with the other sign, so the dent of one adds to the way out of the other. The hand
-/// has (f_k . n_k) h'(d_k + s_k . n_k) / h'_k along the normal, the derivative of the energy. The equation is solved by
-/// Newton's method with the slopes K of f / h', from a prediction by the tools' motions: each look ticks all contacts
-/// from one state. C rests within a tick.
+/// has (f_k . n_k) h'(d_k + s_k . n_k) / h'(d_k) along the normal, the derivative of the energy. The equation is solved
+/// by Newton's method with the slopes K of f / h', from a prediction by the tools' motions: each look ticks all
+/// contacts from one state. C rests within a tick.
 ///
 /// Energy. With f for f / h', with the trapezoid the work of the hands is what the contacts take and the change of
 /// (1/2) f . C f, and (1/2) f . dC f where a contact slides. The last is negative where two contacts part. An account
