@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kPairs = 6;                 // solved
 constexpr double kNearest = 1.25, kFarthest = 4;  // contact radii, between the two sites of a pair
-constexpr std::size_t kShallow = 2;               // step of a push, at a quarter of the depth
+constexpr std::size_t kShallow = 2;               // index of the step of a push at a quarter of the depth
 constexpr double kMost = 1;                       // of the stiffening: layout::ComplianceHead
 
 /// Normal force of a tool alone: a power law between two solved depths, and on from the last two.
@@ -164,6 +164,7 @@ StiffeningReport measure_stiffening(const Body& body, const ComplianceSites& sit
     solve::TogetherPath path;
     path.places = {frame_at(sites.places[site]), frame_at(sites.places[*other])};
     path.depth = pressed.depth[site];
+    path.steps = 2 * (kShallow + 1);  // the depth goes with the square of the step
     solve::TogetherResult pair = solve::solve_together(body, pressed.tool, pressed.vertex, path, solver);
     if (pair.usable && has_laws(pair)) {
       pairs.push_back(std::move(pair));

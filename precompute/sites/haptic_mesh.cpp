@@ -125,10 +125,7 @@ void add_site(const Scene& scene, const Body& body, const Vector3d& point, Hapti
   mesh.depth.push_back(
       std::min(sampling.depth, sampling.depth_fraction * room(body, point, normal, mesh.thickness.back())));
   mesh.held.push_back(body.held(point) ? 1 : 0);
-  const auto& box = sampling.within_box;
-  const bool inside =
-      !box || ((point.array() >= box->first.array()).all() && (point.array() <= box->second.array()).all());
-  mesh.selected.push_back(inside && !body.in_cavity(point) ? 1 : 0);
+  mesh.selected.push_back(within_box(scene, point) && !body.in_cavity(point) ? 1 : 0);
 }
 
 SiteEdge edge_of(const std::array<std::int32_t, 3>& patch, int k) {
@@ -187,6 +184,11 @@ void split_patch(const HapticMesh& mesh, const std::array<std::int32_t, 3>& patc
 }
 
 }  // namespace
+
+bool within_box(const Scene& scene, const Vector3d& point) {
+  const auto& box = scene.sampling.within_box;
+  return !box || ((point.array() >= box->first.array()).all() && (point.array() <= box->second.array()).all());
+}
 
 double normal_radius(const Scene& scene) {
   double radius = scene.sampling.spacing / 3;

@@ -37,6 +37,9 @@ struct HapticMesh {
   EdgeLengths edges;  ///< of the coarse mesh
 };
 
+/// Whether a point (m) lies in sampling.within_box; true without a box.
+bool within_box(const Scene& scene, const Eigen::Vector3d& point);
+
 /// Radius (m) over which the normals of sites are averaged: a third of sampling.spacing, and no more than the radius of
 /// the smallest round tool.
 double normal_radius(const Scene& scene);

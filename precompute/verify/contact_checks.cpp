@@ -54,11 +54,8 @@ double least_distance(const std::vector<ContactFrame>& places) {
 // Why a bake has nothing for a tool at a place and depth; empty where it has.
 std::string unbaked(const Scene& scene, const solve::ContactCase& at, double depth,
                     const ContactCheckOptions& options) {
-  const auto& box = scene.sampling.within_box;
   const Eigen::Vector3d& p = at.frame.origin;
-  if (box && ((p - box->first).minCoeff() < 0 || (box->second - p).minCoeff() < 0)) {
-    return "place: outside sampling.within_box";
-  }
+  if (!sites::within_box(scene, p)) return "place: outside sampling.within_box";
   const double room = scene.sampling.depth_fraction * at.body.query->thickness(p, at.frame.n);
   if (room < (1 - 1e-9) * depth) return "place: sampling.depth_fraction ends at " + std::to_string(1e3 * room) + " mm";
   if (options.touchable && !options.touchable(at, depth)) return "place: at a support or in a fold";

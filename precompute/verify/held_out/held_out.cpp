@@ -6,6 +6,7 @@
 #include "palpate/contact/bonded_contact.hpp"
 #include "palpate/response/interpolation.hpp"
 #include "precompute/bake/parallel.hpp"
+#include "precompute/sites/haptic_mesh.hpp"
 #include "precompute/solve/pair/pair.hpp"
 #include "precompute/solve/pair/solved_limit.hpp"
 
@@ -310,8 +311,7 @@ HeldOutSet solve_held_out(const runtime::View& view, const Scene& scene, const B
     if (tool.kind == tool::ToolKind::mesh) contact.tool_weights = random_weights(engine);
     const double start = 2 * std::numbers::pi * uniform(engine);
     if (tool.scene.spins > 1) contact.spin = 2 * std::numbers::pi * uniform(engine);
-    const auto& box = scene.sampling.within_box;
-    if (box && ((point - box->first).minCoeff() < 0 || (box->second - point).minCoeff() < 0)) continue;
+    if (!sites::within_box(scene, point)) continue;
     if (!place(view, scene, body, tool, options, to_runtime(point), contact)) continue;
     set.contacts.push_back(contact);
     starts.push_back(start);
