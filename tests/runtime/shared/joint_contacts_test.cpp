@@ -117,6 +117,33 @@ TEST(JointContacts, TwoTipsHaveTheForceOfTheirEquation) {
   }
 }
 
+// Two tips that pinch the box move it between them and begin in one tick. Each lifts the surface towards the other:
+// d = depth + C F(d).
+TEST(JointContacts, TwoTipsThatBeginAtOncePushTheBodyAgainstEachOther) {
+  constexpr double kDepth = 0.002, kBetween = kDepth / 10;  // m, and C F(depth)
+  const double compliance = kBetween / hertz(kDepth);
+  ResponseFileContent content = box(false, 8);
+  content.compliance->negative = 0;
+  std::fill(content.compliance->values.begin(), content.compliance->values.end(), 0.0);
+  for (std::size_t site = 0; site < content.sites.size(); ++site) {
+    content.compliance->values[24 * site + 2] = std::sqrt(compliance);  // along z alone
+  }
+  const Opened file(content);
+  ToolSet<2> tools(file.view, {0, 0});
+  std::array<Tick, 2> last;
+  for (int k = 0; k <= 400; ++k) {
+    const Vec3 above = centre(-0.001 + (kDepth + 0.001) * k / 400);
+    last = tools.tick({upright(above), Pose{{1, 0, 0, 0, -1, 0, 0, 0, -1}, -above}});
+    EXPECT_EQ(last[0].touches(), last[1].touches()) << k;
+  }
+  double lifted = kDepth;
+  for (int k = 0; k < 50; ++k) lifted = kDepth + compliance * hertz(lifted);
+  EXPECT_GT(hertz(lifted), 1.15 * hertz(kDepth));
+  EXPECT_TRUE(tools.joint()->balanced());
+  EXPECT_NEAR(last[0].force.z, hertz(lifted), 3e-3 * hertz(lifted));
+  EXPECT_NEAR(last[1].force.z, -hertz(lifted), 3e-3 * hertz(lifted));
+}
+
 // Tissue that stiffens with the depth: tools lose less to each other.
 TEST(JointContacts, StiffeningLeavesMoreOfTheForceOfTheirEquation) {
   constexpr double kDepth = 0.004, kStiffening = 0.4;

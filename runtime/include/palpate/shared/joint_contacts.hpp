@@ -95,6 +95,7 @@ public:
     };
     if (!coupled_) {
       look();
+      meet(contacts, ticks);
     } else {
       const auto before = memories(contacts);
       for (;;) {
