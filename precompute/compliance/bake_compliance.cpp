@@ -10,6 +10,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <string>
 
@@ -25,6 +26,7 @@ constexpr std::size_t kFirstColumns = 48;  // sites: 144 solves
 constexpr std::size_t kLeftOut = 21;       // sites: 63 columns
 constexpr std::size_t kAtOnce = 8;         // sites: 24 right-hand sides of one solve
 constexpr std::size_t kMoreColumns = 48;   // sites that join where the tolerance is not met
+constexpr double kWorthwhile = 0.9;        // of the error of the most modes: what they must leave at most to go on
 constexpr double kMinSiteShare = 0.5;      // of the site spacing: an element's edge
 /// Rounding of the half-space over the smallest tool's contact radius: the force of two contacts one radius apart
 /// changes by 0.5 % of it.
@@ -197,7 +199,7 @@ BakedCompliance bake_compliance(const Body& body, const ComplianceSites& sites, 
     }
   };
   SignedModes chosen;
-  for (;;) {
+  for (double last = std::numeric_limits<double>::infinity();;) {
     const std::size_t solved = std::min(used + kLeftOut, order.size());
     solve_to(solved);
     const bool all = solved == used;
@@ -222,7 +224,10 @@ BakedCompliance bake_compliance(const Body& body, const ComplianceSites& sites, 
       report.reached = report.reached || error.p95 <= options.tolerance;
     }
     const bool enough = options.modes > 0 ? report.chosen.modes >= options.modes : report.reached;
-    if (enough || all) break;
+    const double least = report.errors.back().p95;
+    const bool helps = options.modes > 0 || least <= kWorthwhile * last;
+    if (enough || all || !helps) break;
+    last = least;
     used = std::min(used + kMoreColumns, order.size());
   }
   // The file holds a multiple of kModeStep: vanishing modes fill up, before the negative ones.

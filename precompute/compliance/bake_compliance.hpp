@@ -36,8 +36,9 @@ struct BakedCompliance {
 };
 
 /// Solves the columns of some sites, spread evenly, and finds the modes from them. Columns left out measure the error;
-/// they join the others while it is above the tolerance. The half-space has the small-strain moduli of the body's
-/// material. Deterministic. Throws as LinearBody does, Error(bad_input) where no site can be touched.
+/// they join the others while it is above the tolerance and each time loses a tenth. The half-space has the
+/// small-strain moduli of the body's material. Deterministic. Throws as LinearBody does, Error(bad_input) where no site
+/// can be touched.
 BakedCompliance bake_compliance(const Body& body, const ComplianceSites& sites, const ComplianceOptions& options);
 
 }  // namespace palpate::compliance

@@ -22,17 +22,17 @@ using Eigen::Vector3d;
 constexpr double kBlock = 0.03, kSpacing = 0.006;
 constexpr int kSide = 5;
 
-// Sites on a grid in the middle of the block's top face.
-ComplianceSites grid() {
+// side x side sites on a grid in the middle of the block's top face.
+ComplianceSites grid(int side = kSide, double spacing = kSpacing) {
   ComplianceSites sites;
-  for (int i = 0; i < kSide; ++i) {
-    for (int j = 0; j < kSide; ++j) {
-      sites.places.push_back({{kSpacing * (i - kSide / 2), kSpacing * (j - kSide / 2), 0}, {0, 0, 1}});
+  for (int i = 0; i < side; ++i) {
+    for (int j = 0; j < side; ++j) {
+      sites.places.push_back({{spacing * (i - side / 2), spacing * (j - side / 2), 0}, {0, 0, 1}});
       sites.touchable.push_back(1);
       if (i == 0 || j == 0) continue;
-      const int at = kSide * i + j;
-      sites.triangles.push_back({at - kSide - 1, at - 1, at});
-      sites.triangles.push_back({at - kSide - 1, at, at - kSide});
+      const int at = side * i + j;
+      sites.triangles.push_back({at - side - 1, at - 1, at});
+      sites.triangles.push_back({at - side - 1, at, at - side});
     }
   }
   return sites;
@@ -103,6 +103,18 @@ TEST(BakeCompliance, CarriesTheColumnsOfTheBlockWithinItsTolerance) {
       EXPECT_LT(norm_of(solved - evaluate(baked.file, sites, s, site)), 2 * options.tolerance * baked.report.self);
     }
   }
+}
+
+// A tolerance that 128 modes cannot meet does not solve every site.
+TEST(BakeCompliance, EndsWhereMoreColumnsDoNotHelp) {
+  ComplianceOptions options;
+  options.contact_radius = 0.009;
+  options.tolerance = 1e-9;
+  const ComplianceSites sites = grid(16, 0.003);
+  const BakedCompliance baked = bake_compliance(test::block_body(kBlock, 5e3, 0.49), sites, options);
+  EXPECT_FALSE(baked.report.reached);
+  EXPECT_EQ(baked.report.chosen.modes, 128);
+  EXPECT_LT(baked.report.columns, sites.places.size());
 }
 
 TEST(BakeCompliance, OptionsOutOfRangeAreRefusedByName) {
