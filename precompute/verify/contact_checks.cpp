@@ -146,6 +146,7 @@ std::vector<CheckedTogether> check_together(const Scene& scene, const Body& body
     path.depth = contact.depth;
     path.sticking = options.sticking || options.aside > 0;
     path.aside = options.aside * contact.depth;
+    path.alone_depth = options.alone_depth;
     checked.result = solve::solve_together(body, tool, tool.vertices.at(0), path, solve::pair_options(scene));
     return checked;
   });

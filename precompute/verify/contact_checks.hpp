@@ -21,6 +21,7 @@ struct ContactCheckOptions {
   std::size_t draws = 8;                     ///< random layouts at each contact, within the range of `spacings`
   bool sticking = false;                     ///< the contacts of tools together stick
   double aside = 0.0;                        ///< of the first of them once all are down, in depths; they stick then
+  double alone_depth = 0.0;                  ///< m, solve::TogetherPath
   double stroke_depth = 0.9;                 ///< of a contact's own, (0, 1]
   double stroke_refine = 0.7;                ///< elements of a stroke's mesh, of the scene's
   std::function<bool(const solve::ContactCase&, double depth)> touchable;  ///< for tools together; empty: everywhere

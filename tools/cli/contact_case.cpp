@@ -11,6 +11,12 @@ namespace palpate::cli {
 
 namespace {
 
+constexpr double kSiteSpacing = 5e-3;     // m
+constexpr double kSitesOverWall = 0.35;   // site spacing over a slab's thickness, at most
+constexpr double kPressedShare = 0.75;    // of a slab's half width: tools press in the middle, away from its sharp rim
+constexpr double kPinchTolerance = 0.01;  // of a slab's compliance
+constexpr double kPinchedDepth = 1.4;  // of the depth: a pinch through a slab as thick as the sphere's radius has 1.28
+
 /// A sphere in the middle of the top of a box of 2 half x 2 half x height (m), whose top lies in z = 0.
 ContactCase box_contact(const std::string& name, double half, double height, double radius, double depth,
                         const std::vector<SupportScene>& supports, double friction) {
@@ -23,6 +29,8 @@ ContactCase box_contact(const std::string& name, double half, double height, dou
   c.scene.tools.resize(1);
   c.scene.tools[0].radius = radius;
   c.scene.supports = supports;
+  c.scene.sampling.depth = depth;
+  c.scene.sampling.spacing = c.scene.sampling.margin_spacing = kSiteSpacing;
   c.body = prepare_body(c.scene, geometry::box_solid({-half, -half, -height}, {half, half, 0}, half, "block"));
   c.tool = tool::make_tool(c.scene.tools[0]);
   c.contacts = {{ContactFrame{}, depth}};
@@ -45,7 +53,14 @@ ContactCase slab_contact(double half, double thickness, double radius, double de
     sides[k].point = half * (1 - 1e-6) * out;
     sides[k].normal = -out;
   }
-  return box_contact("slab held at its sides", half, thickness, radius, depth, sides, 0);
+  ContactCase c = box_contact("slab held at its sides", half, thickness, radius, depth, sides, 0);
+  c.scene.sampling.depth = kPinchedDepth * depth;
+  c.scene.sampling.spacing = c.scene.sampling.margin_spacing = std::min(kSiteSpacing, kSitesOverWall * thickness);
+  c.scene.compliance.tolerance = kPinchTolerance;
+  const double pressed = kPressedShare * half;
+  c.scene.sampling.within_box.emplace(Eigen::Vector3d(-pressed, -pressed, -2 * thickness),
+                                      Eigen::Vector3d(pressed, pressed, thickness));
+  return c;
 }
 
 ContactCase scene_contacts(const std::string& scene, int count) {

@@ -25,10 +25,13 @@ ContactCase scene_contacts(const std::string& scene, int count);
 /// The same of a pipeline whose surface and haptic mesh are there.
 ContactCase plan_contacts(const pipeline::Pipeline& pipeline, const std::string& scene, int count);
 
-/// A sphere of `radius` (m) in the middle of a block of 2 half x 2 half x half (m), pressed to `depth` (m).
+/// A sphere of `radius` (m) in the middle of a block of 2 half x 2 half x half (m), pressed to `depth` (m), which is
+/// its sampling.depth.
 ContactCase block_contact(double half, double radius, double depth, double friction);
 
-/// The same on a slab of 2 half x 2 half x thickness (m) that is held at its four sides, for a pinch.
+/// The same on a slab of 2 half x 2 half x thickness (m) that is held at its four sides, for a pinch. Its
+/// sampling.depth is 1.4 depths, for the tool on the other side lifts the surface towards this one. By one tool the
+/// other wall moves unevenly within a thickness: the sites lie at most 0.35 of it apart, in the middle of the slab.
 ContactCase slab_contact(double half, double thickness, double radius, double depth);
 
 }  // namespace palpate::cli

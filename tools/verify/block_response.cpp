@@ -13,15 +13,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSpacing = 5e-3;    // m, between sites
 constexpr double kTolerance = 1e-3;  // of the fit to the solved push
 
 /// The block as a scene, before its first solve.
 pipeline::Pipeline block_pipeline(const ContactCase& c) {
   pipeline::Pipeline p;
   p.scene = c.scene;
-  p.scene.sampling.spacing = p.scene.sampling.margin_spacing = kSpacing;
-  p.scene.sampling.depth = c.contacts.front().depth;
   p.scene.response.tolerance = kTolerance;
   p.body = c.body;
   p.tools = {c.tool};

@@ -215,6 +215,7 @@ void run_together(const TogetherCommand& command, const Globals& globals) {
     options.sticking = c.scene.friction > 0;
     options.aside = command.aside;
     options.touchable = bake::can_be_pressed;
+    if (!input) options.alone_depth = c.scene.sampling.depth;
     options.threads = static_cast<unsigned>(globals.threads);
     options.progress = [&globals](std::size_t done, std::size_t total) {
       note(globals, "solved: " + std::to_string(done) + " of " + std::to_string(total));

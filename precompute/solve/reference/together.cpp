@@ -35,8 +35,9 @@ public:
         const PairOptions& options, const mesh::TetMesh& mesh)
       : body_(body), tool_(tool), vertex_(vertex), path_(path), options_(options), mesh_(mesh) {}
 
-  // Tools at the places of these indices. The push moves the first; the others are further parts of its energy.
-  Press press(const std::vector<std::size_t>& places) const {
+  // Tools at the places of these indices. The push moves the first; the others are further parts of its energy. One
+  // tool goes on to `deeper` (m) in a last step that only `pushed` holds, if that is more than its depth.
+  [[nodiscard]] Press press(const std::vector<std::size_t>& places, double deeper = 0) const {
     Press result;
     const Isometry3d first = tool::touching_pose(vertex_, place(places, 0));
     Push push(body_, mesh_, *tool_.shape, first, {body_.material.young, options_.penalty, options_.tolerance});
@@ -88,6 +89,7 @@ public:
     for (const ContactEnergy& other : others) {
       result.forces.push_back(checked(push, other.report(push.state().x), place(places, k++), result.cause));
     }
+    if (deeper > path_.depth) go_deeper(push, places, down, deeper - path_.depth, result);
     return result;
   }
 
@@ -136,6 +138,13 @@ private:
     move(push, lowered, tool::contact_radius(vertex_, path_.depth), path_.depth, result);
     record(push, others, places, depths, result);
     return lowered;
+  }
+
+  void go_deeper(Push& push, const std::vector<std::size_t>& places, const Vector3d& down, double more,
+                 Press& result) const {
+    const double depth = path_.depth + compression(push.report(), place(places, 0)) + more;
+    move(push, down - more * place(places, 0).n, tool::contact_radius(vertex_, depth), depth, result);
+    record(push, {}, places, {depth}, result);
   }
 
   void go_aside(Push& push, const Vector3d& down, Press& result) const {
@@ -190,7 +199,8 @@ private:
 
 void validate(const TogetherPath& path) {
   const bool aside = path.aside == 0 || (path.aside > 0 && path.sticking);
-  if (path.depth > 0 && std::isfinite(path.depth + path.aside) && !path.places.empty() && path.steps >= 1 && aside) {
+  if (path.depth > 0 && std::isfinite(path.depth + path.aside + path.alone_depth) && !path.places.empty() &&
+      path.steps >= 1 && aside) {
     return;
   }
   throw Error(ExitCode::usage, "tools together: depth " + std::to_string(path.depth) + " m, " +
@@ -225,7 +235,7 @@ TogetherResult solve_together(const Body& body, const tool::Tool& tool, const to
     std::vector<std::size_t> all(path.places.size());
     std::iota(all.begin(), all.end(), std::size_t{0});
     for (const std::size_t k : all) {
-      const Press one = tools.press({k});
+      const Press one = tools.press({k}, path.alone_depth);
       if (result.cause.empty()) result.cause = one.cause;
       if (!result.cause.empty()) return result;
       result.pushed_alone.push_back(one.pushed.front());

@@ -21,6 +21,7 @@ struct TogetherPath {
   int steps = 6;          ///< of the push, evenly spaced in sqrt(depth), >= 1
   bool sticking = false;  ///< the contacts stick; else they have no friction
   double aside = 0.0;     ///< m, of the first tool along its x once all are down; > 0 only where they stick
+  double alone_depth = 0.0;  ///< m: single tools go on to this depth in a last step, if it is more than `depth`
 };
 
 /// A node of the body's surface.
@@ -36,7 +37,7 @@ struct TogetherResult {
   std::vector<Eigen::Vector3d> alone, together;
   std::vector<Eigen::Vector3d> deepest;  ///< m, translation of each tool at its depth, before it goes aside
   /// m and N along n: depths and forces at the steps of the push, of each tool alone and of each with the others; the
-  /// last is the end.
+  /// last is the end, that of a tool alone at path.alone_depth.
   std::vector<std::vector<std::array<double, 2>>> pushed_alone, pushed_together;
   std::vector<SurfaceNode> surface;              ///< with all tools
   double difference = 0.0;  ///< of the sums of normal forces, over those of the tools alone: error of adding them

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 namespace palpate::solve {
@@ -83,6 +84,25 @@ TEST(Together, ContactThatSticksResistsAWayAside) {
   ASSERT_TRUE(r.usable) << r.cause;
   const double normal_stiffness = 1.5 * r.together[0].z() / path.depth;
   EXPECT_NEAR(-r.together[0].x() / path.aside, 0.51 / 0.755 * normal_stiffness, 0.1 * normal_stiffness);
+}
+
+// Hertz: F ~ d^1.5. The forces at the depth are those of a push that ends there.
+TEST(Together, SingleToolsGoOnToTheirOwnDepth) {
+  TogetherPath path = shallow_path(1, 3);
+  const tool::Tool tool = tool::make_tool(sphere_of_10_mm());
+  PairOptions options;
+  options.mesh_size = 0.5;
+  const Body body = test::block_body(12 * kRadius, 5e3, 0.49);
+  const TogetherResult ends = solve_together(body, tool, tool.vertices[0], path, options);
+  path.alone_depth = 1.4 * path.depth;
+  const TogetherResult deeper = solve_together(body, tool, tool.vertices[0], path, options);
+  ASSERT_TRUE(deeper.usable) << deeper.cause;
+  EXPECT_EQ(deeper.alone[0], ends.alone[0]);
+  EXPECT_EQ(deeper.pushed_together[0].size(), ends.pushed_together[0].size());
+  ASSERT_EQ(deeper.pushed_alone[0].size(), ends.pushed_alone[0].size() + 1);
+  const std::array<double, 2> last = deeper.pushed_alone[0].back();
+  EXPECT_NEAR(last[0], path.alone_depth, 1e-3 * path.depth);
+  EXPECT_NEAR(last[1] / ends.alone[0].z(), std::pow(1.4, 1.5), 0.05);
 }
 
 TEST(Together, PathsOutOfRangeAreRefused) {
