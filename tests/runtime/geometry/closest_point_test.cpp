@@ -269,39 +269,41 @@ TEST(LocalClosestPoint, WalkOnAConvexBodyEndsAtTheClosestPoint) {
   }
 }
 
-TEST(LocalClosestPoint, OfTwoWalksTheNearerEndCounts) {
+// Calls check(view, random) 300 times on each concave shape.
+template <class Check>
+void on_concave_bodies(unsigned seed, const Check& check) {
   for (const ConcaveShape& shape : concave_shapes()) {
+    SCOPED_TRACE(shape.name);
     Options options;
     options.subdivision = 2;
     const Opened body(concave_content(shape, options));
-    std::mt19937 random(12);
-    for (int i = 0; i < 300; ++i) {
-      const auto any = [&] {
-        return BodyPoint{static_cast<std::uint32_t>(random() % body.view.meta->triangle_count), {0.2, 0.3, 0.5}};
-      };
-      const BodyPoint a = any(), b = i % 3 == 0 ? a : any();
-      const Vec3 p = position(body.view, b) + 0.005 * random_direction(random);
-      const double one = std::fabs(local_closest_point(body.view, a, p).signed_distance),
-                   other = std::fabs(local_closest_point(body.view, b, p).signed_distance);
-      ASSERT_EQ(local_closest_point(body.view, a, b, p).signed_distance, std::min(one, other)) << shape.name;
-    }
+    std::mt19937 random(seed);
+    for (int i = 0; i < 300; ++i) check(body.view, random);
   }
 }
 
+BodyPoint random_place(const View& view, std::mt19937& random) {
+  return {static_cast<std::uint32_t>(random() % view.meta->triangle_count), {0.2, 0.3, 0.5}};
+}
+
+TEST(LocalClosestPoint, OfTwoWalksTheNearerEndCounts) {
+  on_concave_bodies(12, [](const View& view, std::mt19937& random) {
+    const BodyPoint a = random_place(view, random), b = random() % 3 == 0 ? a : random_place(view, random);
+    const Vec3 p = position(view, b) + 0.005 * random_direction(random);
+    const double one = std::fabs(local_closest_point(view, a, p).signed_distance),
+                 other = std::fabs(local_closest_point(view, b, p).signed_distance);
+    ASSERT_EQ(local_closest_point(view, a, b, p).signed_distance, std::min(one, other));
+  });
+}
+
 TEST(LocalClosestPoint, WalkNeverEndsFartherThanItBegan) {
-  for (const ConcaveShape& shape : concave_shapes()) {
-    Options options;
-    options.subdivision = 2;
-    const Opened body(concave_content(shape, options));
-    std::mt19937 random(10);
-    for (int i = 0; i < 300; ++i) {
-      const BodyPoint start{static_cast<std::uint32_t>(random() % body.view.meta->triangle_count), {0.2, 0.3, 0.5}};
-      const Vec3 p = position(body.view, start) + 0.01 * random_direction(random);
-      const Location found = local_closest_point(body.view, start, p);
-      ASSERT_LE(std::fabs(found.signed_distance), distance(p, position(body.view, start)) + 1e-15) << shape.name;
-      ASSERT_GE(std::fabs(found.signed_distance), std::fabs(closest_point(body.view, p).signed_distance) - 1e-12);
-    }
-  }
+  on_concave_bodies(10, [](const View& view, std::mt19937& random) {
+    const BodyPoint start = random_place(view, random);
+    const Vec3 p = position(view, start) + 0.01 * random_direction(random);
+    const Location found = local_closest_point(view, start, p);
+    ASSERT_LE(std::fabs(found.signed_distance), distance(p, position(view, start)) + 1e-15);
+    ASSERT_GE(std::fabs(found.signed_distance), std::fabs(closest_point(view, p).signed_distance) - 1e-12);
+  });
 }
 
 // Small steps stay within the tracker's ball, large ones leave it; kMost of 4 overflows at every vertex.
